@@ -9,7 +9,6 @@ from pgimp.geometry.distancefield import distance_field
 from pgimp.geometry.outline import outline
 from pgimp.geometry.regions import Ball, Box
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.rigid.bodies import BENT, FILLED, SURFACE
 from pgimp.kernels.rigid.fill import fill
 from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene
@@ -22,9 +21,9 @@ def filled(tools, frame, numbers, sides, out):
         number = (numbers[i, 0], numbers[i, 1], numbers[i, 2])
         side = (sides[0], sides[1], sides[2])
         if fill(tools, 0, frame, number, side):
-            out[i, 0] = tools.at[FILLED]
+            out[i, 0] = tools.at[0].filled
             for d in range(3):
-                out[i, 1 + d] = tools.at[SURFACE + d]
+                out[i, 1 + d] = tools.at[0].surface[d]
 
 
 @kernel
@@ -32,7 +31,7 @@ def bends(tools, frame, numbers, out):
     """What curvature of the first body adds to the gap at vertices near it."""
     for i in range(len(numbers)):
         if fill(tools, 0, frame, (numbers[i, 0], numbers[i, 1], numbers[i, 2]), (0, 0, 0)):
-            out[i] = tools.at[BENT]
+            out[i] = tools.at[0].curvature_gap
 
 
 def tool_of(D, region, cell, motion=None):

@@ -3,7 +3,7 @@
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.kernels.contact.data import AREA, NORMAL, PUSH, SLIP, WEIGHT
+from pgimp.kernels.contact.data import fields_of, impulse_of
 from pgimp.kernels.contact.law import held_field_velocity
 from pgimp.kernels.data.ledger import (
     CONTACT_AREA,
@@ -16,7 +16,7 @@ from pgimp.kernels.data.ledger import (
     TOOL_MOMENT,
     TOOL_WORK,
 )
-from pgimp.kernels.rigid.bodies import ANSWERS, CENTRE, FORMER, FREE, TAKEN, place_of
+from pgimp.kernels.rigid.bodies import ANSWERS, place_of
 
 
 @inner_kernel
@@ -28,30 +28,30 @@ def losses_of(row, u, v):
     heat, normal = 0.0, 0.0
     for d in range(3):
         w = v[d] - u[d]
-        normal += w * row[NORMAL + d]
-        heat -= row[SLIP + d] * w
-    return heat, -row[PUSH] * normal
+        normal += w * row.normal[d]
+        heat -= row.tangential_impulse[d] * w
+    return heat, -row.normal_impulse * normal
 
 
 @inner_kernel
 def book(contact, holding, number, pair, part, last, ledger, plane):
     """Book what a pair has exchanged in a pass, times `part`, at a vertex of `plane`."""
-    row, entry = contact.partners[pair], contact.ends[pair, 2] - 1
-    a, b = contact.ends[pair, 0], contact.ends[pair, 1]
+    row, entry = contact.pair_states[pair], contact.ends[pair].law - 1
+    a, b = fields_of(contact, pair)
     booked = ledger.contact[plane, entry]
     u = held_field_velocity(contact, holding, number, a, last)
     v = held_field_velocity(contact, holding, number, b, last)
     heat, loss = losses_of(row, u, v)
     square = 0.0
     for d in range(3):
-        booked[IMPULSE + d] -= part * (row[SLIP + d] + row[PUSH] * row[NORMAL + d])
-        square += row[SLIP + d] ** 2
-    booked[NORMAL_IMPULSE] += part * row[PUSH]
+        booked[IMPULSE + d] -= part * impulse_of(row, d)
+        square += row.tangential_impulse[d] ** 2
+    booked[NORMAL_IMPULSE] += part * row.normal_impulse
     booked[TANGENTIAL_IMPULSE] += part * sqrt(square)
     booked[HEAT] += part * heat
     booked[LOSS] += part * loss
-    if last and row[PUSH] != 0.0:
-        booked[CONTACT_AREA] += row[AREA]
+    if last and row.normal_impulse != 0.0:
+        booked[CONTACT_AREA] += row.area
     x = place_of(holding.frame, number)
     book_tools(contact, contact.tools, x, pair, part, (u, v), ledger, plane)
 
@@ -69,22 +69,22 @@ def _book_tools(contact, tools, x, pair, part, velocities, ledger, plane):
         return lambda contact, tools, x, pair, part, velocities, ledger, plane: None
 
     def book_each(contact, tools, x, pair, part, velocities, ledger, plane):
-        row, (u, v) = contact.partners[pair], velocities
-        for sign, end, w in ((-part, contact.ends[pair, 0], u), (part, contact.ends[pair, 1], v)):
-            if contact.fields[end, WEIGHT] < inf:
+        row, (u, v), (a, b) = contact.pair_states[pair], velocities, fields_of(contact, pair)
+        for sign, end, w in ((-part, a, u), (part, b, v)):
+            if contact.fields[end].mass < inf:
                 continue
             t = contact.bodies[end] - tools.bodies
             booked, motion = ledger.tools[plane, t], tools.motion[t]
-            arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
+            arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
             J = (
-                sign * (row[SLIP] + row[PUSH] * row[NORMAL]),
-                sign * (row[SLIP + 1] + row[PUSH] * row[NORMAL + 1]),
-                sign * (row[SLIP + 2] + row[PUSH] * row[NORMAL + 2]),
+                sign * impulse_of(row, 0),
+                sign * impulse_of(row, 1),
+                sign * impulse_of(row, 2),
             )
             done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
             lost = _lost(tools, t, arm, J, w)
             done += lost
-            ledger.contact[plane, contact.ends[pair, 2] - 1, LOSS] += lost
+            ledger.contact[plane, contact.ends[pair].law - 1, LOSS] += lost
             for d in range(3):
                 e, f = (d + 1) % 3, (d + 2) % 3
                 booked[TOOL_IMPULSE + d] += J[d]
@@ -110,13 +110,13 @@ def _lost_of_free(tools, t, arm, J, w):
         return lambda tools, t, arm, J, w: 0.0
 
     def lost(tools, t, arm, J, w):
-        found, motion = 0.0, tools.motion[t]
-        if tools.about[t, FREE] < 0:
+        found, former = 0.0, tools.motion[t].velocity_before
+        if tools.about[t].free < 0:
             return found
         for d in range(3):
             e, f = (d + 1) % 3, (d + 2) % 3
-            before = motion[FORMER + d]
-            before += motion[FORMER + 3 + e] * arm[f] - motion[FORMER + 3 + f] * arm[e]
+            before = former[d]
+            before += former[3 + e] * arm[f] - former[3 + f] * arm[e]
             found += 0.5 * J[d] * (w[d] - before)
         return found
 
@@ -133,13 +133,13 @@ def _take_free(tools, t, plane, arm, J):
         return lambda tools, t, plane, arm, J: None
 
     def take(tools, t, plane, arm, J):
-        free = tools.about[t, FREE]
+        free = tools.about[t].free
         if free < 0:
             return
         taken = tools.answers[plane, free]
         for d in range(3):
             e, f = (d + 1) % 3, (d + 2) % 3
-            taken[TAKEN + d] += J[d]
-            taken[TAKEN + 3 + d] += arm[e] * J[f] - arm[f] * J[e]
+            taken.impulse[d] += J[d]
+            taken.impulse[3 + d] += arm[e] * J[f] - arm[f] * J[e]
 
     return take

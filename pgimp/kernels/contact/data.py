@@ -47,17 +47,39 @@ LEAST_WITHIN = 0.01
 #: where walls or constraints hold some of them.
 SWEEPS = 8
 
-#: Columns of `Contact.fields`: mass, part filled, normal, velocity, that before, inverse mass by
-#: component, which is 0 where it is held, the curvature's share of the gap, and the inverse mass
-#: again, 0 only where it is held bilaterally, at any velocity: by no wall that lets go.
-WEIGHT, PART, OUTWARD, NOW, BEFORE, MOBILITY, EXCESS, BILATERAL = 0, 1, 2, 5, 8, 11, 14, 15
-FIELDS = 18
+#: A velocity field at a vertex. `filled` is the part of the neighbourhood that its bodies fill,
+#: `surface` the sum of V grad S. `inverse_mass`, by component, is 0 where the field is held;
+#: `bilateral_inverse_mass` is 0 only where it is held at any velocity: by no wall that lets go.
+#: A rigid body has infinite mass.
+FIELD_STATE = np.dtype([
+    ("mass", "f8"),
+    ("filled", "f8"),
+    ("surface", "f8", 3),
+    ("curvature_gap", "f8"),
+    ("velocity", "f8", 3),
+    ("velocity_before", "f8", 3),
+    ("inverse_mass", "f8", 3),
+    ("bilateral_inverse_mass", "f8", 3),
+], align=True)  # fmt: skip
 
-#: Columns of `Contact.partners`: normal, velocity that closes the gap within the step, impulses so
-#: far along the normal and across it, the latter over that of sticking, area, the impulses of
-#: adhesion along the normal and across it, the former over that of holding.
-NORMAL, GAP_RATE, PUSH, SLIP, STUCK, AREA, PULL, CLING, DRAWN = 0, 3, 4, 5, 8, 9, 10, 11, 12
-PARTNERS = 13
+#: A pair of fields. `normal` is from the first to the second, `gap_rate` the velocity that closes
+#: the gap within the step. Impulses are those so far; `sticking` is the tangential one over that of
+#: sticking. `adhesion` and `shear_adhesion` bound the adhesive impulses along the normal and across
+#: it; `adhesion_used` is the former over that of holding.
+PAIR_STATE = np.dtype([
+    ("normal", "f8", 3),
+    ("gap_rate", "f8"),
+    ("area", "f8"),
+    ("normal_impulse", "f8"),
+    ("tangential_impulse", "f8", 3),
+    ("sticking", "f8"),
+    ("adhesion", "f8"),
+    ("shear_adhesion", "f8"),
+    ("adhesion_used", "f8"),
+], align=True)  # fmt: skip
+
+#: The two fields of a pair, and the entry of its law.
+PAIR_ENDS = np.dtype([("fields", "i8", 2), ("law", "i8")], align=True)
 
 
 class Contact(NamedTuple):
@@ -75,12 +97,12 @@ class Contact(NamedTuple):
         Between which vertices these are, see `select_near`.
     places, bodies : (fields,) int64
         Scratch: places of the records of the fields at a vertex, and their bodies.
-    fields : (fields, FIELDS) float64
-        Scratch: their properties.
-    ends : (pairs, 3) int64
-        Scratch: the two fields of each pair at a vertex, and the entry of its law.
-    partners : (pairs, PARTNERS) float64
-        Scratch: the properties of the pairs.
+    fields : (fields,) FIELD_STATE
+        Scratch: their states.
+    ends : (pairs,) PAIR_ENDS
+        Scratch: the fields of each pair at a vertex, and its law.
+    pair_states : (pairs,) PAIR_STATE
+        Scratch: the states of the pairs.
     unbooked : (faces, 3) float64
         Scratch for what faces would book.
     tools : Tools or ()
@@ -96,7 +118,7 @@ class Contact(NamedTuple):
     bodies: np.ndarray
     fields: np.ndarray
     ends: np.ndarray
-    partners: np.ndarray
+    pair_states: np.ndarray
     unbooked: np.ndarray
     tools: Any
 
@@ -109,10 +131,41 @@ class Contact(NamedTuple):
         count = most * (most - 1) // 2
         return cls(
             pairs, volumes, np.zeros(planes, np.int64), np.zeros((planes, SPREAD), np.int64),
-            np.zeros(most, np.int64), np.zeros(most, np.int64), np.zeros((most, FIELDS)),
-            np.zeros((count, 3), np.int64), np.zeros((count, PARTNERS)), np.zeros((faces, 3)),
+            np.zeros(most, np.int64), np.zeros(most, np.int64), np.zeros(most, FIELD_STATE),
+            np.zeros(count, PAIR_ENDS), np.zeros(count, PAIR_STATE), np.zeros((faces, 3)),
             tools,
         )  # fmt: skip
+
+
+@inner_kernel
+def fields_of(contact, pair):
+    """The two fields of a pair."""
+    fields = contact.ends[pair].fields
+    return fields[0], fields[1]
+
+
+@inner_kernel
+def impulse_of(row, d):
+    """Component `d` of the impulse that a pair has exchanged."""
+    return row.tangential_impulse[d] + row.normal_impulse * row.normal[d]
+
+
+@inner_kernel
+def clear_field(row):
+    """Set the state of a field to zero."""
+    row.mass = row.filled = row.curvature_gap = 0.0
+    for d in range(3):
+        row.surface[d] = row.velocity[d] = row.velocity_before[d] = 0.0
+        row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 0.0
+
+
+@inner_kernel
+def clear_pair(row):
+    """Set the state of a pair to zero."""
+    row.gap_rate = row.area = row.normal_impulse = row.sticking = 0.0
+    row.adhesion = row.shear_adhesion = row.adhesion_used = 0.0
+    for d in range(3):
+        row.normal[d] = row.tangential_impulse[d] = 0.0
 
 
 @inner_kernel
@@ -122,10 +175,10 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
     Of `count` fields the last `rigid` are those of rigid bodies. `sides` tells in which directions
     the vertex is on a wall, see `wall_sides`.
     """
-    fields, ends, partners = contact.fields, contact.ends, contact.partners
+    fields, ends, states = contact.fields, contact.ends, contact.pair_states
     missing = 1.0
     for a in range(count):
-        missing -= fields[a, PART]
+        missing -= fields[a].filled
     found = 0
     for a in range(count - rigid):
         for b in range(a + 1, count):
@@ -136,29 +189,29 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
                 one, other, entry = other, one, -entry
             if entry == 0:
                 continue
-            row = partners[found]
-            row[:] = 0.0
+            row = states[found]
+            clear_pair(row)
             if contact.pairs.law[entry - 1] == FRICTION:
                 if b < count - rigid:
-                    least = min(fields[a, WEIGHT], fields[b, WEIGHT])
-                    if least < LEAST_MASS * (fields[a, WEIGHT] + fields[b, WEIGHT]):
+                    least = min(fields[a].mass, fields[b].mass)
+                    if least < LEAST_MASS * (fields[a].mass + fields[b].mass):
                         continue
-                    if min(fields[a, PART], fields[b, PART]) < LEAST_FILLED:
+                    if min(fields[a].filled, fields[b].filled) < LEAST_FILLED:
                         continue
-                elif fields[a, PART] < LEAST_HELD or fields[b, PART] < LEAST_FILLED:
+                elif fields[a].filled < LEAST_HELD or fields[b].filled < LEAST_FILLED:
                     continue
                 if not _find_gap(frame, fields, one, other, sides, row):
                     continue
-                if b >= count - rigid and fields[a, PART] < _least_held(row):
+                if b >= count - rigid and fields[a].filled < _least_held(row):
                     continue
-                excess = max(fields[one, EXCESS] + fields[other, EXCESS], 0.0)
-                bent = excess * _volume(frame, sides) / row[GAP_RATE] ** 2
-                gap = row[GAP_RATE] * _gap(fields[one], fields[other], row, missing, bent)
-                row[GAP_RATE] = max(gap - excess, 0.0) / dt
+                excess = max(fields[one].curvature_gap + fields[other].curvature_gap, 0.0)
+                bent = excess * _volume(frame, sides) / row.gap_rate ** 2
+                gap = row.gap_rate * _gap(fields[one], fields[other], row, missing, bent)
+                row.gap_rate = max(gap - excess, 0.0) / dt
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]
-                if row[GAP_RATE] * dt < reach:
-                    row[PULL], row[CLING] = normal * row[AREA] * dt, shear * row[AREA] * dt
-            ends[found, 0], ends[found, 1], ends[found, 2] = one, other, entry
+                if row.gap_rate * dt < reach:
+                    row.adhesion, row.shear_adhesion = normal * row.area * dt, shear * row.area * dt
+            ends[found].fields[0], ends[found].fields[1], ends[found].law = one, other, entry
             found += 1
     return found
 
@@ -166,7 +219,7 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
 @inner_kernel
 def _least_held(row):
     """Least part that a body must fill to be held by a rigid one with the normal of a pair."""
-    along = max(abs(row[NORMAL]), abs(row[NORMAL + 1]), abs(row[NORMAL + 2]))
+    along = max(abs(row.normal[0]), abs(row.normal[1]), abs(row.normal[2]))
     return LEAST_INCLINED * min(sqrt(max(1.0 - along * along, 0.0)) / INCLINED, 1.0)
 
 
@@ -190,21 +243,21 @@ def _gap(a, b, row, missing, bent):
     """
     first, second = 0.0, 0.0
     for d in range(3):
-        first += a[OUTWARD + d] * row[NORMAL + d]
-        second -= b[OUTWARD + d] * row[NORMAL + d]
-    row[AREA] = max(min(first, second), 0.0)
+        first += a.surface[d] * row.normal[d]
+        second -= b.surface[d] * row.normal[d]
+    row.area = max(min(first, second), 0.0)
     small, large = (a, b) if first < second else (b, a)
     cover = 1.0
-    if row[AREA] > 0.0 and large[WEIGHT] == inf:
-        cover = row[AREA] / max(max(first, second) - bent, row[AREA])
-    left = min(missing, cover * (1.0 - large[PART]) - small[PART])
-    part = min(small[PART] / cover, large[PART])
+    if row.area > 0.0 and large.mass == inf:
+        cover = row.area / max(max(first, second) - bent, row.area)
+    left = min(missing, cover * (1.0 - large.filled) - small.filled)
+    part = min(small.filled / cover, large.filled)
     return max(left, 0.0) / (cover * sqrt(min(2.0 * part, 1.0)))
 
 
 @inner_kernel
 def _find_gap(frame, fields, a, b, sides, row):
-    """Set normal, from `a` to `b`, and, as `GAP_RATE`, the cell's length along the normal.
+    """Set normal, from `a` to `b`, and, as `gap_rate`, the cell's length along the normal.
 
     Returns whether there is a surface. Where a wall cuts bodies, that cut is no surface of contact:
     on a wall the normal is along it, unless bodies lie on each other there. The normal of a rigid
@@ -212,18 +265,18 @@ def _find_gap(frame, fields, a, b, sides, row):
     """
     square, along, side = 0.0, 0.0, 1.0
     whole, within = 0.0, 0.0
-    of_a = 0.0 if fields[b, WEIGHT] == inf else 1.0
-    of_b = 0.0 if fields[a, WEIGHT] == inf else 1.0
+    of_a = 0.0 if fields[b].mass == inf else 1.0
+    of_b = 0.0 if fields[a].mass == inf else 1.0
     for d in range(len(frame.cell)):
-        n = (of_a * fields[a, OUTWARD + d] - of_b * fields[b, OUTWARD + d]) ** 2
+        n = (of_a * fields[a].surface[d] - of_b * fields[b].surface[d]) ** 2
         whole += n
         within += n if sides[d] == 0 else 0.0
     flat = within > LEAST_WITHIN * whole
     for d in range(len(frame.cell)):
-        n = of_a * fields[a, OUTWARD + d] - of_b * fields[b, OUTWARD + d]
+        n = of_a * fields[a].surface[d] - of_b * fields[b].surface[d]
         if flat and sides[d] != 0:
             n = 0.0
-        row[NORMAL + d] = n
+        row.normal[d] = n
         square += n * n
         along += (n * frame.inverse[d]) ** 2
         side *= frame.cell[d]
@@ -231,6 +284,6 @@ def _find_gap(frame, fields, a, b, sides, row):
     if not sqrt(along) > LEAST_NORMAL * side:
         return False
     for d in range(3):
-        row[NORMAL + d] /= length
-    row[GAP_RATE] = length / sqrt(along)
+        row.normal[d] /= length
+    row.gap_rate = length / sqrt(along)
     return True

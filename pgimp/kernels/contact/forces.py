@@ -1,7 +1,7 @@
 """The forces of contact at the vertices, for frames."""
 
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.contact.data import NORMAL, PUSH, SLIP
+from pgimp.kernels.contact.data import fields_of, impulse_of
 from pgimp.kernels.contact.vertex import meet_at
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.loads.loads import relaxed_part
@@ -34,10 +34,10 @@ def contact_forces(contact, faces, frame, field, forcing, last, out):
                     number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
                     _, pairs = meet_at(contact, holding, field, number, r, last)
                     for pair in range(pairs):
-                        a, b = contact.ends[pair, 0], contact.ends[pair, 1]
+                        a, b = fields_of(contact, pair)
                         sign = -1.0 if contact.bodies[a] < contact.bodies[b] else 1.0
-                        row = contact.partners[pair]
+                        row = contact.pair_states[pair]
                         for d in range(3):
-                            J = row[SLIP + d] + row[PUSH] * row[NORMAL + d]
+                            J = impulse_of(row, d)
                             out[vertex, d] += part * sign * J / forcing.dt
                 vertex += 1

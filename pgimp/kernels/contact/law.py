@@ -3,24 +3,11 @@
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.kernels.contact.data import (
-    BILATERAL,
-    CLING,
-    DRAWN,
-    GAP_RATE,
-    MOBILITY,
-    NORMAL,
-    NOW,
-    PULL,
-    PUSH,
-    SLIP,
-    STUCK,
-    WEIGHT,
-)
+from pgimp.kernels.contact.data import fields_of, impulse_of
 from pgimp.kernels.grid.conditions import held_velocity
 from pgimp.kernels.grid.constraints import is_marked
 from pgimp.kernels.grid.faces import beyond_any, face_count
-from pgimp.kernels.rigid.bodies import ANSWERS, FREE, YIELDS
+from pgimp.kernels.rigid.bodies import ANSWERS
 from pgimp.physics.contact import TIED
 
 #: Small and great changes of a velocity, relative to the greatest speed at a vertex: what is held
@@ -40,8 +27,8 @@ def held_field_velocity(contact, holding, number, a, last):
     at its end, so that bodies they push get their acceleration.
     """
     row = contact.fields[a]
-    v = (row[NOW], row[NOW + 1], row[NOW + 2])
-    if row[WEIGHT] == inf:
+    v = (row.velocity[0], row.velocity[1], row.velocity[2])
+    if row.mass == inf:
         return v
     return held_velocity(holding, number, contact.places[a], v, last)
 
@@ -51,16 +38,17 @@ def find_held(contact, holding, number, count, rigid, last):
     """Set the mobilities of the fields at a vertex; returns whether any component is held.
 
     A component is held if it does not follow the velocity, to either side: also by a wall that lets
-    go while the body presses on it, or by friction while it sticks, which `BILATERAL` excludes.
+    go while the body presses on it, or by friction while it sticks. The bilateral inverse mass
+    excludes these.
     There are `count` fields of bodies and `rigid` ones of rigid bodies.
     """
     some, speed = False, -1.0
     near = beyond_any(holding.faces, face_count(holding.faces), holding.frame, number)
     for a in range(count):
         row = contact.fields[a]
-        row[MOBILITY : MOBILITY + 3] = row[BILATERAL : BILATERAL + 3] = 0.0
-        for d in range(len(holding.frame.cell)):
-            row[MOBILITY + d] = row[BILATERAL + d] = 1.0 / row[WEIGHT]
+        for d in range(3):
+            moves = d < len(holding.frame.cell)
+            row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 1.0 / row.mass if moves else 0.0
         if not (near or is_marked(holding.forcing.marked, contact.places[a])):
             continue
         if speed < 0.0:
@@ -74,24 +62,24 @@ def find_held(contact, holding, number, count, rigid, last):
                 )
             bilateral = held
             if held:
-                row[MOBILITY + d] = 0.0
+                row.inverse_mass[d] = 0.0
                 for sign in (-1.0, 1.0):
                     bilateral = bilateral and v[d] == _changed(
                         contact, holding, number, a, last, d, sign * GREAT * speed
                     )
             if bilateral:
-                row[BILATERAL + d] = 0.0
-            some = some or held or v[d] != row[NOW + d]
+                row.bilateral_inverse_mass[d] = 0.0
+            some = some or held or v[d] != row.velocity[d]
     return some
 
 
 @inner_kernel
 def _changed(contact, holding, number, a, last, d, change):
     """Component `d` of a field's velocity after faces and constraints, if changed before."""
-    own = contact.fields[a, NOW + d]
-    contact.fields[a, NOW + d] = own + change
+    own = contact.fields[a].velocity[d]
+    contact.fields[a].velocity[d] = own + change
     v = held_field_velocity(contact, holding, number, a, last)[d]
-    contact.fields[a, NOW + d] = own
+    contact.fields[a].velocity[d] = own
     return v
 
 
@@ -101,16 +89,16 @@ def _fastest(fields, count):
     most = 0.0
     for a in range(count):
         for d in range(3):
-            most = max(most, abs(fields[a, NOW + d]))
+            most = max(most, abs(fields[a].velocity[d]))
     return most if most > 0.0 else 1.0
 
 
 def softness(contact, tools, a, b):
     """Compliance of a free rigid body against a held field, by component: velocity per impulse.
 
-    Held is what has 0 in `BILATERAL`. The impulse changes neither velocity, the body's not before
-    the end of the step. To find it together with the body's velocity, a thousandth of the body's
-    own response is added, see `pgimp.scene.rigid.rigid.SOFT`.
+    Held is what has no bilateral inverse mass. The impulse changes neither velocity, the body's
+    not before the end of the step. To find it together with the body's velocity, a thousandth of
+    the body's own response is added, see `pgimp.scene.rigid.rigid.SOFT`.
     """
 
 
@@ -121,93 +109,100 @@ def _softness(contact, tools, a, b):
 
     def of_free(contact, tools, a, b):
         fields, rigid, other = contact.fields, b, a
-        if fields[a, WEIGHT] == inf:
+        if fields[a].mass == inf:
             rigid, other = a, b
-        if fields[rigid, WEIGHT] < inf:
+        if fields[rigid].mass < inf:
             return 0.0, 0.0, 0.0
-        if tools.about[contact.bodies[rigid] - tools.bodies, FREE] < 0:
+        if tools.about[contact.bodies[rigid] - tools.bodies].free < 0:
             return 0.0, 0.0, 0.0
-        soft = tools.motion[contact.bodies[rigid] - tools.bodies, YIELDS]
+        soft = tools.motion[contact.bodies[rigid] - tools.bodies].compliance
         return (
-            soft if fields[other, BILATERAL] == 0.0 else 0.0,
-            soft if fields[other, BILATERAL + 1] == 0.0 else 0.0,
-            soft if fields[other, BILATERAL + 2] == 0.0 else 0.0,
+            soft if fields[other].bilateral_inverse_mass[0] == 0.0 else 0.0,
+            soft if fields[other].bilateral_inverse_mass[1] == 0.0 else 0.0,
+            soft if fields[other].bilateral_inverse_mass[2] == 0.0 else 0.0,
         )
 
     return of_free
 
 
 @inner_kernel
+def _inverse_mass(field, bilateral, d):
+    """Inverse mass of a field along `d`, or the bilateral one."""
+    return field.bilateral_inverse_mass[d] if bilateral else field.inverse_mass[d]
+
+
+@inner_kernel
 def exchange(contact, holding, number, held, pair, last):
     """Exchange between the fields of a pair the rest of the impulse that the law requires."""
-    row = contact.partners[pair]
-    a, b, entry = contact.ends[pair, 0], contact.ends[pair, 1], contact.ends[pair, 2] - 1
+    row = contact.pair_states[pair]
+    (a, b), entry = fields_of(contact, pair), contact.ends[pair].law - 1
     first, second = contact.fields[a], contact.fields[b]
-    u = (first[NOW], first[NOW + 1], first[NOW + 2])
-    v = (second[NOW], second[NOW + 1], second[NOW + 2])
+    u = (first.velocity[0], first.velocity[1], first.velocity[2])
+    v = (second.velocity[0], second.velocity[1], second.velocity[2])
     if held:
         u = held_field_velocity(contact, holding, number, a, last)
         v = held_field_velocity(contact, holding, number, b, last)
     tied = contact.pairs.law[entry] == TIED
     # A rigid body may overcome a wall that lets go, or its friction.
-    rigid = first[WEIGHT] == inf or second[WEIGHT] == inf
-    column = BILATERAL if tied or rigid else MOBILITY
+    rigid = first.mass == inf or second.mass == inf
+    bilateral = tied or rigid
     soft = (0.0, 0.0, 0.0)
     if held:
         soft = softness(contact, contact.tools, a, b)
     if tied:
         for d in range(len(holding.frame.cell)):
-            mobility = first[BILATERAL + d] + second[BILATERAL + d] + soft[d]
+            mobility = first.bilateral_inverse_mass[d] + second.bilateral_inverse_mass[d] + soft[d]
             if not mobility > 0.0:  # both are prescribed
                 continue
             # A prescribed field carries the other along; walls that let go act on both.
-            w = u[d] if first[BILATERAL + d] == 0.0 else first[NOW + d]
-            w -= v[d] if second[BILATERAL + d] == 0.0 else second[NOW + d]
-            _give(first, second, row, d, (w - soft[d] * row[SLIP + d]) / mobility)
+            w = u[d] if first.bilateral_inverse_mass[d] == 0.0 else first.velocity[d]
+            w -= v[d] if second.bilateral_inverse_mass[d] == 0.0 else second.velocity[d]
+            _give(first, second, row, d, (w - soft[d] * row.tangential_impulse[d]) / mobility)
         return
     w = (
-        v[0] - u[0] + soft[0] * (row[SLIP] + row[PUSH] * row[NORMAL]),
-        v[1] - u[1] + soft[1] * (row[SLIP + 1] + row[PUSH] * row[NORMAL + 1]),
-        v[2] - u[2] + soft[2] * (row[SLIP + 2] + row[PUSH] * row[NORMAL + 2]),
+        v[0] - u[0] + soft[0] * impulse_of(row, 0),
+        v[1] - u[1] + soft[1] * impulse_of(row, 1),
+        v[2] - u[2] + soft[2] * impulse_of(row, 2),
     )
     normal, most, answer = 0.0, 0.0, 0.0
     for d in range(3):
-        mobility = first[column + d] + second[column + d] + soft[d]
-        answer += row[NORMAL + d] ** 2 * mobility
+        mobility = _inverse_mass(first, bilateral, d) + _inverse_mass(second, bilateral, d)
+        mobility += soft[d]
+        answer += row.normal[d] ** 2 * mobility
         most = max(most, mobility)
-        normal += w[d] * row[NORMAL + d]
+        normal += w[d] * row.normal[d]
     prescribed = rigid and soft[0] + soft[1] + soft[2] == 0.0  # not a body that moves freely
     if not most > 0.0 or (prescribed and answer < LEAST_GIVEN * most):
         return
-    push, square = row[PUSH], 0.0
+    push, square = row.normal_impulse, 0.0
     if answer > 0.0:
-        row[PUSH] = max(0.0, push - (normal + row[GAP_RATE]) / answer)
-        if row[PUSH] == 0.0 and row[PULL] > 0.0:
+        row.normal_impulse = max(0.0, push - (normal + row.gap_rate) / answer)
+        if row.normal_impulse == 0.0 and row.adhesion > 0.0:
             required = min(0.0, push - normal / answer)
-            row[PUSH] = max(-row[PULL], required)
-            row[DRAWN] = row[PUSH] / required if required < 0.0 else 1.0
+            row.normal_impulse = max(-row.adhesion, required)
+            row.adhesion_used = row.normal_impulse / required if required < 0.0 else 1.0
     for d in range(3):
-        stick = row[SLIP + d] - (w[d] - normal * row[NORMAL + d]) / most
+        stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most
         square += stick * stick
     static, kinetic = contact.pairs.coefficient[entry, 0], contact.pairs.coefficient[entry, 1]
-    length, pressed, cling = sqrt(square), max(row[PUSH], 0.0), row[CLING]
-    if row[PUSH] < 0.0:
-        cling *= sqrt(1.0 - (row[PUSH] / row[PULL]) ** 2)
+    length, pressed, cling = sqrt(square), max(row.normal_impulse, 0.0), row.shear_adhesion
+    if row.normal_impulse < 0.0:
+        cling *= sqrt(1.0 - (row.normal_impulse / row.adhesion) ** 2)
     part = 1.0
     if length > static * pressed + cling:
         part = (kinetic * pressed + cling) / length
-    row[STUCK] = part
+    row.sticking = part
     for d in range(3):
-        stick = row[SLIP + d] - (w[d] - normal * row[NORMAL + d]) / most
-        J = (row[PUSH] - push) * row[NORMAL + d]
-        first[NOW + d] -= J / first[WEIGHT]
-        second[NOW + d] += J / second[WEIGHT]
-        _give(first, second, row, d, part * stick - row[SLIP + d])
+        stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most
+        J = (row.normal_impulse - push) * row.normal[d]
+        first.velocity[d] -= J / first.mass
+        second.velocity[d] += J / second.mass
+        _give(first, second, row, d, part * stick - row.tangential_impulse[d])
 
 
 @inner_kernel
 def _give(first, second, row, d, J):
     """Change component `d` of two fields' velocities by an impulse across the normal."""
-    row[SLIP + d] += J
-    first[NOW + d] -= J / first[WEIGHT]
-    second[NOW + d] += J / second[WEIGHT]
+    row.tangential_impulse[d] += J
+    first.velocity[d] -= J / first.mass
+    second.velocity[d] += J / second.mass

@@ -10,28 +10,11 @@ more across the normal n where it sticks.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.contact.data import (
-    BILATERAL,
-    CLING,
-    DRAWN,
-    NORMAL,
-    PULL,
-    PUSH,
-    SLIP,
-    STUCK,
-    WEIGHT,
-)
+from pgimp.kernels.contact.data import fields_of
 from pgimp.kernels.contact.law import softness
 from pgimp.kernels.contact.vertex import meet_at
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.rigid.bodies import (
-    CAUTIOUS,
-    CENTRE,
-    FREE,
-    GIVEN,
-    LEAST,
-    MOST,
-    RESPONSE,
     lever,
     place_of,
 )
@@ -55,7 +38,8 @@ def find_response(contact, faces, frame, field, forcing):
     window, tools = field.window, contact.tools
     holding = Holding(faces, frame, forcing, contact.unbooked)
     for i in range(field.owned):
-        tools.answers[i, :, GIVEN:] = 0.0
+        for free in range(tools.answers.shape[1]):
+            _clear(tools.answers[i, free])
         if field.active[i] == 0 or contact.met[i] == 0:
             continue
         for j in range(window.extent[1]):
@@ -70,13 +54,22 @@ def find_response(contact, faces, frame, field, forcing):
 
 
 @inner_kernel
+def _clear(response):
+    """Set what a free rigid body received in the last pass to zero."""
+    for u in range(6):
+        response.trial_impulse[u] = 0.0
+        for v in range(6):
+            response.derivative[u, v] = 0.0
+
+
+@inner_kernel
 def _some_free(tools, D, number):
     """Whether a vertex may be near a rigid body that moves freely."""
     for t in range(len(tools.about)):
         about = tools.about[t]
-        near = about[FREE] >= 0
+        near = about.free >= 0
         for d in range(D):
-            near = near and about[LEAST + d] <= number[d] <= about[MOST + d]
+            near = near and about.least[d] <= number[d] <= about.most[d]
         if near:
             return True
     return False
@@ -88,46 +81,46 @@ def _add(contact, tools, frame, number, pair, count, plane):
 
     `count` is the number of fields that may respond together.
     """
-    row, a, b = contact.partners[pair], contact.ends[pair, 0], contact.ends[pair, 1]
-    rigid, other = (a, b) if contact.fields[a, WEIGHT] == inf else (b, a)
-    if contact.fields[rigid, WEIGHT] < inf:
+    row, (a, b) = contact.pair_states[pair], fields_of(contact, pair)
+    rigid, other = (a, b) if contact.fields[a].mass == inf else (b, a)
+    if contact.fields[rigid].mass < inf:
         return
     t = contact.bodies[rigid] - tools.bodies
-    free = tools.about[t, FREE]
+    free = tools.about[t].free
     if free < 0:
         return
     # Where others push back, the response is stiffer: as if all fields there moved as one.
-    mass = contact.fields[other, WEIGHT]
+    mass = contact.fields[other].mass
     if count > 1:
         mass = 0.0
         for one in range(count):
-            mass += contact.fields[one, WEIGHT]
-    n = (row[NORMAL], row[NORMAL + 1], row[NORMAL + 2])
-    s = (row[SLIP], row[SLIP + 1], row[SLIP + 2])
-    push, slip = row[PUSH], sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
-    tied = contact.pairs.law[contact.ends[pair, 2] - 1] == TIED
-    mobility = _mobility(contact, tools, a, b, other, contact.fields[other, WEIGHT] / mass)
+            mass += contact.fields[one].mass
+    n = (row.normal[0], row.normal[1], row.normal[2])
+    s = (row.tangential_impulse[0], row.tangential_impulse[1], row.tangential_impulse[2])
+    push, slip = row.normal_impulse, sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+    tied = contact.pairs.law[contact.ends[pair].law - 1] == TIED
+    mobility = _mobility(contact, tools, a, b, other, contact.fields[other].mass / mass)
     along, across, drag, turn = _slopes(contact, pair, other, push, mobility)
     inverse = 1.0 / slip if slip > NONE else 0.0
     drag, turn = inverse * drag, inverse / slip * turn if slip > NONE else 0.0
-    if tools.motion[t, CAUTIOUS] != 0.0:  # a bounded impulse as viscous: never overshoots
+    if tools.motion[t].viscous_slip != 0.0:  # a bounded impulse as viscous: never overshoots
         drag, turn = 0.0, 0.0
         if push < 0.0:
             along = _pulled(row, mobility)
     sign = -1.0 if rigid == a else 1.0
     answer, x, motion = tools.answers[plane, free], place_of(frame, number), tools.motion[t]
-    arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
+    arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
     for d in range(3):
         J = sign * (s[d] + push * n[d])
         for u in range(6):
-            answer[GIVEN + u] += lever(arm, d, u) * J
+            answer.trial_impulse[u] += lever(arm, d, u) * J
         for e in range(3):
             K = ((along - across) * n[d] + drag * s[d]) * n[e] - turn * s[d] * s[e]
             if d == e:
                 K += 1.0 / mobility[d] if tied else across
             for u in range(6):
                 for v in range(6):
-                    answer[RESPONSE + 6 * u + v] += lever(arm, d, u) * K * lever(arm, e, v)
+                    answer.derivative[u, v] += lever(arm, d, u) * K * lever(arm, e, v)
 
 
 @inner_kernel
@@ -137,10 +130,8 @@ def _mobility(contact, tools, a, b, other, part):
     `part` is the field's share of the mass that may respond together. What is held responds alone.
     """
     soft, own = softness(contact, tools, a, b), contact.fields[other]
-    return (
-        part * own[BILATERAL] + soft[0], part * own[BILATERAL + 1] + soft[1],
-        part * own[BILATERAL + 2] + soft[2],
-    )  # fmt: skip
+    free = own.bilateral_inverse_mass
+    return part * free[0] + soft[0], part * free[1] + soft[1], part * free[2] + soft[2]
 
 
 @inner_kernel
@@ -148,8 +139,8 @@ def _pulled(row, mobility):
     """Impulse of adhesion along the normal, over the velocity that it opposes."""
     answer = 0.0
     for d in range(3):
-        answer += row[NORMAL + d] ** 2 * mobility[d]
-    return row[DRAWN] / answer if answer > 0.0 else 0.0
+        answer += row.normal[d] ** 2 * mobility[d]
+    return row.adhesion_used / answer if answer > 0.0 else 0.0
 
 
 @inner_kernel
@@ -160,16 +151,16 @@ def _slopes(contact, pair, other, push, mobility):
     normal, and the reduction of that across along the slip itself. Tied bodies have none of these:
     their impulse is the velocity over the mobility, by component.
     """
-    entry, row = contact.ends[pair, 2] - 1, contact.partners[pair]
+    entry, row = contact.ends[pair].law - 1, contact.pair_states[pair]
     answer, most = 0.0, 0.0
     for d in range(3):
-        answer += row[NORMAL + d] ** 2 * mobility[d]
+        answer += row.normal[d] ** 2 * mobility[d]
         most = max(most, mobility[d])
-    if contact.pairs.law[entry] == TIED or not (push != 0.0 or row[CLING] > 0.0):
+    if contact.pairs.law[entry] == TIED or not (push != 0.0 or row.shear_adhesion > 0.0):
         return 0.0, 0.0, 0.0, 0.0
-    held = answer > 0.0 and push != 0.0 and push > -row[PULL]  # else it pulls at its limit
-    along, across = 1.0 / answer if held else 0.0, row[STUCK] / most
-    if row[STUCK] == 1.0:
+    held = answer > 0.0 and push != 0.0 and push > -row.adhesion  # else it pulls at its limit
+    along, across = 1.0 / answer if held else 0.0, row.sticking / most
+    if row.sticking == 1.0:
         return along, across, 0.0, 0.0
     if push < 0.0:
         return along, across, 0.0, across

@@ -5,15 +5,7 @@ from math import inf
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.books import book
 from pgimp.kernels.contact.data import (
-    BEFORE,
-    BILATERAL,
-    EXCESS,
-    MOBILITY,
-    NOW,
-    OUTWARD,
-    PART,
     SWEEPS,
-    WEIGHT,
     find_pairs,
 )
 from pgimp.kernels.contact.law import exchange, find_held
@@ -23,7 +15,7 @@ from pgimp.kernels.data.velocity_fields import field_count, field_size, has_seve
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.grid.faces import on_walls, wall_sides
 from pgimp.kernels.loads.loads import relaxed_part
-from pgimp.kernels.rigid.bodies import BENT, CENTRE, FILLED, FORMER, FREE, LATTER, SURFACE, place_of
+from pgimp.kernels.rigid.bodies import place_of
 from pgimp.kernels.rigid.fill import fill
 
 
@@ -103,12 +95,12 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
             for a in range(count):
                 place = contact.places[a]
                 for d in range(3):
-                    change = contact.fields[a, NOW + d] - contact.fields[a, BEFORE + d]
+                    change = contact.fields[a].velocity[d] - contact.fields[a].velocity_before[d]
                     if last:
                         field.G[place + VELOCITY + d] += change
                         field.G[place + ACCELERATION + d] += change / dt
                     else:
-                        field.G[place + MOMENTUM + d] += contact.fields[a, WEIGHT] * change
+                        field.G[place + MOMENTUM + d] += contact.fields[a].mass * change
             # Of the first pass particles get the part by which they relax to the grid.
             part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
             if part > 0.0 and i < field.owned:
@@ -136,10 +128,10 @@ def meet_at(contact, holding, field, number, r, last):
         return 0, 0
     for a in range(count):
         place = contact.places[a]
-        inverse = 1.0 if last else 1.0 / contact.fields[a, WEIGHT]
+        inverse = 1.0 if last else 1.0 / contact.fields[a].mass
         for d in range(3):
             v = field.G[place + VELOCITY + d] * inverse
-            contact.fields[a, NOW + d] = contact.fields[a, BEFORE + d] = v
+            contact.fields[a].velocity[d] = contact.fields[a].velocity_before[d] = v
     held = find_held(contact, holding, number, count, rigid, last)
     for _ in range(SWEEPS if held or pairs > 1 else 1):
         for pair in range(pairs):
@@ -164,12 +156,12 @@ def _find_fields(contact, faces, frame, field, r, number):
             continue
         contact.places[count] = place
         contact.bodies[count] = int(V[place + MOMENTUM] / V[place + MASS] + 0.5) - 1
-        contact.fields[count, WEIGHT] = G[place + MASS]
-        contact.fields[count, PART] = (V[place + MASS] + V[place + HELD]) / cell
+        contact.fields[count].mass = G[place + MASS]
+        contact.fields[count].filled = (V[place + MASS] + V[place + HELD]) / cell
         cut = V[place + MOMENTUM + 2]
-        contact.fields[count, EXCESS] = V[place + MOMENTUM + 1] / cut if cut > 0.0 else 0.0
+        contact.fields[count].curvature_gap = V[place + MOMENTUM + 1] / cut if cut > 0.0 else 0.0
         for d in range(3):
-            contact.fields[count, OUTWARD + d] = V[place + FORCE + d]
+            contact.fields[count].surface[d] = V[place + FORCE + d]
         count += 1
     return count
 
@@ -188,23 +180,23 @@ def _find_tools(contact, tools, frame, number, sides, count, last):
         return lambda contact, tools, frame, number, sides, count, last: 0
 
     def find(contact, tools, frame, number, sides, count, last):
-        found, velocity = count, LATTER if last else FORMER
-        spin = velocity + 3
+        found, at = count, tools.at[0]
         for t in range(len(tools.motion)):
-            if (tools.about[t, FREE] >= 0 and not last) or not fill(tools, t, frame, number, sides):
+            if (tools.about[t].free >= 0 and not last) or not fill(tools, t, frame, number, sides):
                 continue
             row, motion = contact.fields[found], tools.motion[t]
+            velocity = motion.velocity_after if last else motion.velocity_before
             contact.places[found], contact.bodies[found] = -1, tools.bodies + t
-            row[WEIGHT], row[PART], row[EXCESS] = inf, tools.at[FILLED], tools.at[BENT]
+            row.mass, row.filled, row.curvature_gap = inf, at.filled, at.curvature_gap
             x = place_of(frame, number)
-            arm = (x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2])
+            arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
             for d in range(3):
                 e, f = (d + 1) % 3, (d + 2) % 3
-                v = motion[velocity + d]
-                v += motion[spin + e] * arm[f] - motion[spin + f] * arm[e]
-                row[OUTWARD + d] = tools.at[SURFACE + d]
-                row[NOW + d] = row[BEFORE + d] = v
-                row[MOBILITY + d] = row[BILATERAL + d] = 0.0
+                v = velocity[d]
+                v += velocity[3 + e] * arm[f] - velocity[3 + f] * arm[e]
+                row.surface[d] = at.surface[d]
+                row.velocity[d] = row.velocity_before[d] = v
+                row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 0.0
             found += 1
         return found - count
 

@@ -37,7 +37,6 @@ from pgimp.kernels.data.frame import Window
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
 from pgimp.kernels.grid.mirror import mirror_places, vertices_beyond
-from pgimp.kernels.rigid.bodies import FILLED
 from pgimp.kernels.rigid.fill import fill
 from pgimp.kernels.transfer.first_vertex import deformation
 
@@ -254,7 +253,7 @@ def _rigid_part_of(tools, fills, frame, number, sides):
         filled = 0.0
         for t in range(len(tools.motion)):
             if fills[t] and fill(tools, t, frame, number, sides):
-                filled += tools.at[FILLED]
+                filled += tools.at[0].filled
         return filled
 
     return part

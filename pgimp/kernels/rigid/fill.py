@@ -14,14 +14,6 @@ from pgimp.kernels.contact.select import include
 from pgimp.kernels.data.record import MASS
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.rigid.bodies import (
-    BENT,
-    DISTANCE,
-    FILLED,
-    LEAST,
-    MEAN,
-    MOST,
-    NORMAL,
-    SURFACE,
     look_up,
     place_of,
 )
@@ -44,7 +36,7 @@ def _halves(tools, frame, part):
     """Half sides of a tent, `part` of a cell, times the last normal; the greatest first."""
     a, b, c = 0.0, 0.0, 0.0
     for d in range(len(frame.cell)):
-        half = abs(tools.at[NORMAL + d]) * part * frame.cell[d]
+        half = abs(tools.at[0].normal[d]) * part * frame.cell[d]
         a, half = max(a, half), min(a, half)
         b, c = max(b, half), max(c, min(b, half))
     return a, b, c
@@ -55,26 +47,26 @@ def _tangent(frame, at):
     """Side of a cell along the surface with the last normal, over which it may be bent."""
     square, D = 0.0, len(frame.cell)
     for d in range(D):
-        square += frame.cell[d] ** 2 * (1.0 - at[NORMAL + d] ** 2)
+        square += frame.cell[d] ** 2 * (1.0 - at.normal[d] ** 2)
     return sqrt(square / (D - 1)) if D > 1 else frame.cell[0]
 
 
 @inner_kernel
 def _is_near(tools, t, frame, number):
     """Set distance and normal at a vertex; returns whether the body may be near."""
-    about, at, D = tools.about[t], tools.at, len(frame.cell)
+    about, at, D = tools.about[t], tools.at[0], len(frame.cell)
     square, along = 0.0, 0.0
     for d in range(D):
-        if number[d] < about[LEAST + d] or number[d] > about[MOST + d]:
+        if number[d] < about.least[d] or number[d] > about.most[d]:
             return False
         square += frame.cell[d] ** 2
     x, y, z = place_of(frame, number)
     look_up(tools, t, D, x, y, z)
     for d in range(D):
-        along += abs(at[NORMAL + d]) * frame.cell[d]
-    if abs(at[MEAN] - at[DISTANCE]) < FLAT * _tangent(frame, at):
-        return at[MEAN] < along
-    return at[DISTANCE] <= sqrt(square)
+        along += abs(at.normal[d]) * frame.cell[d]
+    if abs(at.mean_distance - at.distance) < FLAT * _tangent(frame, at):
+        return at.mean_distance < along
+    return at.distance <= sqrt(square)
 
 
 @inner_kernel
@@ -91,29 +83,29 @@ def fill(tools, t, frame, number, sides):
     """
     if not _is_near(tools, t, frame, number):
         return False
-    at, D = tools.at, len(frame.cell)
+    at, D = tools.at[0], len(frame.cell)
     reach, volume = 0.0, 1.0
     for d in range(D):
         reach += frame.cell[d] ** 2
         volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
     reach = sqrt(reach)
-    bent = at[MEAN] - at[DISTANCE]
+    bent = at.mean_distance - at.distance
     wide = _tangent(frame, at)
-    at[BENT] = BEND * bent if abs(bent) < SHARP * wide else 0.0
+    at.curvature_gap = BEND * bent if abs(bent) < SHARP * wide else 0.0
     x, y, z = place_of(frame, number)
-    n0, n1, n2 = at[NORMAL], at[NORMAL + 1], at[NORMAL + 2]
-    if at[DISTANCE] < -reach:  # deep inside
-        at[FILLED], scale = 1.0, volume / reach
-        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
+    n0, n1, n2 = at.normal[0], at.normal[1], at.normal[2]
+    if at.distance < -reach:  # deep inside
+        at.filled, scale = 1.0, volume / reach
+        at.surface[0], at.surface[1], at.surface[2] = scale * n0, scale * n1, scale * n2
         return True
     halved = True  # whole, or cut by walls perpendicular to the surface: planes of symmetry
     for d in range(D):
-        halved = halved and (sides[d] == 0 or abs(at[NORMAL + d]) < SQUARE)
+        halved = halved and (sides[d] == 0 or abs(at.normal[d]) < SQUARE)
     if halved and abs(bent) < FLAT * wide:
         a, b, c = _halves(tools, frame, 1.0)
-        filled, slope = cut(a, b, c, -at[MEAN])
-        at[FILLED], scale = filled, volume * max(slope, 1e-3 / reach)
-        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
+        filled, slope = cut(a, b, c, -at.mean_distance)
+        at.filled, scale = filled, volume * max(slope, 1e-3 / reach)
+        at.surface[0], at.surface[1], at.surface[2] = scale * n0, scale * n1, scale * n2
         return filled > 0.0
     filled, s0, s1, s2 = 0.0, 0.0, 0.0, 0.0
     count = 1
@@ -137,24 +129,24 @@ def fill(tools, t, frame, number, sides):
         if weight == 0.0:
             continue
         look_up(tools, t, D, px, py, pz)
-        if at[DISTANCE] > reach:
+        if at.distance > reach:
             continue
         a, b, c = _halves(tools, frame, 0.5)
         if not a > 0.0:
-            filled += weight if at[DISTANCE] < 0.0 else 0.0
+            filled += weight if at.distance < 0.0 else 0.0
             continue
-        part, slope = cut(a, b, c, -at[DISTANCE])
+        part, slope = cut(a, b, c, -at.distance)
         filled += weight * part
-        s0 += weight * slope * at[NORMAL]
-        s1 += weight * slope * at[NORMAL + 1]
-        s2 += weight * slope * at[NORMAL + 2]
-    at[FILLED] = filled
+        s0 += weight * slope * at.normal[0]
+        s1 += weight * slope * at.normal[1]
+        s2 += weight * slope * at.normal[2]
+    at.filled = filled
     length = sqrt(s0 * s0 + s1 * s1 + s2 * s2)
     if length > 1e-3 / reach:
-        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = volume * s0, volume * s1, volume * s2
+        at.surface[0], at.surface[1], at.surface[2] = volume * s0, volume * s1, volume * s2
     else:
         scale = volume / reach
-        at[SURFACE], at[SURFACE + 1], at[SURFACE + 2] = scale * n0, scale * n1, scale * n2
+        at.surface[0], at.surface[1], at.surface[2] = scale * n0, scale * n1, scale * n2
     return filled > 0.0
 
 
@@ -174,8 +166,8 @@ def find_touched(frame, field, tools, met, spread):
     for t in range(len(tools.motion)):
         low, high = (0, 0, 0), (0, 0, 0)
         for d in range(D):
-            a = max(0, tools.about[t, LEAST + d] - window.lower[d])
-            b = min(window.extent[d] - 1, tools.about[t, MOST + d] - window.lower[d])
+            a = max(0, tools.about[t].least[d] - window.lower[d])
+            b = min(window.extent[d] - 1, tools.about[t].most[d] - window.lower[d])
             low = (a if d == 0 else low[0], a if d == 1 else low[1], a if d == 2 else low[2])
             high = (b if d == 0 else high[0], b if d == 1 else high[1], b if d == 2 else high[2])
         for i in range(low[0], min(high[0], len(met) - 1) + 1):

@@ -24,17 +24,6 @@ from pgimp.kernels.data.ledger import (
 )
 from pgimp.kernels.grid.position_limits import free_part
 from pgimp.kernels.rigid.bodies import (
-    CENTRE,
-    DISTANCE,
-    FIRST,
-    FREE,
-    LATTER,
-    LOW,
-    NORMAL,
-    REFERENCE,
-    SHAPE,
-    SPACING,
-    TURN,
     look_up,
 )
 from pgimp.kernels.transfer.lane_io import take_row
@@ -104,14 +93,14 @@ def _is_within(tools, t, D, x, reach):
     row, about = tools.motion[t], tools.about[t]
     place = 0
     for d in range(D):
-        own = row[REFERENCE + d]
+        own = row.reference[d]
         for k in range(3):
-            own += row[TURN + 3 * k + d] * (x[k] - row[CENTRE + k])
-        s = (own - row[LOW + d]) / row[SPACING]
-        if not (s > -0.5 and s < about[SHAPE + d] - 0.5):
+            own += row.rotation[k, d] * (x[k] - row.centre[k])
+        s = (own - row.low[d]) / row.spacing
+        if not (s > -0.5 and s < about.points[d] - 0.5):
             return False
-        place = place * about[SHAPE + d] + int(s + 0.5)
-    return tools.values[about[FIRST] + place, 0] < row[SPACING] + reach
+        place = place * about.points[d] + int(s + 0.5)
+    return tools.values[about.first + place, 0] < row.spacing + reach
 
 
 @inner_kernel
@@ -137,7 +126,7 @@ def count_near(tools, particles, rows, reach, counts, most):
     """
     counts[:], most[:] = 0, 0.0
     for t in range(len(tools.motion)):
-        if tools.about[t, FREE] < 0:
+        if tools.about[t].free < 0:
             continue
         for p in rows:
             if _is_within(tools, t, particles.x.shape[1], place_of_particle(particles, p), reach):
@@ -166,8 +155,8 @@ def count_inside(tools, pairs, particles, rows, depth, counts):
                 continue
             if _is_within(tools, t, D, x, 0.0):
                 look_up(tools, t, D, x[0], x[1], x[2])
-                n = (tools.at[NORMAL], tools.at[NORMAL + 1], tools.at[NORMAL + 2])
-                counts[t] += tools.at[DISTANCE] + _material(particles, p, n) < -depth
+                n = (tools.at[0].normal[0], tools.at[0].normal[1], tools.at[0].normal[2])
+                counts[t] += tools.at[0].distance + _material(particles, p, n) < -depth
 
 
 @inner_kernel
@@ -197,15 +186,15 @@ def _answer(yields, arm):
 def _hold(keepers, forcing, particles, p, t, layer, ledger):
     """Hold particle `p` out of body `t`; returns 1 if it was changed, else 0."""
     tools, D = keepers.tools, particles.x.shape[1]
-    at, motion = tools.at, tools.motion[t]
+    at, motion = tools.at[0], tools.motion[t]
     x = place_of_particle(particles, p)
     if not _is_within(tools, t, D, x, 0.0):
         return 0
     look_up(tools, t, D, x[0], x[1], x[2])
-    if not at[DISTANCE] < 0.0:
+    if not at.distance < 0.0:
         return 0
-    n = (at[NORMAL], at[NORMAL + 1], at[NORMAL + 2])
-    depth = -at[DISTANCE] - _material(particles, p, n)
+    n = (at.normal[0], at.normal[1], at.normal[2])
+    depth = -at.distance - _material(particles, p, n)
     one, other = particles.body[p], tools.bodies + t
     entry = keepers.pairs.entry[min(one, other), max(one, other)]
     g = free_part(forcing.constraints, particles, p, n)
@@ -217,13 +206,14 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
         particles.x[p, d] += way
         ledger.work[layer] += particles.m[p] * forcing.gravity[d] * way
     arm = (
-        x[0] + depth * n[0] - motion[CENTRE], x[1] + depth * n[1] - motion[CENTRE + 1],
-        x[2] + depth * n[2] - motion[CENTRE + 2],
+        x[0] + depth * n[0] - motion.centre[0], x[1] + depth * n[1] - motion.centre[1],
+        x[2] + depth * n[2] - motion.centre[2],
     )  # fmt: skip
+    moving = motion.velocity_after
     own = (
-        motion[LATTER] + motion[LATTER + 4] * arm[2] - motion[LATTER + 5] * arm[1],
-        motion[LATTER + 1] + motion[LATTER + 5] * arm[0] - motion[LATTER + 3] * arm[2],
-        motion[LATTER + 2] + motion[LATTER + 3] * arm[1] - motion[LATTER + 4] * arm[0],
+        moving[0] + moving[4] * arm[2] - moving[5] * arm[1],
+        moving[1] + moving[5] * arm[0] - moving[3] * arm[2],
+        moving[2] + moving[3] * arm[1] - moving[4] * arm[0],
     )
     free = free_part(forcing.constraints, particles, p, (1.0, 1.0, 1.0))
     _stop(keepers, particles, p, t, (entry, layer), (n, free, square), (arm, own), ledger)
@@ -270,6 +260,6 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
         mine[TOOL_MOMENT + d] -= moment
         keepers.impulses[layer, t, d] -= J[d]
         keepers.impulses[layer, t, 3 + d] -= moment
-    if keepers.tools.about[t, FREE] < 0:  # else known when all impulses are
+    if keepers.tools.about[t].free < 0:  # else known when all impulses are
         mine[TOOL_WORK] += done
         ledger.work[layer] += done

@@ -17,23 +17,10 @@ from pgimp.geometry.distancefield import DistanceField
 from pgimp.geometry.outline import outline
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.rigid.bodies import (
-    ABOUT,
-    ANSWER,
-    AT,
-    CENTRE,
-    FIRST,
-    FORMER,
-    FREE,
-    LATTER,
-    LEAST,
-    LOW,
-    MOST,
+    LATTICE,
     MOTION,
-    REFERENCE,
-    SHAPE,
-    SPACING,
-    TURN,
-    YIELDS,
+    RESPONSE,
+    SURFACE,
     Tools,
 )
 from pgimp.mpi.collective import on_root
@@ -209,12 +196,12 @@ class SceneTools:
             zip(self.poses(start, states), self.entries, self.fields, strict=True)
         ):
             row, about = tools.motion[number], tools.about[number]
-            row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = pose
-            for column, time in ((FORMER, start), (LATTER, end)):
+            row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
+            for name, time in (("velocity_before", start), ("velocity_after", end)):
                 if isinstance(entry.rigid, Motion):
-                    row[column : column + 6] = np.concatenate(entry.rigid.velocities(time))
+                    row[name] = np.concatenate(entry.rigid.velocities(time))
                 else:
-                    row[column : column + 6] = self.free[number].velocities(free[number])
+                    row[name] = self.free[number].velocities(free[number])
             self._bound(row, about, field)
         return tools
 
@@ -253,21 +240,21 @@ class SceneTools:
         """Return the constant data, and storage for the rest."""
         if self._kept is None:
             count = len(self.entries)
-            motion, about = np.zeros((count, MOTION)), np.zeros((count, ABOUT), np.int64)
+            motion, about = np.zeros(count, MOTION), np.zeros(count, LATTICE)
             first = 0
             for number, field in enumerate(self.fields):
                 row, one = motion[number], about[number]
-                row[REFERENCE : REFERENCE + 3] = self.reference(number)
-                row[SPACING], row[LOW : LOW + 3] = field.spacing, field.low
-                one[SHAPE : SHAPE + 3], one[FIRST] = field.shape, first
-                one[FREE] = [*self.free].index(number) if number in self.free else -1
+                row["reference"] = self.reference(number)
+                row["spacing"], row["low"] = field.spacing, field.low
+                one["points"], one["first"] = field.shape, first
+                one["free"] = [*self.free].index(number) if number in self.free else -1
                 if number in self.free:
-                    row[YIELDS] = SOFT / self.free[number].bulk.mass
+                    row["compliance"] = SOFT / self.free[number].bulk.mass
                 first += len(field.values)
             values = [field.values for field in self.fields]
             self._kept = Tools(
                 motion, about, np.concatenate(values) if values else np.zeros((0, 5)),
-                len(self.case.bodies), np.zeros(AT), self._answers(0),
+                len(self.case.bodies), np.zeros(1, SURFACE), self._answers(0),
             )  # fmt: skip
         return self._kept
 
@@ -276,24 +263,24 @@ class SceneTools:
         return self.at(0.0, 0.0)._replace(answers=self._answers(planes))
 
     def _answers(self, planes: int) -> Any:
-        return np.zeros((planes, len(self.free), ANSWER)) if self.free else ()
+        return np.zeros((planes, len(self.free)), RESPONSE) if self.free else ()
 
     def _bound(self, row: NDArray, about: NDArray, field: DistanceField) -> None:
         """Set the least and the greatest vertex near a body."""
         far = field.low + field.spacing * (field.shape - 1)
         ends = zip(field.low, far, strict=True)
-        corners = np.array(list(product(*ends))) - row[REFERENCE : REFERENCE + 3]
+        corners = np.array(list(product(*ends))) - row["reference"]
         for d, (origin, inverse) in enumerate(
             zip(self.frame.origin, self.frame.inverse, strict=True)
         ):
             # Not by a product of matrices, which machines may round differently.
-            a, b, c = (corners[:, k] * row[TURN + 3 * d + k] for k in range(3))
-            placed = a + b + c + row[CENTRE + d]
+            a, b, c = (corners[:, k] * row["rotation"][d, k] for k in range(3))
+            placed = a + b + c + row["centre"][d]
             low, high = placed.min(), placed.max()
             least, most = 0, self.frame.vertices[d] - 1
-            about[LEAST + d] = np.clip(
+            about["least"][d] = np.clip(
                 np.floor((low - origin) * inverse) + self.frame.ghost - 1, least, most
             )
-            about[MOST + d] = np.clip(
+            about["most"][d] = np.clip(
                 np.ceil((high - origin) * inverse) + self.frame.ghost + 1, least, most
             )

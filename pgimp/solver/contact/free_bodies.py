@@ -16,15 +16,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.errors import EndlessError
 from pgimp.kernels.rigid.bodies import (
-    ANSWER,
-    CAUTIOUS,
-    FORMER,
-    GIVEN,
-    LATTER,
-    LEAST,
-    MOST,
     RESPONSE,
-    TAKEN,
     Tools,
 )
 from pgimp.scene.rigid.checks import may_collide, require_clear
@@ -134,11 +126,11 @@ class FreeBodies:
             self._set(tools, tried, cautious)
             find_response()
             sums = self._sum(tools, grid)
-            if not sums.any():
+            if not sums.view(np.float64).any():
                 return
             self._touched = True
             changes = [
-                self._change(number, sums[number].tolist(), v) for number, v in enumerate(tried)
+                self._change(number, sums[number], v) for number, v in enumerate(tried)
             ]
             left = max(map(self._size, range(len(tried)), tried, changes))
             if not cautious:
@@ -167,7 +159,7 @@ class FreeBodies:
                 for p, may in zip((*push, *state.spin), body.may, strict=True)
             ]
             number = self.numbers[len(found)]
-            tools.motion[number, FORMER : FORMER + 6] = _booked_velocities(body, state, inertia)
+            tools.motion["velocity_before"][number] = _booked_velocities(body, state, inertia)
             self._inertia.append(inertia)
             self._free_momenta.append(momenta)
             found.append(solve(body.mass_matrix(inertia), momenta))
@@ -180,32 +172,31 @@ class FreeBodies:
         one by one; `end` then moves the bodies.
         """
         self._set(tools, self._begin(tools, t, gravity))
-        tools.answers[:] = 0.0
+        tools.answers[:] = np.zeros((), RESPONSE)
         for number, body in enumerate(self.bodies):
             M = body.mass_matrix(self._inertia[number])
             for i in range(6):
                 if body.may[i]:
                     unit = [float(j == i) for j in range(6)]
-                    row = slice(RESPONSE + 6 * i, RESPONSE + 6 * i + 6)
-                    tools.answers[0, number, row] = solve(M, unit)
+                    tools.answers["derivative"][0, number, i] = solve(M, unit)
 
     def end(self, tools: Tools, dt: float) -> None:
         """Move the bodies with the impulses since `begin`; the same on all ranks."""
-        self._move(tools.answers[0, :, GIVEN : GIVEN + 6], dt)
+        self._move(tools.answers["trial_impulse"][0], dt)
 
     def _set(
         self, tools: Tools, velocities: list[list[float]], cautious: bool = False
     ) -> None:
         for number, v in zip(self.numbers, velocities, strict=True):
-            tools.motion[number, LATTER : LATTER + 6] = v
-            tools.motion[number, CAUTIOUS] = cautious
+            tools.motion["velocity_after"][number] = v
+            tools.motion["viscous_slip"][number] = cautious
 
     def _require_found(self, sums: np.ndarray, tried: list[list[float]], t: Step) -> None:
         """Refuse velocities that have not converged; on every rank."""
         inverse = max(self.scene.frame.inverse)
         for number, (body, v) in enumerate(zip(self.bodies, tried, strict=True)):
             M = body.mass_matrix(self._inertia[number])
-            off = solve(M, self._rest(number, sums[number].tolist(), v))
+            off = solve(M, self._rest(number, sums[number], v))
             away = (hypot(*off[:3]) + hypot(*off[3:]) * self.tools.arms[number]) * inverse * t.dt
             if not away < ASTRAY:
                 raise EndlessError(
@@ -215,23 +206,25 @@ class FreeBodies:
                     "cells where two rigid bodies hold the same material between them"
                 )
 
-    def _rest(self, number: int, sums: list[float], v: list[float]) -> list[float]:
+    def _rest(self, number: int, sums: Any, v: list[float]) -> list[float]:
         """Return a body's residual: its momenta less those of the velocities that are tried."""
         body = self.bodies[number]
         M, rest = body.mass_matrix(self._inertia[number]), [0.0] * 6
+        impulse = sums["trial_impulse"].tolist()
         for i in range(6):
             if body.may[i]:
                 has = sum(M[i][j] * v[j] for j in range(6))
-                rest[i] = self._free_momenta[number][i] + sums[GIVEN + i] - has
+                rest[i] = self._free_momenta[number][i] + impulse[i] - has
         return rest
 
-    def _change(self, number: int, sums: list[float], v: list[float]) -> list[float]:
+    def _change(self, number: int, sums: Any, v: list[float]) -> list[float]:
         """Return Newton's correction of the velocities that are tried."""
         M, may = self.bodies[number].mass_matrix(self._inertia[number]), self.bodies[number].may
+        derivative = sums["derivative"].tolist()
         for i in range(6):
             for j in range(6):
                 if may[i] and may[j]:
-                    M[i][j] += sums[RESPONSE + 6 * i + j]
+                    M[i][j] += derivative[i][j]
         return solve(M, self._rest(number, sums, v))
 
     def _size(self, number: int, v: list[float], change: list[float]) -> float:
@@ -244,8 +237,8 @@ class FreeBodies:
     def _sum(self, tools: Tools, grid: Grid) -> np.ndarray:
         """Sum up `answers`, plane by plane in their order; collective."""
         about = tools.about[self.numbers]
-        low, high = int(about[:, LEAST].min()), int(about[:, MOST].max())
-        every = np.zeros((high - low + 1, len(self.bodies), ANSWER))
+        low, high = int(about["least"][:, 0].min()), int(about["most"][:, 0].max())
+        every = np.zeros((high - low + 1, len(self.bodies)), RESPONSE)
         first = int(grid.window.lower[0])
         begin, end = max(low, first), min(high + 1, first + grid.owned)
         if begin < end:
@@ -255,16 +248,18 @@ class FreeBodies:
             ]
         if self.comm.size > 1:
             found = np.empty_like(every)
-            self.comm.Allreduce(every, found)  # a plane has but one owner: no sum is rounded
+            # A plane has but one owner: no sum is rounded.
+            self.comm.Allreduce(every.view(np.float64), found.view(np.float64))
             every = found
-        return np.add.reduce(every, axis=0)
+        numbers = every.view(np.float64).reshape(*every.shape, -1)
+        return np.add.reduce(numbers, axis=0).view(RESPONSE)[:, 0]
 
     def move(self, tools: Tools, grid: Grid, dt: float) -> None:
         """Apply the step's impulses to the bodies, and move them; collective."""
-        got = np.zeros((len(self.bodies), ANSWER))
+        got = np.zeros(len(self.bodies), RESPONSE)
         if self._touched:
             got = self._sum(tools, grid)
-        self._move(got[:, TAKEN : TAKEN + 6], dt)
+        self._move(got["impulse"], dt)
 
     def _move(self, taken: np.ndarray, dt: float) -> None:
         """Move the bodies; `taken` are impulse and moment on each."""

@@ -9,7 +9,7 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.ledger import TOOL_WORK, Ledger
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.rigid.bodies import CENTRE, LATTER, TURN, Tools
+from pgimp.kernels.rigid.bodies import Tools
 from pgimp.kernels.rigid.hold import Keepers, count_inside, count_near
 from pgimp.physics.rigid import Motion
 from pgimp.scene.rigid.free_body import State, solve
@@ -28,11 +28,11 @@ def placed(tools: SceneTools, time: float, states: list[State] | None) -> Tools:
     motion = kept.motion.copy()
     for number, pose in enumerate(tools.poses(time, states)):
         row, rigid = motion[number], tools.entries[number].rigid
-        row[CENTRE : CENTRE + 3], row[TURN : TURN + 9] = pose
+        row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
         if isinstance(rigid, Motion):
-            row[LATTER : LATTER + 6] = np.concatenate(rigid.velocities(time))
+            row["velocity_after"] = np.concatenate(rigid.velocities(time))
     for (number, body), state in zip(tools.free.items(), states, strict=True):
-        motion[number, LATTER : LATTER + 6] = body.velocities(state)
+        motion["velocity_after"][number] = body.velocities(state)
     return kept._replace(motion=motion, answers=())
 
 

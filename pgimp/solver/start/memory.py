@@ -14,7 +14,7 @@ from pgimp.decomposition.grid import LAG, MARGIN
 from pgimp.errors import CaseError
 from pgimp.kernels.data.ledger import BOOKED, TOOLED
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.rigid.bodies import ANSWER
+from pgimp.kernels.rigid.bodies import RESPONSE
 from pgimp.mpi.limits import Limit, limits
 from pgimp.physics.fields import ALWAYS
 from pgimp.scene.bodies.extent import Extent, extents, points
@@ -189,7 +189,7 @@ def estimate(
     plane_sums += 8 * BOOKED * len(scene.pairs.law) if scene.pairs else 0
     plane_sums += 8 * TOOLED * len(scene.tools)
     # Of free bodies; their sums are over all planes, twice where ranks add them up.
-    answers = 8 * ANSWER * sum(bool(tool.free) for tool in case.tools.values())
+    answers = RESPONSE.itemsize * sum(bool(tool.free) for tool in case.tools.values())
     every = answers * (share + (1 if ranks == 1 else 2))
     # The first rank gathers them all, through messages.
     gathered = (line if ranks == 1 else 2 * (line + plane_sums)) if first else 0

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scenes import SOFT, scene, start
 
-from pgimp.kernels.contact.lagrangian.pairs import SUMS, VERTEX
 from pgimp.solver.contact.lagrangian.lagrangian import PresentMeetings
 from pgimp.solver.contact.lagrangian.shares import divide, undivided
 
@@ -47,9 +46,9 @@ def test_vertices_see_an_affine_motion_where_they_are(shape, monkeypatch):
     assert set(field) == {0, 1}
     places = np.array(frame.origin) + (number - frame.ghost) * np.array(frame.cell)
     for end in encounters.ends:
-        x = np.array(frame.origin) + (end[VERTEX : VERTEX + 2] - frame.ghost) * frame.cell
+        x = np.array(frame.origin) + (end["vertex"][:2] - frame.ghost) * frame.cell
         for side, name in enumerate("ab"):
-            row = slice(*responses.start[end[SUMS + side] : end[SUMS + side] + 2])
+            row = slice(*responses.start[end["rows"][side] : end["rows"][side] + 2])
             B, j = responses.entry[row, 0], responses.column[row]
             assert B.sum() == pytest.approx(1.0, abs=1e-12)
             moved = np.array(bodies[name]["velocity"]) * time

@@ -2,9 +2,7 @@
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.books import book, losses_of
-from pgimp.kernels.contact.data import AREA, NORMAL, NOW, PUSH
 from pgimp.kernels.contact.lagrangian.gauss_seidel import impulse_of, take_up
-from pgimp.kernels.contact.lagrangian.pairs import BODIES, ENTRY, SUMS, VERTEX
 from pgimp.kernels.contact.lagrangian.reference_grid import turns
 from pgimp.kernels.data.ledger import CONTACT_AREA, WALL_HEAT, WALL_LOSS
 
@@ -16,17 +14,17 @@ def _press_at(encounters, x, y, z, of):
     low, high = 0, len(ends)
     while low < high:  # vertices ascend
         middle = (low + high) // 2
-        i, j, k = ends[middle, VERTEX], ends[middle, VERTEX + 1], ends[middle, VERTEX + 2]
+        i, j, k = ends[middle].vertex[0], ends[middle].vertex[1], ends[middle].vertex[2]
         if i < x or (i == x and (j < y or (j == y and k < z))):
             low = middle + 1
         else:
             high = middle
     while low < len(ends):
         end = ends[low]
-        if end[VERTEX] != x or end[VERTEX + 1] != y or end[VERTEX + 2] != z:
+        if end.vertex[0] != x or end.vertex[1] != y or end.vertex[2] != z:
             return False
-        if end[BODIES] == of[BODIES] and end[BODIES + 1] == of[BODIES + 1]:
-            return encounters.partners[low, PUSH] != 0.0
+        if end.bodies[0] == of.bodies[0] and end.bodies[1] == of.bodies[1]:
+            return encounters.states[low].normal_impulse != 0.0
         low += 1
     return False
 
@@ -34,7 +32,7 @@ def _press_at(encounters, x, y, z, of):
 @inner_kernel
 def _wall_of(end, walls):
     """Number of a pair's wall; below 0 without one."""
-    return max(end[BODIES], end[BODIES + 1]) - walls.first
+    return max(end.bodies[0], end.bodies[1]) - walls.first
 
 
 @inner_kernel
@@ -45,18 +43,18 @@ def _book_areas(encounters, walls, ledger):
     vertices next to it, of which one may transmit all of the pressure.
     """
     for k in range(len(encounters.ends)):
-        end, row, axis = encounters.ends[k], encounters.partners[k], 0
-        if row[PUSH] != 0.0 or _wall_of(end, walls) >= 0:
+        end, row, axis = encounters.ends[k], encounters.states[k], 0
+        if row.normal_impulse != 0.0 or _wall_of(end, walls) >= 0:
             continue
         for d in range(1, 3):
-            if abs(row[NORMAL + d]) > abs(row[NORMAL + axis]):
+            if abs(row.normal[d]) > abs(row.normal[axis]):
                 axis = d
         for way in (-1, 1):
-            x = end[VERTEX] + (way if axis == 0 else 0)
-            y = end[VERTEX + 1] + (way if axis == 1 else 0)
-            z = end[VERTEX + 2] + (way if axis == 2 else 0)
+            x = end.vertex[0] + (way if axis == 0 else 0)
+            y = end.vertex[1] + (way if axis == 1 else 0)
+            z = end.vertex[2] + (way if axis == 2 else 0)
             if _press_at(encounters, x, y, z, end):
-                ledger.contact[0, end[ENTRY] - 1, CONTACT_AREA] += row[AREA]
+                ledger.contact[0, end.law - 1, CONTACT_AREA] += row.area
                 break
 
 
@@ -69,13 +67,13 @@ def book_mirrored(encounters, responses, mirrors, ledger):
     """
     for k in range(len(encounters.ends)):
         for side in range(2):
-            r, sign = encounters.ends[k, SUMS + side], 2.0 * side - 1.0
+            r, sign = encounters.ends[k].rows[side], 2.0 * side - 1.0
             if r < 0:
                 continue
             for n in range(len(mirrors)):
                 for d in range(3):
                     if turns(mirrors, n, d):
-                        turned = responses.beyond[r, n, d] * impulse_of(encounters.partners[k], d)
+                        turned = responses.beyond[r, n, d] * impulse_of(encounters.states[k], d)
                         ledger.impulse[0, mirrors[n, 3], d] -= 2.0 * sign * turned
 
 
@@ -90,17 +88,17 @@ def book_contacts(contact, free, encounters, responses, values, walls, ledger):
     """
     _book_areas(encounters, walls, ledger)
     for k in range(len(encounters.ends)):
-        end, row = encounters.ends[k], encounters.partners[k]
+        end, row = encounters.ends[k], encounters.states[k]
         wall = _wall_of(end, walls)
         take_up(contact, free.frame, encounters, k, responses, values)
         if wall >= 0:
-            sign = -1.0 if end[BODIES] < end[BODIES + 1] else 1.0
+            sign = -1.0 if end.bodies[0] < end.bodies[1] else 1.0
             face, fields = walls.faces[wall], contact.fields
             for d in range(3):
                 ledger.impulse[0, face, d] += sign * impulse_of(row, d)
-            heat, loss = losses_of(row, fields[0, NOW : NOW + 3], fields[1, NOW : NOW + 3])
+            heat, loss = losses_of(row, fields[0].velocity, fields[1].velocity)
             ledger.walls[0, face, WALL_HEAT] += heat
             ledger.walls[0, face, WALL_LOSS] += loss
             continue
-        number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
+        number = (end.vertex[0], end.vertex[1], end.vertex[2])
         book(contact, free, number, 0, 1.0, True, ledger, 0)

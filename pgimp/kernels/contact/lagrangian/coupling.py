@@ -14,10 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel
-from pgimp.kernels.contact.lagrangian.pairs import SUMS
-from pgimp.kernels.contact.lagrangian.reference_grid import YIELDS, is_turned, reflection
+from pgimp.kernels.contact.lagrangian.reference_grid import is_turned, reflection
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
-from pgimp.kernels.contact.lagrangian.vertices import BACK, BEGUN, HEAVY, PLACE, WEIGHS
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free ones would have
@@ -51,14 +49,14 @@ class Responses(NamedTuple):
 
 
 @inner_kernel
-def _answer(column, entry, first, last, values, part, free):
+def _answer(column, entry, first, last, values, part):
     """Sum of B_ij^2/m_j over a row's free vertices; 0 if nearly all of it is held."""
     found, gives, every = 0.0, 0.0, 0.0
     for k in range(first, last):
         square = entry[k, part] ** 2
-        found += square * values[column[k], free]
+        found += square * values[column[k]].inverse_mass[part]
         every += square
-        if values[column[k], free] != 0.0:
+        if values[column[k]].inverse_mass[part] != 0.0:
             gives += square
     return found if gives >= LEAST_FREE * every else 0.0
 
@@ -68,10 +66,10 @@ def _way(frame, row, number):
     """Way from a particle to a vertex, as it was at the start, in cells."""
     u, v, w = 0.0, 0.0, 0.0
     for d in range(len(frame.cell)):
-        x = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d] - row[PLACE + d]
-        u += row[BACK + d] * x
-        v += row[BACK + 3 + d] * x
-        w += row[BACK + 6 + d] * x
+        x = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d] - row.position[d]
+        u += row.inverse_F[0, d] * x
+        v += row.inverse_F[1, d] * x
+        w += row.inverse_F[2, d] * x
     D = len(frame.cell)
     u, v = u * frame.inverse[0], v * frame.inverse[min(1, D - 1)]
     return u, v, w * frame.inverse[min(2, D - 1)]
@@ -92,7 +90,7 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
 
     Parameters
     ----------
-    table : (n, NEAR) float64
+    table : (n,) NEAR_PARTICLE
         The particles.
     now, before : Supports
         Theirs, at their present places and at those of the start.
@@ -100,9 +98,9 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
         As of `take_vertices`.
     encounters : Encounters
         The pairs. In place of entries of `sums` they get the numbers of rows.
-    sums : (m, SUMMED) float64
+    sums : (m,) VERTEX_SUMS
         See `Present`.
-    values : (k, STARTED) float64
+    values : (k,) REFERENCE_VERTEX
         See `StartVertices`.
 
     Returns
@@ -115,12 +113,12 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
     rows = 0
     for k in range(len(ends)):
         for side in range(2):
-            s = ends[k, SUMS + side]
+            s = ends[k].rows[side]
             if s >= 0:
                 if row_of[s] < 0:
                     row_of[s], slots[rows] = rows, s
                     rows += 1
-                ends[k, SUMS + side] = row_of[s]
+                ends[k].rows[side] = row_of[s]
     # The particles of each row, in canonical order.
     many = np.zeros(rows + 1, np.int64)
     for i in range(len(table)):
@@ -152,8 +150,8 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
                 longer[:used], more[:used] = column[:used], entry[:used]
                 column, entry = longer, more
             x, y, z = weights_at(now, i, place_in[k])
-            part = table[i, WEIGHS] * (x * y * z) / sums[slots[r], HEAVY]
-            moves = table[i, BEGUN] == 0.0  # its own grid is the present one
+            part = table[i].mass * (x * y * z) / sums[slots[r]].mass
+            moves = table[i].lagrangian == 0  # its own grid is the present one
             u, v, w = _way(frame, table[i], vertex_at(now, i, place_in[k]))
             for q in range(at0.shape[1]):
                 j = at0[i, q]
@@ -179,5 +177,5 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
                 entry[k, 1] = entry[k, 2] = entry[k, 0]
         start[r + 1] = used
         for d in range(3):
-            answer[r, d] = _answer(column, entry, start[r], used, values, d, YIELDS + d)
+            answer[r, d] = _answer(column, entry, start[r], used, values, d)
     return Responses(start, column[:used], entry[:used], answer, beyond)

@@ -7,7 +7,6 @@ current one.
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.tuples import read
 from pgimp.kernels.contact.lagrangian.supports import keep_values
-from pgimp.kernels.contact.lagrangian.vertices import CUT, HALF, OFFSET, PLACE
 from pgimp.kernels.contact.volumes import LEAST, cut_weights
 
 
@@ -37,7 +36,7 @@ def narrow_supports(shape, frame, table, whole, supports):
 
     Parameters
     ----------
-    table : (n, NEAR) float64
+    table : (n,) NEAR_PARTICLE
         Particles at their present places.
     whole : Supports
         Theirs.
@@ -51,6 +50,7 @@ def narrow_supports(shape, frame, table, whole, supports):
             supports.first[i, d] = whole.first[i, d]
             for k in range(4):
                 supports.w[i, d, k], supports.g[i, d, k] = whole.w[i, d, k], whole.g[i, d, k]
-        if row[CUT] != 0.0:
-            half, x = read(table, i, HALF, zero), read(table, i, PLACE, zero)
-            _narrow(shape, frame, half, x, read(table, i, OFFSET, zero), supports, i, 0)
+        if row.cut != 0:
+            half, x = read(table.half_width, i, 0, zero), read(table.position, i, 0, zero)
+            offset = read(table.centroid_offset, i, 0, zero)
+            _narrow(shape, frame, half, x, offset, supports, i, 0)

@@ -16,9 +16,7 @@ with the same bits.
 """
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.kernels.contact.data import BILATERAL, MOBILITY, NORMAL, NOW, PUSH, SLIP, WEIGHT
-from pgimp.kernels.contact.lagrangian.pairs import BODIES, ENTRY, SUMS, VERTEX, copy
-from pgimp.kernels.contact.lagrangian.reference_grid import LOST, MOVES, YIELDS
+from pgimp.kernels.contact.data import impulse_of
 from pgimp.kernels.contact.lagrangian.rigid_ends import load_rigid, push_rigid
 from pgimp.kernels.contact.law import exchange
 
@@ -31,14 +29,14 @@ def _see(contact, a, r, responses, values):
     u, v, w, most = 0.0, 0.0, 0.0, 0.0
     for k in range(start[r], start[r + 1]):
         one = values[responses.column[k]]
-        u += entry[k, 0] * one[MOVES]
-        v += entry[k, 1] * one[MOVES + 1]
-        w += entry[k, 2] * one[MOVES + 2]
-    row[NOW], row[NOW + 1], row[NOW + 2] = u, v, w
+        u += entry[k, 0] * one.velocity[0]
+        v += entry[k, 1] * one.velocity[1]
+        w += entry[k, 2] * one.velocity[2]
+    row.velocity[0], row.velocity[1], row.velocity[2] = u, v, w
     for d in range(3):
-        row[MOBILITY + d] = row[BILATERAL + d] = responses.answer[r, d]
+        row.inverse_mass[d] = row.bilateral_inverse_mass[d] = responses.answer[r, d]
         most = max(most, responses.answer[r, d])
-    row[WEIGHT] = 1.0 / most if most > 0.0 else 1e300
+    row.mass = 1.0 / most if most > 0.0 else 1e300
 
 
 def take_up(contact, frame, encounters, k, responses, values):
@@ -49,16 +47,16 @@ def take_up(contact, frame, encounters, k, responses, values):
 def _take_up_pair(contact, frame, encounters, k, responses, values):
     def take_up(contact, frame, encounters, k, responses, values):
         end, rigid = encounters.ends[k], encounters.rigid[k]
-        number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
+        number = (end.vertex[0], end.vertex[1], end.vertex[2])
         for a in range(2):
-            s = end[SUMS + a]
+            s = end.rows[a]
             if s < 0:
                 load_rigid(contact, contact.tools, frame, a, s, number, rigid)
             else:
                 _see(contact, a, s, responses, values)
-            contact.bodies[a], contact.ends[0, a] = end[BODIES + a], a
-        contact.ends[0, 2] = end[ENTRY]
-        copy(contact.partners[0], encounters.partners[k])
+            contact.bodies[a], contact.ends[0].fields[a] = end.bodies[a], a
+        contact.ends[0].law = end.law
+        contact.pair_states[0] = encounters.states[k]
 
     return take_up
 
@@ -70,9 +68,9 @@ def _give(r, J, sign, responses, values):
     for k in range(start[r], start[r + 1]):
         one = values[responses.column[k]]
         for d in range(3):
-            one[MOVES + d] += sign * entry[k, d] * J[d] * one[YIELDS + d]
-            if one[YIELDS + d] == 0.0:
-                one[LOST + d] += sign * entry[k, d] * J[d]
+            one.velocity[d] += sign * entry[k, d] * J[d] * one.inverse_mass[d]
+            if one.inverse_mass[d] == 0.0:
+                one.held_impulse[d] += sign * entry[k, d] * J[d]
 
 
 def _give_both(contact, frame, end, J, responses, values):
@@ -82,21 +80,15 @@ def _give_both(contact, frame, end, J, responses, values):
 @specialise(_give_both)
 def _give_to_both(contact, frame, end, J, responses, values):
     def give(contact, frame, end, J, responses, values):
-        number = (end[VERTEX], end[VERTEX + 1], end[VERTEX + 2])
+        number = (end.vertex[0], end.vertex[1], end.vertex[2])
         for side in range(2):
-            s, sign = end[SUMS + side], 2.0 * side - 1.0
+            s, sign = end.rows[side], 2.0 * side - 1.0
             if s < 0:
                 push_rigid(contact.tools, frame, s, number, J, sign)
             else:
                 _give(s, J, sign, responses, values)
 
     return give
-
-
-@inner_kernel
-def impulse_of(row, d):
-    """Component `d` of the impulse that a pair has exchanged."""
-    return row[SLIP + d] + row[PUSH] * row[NORMAL + d]
 
 
 @kernel
@@ -110,10 +102,10 @@ def solve_impulses(contact, free, encounters, responses, values, sweeps, enough)
     free : Holding
         The empty one: what is held has no mobility.
     encounters : Encounters
-        The pairs; their impulses are added up in `partners`.
+        The pairs; their impulses are added up in `states`.
     responses : Responses
         The response to impulses.
-    values : (m, STARTED) float64
+    values : (m,) REFERENCE_VERTEX
         The vertices of the start; their velocities are changed here.
     sweeps : int
         The most sweeps over all pairs, forwards and backwards by turns.
@@ -130,11 +122,11 @@ def solve_impulses(contact, free, encounters, responses, values, sweeps, enough)
         change, most = 0.0, 0.0
         for n in range(pairs):
             k = n if sweep % 2 == 0 else pairs - 1 - n
-            end, row = encounters.ends[k], encounters.partners[k]
+            end, row = encounters.ends[k], encounters.states[k]
             take_up(contact, free.frame, encounters, k, responses, values)
             before = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
             exchange(contact, free, number, False, 0, True)
-            copy(row, contact.partners[0])
+            encounters.states[k] = contact.pair_states[0]
             J = (
                 impulse_of(row, 0) - before[0], impulse_of(row, 1) - before[1],
                 impulse_of(row, 2) - before[2],

@@ -8,29 +8,15 @@ from math import inf
 from typing import Any, NamedTuple, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.data import (
-    BEFORE,
-    EXCESS,
-    GAP_RATE,
-    NORMAL,
-    NOW,
-    OUTWARD,
-    PART,
-    PARTNERS,
-    WEIGHT,
+    PAIR_STATE,
+    clear_field,
     find_pairs,
 )
 from pgimp.kernels.contact.lagrangian.vertices import (
-    CURVED,
-    FACES,
-    FILLS,
-    HEAVY,
-    MORE,
-    OF_CUT,
-    WAY,
-    WHOSE,
     number_of,
 )
 from pgimp.kernels.contact.vertex import find_tools
@@ -38,16 +24,15 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
 from pgimp.physics.contact import FRICTION
 
-#: Columns of `Encounters.ends`: for either end the number of its entry in `Present`, later of its
-#: row in `Responses`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
-SUMS, BODIES, ENTRY, VERTEX, ENDS = 0, 2, 4, 5, 8
+#: The ends of a pair: for either one the number of its entry in `Present`, later of its row in
+#: `Responses`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
+ENDS = np.dtype([
+    ("rows", "i8", 2), ("bodies", "i8", 2), ("law", "i8"), ("vertex", "i8", 3)
+], align=True)  # fmt: skip
 
 #: Cells from a body's particles, along the normal, at which a vertex still tells how the body's
 #: surface moves. Beyond it would hold not that, but how the body strains.
 FARTHEST = 0.9
-
-#: Columns of `Encounters.rigid`: velocities of the first and the second end.
-RIGID = 6
 
 
 class Encounters(NamedTuple):
@@ -55,28 +40,28 @@ class Encounters(NamedTuple):
 
     Attributes
     ----------
-    ends : (pairs, ENDS) int64
+    ends : (pairs,) ENDS
         The bodies, their vertex, and their law.
-    partners : (pairs, PARTNERS) float64
+    states : (pairs,) PAIR_STATE
         As in `Contact`: normal, gap, and the impulses so far.
-    rigid : (pairs, RIGID) float64
-        Velocities of rigid ends.
+    rigid : (pairs, 2, 3) float64
+        Velocities of rigid ends, first and second.
     """
 
-    ends: IntArray
-    partners: FloatArray
+    ends: NDArray
+    states: NDArray
     rigid: FloatArray
 
     @classmethod
     def empty(cls, count: int) -> Self:
         """Allocate for `count` pairs."""
         return cls(
-            np.empty((count, ENDS), np.int64), np.empty((count, PARTNERS)), np.empty((count, RIGID))
+            np.empty(count, ENDS), np.empty(count, PAIR_STATE), np.empty((count, 2, 3))
         )
 
     def chosen(self, which: Any) -> Self:
         """Return some of them, by places or a slice."""
-        return type(self)(self.ends[which], self.partners[which], self.rigid[which])
+        return type(self)(self.ends[which], self.states[which], self.rigid[which])
 
 
 class SeparatingWalls(NamedTuple):
@@ -98,23 +83,16 @@ class SeparatingWalls(NamedTuple):
 
 
 @inner_kernel
-def copy(to, of):
-    """Set an array to another."""
-    for i in range(len(of)):
-        to[i] = of[i]
-
-
-@inner_kernel
 def _load(contact, a, row, cell):
     """Load a group's sums at a vertex as field `a`."""
     fields = contact.fields
-    fields[a, WEIGHT] = row[HEAVY]
-    fields[a, PART] = (row[FILLS] + row[MORE]) / cell
-    fields[a, EXCESS] = row[CURVED] / row[OF_CUT] if row[OF_CUT] > 0.0 else 0.0
+    fields[a].mass = row.mass
+    fields[a].filled = (row.volume + row.volume_correction) / cell
+    fields[a].curvature_gap = row.curvature_gap / row.cut_weight if row.cut_weight > 0.0 else 0.0
     for d in range(3):
-        fields[a, OUTWARD + d] = row[FACES + d]
-        fields[a, NOW + d] = fields[a, BEFORE + d] = 0.0
-    contact.bodies[a], contact.places[a] = int(row[WHOSE]), 0
+        fields[a].surface[d] = row.surface[d]
+        fields[a].velocity[d] = fields[a].velocity_before[d] = 0.0
+    contact.bodies[a], contact.places[a] = int(row.body), 0
 
 
 @inner_kernel
@@ -125,9 +103,9 @@ def _is_far(frame, row, normal):
     """
     way, cell = 0.0, 0.0
     for d in range(len(frame.cell)):
-        way += normal[NORMAL + d] * row[WAY + d]
-        cell += (normal[NORMAL + d] * frame.cell[d]) ** 2
-    return way * way > FARTHEST**2 * cell * row[HEAVY] ** 2
+        way += normal.normal[d] * row.mass_offset[d]
+        cell += (normal.normal[d] * frame.cell[d]) ** 2
+    return way * way > FARTHEST**2 * cell * row.mass ** 2
 
 
 @inner_kernel
@@ -140,27 +118,27 @@ def _keep_pairs(contact, frame, sums, number, places, pairs, found, encounters):
     for k in range(pairs):
         far = False
         for side in range(2):
-            a = contact.ends[k, side]
-            if a < len(places) and contact.pairs.law[contact.ends[k, 2] - 1] == FRICTION:
-                far = far or _is_far(frame, sums[places[a]], contact.partners[k])
+            a = contact.ends[k].fields[side]
+            if a < len(places) and contact.pairs.law[contact.ends[k].law - 1] == FRICTION:
+                far = far or _is_far(frame, sums[places[a]], contact.pair_states[k])
         if far:
             continue
         found += 1
         if found > len(encounters.ends):
             continue
         end, rigid = encounters.ends[found - 1], encounters.rigid[found - 1]
-        copy(encounters.partners[found - 1], contact.partners[k])
-        rigid[:] = 0.0
-        end[ENTRY] = contact.ends[k, 2]
+        encounters.states[found - 1] = contact.pair_states[k]
+        rigid[:, :] = 0.0
+        end.law = contact.ends[k].law
         for d in range(3):
-            end[VERTEX + d] = number[d]
+            end.vertex[d] = number[d]
         for side in range(2):
-            a = contact.ends[k, side]
-            end[BODIES + side] = contact.bodies[a]
-            end[SUMS + side] = places[a] if a < len(places) else -1 - contact.bodies[a]
+            a = contact.ends[k].fields[side]
+            end.bodies[side] = contact.bodies[a]
+            end.rows[side] = places[a] if a < len(places) else -1 - contact.bodies[a]
             if a >= len(places):
                 for d in range(3):
-                    rigid[3 * side + d] = contact.fields[a, NOW + d]
+                    rigid[side, d] = contact.fields[a].velocity[d]
     return found
 
 
@@ -193,9 +171,9 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
     if _past_another(faces, axis, frame, number):
         return 0
     row, area = contact.fields[1], cell * frame.inverse[axis]
-    row[:] = 0.0
-    row[WEIGHT], row[PART] = inf, 0.5 if deep == 0 else 1.0
-    row[OUTWARD + axis] = -side * area * (1.0 if deep != 1 else 1e-3)
+    clear_field(row)
+    row.mass, row.filled = inf, 0.5 if deep == 0 else 1.0
+    row.surface[axis] = -side * area * (1.0 if deep != 1 else 1e-3)
     contact.bodies[1] = walls.first + w
     along = (
         0 if axis == 0 else sides[0], 0 if axis == 1 else sides[1], 0 if axis == 2 else sides[2],
@@ -252,7 +230,7 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
                 _load(contact, 0, sums[places[a]], half)
                 pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)
                 if pairs > 0:
-                    contact.partners[0, GAP_RATE] /= dt
+                    contact.pair_states[0].gap_rate /= dt
                     found = _keep_pairs(
                         contact, frame, sums, number, places[a : a + 1], pairs, found, encounters
                     )

@@ -5,7 +5,7 @@ move: faces and constraints bear their share, as all forces there.
 """
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.kernels.contact.lagrangian.reference_grid import LOST, place_of_key
+from pgimp.kernels.contact.lagrangian.reference_grid import place_of_key
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.grid.conditions import Holding, hold
 
@@ -46,7 +46,7 @@ def _book_each_constraint(marked, r, rest, impulse):
 
 @kernel
 def book_held(holding, field, vertices, ledger):
-    """Book what has been `LOST` at the vertices of the start that a rank owns.
+    """Book the impulses that are held at the vertices of the start that a rank owns.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def book_held(holding, field, vertices, ledger):
     G, forcing = field.G, holding.forcing
     for n in range(len(vertices.keys)):
         row = vertices.values[n]
-        lost = (row[LOST], row[LOST + 1], row[LOST + 2])
+        lost = (row.held_impulse[0], row.held_impulse[1], row.held_impulse[2])
         if lost[0] == 0.0 and lost[1] == 0.0 and lost[2] == 0.0:
             continue
         r, number = place_of_key(holding.frame, field, vertices.keys[n])

@@ -7,19 +7,21 @@ same on all ranks.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
 from pgimp.kernels.contact.lagrangian.hash_table import number_of_key, room_size, slot
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
-from pgimp.kernels.contact.lagrangian.vertices import FIELD
-from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.data.particles import IntArray
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import held_velocity
 
-#: Columns of `StartVertices.values`: mass, velocity, inverse mass by component, which is 0 where a
-#: face or a constraint holds it; the impulse of contact there.
-INERTIA, MOVES, YIELDS, LOST, STARTED = 0, 1, 4, 7, 10
+#: A vertex of the start: mass, velocity, inverse mass by component, which is 0 where a face or a
+#: constraint holds it, and the impulse of contact that these bear.
+REFERENCE_VERTEX = np.dtype([
+    ("mass", "f8"), ("velocity", "f8", 3), ("inverse_mass", "f8", 3), ("held_impulse", "f8", 3)
+], align=True)  # fmt: skip
 
 
 class StartVertices(NamedTuple):
@@ -28,11 +30,11 @@ class StartVertices(NamedTuple):
     Attributes
     ----------
     keys : (m,) int64
-    values : (m, STARTED) float64
+    values : (m,) REFERENCE_VERTEX
     """
 
     keys: IntArray
-    values: FloatArray
+    values: NDArray
 
 
 class Seen(NamedTuple):
@@ -136,7 +138,7 @@ def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
     frame, forcing, window, G = holding.frame, holding.forcing, field.window, field.G
     across, fields, found, D = _across(frame), field_count(window), 0, len(frame.origin)
     for i in range(len(table)):
-        one = int(table[i, FIELD])
+        one = table[i].field
         for q in range(len(supports.local)):
             if not _has_weight(supports, i, q):
                 continue
@@ -150,17 +152,17 @@ def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
             m, row = G[r + MASS], vertices.values[found]
             vertices.keys[found] = _key(across, number, fields, one)
             v = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
-            row[INERTIA] = m
+            row.mass = m
             u = held_velocity(holding, number, r, v, True)
             for d in range(3):
-                row[MOVES + d], row[YIELDS + d], row[LOST + d] = v[d], 0.0, 0.0
+                row.velocity[d], row.inverse_mass[d], row.held_impulse[d] = v[d], 0.0, 0.0
                 if d < D and m > forcing.lightest:
                     pushed = (
                         v[0] + (1.0 if d == 0 else 0.0), v[1] + (1.0 if d == 1 else 0.0),
                         v[2] + (1.0 if d == 2 else 0.0),
                     )  # fmt: skip
                     s = held_velocity(holding, number, r, pushed, True)
-                    row[YIELDS + d] = 0.0 if s[d] == u[d] else 1.0 / m
+                    row.inverse_mass[d] = 0.0 if s[d] == u[d] else 1.0 / m
             found += 1
     return found
 
@@ -184,7 +186,7 @@ def find_vertices(frame, table, supports, mirrors, fields, hashes):
     known = np.full((room_size(len(table)), 2), -1, np.int64)
     for i in range(len(table)):
         first = supports.first[i]
-        key = _key(across, (first[0], first[1], first[2]), fields, int(table[i, FIELD]))
+        key = _key(across, (first[0], first[1], first[2]), fields, table[i].field)
         patch_of[i] = number_of_key(known, key, patches)
         patches = max(patches, patch_of[i] + 1)
     numbers = np.full((patches, len(supports.local)), -1, np.int64)
@@ -195,7 +197,7 @@ def find_vertices(frame, table, supports, mirrors, fields, hashes):
             if _has_weight(supports, i, q):
                 if numbers[patch, q] < 0:
                     number = image_of(mirrors, vertex_at(supports, i, q))
-                    key = _key(across, number, fields, int(table[i, FIELD]))
+                    key = _key(across, number, fields, table[i].field)
                     numbers[patch, q] = hashes[slot(hashes, key), 1]
                 supports.at[i, q] = numbers[patch, q]
 

@@ -8,14 +8,8 @@ ranks apply the same impulses, so that V, and the impulses so far, are the same 
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.kernels.contact.data import BILATERAL, MOBILITY, NOW, WEIGHT
 from pgimp.kernels.rigid.bodies import (
     ANSWERS,
-    CENTRE,
-    FREE,
-    GIVEN,
-    LATTER,
-    RESPONSE,
     lever,
     place_of,
 )
@@ -30,14 +24,14 @@ def _moves(tools):
 def _arm(tools, t, frame, number):
     """From the centre of a rigid body to a vertex."""
     x, motion = place_of(frame, number), tools.motion[t]
-    return x[0] - motion[CENTRE], x[1] - motion[CENTRE + 1], x[2] - motion[CENTRE + 2]
+    return x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2]
 
 
 @inner_kernel
 def _free_number(tools, s):
     """Number of a rigid end among the rigid bodies; -1 unless it moves freely."""
     t = -1 - s - tools.bodies
-    if t >= len(tools.about) or tools.about[t, FREE] < 0:  # a wall, or as prescribed
+    if t >= len(tools.about) or tools.about[t].free < 0:  # a wall, or as prescribed
         return -1
     return t
 
@@ -46,10 +40,10 @@ def _free_number(tools, s):
 def _prescribed(contact, a, rigid):
     """Load a rigid end that moves as prescribed as field `a`."""
     row = contact.fields[a]
-    row[WEIGHT] = inf
+    row.mass = inf
     for d in range(3):
-        row[NOW + d] = rigid[3 * a + d]
-        row[MOBILITY + d] = row[BILATERAL + d] = 0.0
+        row.velocity[d] = rigid[a, d]
+        row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 0.0
 
 
 def load_rigid(contact, tools, frame, a, s, number, rigid):
@@ -71,19 +65,19 @@ def _load_rigid(contact, tools, frame, a, s, number, rigid):
         if t < 0:
             return
         row, motion, arm = contact.fields[a], tools.motion[t], _arm(tools, t, frame, number)
-        C = tools.answers[0, tools.about[t, FREE]]
+        C = tools.answers[0, tools.about[t].free]
         for d in range(3):
             v, bound = 0.0, 0.0
             for u in range(6):
-                v += lever(arm, d, u) * motion[LATTER + u]
+                v += lever(arm, d, u) * motion.velocity_after[u]
             for e in range(3):
                 K = 0.0
                 for u in range(6):
                     for w in range(6):
-                        K += lever(arm, d, u) * C[RESPONSE + 6 * u + w] * lever(arm, e, w)
+                        K += lever(arm, d, u) * C.derivative[u, w] * lever(arm, e, w)
                 bound += abs(K)
-            row[NOW + d] = v
-            row[MOBILITY + d] = row[BILATERAL + d] = bound
+            row.velocity[d] = v
+            row.inverse_mass[d] = row.bilateral_inverse_mass[d] = bound
 
     return load
 
@@ -99,13 +93,13 @@ def _push_rigid(tools, frame, s, number, J, sign):
         if t < 0:
             return
         motion, arm = tools.motion[t], _arm(tools, t, frame, number)
-        answer = tools.answers[0, tools.about[t, FREE]]
+        answer = tools.answers[0, tools.about[t].free]
         for w in range(6):
             given = 0.0
             for d in range(3):
                 given += sign * lever(arm, d, w) * J[d]
-            answer[GIVEN + w] += given
+            answer.trial_impulse[w] += given
             for u in range(6):
-                motion[LATTER + u] += answer[RESPONSE + 6 * u + w] * given
+                motion.velocity_after[u] += answer.derivative[u, w] * given
 
     return push if _moves(tools) else lambda tools, frame, s, number, J, sign: None

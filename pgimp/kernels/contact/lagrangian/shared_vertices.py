@@ -10,7 +10,7 @@ import numpy as np
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel
 from pgimp.kernels.contact.lagrangian.hash_table import number_of_key, room_size
-from pgimp.kernels.contact.lagrangian.vertices import FIRST, GROUP, key_of
+from pgimp.kernels.contact.lagrangian.vertices import key_of
 from pgimp.kernels.data.particles import IntArray
 
 
@@ -59,7 +59,7 @@ def find_shared(table, local, within, boxes, present):
 
     Parameters
     ----------
-    table : (n, NEAR) float64
+    table : (n,) NEAR_PARTICLE
         Particles.
     local : (k, 3) uint32
         As of `Supports`.
@@ -79,8 +79,8 @@ def find_shared(table, local, within, boxes, present):
     begins, groups = np.empty((len(table), 3), np.int64), np.empty(len(table), np.int64)
     known = np.full((room_size(len(table)), 2), -1, np.int64)
     for i in range(len(table)):
-        x, y, z = int(table[i, FIRST]), int(table[i, FIRST + 1]), int(table[i, FIRST + 2])
-        group = int(table[i, GROUP])
+        first, group = table[i].first_vertex, table[i].group
+        x, y, z = first[0], first[1], first[2]
         patch_of[i] = number_of_key(known, key_of(present, (x, y, z), group), patches)
         if patch_of[i] == patches:
             begins[patches, 0], begins[patches, 1], begins[patches, 2] = x, y, z

@@ -114,15 +114,22 @@ def _support_along(shape, frame, half, x, supports, i, d, like):
 
 
 @kernel
-def find_supports(shape, frame, widths, table, column, supports):
-    """Set the supports, but not `at`, of particles.
+def find_supports(shape, frame, table, present, supports):
+    """Set the supports of particles, but not `at`.
 
-    Their half-widths and their places stand in `table` from the columns `widths` and `column` on.
+    Parameters
+    ----------
+    table : (n,) NEAR_PARTICLE
+        The particles.
+    present : bool
+        Whether their positions count; else those of their weights.
+    supports : Supports
+        Set here.
     """
     for i in range(len(table)):
         supports.first[i, :] = 0
         supports.w[i, :, :] = 0.0
         supports.g[i, :, :] = 0.0
         supports.w[i, :, 0] = 1.0
-        x, half = table[i, column : column + 3], table[i, widths : widths + 3]
-        _support(shape, frame, half, x, supports, i, 0, frame.origin)
+        x = table[i].position if present else table[i].weight_position
+        _support(shape, frame, table[i].half_width, x, supports, i, 0, frame.origin)

@@ -14,27 +14,51 @@ does not grow with their distances.
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pgimp.jit.algebra import determinant, inverse
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.tuples import read
 from pgimp.kernels.contact.lagrangian.supports import slope_at, vertex_at, weights_at
-from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.data.particles import IntArray
 from pgimp.kernels.transfer.first_vertex import deformation, first_vertex
 from pgimp.physics.shapes.base import size
 
-#: Columns of a particle near a meeting: present position and that of its weights, mass, volume,
-#: offset of the volume's centroid, the curvature's share of the gap, whether it is cut, body,
-#: group, field, whether its weights are those of the start, its half-widths in cells, the inverse
-#: of its deformation gradient, and the first vertex of its present support.
-PLACE, START, WEIGHS, VOLUME, OFFSET, BENT, CUT, BODY, GROUP, FIELD, BEGUN, HALF, BACK, FIRST = (
-    0, 3, 6, 7, 8, 11, 12, 13, 14, 15, 16, 17, 20, 29,
-)  # fmt: skip
-NEAR = 32
+#: A particle near a meeting: position and that of its weights, mass, volume, way to the centroid of
+#: what is left of it, the curvature's share of the gap, whether it is cut, its body, group and
+#: field, whether its weights are those of the start, half-widths in cells, the inverse of its
+#: deformation gradient, and the first vertex of its present support.
+NEAR_PARTICLE = np.dtype([
+    ("position", "f8", 3),
+    ("weight_position", "f8", 3),
+    ("mass", "f8"),
+    ("volume", "f8"),
+    ("centroid_offset", "f8", 3),
+    ("curvature_gap", "f8"),
+    ("cut", "i8"),
+    ("body", "i8"),
+    ("group", "i8"),
+    ("field", "i8"),
+    ("lagrangian", "i8"),
+    ("half_width", "f8", 3),
+    ("inverse_F", "f8", (3, 3)),
+    ("first_vertex", "i8", 3),
+], align=True)  # fmt: skip
 
-#: Columns of a group's sums at a vertex: mass, volume, surface, the offset's correction of the
-#: volume, the curvature's share of the gap and the number in its mean, body; way to the centre of
-#: mass, times the mass, of bodies in the initial configuration: others have the vertex itself.
-HEAVY, FILLS, FACES, MORE, CURVED, OF_CUT, WHOSE, WAY, SUMMED = 0, 1, 2, 5, 6, 7, 8, 9, 12
+#: Sums of a group at a vertex: mass, volume, surface, the offset's correction of the volume, the
+#: curvature's share of the gap and the number in its mean, body. `mass_offset` is the way to the
+#: centre of mass, times the mass, of bodies in the initial configuration: others have the vertex.
+VERTEX_SUMS = np.dtype([
+    ("mass", "f8"),
+    ("volume", "f8"),
+    ("surface", "f8", 3),
+    ("volume_correction", "f8"),
+    ("curvature_gap", "f8"),
+    ("cut_weight", "f8"),
+    ("body", "i8"),
+    ("mass_offset", "f8", 3),
+], align=True)  # fmt: skip
 
 
 class Present(NamedTuple):
@@ -48,7 +72,7 @@ class Present(NamedTuple):
         How many groups there are.
     keys : (m,) int64
         Keys of the entries; in the order of x, y, z, group if sorted.
-    sums : (m, SUMMED) float64
+    sums : (m,) VERTEX_SUMS
         The sums.
     order : (n,) int64
         The numbers of the entries with mass, so that keys ascend.
@@ -58,7 +82,7 @@ class Present(NamedTuple):
     extent: IntArray
     groups: int
     keys: IntArray
-    sums: FloatArray
+    sums: NDArray
     order: IntArray
 
 
@@ -78,38 +102,58 @@ def number_of(present, vertex):
     return rest // extent[1] + low[0], rest % extent[1] + low[1], vertex % extent[2] + low[2]
 
 
+@inner_kernel
+def _clear_particle(row):
+    """Set what is added up, or has fewer directions than three, to zero."""
+    row.cut = 0
+    for d in range(3):
+        row.position[d] = row.weight_position[d] = row.centroid_offset[d] = row.half_width[d] = 0.0
+        row.first_vertex[d] = 0
+        for e in range(3):
+            row.inverse_F[d, e] = 0.0
+
+
+@inner_kernel
+def _clear_sums(row):
+    """Set the sums of a group at a vertex to zero."""
+    row.mass = row.volume = row.volume_correction = row.curvature_gap = row.cut_weight = 0.0
+    row.body = 0
+    for d in range(3):
+        row.surface[d] = row.mass_offset[d] = 0.0
+
+
 @kernel
 def take_near(setting, particles, rows, groups, fields, begun, table):
-    """Copy the particles near a meeting, (n, NEAR) float64, in canonical order.
+    """Copy the particles near a meeting, (n,) NEAR_PARTICLE, in canonical order.
 
     `groups`, `fields` and `begun`, of the bodies, are as in `PresentMeetings`.
     """
     frame = setting.frame
     for i in range(len(rows)):
         p, row = rows[i], table[i]
-        row[:] = 0.0
+        _clear_particle(row)
         F = deformation(frame, particles, p)
         own, x = read(particles.offset, p, 0, frame.origin), read(particles.x, p, 0, frame.origin)
         X, D = read(particles.origin, p, 0, frame.origin), len(frame.origin)
-        row[BEGUN] = begun[particles.body[p]]
+        row.lagrangian = 1 if begun[particles.body[p]] else 0
         kept = setting.identity if begun[particles.body[p]] else F
         half = size(setting.shape, frame.cell, kept)[0]
         for d in range(D):
-            row[PLACE + d], row[START + d] = x[d], X[d] if row[BEGUN] else x[d]
-            row[HALF + d] = half[d]
-            row[FIRST + d] = first_vertex(frame, d, half[d], x[d])
+            row.position[d], row.weight_position[d] = x[d], X[d] if row.lagrangian else x[d]
+            row.half_width[d] = half[d]
+            row.first_vertex[d] = first_vertex(frame, d, half[d], x[d])
             for e in range(D):
-                row[OFFSET + d] += F[D * d + e] * own[e]
+                row.centroid_offset[d] += F[D * d + e] * own[e]
             if own[d] != 0.0:
-                row[CUT] = 1.0
+                row.cut = 1
         back = inverse(F)
         for d in range(D):
             for e in range(D):
-                row[BACK + 3 * d + e] = back[D * d + e]
+                row.inverse_F[d, e] = back[D * d + e]
         body = particles.body[p]
-        row[WEIGHS], row[VOLUME] = particles.m[p], particles.V0[p] * determinant(F)
-        row[BENT], row[BODY] = particles.excess[p, 0], body
-        row[GROUP], row[FIELD] = groups[body], fields[body]
+        row.mass, row.volume = particles.m[p], particles.V0[p] * determinant(F)
+        row.curvature_gap, row.body = particles.excess[p, 0], body
+        row.group, row.field = groups[body], fields[body]
 
 
 @kernel
@@ -130,7 +174,8 @@ def sum_present(frame, table, supports, left, linear, patch, numbers, present):
         With keys; the sums are set.
     """
     D, sums = len(frame.origin), present.sums
-    sums[:, :] = 0.0
+    for n in range(len(sums)):
+        _clear_sums(sums[n])
     for i in range(len(table)):
         row = table[i]
         for q in range(len(supports.local)):
@@ -139,18 +184,18 @@ def sum_present(frame, table, supports, left, linear, patch, numbers, present):
             supports.at[i, q] = n if S != 0.0 else -1
             if n < 0 or S == 0.0:
                 continue
-            if sums[n, HEAVY] == 0.0:
-                sums[n, WHOSE] = row[BODY]
-            sums[n, HEAVY] += row[WEIGHS] * S
-            sums[n, CURVED] += row[BENT] * S
-            sums[n, OF_CUT] += row[CUT] * S
+            if sums[n].mass == 0.0:
+                sums[n].body = row.body
+            sums[n].mass += row.mass * S
+            sums[n].curvature_gap += row.curvature_gap * S
+            sums[n].cut_weight += row.cut * S
             number = vertex_at(supports, i, q)
             for d in range(D):
                 at = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
-                sums[n, WAY + d] += row[BEGUN] * row[WEIGHS] * S * (row[PLACE + d] - at)
+                sums[n].mass_offset[d] += row.lagrangian * row.mass * S * (row.position[d] - at)
             x, y, z = weights_at(left, i, q)
-            sums[n, FILLS] += row[VOLUME] * (x * y * z)
+            sums[n].volume += row.volume * (x * y * z)
             for d in range(D):
-                slope = slope_at(left, i, q, d) * (frame.inverse[d] * row[VOLUME])
-                sums[n, FACES + d] += slope
-                sums[n, MORE] += linear * (slope * row[OFFSET + d])
+                slope = slope_at(left, i, q, d) * (frame.inverse[d] * row.volume)
+                sums[n].surface[d] += slope
+                sums[n].volume_correction += linear * (slope * row.centroid_offset[d])

@@ -11,7 +11,6 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.contact.lagrangian.broad_phase import Regions, find_near, mark_blocks
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
-from pgimp.kernels.rigid.bodies import LEAST, MOST
 from pgimp.physics.contact import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
 from pgimp.scene.scene import Scene
@@ -141,7 +140,7 @@ class Approach:
                 ends.append((first, last))
                 meeting.append((a, b))
         for row in tools.about if tools else ():
-            first, last = row[LEAST : LEAST + D] - away, row[MOST : MOST + D] + away
+            first, last = row["least"][:D] - away, row["most"][:D] + away
             ends.append((first - frame.ghost, last - frame.ghost))
         for axis, side, end in self.walls.rows:
             about = np.full((2, D), [[-np.inf], [np.inf]])

@@ -18,16 +18,14 @@ from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.contact.lagrangian.coupling import Responses, find_responses
 from pgimp.kernels.contact.lagrangian.gauss_seidel import solve_impulses
 from pgimp.kernels.contact.lagrangian.hash_table import number_keys, room_for
-from pgimp.kernels.contact.lagrangian.pairs import SUMS, VERTEX, Encounters, find_encounters
+from pgimp.kernels.contact.lagrangian.pairs import Encounters, find_encounters
 from pgimp.kernels.contact.lagrangian.reactions import book_held
 from pgimp.kernels.contact.lagrangian.reference_grid import (
-    MOVES,
-    YIELDS,
     StartVertices,
     find_vertices,
     give_to_vertices,
 )
-from pgimp.kernels.contact.lagrangian.vertices import HEAVY, PLACE, sum_present
+from pgimp.kernels.contact.lagrangian.vertices import sum_present
 from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.conditions import Holding
@@ -160,11 +158,11 @@ class PresentMeetings:
         if len(encounters.ends) == 0:
             return
         values, free = vertices.values, nothing_held(holding)
-        before = values[:, MOVES:YIELDS].copy()
+        before = values["velocity"].copy()
         self.sweeps = call(
             solve_impulses, contact, free, encounters, responses, values, *self._accuracy
         )
-        changes = values[:, MOVES:YIELDS] - before
+        changes = values["velocity"] - before
         call(
             give_to_vertices, scene.frame, grid.field, vertices.keys, changes, forcing, ledger.work
         )
@@ -180,11 +178,11 @@ class PresentMeetings:
         """Find the pairs of this rank's share, and their responses."""
         contact, call, frame = self._contact, self.call, self.scene.frame
         table, patches, present, start, vertices = near
-        now, mirrors = self._particles.supports(table, PLACE), self._particles.mirrors
+        now, mirrors = self._particles.supports(table, True), self._particles.mirrors
         left = self._particles.left(table, now)
         call(sum_present, frame, table, now, *left, patches.patch, patches.numbers, present)
         order = np.argsort(present.keys)
-        present = present._replace(order=order[present.sums[order, HEAVY] > 0.0])
+        present = present._replace(order=order[present.sums["mass"][order] > 0.0])
         capacity = 4 * len(present.keys)
         while True:
             encounters = Encounters.empty(capacity)
@@ -226,17 +224,17 @@ def unite(
     starts = [np.zeros(1, np.int64)]
     columns = []
     for (ends, _, _), answer, own in zip(pairs, answers, known, strict=True):
-        sides = ends[:, SUMS : SUMS + 2]
+        sides = ends["rows"]
         sides[sides >= 0] += rows
         starts.append(answer.start[1:] + entries)
         columns.append(np.searchsorted(union.keys, own.keys)[answer.column])
         rows, entries = rows + len(answer.answer), entries + len(answer.column)
     joined = Encounters(
         np.concatenate([each.ends for each in pairs]),
-        np.concatenate([each.partners for each in pairs]),
+        np.concatenate([each.states for each in pairs]),
         np.concatenate([each.rigid for each in pairs]),
     )
-    order = np.lexsort(joined.ends[:, VERTEX : VERTEX + 3].T[::-1])
+    order = np.lexsort(joined.ends["vertex"].T[::-1])
     responses = Responses(
         np.concatenate(starts), np.concatenate(columns),
         np.concatenate([each.entry for each in answers]),

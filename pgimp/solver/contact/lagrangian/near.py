@@ -11,7 +11,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.lagrangian.cut_supports import narrow_supports
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import (
-    STARTED,
+    REFERENCE_VERTEX,
     Seen,
     StartVertices,
     take_vertices,
@@ -19,12 +19,8 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
 from pgimp.kernels.contact.lagrangian.shared_vertices import Patches, find_shared
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
 from pgimp.kernels.contact.lagrangian.vertices import (
-    CUT,
-    FIRST,
-    HALF,
-    NEAR,
-    START,
-    SUMMED,
+    NEAR_PARTICLE,
+    VERTEX_SUMS,
     Present,
     take_near,
 )
@@ -32,7 +28,6 @@ from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import Setting
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.conditions import Holding
-from pgimp.kernels.rigid.bodies import LEAST, MOST
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.shares import FAR, divide, undivided
 
@@ -42,7 +37,7 @@ class Near(NamedTuple):
 
     Attributes
     ----------
-    table : (n, NEAR) float64
+    table : (n,) NEAR_PARTICLE
         The particles that have shared vertices there, in canonical order.
     patches : Patches
         The numbers of these vertices.
@@ -89,7 +84,7 @@ class NearParticles:
         self.local = local_vertices(scene.vertices, scene.dimension)
         self._seen = Seen(np.empty(0, np.int64), 0)
         self._plain, self._shares = plain(scene), undivided(comm.size)
-        self._table, self._kept = np.empty((0, NEAR)), dict[int, Supports]()
+        self._table, self._kept = np.empty(0, NEAR_PARTICLE), dict[str, Supports]()
 
     def gather(
         self, grid: Grid, particles: Particles, rows: np.ndarray, holding: Holding, anew: bool
@@ -109,43 +104,43 @@ class NearParticles:
         """
         scene, call, comm = self.scene, self.call, self.comm
         if len(self._table) < len(rows):
-            self._table = np.empty((len(rows) + len(rows) // 8, NEAR))
+            self._table = np.empty(len(rows) + len(rows) // 8, NEAR_PARTICLE)
         table = self._table[: len(rows)]
         call(
             take_near, self._plain, particles, rows, self.groups, self.fields, scene.begun, table
         )
         if comm.size == 1:
             table, patches, present = self._shared(table)
-            start = self.supports(table, START)
+            start = self.supports(table, False)
             vertices = self._take(grid, holding, table, start)
             return Near(table, patches, present, start, vertices)
         if anew:
             most = np.array(scene.frame.cells) + 2 * scene.frame.ghost + 1
-            self._shares = divide(comm, table[:, FIRST:], scene.vertices, most)
+            self._shares = divide(comm, table["first_vertex"], scene.vertices, most)
         parts = []
         for rank in range(comm.size):
-            own = table[self._shares.reached(table[:, FIRST:], scene.vertices, rank)]
-            supports = self.supports(own, START)
+            own = table[self._shares.reached(table["first_vertex"], scene.vertices, rank)]
+            supports = self.supports(own, False)
             parts.append((own, *self._take(grid, holding, own, supports)))
         tables, keys, values = zip(*comm.alltoall(parts), strict=True)
         vertices = in_order(StartVertices(np.concatenate(keys), np.concatenate(values)))
         table, patches, present = self._shared(np.concatenate(tables))
-        return Near(table, patches, present, self.supports(table, START), vertices)
+        return Near(table, patches, present, self.supports(table, False), vertices)
 
     def _shared(self, table: np.ndarray) -> tuple[np.ndarray, Patches, Present]:
         """Those of some particles with shared vertices of this rank's share, and these vertices."""
         low, high = np.zeros(3, np.int64), np.zeros(3, np.int64)
         if len(table):
-            first = table[:, FIRST : FIRST + 3]
-            low, high = (end(axis=0).astype(np.int64) for end in (first.min, first.max))
+            first = table["first_vertex"]
+            low, high = first.min(axis=0), first.max(axis=0)
         none = np.empty(0, np.int64)
         present = Present(
             low, high - low + self.scene.vertices, 1 + int(self.groups.max()), none,
-            np.empty((0, SUMMED)), none,
+            np.empty(0, VERTEX_SUMS), none,
         )  # fmt: skip
         within, boxes = self._shares.within(self.comm.rank), self._rigid_boxes()
         patches = self.call(find_shared, table, self.local, within, boxes, present)
-        sums = np.empty((len(patches.keys), SUMMED))
+        sums = np.empty(len(patches.keys), VERTEX_SUMS)
         return table[patches.rows], patches, present._replace(keys=patches.keys, sums=sums)
 
     def _rigid_boxes(self) -> np.ndarray:
@@ -154,7 +149,7 @@ class NearParticles:
         about = tools.about if tools else ()
         boxes = np.full((len(about) + len(self._walls.rows), 2, 3), [[[-FAR], [FAR]]])
         for n, row in enumerate(about):
-            boxes[n, 0, :D], boxes[n, 1, :D] = row[LEAST : LEAST + D], row[MOST : MOST + D]
+            boxes[n, 0, :D], boxes[n, 1, :D] = row["least"][:D], row["most"][:D]
         for n, (axis, side, place) in enumerate(self._walls.rows, len(about)):
             boxes[n, int(side < 0), axis] = place
         return boxes
@@ -168,20 +163,20 @@ class NearParticles:
             last, step = np.full(len(grid.G) // 8, -1, np.int64), 0
         self._seen = Seen(last, step + 1)
         most = supports.at.size
-        mine = StartVertices(np.empty(most, np.int64), np.empty((most, STARTED)))
+        mine = StartVertices(np.empty(most, np.int64), np.empty(most, REFERENCE_VERTEX))
         found = self.call(
             take_vertices, holding, grid.field, table, supports, self.mirrors, self._seen, mine
         )
         return in_order(StartVertices(mine.keys[:found], mine.values[:found]))
 
 
-    def supports(self, table: np.ndarray, column: int) -> Supports:
-        """Supports of the particles of a table at their places from `column` on.
+    def supports(self, table: np.ndarray, present: bool) -> Supports:
+        """Supports of the particles of a table, `present` ones or those of the start.
 
-        They hold until the next ones for this column.
+        They hold until the next ones of the kind.
         """
-        supports, scene = self._room(len(table), column), self.scene
-        self.call(find_supports, scene.shape, scene.frame, HALF, table, column, supports)
+        supports, scene = self._room(len(table), "present" if present else "start"), self.scene
+        self.call(find_supports, scene.shape, scene.frame, table, present, supports)
         return supports
 
     def left(self, table: np.ndarray, now: Supports) -> tuple[Supports, float]:
@@ -191,17 +186,17 @@ class NearParticles:
         """
         if not isinstance(self.scene.shape, BOXES):
             return now, 1.0
-        if not table[:, CUT].any():
+        if not table["cut"].any():
             return now, 0.0
-        left, scene = self._room(len(table), CUT), self.scene
+        left, scene = self._room(len(table), "left"), self.scene
         self.call(narrow_supports, scene.shape, scene.frame, table, now, left)
         return left, 0.0
 
-    def _room(self, count: int, column: int) -> Supports:
-        """Storage for the supports at the places from `column` on."""
-        kept = self._kept.get(column)
+    def _room(self, count: int, kind: str) -> Supports:
+        """Storage for the supports of a kind."""
+        kept = self._kept.get(kind)
         if kept is None or len(kept.at) < count:
-            kept = self._kept[column] = Supports.empty(count + count // 8, self.local)
+            kept = self._kept[kind] = Supports.empty(count + count // 8, self.local)
         return kept._replace(
             first=kept.first[:count], w=kept.w[:count], g=kept.g[:count], at=kept.at[:count]
         )

@@ -18,7 +18,7 @@ from pgimp.kernels.contact.lagrangian.hash_table import number_keys, room_for
 from pgimp.kernels.contact.lagrangian.pairs import Encounters, find_encounters
 from pgimp.kernels.contact.lagrangian.reactions import book_held
 from pgimp.kernels.contact.lagrangian.reference_grid import (
-    STARTED,
+    REFERENCE_VERTEX,
     Seen,
     StartVertices,
     find_vertices,
@@ -28,10 +28,8 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
 from pgimp.kernels.contact.lagrangian.shared_vertices import find_shared
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
 from pgimp.kernels.contact.lagrangian.vertices import (
-    HALF,
-    NEAR,
-    PLACE,
-    SUMMED,
+    NEAR_PARTICLE,
+    VERTEX_SUMS,
     Present,
     sum_present,
     take_near,
@@ -61,9 +59,9 @@ def calls(
     holding = Holding(faces, frame, forcing, contact.unbooked)
     free = nothing_held(holding)
     local = local_vertices(scene.vertices, scene.dimension)
-    table, supports = np.empty((0, NEAR)), Supports.empty(0, local)
-    vertices, encounters = StartVertices(none, np.empty((0, STARTED))), Encounters.empty(0)
-    present = Present(np.zeros(3, np.int64), none, 1, none, np.empty((0, SUMMED)), none)
+    table, supports = np.empty(0, NEAR_PARTICLE), Supports.empty(0, local)
+    vertices, encounters = StartVertices(none, np.empty(0, REFERENCE_VERTEX)), Encounters.empty(0)
+    present = Present(np.zeros(3, np.int64), none, 1, none, np.empty(0, VERTEX_SUMS), none)
     rows = Responses(
         np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)),
         np.empty((0, len(mirrors), 3)),
@@ -73,7 +71,7 @@ def calls(
     yield 0.3, lambda: mark_blocks(frame, particles, order, none, regions)
     yield 0.3, lambda: find_near(frame, particles, order, none, regions, none)
     yield 0.5, lambda: take_near(setting, particles, none, none, none, scene.begun, table)
-    yield 1.0, lambda: find_supports(shape, frame, HALF, table, PLACE, supports)
+    yield 1.0, lambda: find_supports(shape, frame, table, True, supports)
     yield 3.0, lambda: take_vertices(
         holding, grid.field, table, supports, mirrors, Seen(none, 0), vertices
     )
