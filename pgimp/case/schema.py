@@ -214,7 +214,7 @@ class Case(Model):
         return {name: body for name, body in self.every_body.items() if isinstance(body, Body)}
 
     @cached_property
-    def tools(self) -> dict[str, RigidBody]:
+    def rigid_bodies(self) -> dict[str, RigidBody]:
         """The rigid bodies."""
         every = self.every_body.items()
         return {name: body for name, body in every if isinstance(body, RigidBody)}

@@ -215,7 +215,7 @@ def _run(
     from pgimp.jit.compiled.cache import announced
     from pgimp.jit.outside import digests
     from pgimp.running.resume import Resumed
-    from pgimp.running.resume import resume as take_up
+    from pgimp.running.resume import resume as load_pair
     from pgimp.running.running import advance
     from pgimp.storage.hdf5 import load_h5py
 
@@ -226,7 +226,7 @@ def _run(
         if comm.rank == 0:  # which takes longer than to write most frames
             load_h5py()
         with announced(log.say):
-            found = take_up(case, comm, directory, log) if resume else None
+            found = load_pair(case, comm, directory, log) if resume else None
             if found == "done":
                 log.say(f"{output} holds this run, done already: nothing is left to do")
                 return True

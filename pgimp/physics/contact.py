@@ -165,6 +165,6 @@ class Pairs(NamedTuple):
 
 def sharing(case: Any) -> np.ndarray:
     """Return which pairs of the bodies with particles no entry is for, (n, n); i < j counts."""
-    entry = Pairs.of(case.contact, [*case.bodies, *case.tools]).entry
+    entry = Pairs.of(case.contact, [*case.bodies, *case.rigid_bodies]).entry
     n = len(case.bodies)
     return np.abs(entry[:n, :n]) > len(case.contact)

@@ -155,7 +155,7 @@ def _places(sim: Simulation, rows: Array) -> tuple[Array, Array]:
     """
     p, frame = sim.particles, sim.scene.frame
     xi = (p.x[rows] - frame.origin) * frame.inverse
-    begun = sim.scene.begun[p.body[rows]]
+    begun = sim.scene.lagrangian[p.body[rows]]
     drawable = ((xi >= -1.0) & (xi <= np.array(frame.cells) + 1.0)).all(axis=1)
     drawable |= begun & np.isfinite(xi).all(axis=1)
     first = vertices_of(p.cell[rows], frame.vertices)

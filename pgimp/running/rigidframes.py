@@ -45,7 +45,7 @@ class RigidFrames(Series):
             "title": str(case.title),
             "units": str(case.units),
             "dimensions": case.dimensions,
-            "bodies": list(case.tools),
+            "bodies": list(case.rigid_bodies),
         }
 
     def write(self, sim: Any, number: int) -> None:
@@ -57,23 +57,24 @@ class RigidFrames(Series):
             On every rank, if there is no room for it, or if the one before could not be written
             whole.
         """
-        tools = sim.scene.tools
-        if not tools:
+        rigid_bodies = sim.scene.rigid_bodies
+        if not rigid_bodies:
             return
         self.finish()
         path = self.folder / f"rigid-{number:06d}.h5"
         part, what = temporary(path), f"write the frame {path} at step {sim.step}"
         time, step = float(sim.time), int(sim.step)
-        poses = tools.poses(time, sim.rank.free.states if sim.rank.free else [])
+        poses = rigid_bodies.poses(time, sim.rank.free.states if sim.rank.free else [])
         attributes = self._attributes | {"time": time, "step": np.int64(step)}
 
         def create() -> tuple[dict[str, int], dict[int, bytes]]:
             layout = lay_out(
                 [
                     Dataset("position", "<f8", (3,), {"meaning": "position [length]"}),
-                    Dataset("body", "<i8", (), {"names": list(tools.names)}),
+                    Dataset("body", "<i8", (), {"names": list(rigid_bodies.names)}),
                 ],
-                len(tools.surface.body), attributes, {"connectivity": tools.surface.cells},
+                len(rigid_bodies.surface.body), attributes,
+                {"connectivity": rigid_bodies.surface.cells},
             )  # fmt: skip
             with explained_errors(what):
                 layout.create(part)
@@ -85,11 +86,11 @@ class RigidFrames(Series):
             if self.comm.rank == 0:
                 for place, data in says.items():
                     file.write(place, data)
-                file.write(offsets["position"], tools.surface_at(poses))
-                file.write(offsets["body"], tools.surface.body)
-                file.write(offsets["connectivity"], tools.surface.cells)
+                file.write(offsets["position"], rigid_bodies.surface_at(poses))
+                file.write(offsets["body"], rigid_bodies.surface.body)
+                file.write(offsets["connectivity"], rigid_bodies.surface.cells)
             unfinished = Unfinished(part, path, file, self.comm, what)
-        counts = len(tools.surface.body), len(tools.surface.cells)
+        counts = len(rigid_bodies.surface.body), len(rigid_bodies.surface.cells)
         dimension = int(self._attributes["dimensions"])
         self._wait_for(unfinished, Entry(time, step, surface(path, time, counts, dimension)))
 

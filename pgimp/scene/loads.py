@@ -78,7 +78,7 @@ class SceneLoads:
         liquid = np.array([float(entry.LIQUID) for entry in law])
         if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid
-        self.begun = [body.configuration == "initial" for body in case.bodies.values()]
+        self.lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
         self.force, self.walls = force, walls
         self.tractions = list(case.tractions.values())
         self.constraints = list(case.constraints.values())
@@ -105,7 +105,7 @@ class SceneLoads:
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
             "mean": self.averages,
-            "around": self.averages and any(self.begun),
+            "around": self.averages and any(self.lagrangian),
             "tractions": len(self.tractions),
             "constraints": bool(self.constraints),
         }
@@ -126,7 +126,7 @@ class SceneLoads:
             for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.force, t) if self.force else ()
-        mean, around = ((), self.mean) if all(self.begun) else (self.mean, ())
+        mean, around = ((), self.mean) if all(self.lagrangian) else (self.mean, ())
         return Loads(
             self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean,
             around, self.rest,

@@ -33,7 +33,7 @@ from pgimp.scene.faces import (
 )
 from pgimp.scene.flows import flows_of
 from pgimp.scene.loads import SceneLoads
-from pgimp.scene.rigid.rigid import SceneTools
+from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.variations import Variations
 from pgimp.schema.tables import VectorTable
 
@@ -51,7 +51,7 @@ class Scene:
     ----------
     dimension : int
         Directions D of the scene.
-    begun : (bodies,) bool
+    lagrangian : (bodies,) bool
         Which bodies are in the initial configuration, where particles keep their layers, and the
         weights of the start; `initial` if all are, `mixed` if some.
     frame : Frame
@@ -73,13 +73,13 @@ class Scene:
         The laws of contact; None where all bodies share one velocity field.
     flows : SceneFlows or None
         The bodies that flow, if there are any.
-    tools : SceneTools
+    rigid_bodies : SceneTools
         The rigid bodies; false where there are none.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     setting : Setting
         The scene for kernels; for those of bodies in the initial configuration beside others,
-        `setting_begun`.
+        `setting_lagrangian`.
     placing : Frame, InitialFrame or MixedFrame
         The frame of kernels that put particles in order.
     """
@@ -88,9 +88,11 @@ class Scene:
         self.case = case
         self.dimension = case.dimensions
         shape = case.method
-        self.begun = np.array([b.configuration == "initial" for b in case.bodies.values()], bool)
-        self.initial = bool(self.begun.all())
-        self.mixed = bool(self.begun.any()) and not self.initial
+        self.lagrangian = np.array(
+            [b.configuration == "initial" for b in case.bodies.values()], bool
+        )
+        self.initial = bool(self.lagrangian.all())
+        self.mixed = bool(self.lagrangian.any()) and not self.initial
         remote = self.initial or self.mixed  # contact where bodies are, not on their own grid
         parameters = shape.fixed if self.initial else shape.parameters
         self.shape = parameters(tuple(case.grid.cell))
@@ -115,9 +117,7 @@ class Scene:
         self.material_names = used
         self.body_material = tuple(used.index(b.material) for b in case.bodies.values())
         self.material_of = np.array(self.body_material, np.int64)
-        self.materials = tuple(
-            parameters_of(case.materials[name], self.dimension) for name in used
-        )
+        self.materials = tuple(parameters_of(case.materials[name], self.dimension) for name in used)
         self.initial_pressures = [case.materials[name].initial_pressure for name in used]
         losses = {loss for name in used for loss in case.materials[name].LOSSES}
         self.losses = tuple(loss for loss in LOSSES if loss in losses)
@@ -129,8 +129,8 @@ class Scene:
         self.faces = [Face(name, named[name]) for name in order if name in named]
         #: Whether bodies in the initial configuration meet walls that let go: at their present
         #: place, not on their own grid. These walls then come last.
-        self.lets_go = remote and any(face.condition.approaches for face in self.faces)
-        if self.lets_go:
+        self.unilateral_walls = remote and any(face.condition.approaches for face in self.faces)
+        if self.unilateral_walls:
             self.faces.sort(key=lambda face: face.condition.approaches)
         #: Faces through which particles may leave; see `grid_to_particles`.
         self.exits = sum(
@@ -143,11 +143,10 @@ class Scene:
         # Those that may let go come last: where they meet others, they use the sums of both.
         self.mirrors = sorted(
             (
-                Mirror(
-                    face.axis, face.side, number, face.condition.releases, face.condition.sticks
-                )
+                Mirror(face.axis, face.side, number, face.condition.releases, face.condition.sticks)
                 for number, face in enumerate(self.faces)
-                if shape.mirrors and face.condition.mirrors
+                if shape.mirrors
+                and face.condition.mirrors
                 and not (remote and face.condition.approaches)
             ),
             key=lambda mirror: mirror.releases,
@@ -162,14 +161,14 @@ class Scene:
         if case.body_force:
             force = case.body_force.parameters()
         self.loads = SceneLoads(
-            case, used, force, sides_approached(near, self.frame), shape.follows & ~self.begun
+            case, used, force, sides_approached(near, self.frame), shape.follows & ~self.lagrangian
         )
-        self.tools = SceneTools(case, self.frame)
+        self.rigid_bodies = SceneRigidBodies(case, self.frame)
         self.pairs: Pairs | None = None
-        if case.contact or self.tools or self.mixed:
-            self.pairs = Pairs.of(case.contact, [*self.body_names, *self.tools.names])
+        if case.contact or self.rigid_bodies or self.mixed:
+            self.pairs = Pairs.of(case.contact, [*self.body_names, *self.rigid_bodies.names])
         self.flows = flows_of(
-            entries, self.material_of, ~self.begun, self.faces, self.frame.cell, self.pairs
+            entries, self.material_of, ~self.lagrangian, self.faces, self.frame.cell, self.pairs
         )
         self.states = States(used, self.materials, self.dimension)
         self.variations = Variations(case, used, self.materials, self.states.width)
@@ -178,12 +177,16 @@ class Scene:
         self.fields = EVERY | self.states.fields | self.variations.fields
         self.carried = Carried(
             self.dimension, self.origins, **self.loads.carried, state=self.states.width,
-            surfaces=self.pairs is not None or self.lets_go,
+            surfaces=self.pairs is not None or self.unilateral_walls,
             own=self.variations.width, liquid=bool(self.flows and self.flows.relaxes),
         )  # fmt: skip
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(
-            [face for face in self.faces if not (self.lets_go and face.condition.approaches)]
+            [
+                face
+                for face in self.faces
+                if not (self.unilateral_walls and face.condition.approaches)
+            ]
         )
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
         #: Coordinates within which particles must stay, where the grid does not limit them.
@@ -196,8 +199,10 @@ class Scene:
             self.shape, frame, self.identity, self.variations.materials, self.material_of,
             self.tracked, self.exits,
         )  # fmt: skip
-        self.setting_begun = self.setting._replace(shape=shape.fixed(self.frame.cell), frame=start)
-        self.placing: Any = MixedFrame(*self.frame, self.begun) if self.mixed else frame
+        self.setting_lagrangian = self.setting._replace(
+            shape=shape.fixed(self.frame.cell), frame=start
+        )
+        self.placing: Any = MixedFrame(*self.frame, self.lagrangian) if self.mixed else frame
 
     def _weigh(self, materials: list[str]) -> float:
         """Mass of a domain full of the densest material; refuse masses that no float64 can sum."""
@@ -228,8 +233,8 @@ class Scene:
     @property
     def origins(self) -> bool:
         """Whether particles keep their initial position."""
-        begun = self.initial or self.mixed
-        return begun or bool(self.exact) or "displacement" in self.case.output.fields
+        lagrangian = self.initial or self.mixed
+        return lagrangian or bool(self.exact) or "displacement" in self.case.output.fields
 
     @property
     def controlled(self) -> bool | float:
@@ -270,8 +275,8 @@ class Scene:
         if self.initial:
             return particles.origin[rows]
         if self.mixed:
-            begun = self.begun[particles.body[rows]]
-            return np.where(begun[:, None], particles.origin[rows], particles.x[rows])
+            lagrangian = self.lagrangian[particles.body[rows]]
+            return np.where(lagrangian[:, None], particles.origin[rows], particles.x[rows])
         return particles.x[rows]
 
     def varies(self, body: int) -> bool:

@@ -44,7 +44,7 @@ def _of_bodies(scene: Any) -> list[Limit]:
     for number, (name, body) in enumerate(scene.case.bodies.items()):
         waves = rest_rate(scene, number)
         found.append(Limit(waves, f"materials.{body.material}", f"a wave in '{name}'"))
-        if not isinstance(body.region, Points) and not scene.begun[number]:
+        if not isinstance(body.region, Points) and not scene.lagrangian[number]:
             corners = np.array(list(product(*zip(*body.region.bounds(), strict=True))), float)
             with np.errstate(over="ignore"):
                 v = velocities(scene, number, corners)
@@ -55,13 +55,16 @@ def _of_bodies(scene: Any) -> list[Limit]:
 
 def _of_rigid(scene: Any) -> list[Limit]:
     """The greatest motion of each rigid body, of those that move freely the initial one."""
-    tools = scene.tools
-    if not tools:
+    rigid_bodies = scene.rigid_bodies
+    if not rigid_bodies:
         return []
     inverse = max(scene.frame.inverse)
-    speeds = {tools.names[number]: speed * inverse for number, speed in tools.speeds().items()}
-    names = (tools.names[number] for number in tools.free)
-    free = zip(names, tools.rates(tools.first), strict=True)
+    speeds = {
+        rigid_bodies.names[number]: speed * inverse
+        for number, speed in rigid_bodies.speeds().items()
+    }
+    names = (rigid_bodies.names[number] for number in rigid_bodies.free)
+    free = zip(names, rigid_bodies.rates(rigid_bodies.first), strict=True)
     return [
         Limit(rate, f"bodies.{name}.rigid", f"the rigid body '{name}'")
         for name, rate in {**speeds, **dict(free)}.items()

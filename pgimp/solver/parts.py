@@ -19,7 +19,7 @@ from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.scene.scene import Scene
 
 
-class Part(NamedTuple):
+class ConfigurationGroup(NamedTuple):
     """Particles of one setting.
 
     Attributes
@@ -30,45 +30,45 @@ class Part(NamedTuple):
         The particles; all parts have the same layers.
     places : (n,) int32 or None
         Their places in the order of all; None if they are all.
-    begun : bool
+    lagrangian : bool
         Whether they are in the initial configuration, beside others.
     """
 
     setting: Setting
     order: Order
     places: np.ndarray | None = None
-    begun: bool = False
+    lagrangian: bool = False
 
     def bounded(self, scene: Scene, field: Any) -> Any:
         """The field with the coordinates between which these particles have to be."""
-        return field._replace(bounds=scene.bounds) if self.begun else field
+        return field._replace(bounds=scene.bounds) if self.lagrangian else field
 
     def loaded(self, loads: Loads) -> Loads:
         """The loads that these particles feel."""
-        if not self.begun:
+        if not self.lagrangian:
             return loads
         return loads._replace(mean=(), around=() if isinstance(loads.mean, tuple) else 1.0)
 
     def forced(self, forcing: Forcing) -> Forcing:
         """The forcing that these particles feel."""
-        if not self.begun:
+        if not self.lagrangian:
             return forcing
         return forcing._replace(loads=self.loaded(forcing.loads), keepers=())
 
 
-def parts_of(scene: Scene, population: Population) -> tuple[Part, ...]:
+def groups_by_configuration(scene: Scene, population: Population) -> tuple[ConfigurationGroup, ...]:
     """Return the parts of a rank's particles, one or two; valid until their order changes."""
     order = population.ordered
     if not scene.mixed:
-        return (Part(scene.setting, order),)
+        return (ConfigurationGroup(scene.setting, order),)
     places = np.empty((2, len(order.rows)), np.int32)
     ends = np.empty((2, len(order.start)), np.int64)
-    split_order(scene.begun, population.particles.body, *order, places, ends)
+    split_order(scene.lagrangian, population.particles.body, *order, places, ends)
     found = [places[i, : ends[i, -1]] for i in range(2)]
     orders = [Order(order.rows[found[i]], ends[i]) for i in range(2)]
     return (
-        Part(scene.setting, orders[0], found[0]),
-        Part(scene.setting_begun, orders[1], found[1], True),
+        ConfigurationGroup(scene.setting, orders[0], found[0]),
+        ConfigurationGroup(scene.setting_lagrangian, orders[1], found[1], True),
     )
 
 
@@ -84,6 +84,6 @@ def _by_setting(scene: Scene, particles: Any, rows: np.ndarray) -> Iterator[tupl
     if not scene.mixed:
         yield scene.setting.without_shape(), rows
         return
-    begun = scene.begun[particles.body[rows]]
-    yield scene.setting.without_shape(), rows[~begun]
-    yield scene.setting_begun.without_shape(), rows[begun]
+    lagrangian = scene.lagrangian[particles.body[rows]]
+    yield scene.setting.without_shape(), rows[~lagrangian]
+    yield scene.setting_lagrangian.without_shape(), rows[lagrangian]

@@ -23,8 +23,8 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.clearances import Clearances
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
-from pgimp.solver.contact.lagrangian.lagrangian import PresentMeetings
-from pgimp.solver.contact.multifield import Meetings
+from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
+from pgimp.solver.contact.multifield import MultifieldContact
 from pgimp.solver.flows import Flows
 
 #: Phases of a step, as `Rank.timings` names them.
@@ -68,7 +68,7 @@ class Rank:
         The filling of the vertices, in scenes with bodies that flow.
     calls : tuple of Bound
         Call the kernels of a step, for each part one; see `pgimp.solver.parts`.
-    lightest : float
+    mass_cutoff : float
         Mass below which a vertex is not accelerated.
     vertex_bounds : (2, 2) int64
         First vertices of the particles' supports so far, see `StepReduction`.
@@ -95,11 +95,9 @@ class Rank:
         start: np.ndarray | None = None,
     ) -> None:
         self.scene, self.comm = scene, comm
-        self.lightest = 0.0
+        self.mass_cutoff = 0.0
         self.calls = tuple(Bound() for _ in range(1 + scene.mixed))
-        self.population = Population(
-            particles, count, scene.shape, scene.placing, slab, start
-        )
+        self.population = Population(particles, count, scene.shape, scene.placing, slab, start)
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.particle_steps = self.clamped = self.held = 0
@@ -116,12 +114,12 @@ class Rank:
     def _meet(self) -> None:
         """Recreate the contact detection."""
         scene = self.scene
-        self.meetings: Meetings | None = None
-        self.present: PresentMeetings | None = None
-        if scene.mixed or (scene.initial and (scene.pairs or scene.lets_go)):
-            self.present = PresentMeetings(scene, self.comm)
+        self.meetings: MultifieldContact | None = None
+        self.present: LagrangianContact | None = None
+        if scene.mixed or (scene.initial and (scene.pairs or scene.unilateral_walls)):
+            self.present = LagrangianContact(scene, self.comm)
         elif scene.pairs:
-            self.meetings = Meetings(scene, self.comm)
+            self.meetings = MultifieldContact(scene, self.comm)
 
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
@@ -139,7 +137,8 @@ class Rank:
         constraints = len(scene.loads.constraints)
         contacts = len(scene.pairs.law) if scene.pairs else 0
         self.ledger = Ledger.empty(
-            self.grid.planes, len(scene.faces), constraints, outflow, contacts, len(scene.tools),
+            self.grid.planes, len(scene.faces), constraints, outflow, contacts,
+            len(scene.rigid_bodies),
             len(scene.body_names) if scene.flows else 0,
         )  # fmt: skip
 
@@ -170,10 +169,10 @@ class Rank:
         return meetings.free if meetings else None
 
     @property
-    def tools(self) -> Any:
+    def rigid_bodies(self) -> Any:
         """The rigid bodies for kernels, as they are in this step; () where there are none."""
         meetings = self.meetings or self.present
-        return meetings.tools if meetings else ()
+        return meetings.rigid_bodies if meetings else ()
 
     def live(self) -> np.ndarray:
         """Rows of the particles in canonical order, (n,) int64."""

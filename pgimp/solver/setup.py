@@ -65,7 +65,7 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     scene, comm = sim.scene, sim.comm
     share(sim.case, comm)
     require(scene, comm)
-    scene.tools.measure(comm)
+    scene.rigid_bodies.measure(comm)
     lattice, counts, notes = count_particles(scene, comm)
     sim.notes += notes
     sim.count = int(counts.sum())
@@ -80,9 +80,9 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     if later := later_constraints(sim.cases):
         mine = held(later, particles.body[:count], particles.x[:count])
         sim.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
-    if scene.tools:
-        require_apart(scene.tools, [(particles.x[:count], particles.body[:count])], comm)
-        require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, comm)
+    if scene.rigid_bodies:
+        require_apart(scene.rigid_bodies, [(particles.x[:count], particles.body[:count])], comm)
+        require_clear(scene.rigid_bodies, scene.faces, scene.rigid_bodies.first, 0, 0.0, comm)
     _compile(sim, scenes[1:], 0)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
@@ -97,12 +97,12 @@ def begin(sim: Any, scenes: Sequence[Scene]) -> None:
     release(sim.case)
     if sim.watch:
         sim.watch.begin(sim.rank)
-    rate = max(sim.rate, scene.tools.first_rate)
+    rate = max(sim.rate, scene.rigid_bodies.first_rate)
     with located(sim.case):
         require_end(scene, rate)
         dt = sim.clock.next(sim.done, rate).dt
         sim.warnings += check_first_step(scene, dt, sim.rate)
-    require_slow(scene.tools, dt)
+    require_slow(scene.rigid_bodies, dt)
     sim.warnings += motion_warnings(scenes)
 
 
@@ -128,10 +128,10 @@ def resume(sim: Any, scenes: Sequence[Scene], source: Any, counted: int) -> None
     scene, comm = sim.scene, sim.comm
     take_as_empty(sim.case, comm)
     require(scene, comm, source.count)
-    scene.tools.measure(comm)
+    scene.rigid_bodies.measure(comm)
     _compile(sim, scenes[sim.stage + 1 :], counted)
     state, layers = outline(scene, source, comm)
-    require_same(scene.tools, state.tools)
+    require_same(scene.rigid_bodies, state.rigid_bodies)
     sim.count = state.count
     if state.densest is not None:
         scene.weigh(state.densest)
@@ -156,7 +156,7 @@ def _compile(sim: Any, later: Sequence[Scene], counted: int) -> None:
     warm_up(scene, comm)
     for each in later:  # none waits for the compiler then, or meets what it refuses
         take_as_empty(each.case, comm)
-        each.tools.borrow(scene.tools)
+        each.rigid_bodies.borrow(scene.rigid_bodies)
         warm_up(each, comm)
     rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
     sim.clock = clock_of(sim.case, rate, counted)
@@ -206,7 +206,7 @@ def put_in_order(
                 f"the densest material, {scene.most_mass:.6g}; look at the volumes of points"
             )
     sim.rank = rank = Rank(scene, comm, slab, particles, count, start)
-    rank.lightest = LIGHT * min(least for least, _, _ in masses)
+    rank.mass_cutoff = LIGHT * min(least for least, _, _ in masses)
     sim.balance.watch(count)
     open_window(rank, sim.reduction)
     if start is None:

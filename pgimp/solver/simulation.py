@@ -265,7 +265,7 @@ class Simulation:
     @property
     def fastest(self) -> float:
         """Cells that waves, particles or rigid bodies cross in a unit of time, at most."""
-        rate, free = max(self.rate, self.scene.tools.rate), self.rank.free
+        rate, free = max(self.rate, self.scene.rigid_bodies.rate), self.rank.free
         return max(rate, free.rate) if free else rate
 
     def complete_reduction(self) -> None:

@@ -52,7 +52,7 @@ def enter(sim: Any) -> None:
     if old.densest is not None:
         new.weigh(old.densest)
     take_as_empty(case, comm)
-    new.tools.measure(comm)
+    new.rigid_bodies.measure(comm)
     warm_up(new, comm)
 
     gone = set(case.staged.removed) - set(old.case.staged.removed)
@@ -163,11 +163,13 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
 
 def _forces(scene: Scene) -> list[Hashable]:
     """Names of the rows of `Diagnostics.last`, in their order."""
-    faces, constraints, contact, tools = _booked(scene)
+    faces, constraints, contact, rigid_bodies = _booked(scene)
     kinds = ("face", "constraint", "contact", "impulse", "moment")
     return [
         (kind, name)
-        for kind, names in zip(kinds, (faces, constraints, contact, tools, tools), strict=True)
+        for kind, names in zip(
+            kinds, (faces, constraints, contact, rigid_bodies, rigid_bodies), strict=True
+        )
         for name in names
     ]
 
@@ -177,7 +179,7 @@ def _booked(scene: Scene) -> tuple[list[str], ...]:
     # The last law of contact is for pairs without an entry.
     contact = [*(entry.name for entry in scene.case.contact), ""] if scene.pairs else []
     faces = [face.name for face in scene.faces]
-    return faces, list(scene.case.constraints), contact, list(scene.tools.names)
+    return faces, list(scene.case.constraints), contact, list(scene.rigid_bodies.names)
 
 
 def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) -> np.ndarray:
@@ -192,10 +194,10 @@ def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) 
 
 def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
     """Copy the ledger into that of the next stage."""
-    faces, constraints, contact, tools = zip(_booked(old), _booked(new), strict=True)
+    faces, constraints, contact, rigid_bodies = zip(_booked(old), _booked(new), strict=True)
     kinds = {
         "impulse": faces, "outside_mass": faces, "constraint_impulse": constraints, "walls": faces,
-        "contact": contact, "tools": tools,
+        "contact": contact, "rigid_bodies": rigid_bodies,
     }  # fmt: skip
     for name, (before, after) in kinds.items():
         by_name = np.moveaxis(getattr(had, name), 1, 0)
@@ -209,7 +211,7 @@ def _free(rank: Rank) -> list[tuple[str, Any]]:
     """The rigid bodies that move freely, by name, and their states."""
     if rank.free is None:
         return []
-    names = [rank.scene.tools.names[number] for number in rank.scene.tools.free]
+    names = [rank.scene.rigid_bodies.names[number] for number in rank.scene.rigid_bodies.free]
     return list(zip(names, rank.free.states, strict=True))
 
 

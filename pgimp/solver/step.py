@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.kernels.contact.rigid_newton import find_response
+from pgimp.kernels.contact.rigid_newton import find_rigid_impulses
 from pgimp.kernels.data.arguments import Forcing, Report
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
@@ -18,7 +18,7 @@ from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, particles_to_grid
 from pgimp.solver.clock import Step
-from pgimp.solver.parts import Part, parts_of
+from pgimp.solver.parts import ConfigurationGroup, groups_by_configuration
 from pgimp.solver.rank import Rank
 
 
@@ -51,7 +51,11 @@ def step(
         On every rank, as from `begin`. The particles are as they were.
     """
     scene, grid, population, migration = rank.scene, rank.grid, rank.population, rank.migration
-    order, changed, parts = population.ordered, population.changed, parts_of(scene, population)
+    order, changed, parts = (
+        population.ordered,
+        population.changed,
+        groups_by_configuration(scene, population),
+    )
     loads, ledger, call = scene.loads.at(start), rank.ledger, rank.call
     lap = _stopwatch(rank.timings, rank.worked)
 
@@ -82,10 +86,12 @@ def step(
         update(WHOLE)  # (14, 17)
     else:  # impulses and new velocities depend on each other: solve for both
         update(BEGINNING)
-        respond = partial(call, find_response, contact, faces, scene.frame, field, vertex_forcing)
-        free.solve_velocities(contact.tools, grid, t, forcing.gravity, respond)
+        respond = partial(
+            call, find_rigid_impulses, contact, faces, scene.frame, field, vertex_forcing
+        )
+        free.solve_velocities(contact.rigid_bodies, grid, t, forcing.gravity, respond)
         update(REST)
-        free.move(contact.tools, grid, t.dt)
+        free.move(contact.rigid_bodies, grid, t.dt)
     if forcing.marked:
         call(apply_constraints, field, vertex_forcing, ledger)
     if rank.present:
@@ -152,7 +158,7 @@ def acting(rank: Rank, t: Step, loads: Loads, controlled: bool | float) -> Forci
     constraints = scene.loads.constraints_at(t.start, t.end)
     marked = (constraints, grid.marks) if constraints else ()
     return Forcing(
-        t.dt, scene.gravity(t.start), rank.lightest, loads, constraints, marked,
+        t.dt, scene.gravity(t.start), rank.mass_cutoff, loads, constraints, marked,
         scene.walls(t.start, t.end), controlled, rank.clearances.stored(grid),
     )  # fmt: skip
 
@@ -184,7 +190,9 @@ def on_particles(forcing: Forcing) -> Forcing:
     return forcing._replace(loads=forcing.loads._replace(walls=()), marked=(), clearances=())
 
 
-def sum_particles(rank: Rank, parts: Sequence[Part], loads: Loads, marked: bool) -> None:
+def sum_particles(
+    rank: Rank, parts: Sequence[ConfigurationGroup], loads: Loads, marked: bool
+) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have."""
     grid, particles, every = rank.grid, rank.particles, []
     for part in parts:

@@ -10,7 +10,7 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.grid.momentum import WHOLE, update_momentum
 from pgimp.solver.clock import Step
-from pgimp.solver.parts import parts_of
+from pgimp.solver.parts import groups_by_configuration
 from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles
 
 #: Moment of inertia of a cylinder and of a sphere, over mass and radius squared.
@@ -97,13 +97,13 @@ def at_vertices(simulation, dt):
     scene, grid = rank.scene, rank.grid
     t = Step(1, simulation.time, dt, simulation.time + dt)
     rank.meetings.regroup(grid, rank.population)
-    parts = parts_of(scene, rank.population)
+    parts = groups_by_configuration(scene, rank.population)
     sum_particles(rank, parts, scene.loads.at(t.start), marked=False)
     rank.halo.finish(grid)
-    unbooked = Ledger(*map(np.zeros_like, rank.ledger))
-    contact = rank.meetings.find(grid, rank.population, unbooked, t.start, t.end)
+    scratch_impulse = Ledger(*map(np.zeros_like, rank.ledger))
+    contact = rank.meetings.find(grid, rank.population, scratch_impulse, t.start, t.end)
     forcing = on_vertices(acting(rank, t, scene.loads.at(t.start), controlled=False))
-    fold_mirrors(rank, forcing, contact, unbooked)
+    fold_mirrors(rank, forcing, contact, scratch_impulse)
     window, frame, D = grid.window, scene.frame, scene.dimension
     fields = 1 + max(grid.fields, default=0)
     shape = (grid.planes, fields, *window.extent[1:], RECORD)
@@ -111,9 +111,7 @@ def at_vertices(simulation, dt):
     place = np.zeros((*shape[:-1], 3))
     for d, axis in enumerate((0, 2, 3)[:D]):
         count = shape[axis]
-        along = frame.origin[d] + frame.cell[d] * (
-            np.arange(count) + window.lower[d] - frame.ghost
-        )
+        along = frame.origin[d] + frame.cell[d] * (np.arange(count) + window.lower[d] - frame.ghost)
         place[..., d] = along.reshape([-1 if a == axis else 1 for a in range(4)])
 
     def sums(momentum):
@@ -124,9 +122,7 @@ def at_vertices(simulation, dt):
     G = grid.G.reshape(shape)
     before = G[active][..., MOMENTUM : MOMENTUM + 3].copy()
     faces = scene.face_parameters(t.start, t.end)
-    rank.call(
-        update_momentum, frame, grid.field, faces, forcing, unbooked, contact, WHOLE
-    )
+    rank.call(update_momentum, frame, grid.field, faces, forcing, scratch_impulse, contact, WHOLE)
     mass, velocity = G[active][..., MASS, None], G[active][..., VELOCITY : VELOCITY + 3]
     after = np.where(mass > 0.0, mass * velocity, 0.0)
     return sums(after) - sums(before), sums(before)

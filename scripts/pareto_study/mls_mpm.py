@@ -92,9 +92,9 @@ def stepper(real, start, cell, dt, lame, vertices, walls, vortex):
         for i in ti.grouped(grid_m):
             if grid_m[i] > 0.0:
                 grid_v[i] /= grid_m[i]
-                for d, lets_go in ti.static(walls):
+                for d, unilateral_walls in ti.static(walls):
                     if i[d] <= PAD:
-                        if ti.static(lets_go):
+                        if ti.static(unilateral_walls):
                             grid_v[i][d] = ti.max(grid_v[i][d], 0.0)
                         else:
                             grid_v[i] = ti.Vector.zero(real, D)

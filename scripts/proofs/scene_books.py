@@ -102,7 +102,7 @@ class Books:
             for case in sim.cases
             for each in (*case.boundaries.values(), *case.constraints.values())
         ]
-        meets = any(case.contact or case.tools for case in sim.cases)
+        meets = any(case.contact or case.rigid_bodies for case in sim.cases)
         self._accelerates = meets or any(each.varies for each in conditions)
         self._explained = [0.0]
 
@@ -147,7 +147,7 @@ class Books:
             self._vector(line, name) - self._vector(last, name)
             for name in ("momentum", "escaped.momentum", "removed.momentum")
         )
-        for name in self.case.tools:
+        for name in self.case.rigid_bodies:
             impulse -= (line["time"] - last["time"]) * self._vector(line, f"tool.{name}.force")
         off = np.abs(gained - impulse).max()
         text = f"step {sim.step}: gained {gained.tolist()}, impulses {impulse.tolist()}"
@@ -171,7 +171,7 @@ class Books:
                     speed = np.array(prescribed(entry.velocity, start, sim.time)[1][: self.D])
                     time = line["time"] - last["time"]
                     work += time * self._vector(line, force) @ speed
-        for name in self.case.tools:
+        for name in self.case.rigid_bodies:
             work += line[f"tool.{name}.work"] - last[f"tool.{name}.work"]
         done = line["external-work"] - last["external-work"]
         text = f"step {sim.step}: {done!r}, by the particles {work!r}"
@@ -180,11 +180,11 @@ class Books:
     def _check_inside(self, every):
         """What a rigid body holds is at most a quarter of a cell inside, if nothing else holds."""
         cases = self.sim.cases
-        if any(len(case.tools) > 1 or case.constraints or case.boundaries for case in cases):
+        if any(len(case.rigid_bodies) > 1 or case.constraints or case.boundaries for case in cases):
             return
         if any(body.configuration == "initial" for body in self.case.bodies.values()):
             return
-        for name in self.case.tools:
+        for name in self.case.rigid_bodies:
             most = int(every[f"tool.{name}.inside"].max())
             if most:
                 text = f"{most} in '{name}' by more than a quarter of a cell"
@@ -223,14 +223,22 @@ class Books:
                     gained += _kept(values)
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case
-        for name in (name for name, tool in case.tools.items() if tool.free and not case.gravity):
+        for name in (
+            name
+            for name, rigid_body in case.rigid_bodies.items()
+            if rigid_body.free and not case.gravity
+        ):
             own, done = every[f"tool.{name}.kinetic-energy"], every[f"tool.{name}.work"]
             most = max(own.max() + np.abs(done).max(), 1e-300)
             if (gained := float((own - own[0] + done).max()) / most) > RIGID:
                 text = f"{name} gains {gained:.3g} of its energy"
                 self.wrong.append(("books: free rigid body", text))
         held = any(
-            case.boundaries or case.constraints or case.tractions or case.gravity or case.tools
+            case.boundaries
+            or case.constraints
+            or case.tractions
+            or case.gravity
+            or case.rigid_bodies
             for case in self.sim.cases
         )
         if not held and self.D > 1 and len(self._lines) > 1:

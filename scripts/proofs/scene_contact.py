@@ -7,7 +7,7 @@ from scene_bodies import ball, box, middle, number, union, vector
 from scene_loads import table
 
 
-def tools(rng, scene):
+def rigid_bodies(rng, scene):
     """One or two rigid bodies, beside a body, that stand, move or turn."""
     D, h = scene.dimension, scene.cell
     for number_of in range(rng.choice((1, 1, 2))):

@@ -8,7 +8,7 @@ import numpy as np
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.momentum import REST
 from pgimp.solver import step as stepping
-from pgimp.solver.contact.lagrangian.lagrangian import PresentMeetings
+from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
 
 #: Of a free vertex's velocity; what differs by more is held.
 ROUNDING = 1e-9
@@ -38,7 +38,7 @@ class Seen:
     def step(self):
         """Look at the vertices in the one step that is done meanwhile."""
         sum_particles, update = stepping.sum_particles, stepping.update_momentum
-        take, exchange = stepping.grid_to_particles, PresentMeetings.exchange
+        take, exchange = stepping.grid_to_particles, LagrangianContact.exchange
         self.held = None
 
         def summed(rank, parts, loads, marked):
@@ -65,9 +65,12 @@ class Seen:
             self.active = planes & (self.sums[:, 0] > 0.0) & (self.after[:, 0] > 0.0)
             return take(setting, field, *rest)
 
-        with mock.patch.multiple(
-            stepping, sum_particles=summed, update_momentum=updated, grid_to_particles=taken
-        ), mock.patch.object(PresentMeetings, "exchange", exchanged):
+        with (
+            mock.patch.multiple(
+                stepping, sum_particles=summed, update_momentum=updated, grid_to_particles=taken
+            ),
+            mock.patch.object(LagrangianContact, "exchange", exchanged),
+        ):
             yield
 
     def accelerated(self):
@@ -82,7 +85,7 @@ class Seen:
         forcing, sums, G = self.forcing, self.sums[self.active], self.held[self.active]
         dt, m = forcing.dt, sums[:, :1]
         own, V, A = sums[:, 1:4] / m, G[:, 1:4], G[:, 5:8]
-        free = np.where(m > forcing.lightest, sums[:, 5:8] / m + forcing.gravity, 0.0)
+        free = np.where(m > forcing.mass_cutoff, sums[:, 5:8] / m + forcing.gravity, 0.0)
         off = np.abs(V - own - dt * free) + dt * np.abs(A - free)
         held = off > ROUNDING * (np.abs(own) + dt * np.abs(free))
         return dt * float((m * A * (own + 0.5 * dt * A - V))[held].sum())

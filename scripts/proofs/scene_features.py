@@ -16,7 +16,7 @@ import random
 from typing import NamedTuple
 
 from scene_bodies import add_bodies, number, vector
-from scene_contact import contact, free, tools
+from scene_contact import contact, free, rigid_bodies
 from scene_loads import components, constraint, gravity, traction
 from scene_materials import flows, materials, memory, metals, runs, varied, viscosity
 from scene_output import checkpoints, frames, grid_frames, history, probes, small_files
@@ -258,7 +258,7 @@ FEATURES = (
     Feature("traction", traction, 0.25, compiled=True),
     Feature("constraint", constraint, 0.25, compiled=True),
     Feature("second constraint", constraint, 0.05, compiled=True),
-    Feature("rigid bodies", tools, 0.3, compiled=True),
+    Feature("rigid bodies", rigid_bodies, 0.3, compiled=True),
     Feature("free body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
     Feature("initial configuration", initial, 0.2, compiled=True),

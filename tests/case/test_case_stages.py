@@ -71,7 +71,7 @@ def test_a_stage_is_the_case_before_it_with_the_changes():
     assert set(second.boundaries) == {"y-min"} and second.boundaries["y-min"].friction == 0.3
     assert (first.method.relaxation, third.method.relaxation) == (0.0, 3.0)
     assert (first.output.every, second.output.every) == (0.5, None)
-    assert second.tools == {} and [entry.bodies for entry in second.contact] == ["all"]
+    assert second.rigid_bodies == {} and [entry.bodies for entry in second.contact] == ["all"]
     assert (second.gravity, third.gravity) == ((0.0, -1.0), None)
     assert (second.time.step, third.courant) == (0.01, 0.2)
     assert [each.output.at for each in (first, second, third)] == [(0.3,), (1.5,), ()]
@@ -144,16 +144,31 @@ EXACT = {"vibrating-bar": {"amplitude": 0.01}}
         ({"materials": {"soil": {"model": "hooke"}}}, "materials.soil.model", "not reached"),
         ({"materials": {"soil": {"cohesion": -1.0}}}, "materials.soil.cohesion", "at least 0"),
         ({"materials": {"soil": None}}, "materials.soil", "not a material"),
-        ({"remove": ["block"], "tractions": {"push": {"pressure": 2.0}}}, "tractions.push",
-         "acts on 'block', which has been removed"),
-        ({"remove": ["rest"], "constraints": {"grip": {"velocity": [0, 0]}}}, "constraints.grip",
-         "acts on 'rest', which has been removed"),
-        ({"remove": ["block"], "contact": [{"bodies": ["tool", "block"]}]}, "contact.0.bodies.1",
-         "'block' has been removed"),
-        ({"constraints": {"hold": GRIP | {"velocity": [0, 0], "region": AWAY}}},
-         "constraints.hold.region", "beyond the domain"),
-        ({"constraints": {"hold": GRIP | {"velocity": [0, 0], "region": NOTHING}}},
-         "constraints.hold.region", "is empty"),
+        (
+            {"remove": ["block"], "tractions": {"push": {"pressure": 2.0}}},
+            "tractions.push",
+            "acts on 'block', which has been removed",
+        ),
+        (
+            {"remove": ["rest"], "constraints": {"grip": {"velocity": [0, 0]}}},
+            "constraints.grip",
+            "acts on 'rest', which has been removed",
+        ),
+        (
+            {"remove": ["block"], "contact": [{"bodies": ["tool", "block"]}]},
+            "contact.0.bodies.1",
+            "'block' has been removed",
+        ),
+        (
+            {"constraints": {"hold": GRIP | {"velocity": [0, 0], "region": AWAY}}},
+            "constraints.hold.region",
+            "beyond the domain",
+        ),
+        (
+            {"constraints": {"hold": GRIP | {"velocity": [0, 0], "region": NOTHING}}},
+            "constraints.hold.region",
+            "is empty",
+        ),
         ({"tractions": {"pull": None}}, "tractions.pull", "there is none to end"),
         ({"materials": {"soil": 3.0}}, "materials.soil", "expected a mapping of the keys"),
         ({"tractions": {"pull": {"pressure": 1.0}}}, "tractions.pull", "the pressure 0"),

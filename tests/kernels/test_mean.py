@@ -9,7 +9,7 @@ from scenes import box, field, finish, scene, start, stir
 from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, PER_CELL, close, copied, setting
 
 from pgimp.kernels.data.record import FORCE, MASS, RECORD, VELOCITY
-from pgimp.solver.parts import parts_of
+from pgimp.solver.parts import groups_by_configuration
 from pgimp.solver.step import sum_particles
 
 #: Boxes that reach three and four vertices, in each number of directions where it is not the same.
@@ -128,7 +128,7 @@ def test_viscous_pressure_acts_through_the_cells():
     for q in (np.zeros(len(rows)), rng.uniform(0.0, 9.0, len(rows))):
         p.q[rows, 0] = q
         p.alone[rows] = 0.0
-        parts = parts_of(sim.scene, sim.population)
+        parts = groups_by_configuration(sim.scene, sim.population)
         sum_particles(sim.rank, parts, sim.scene.loads.at(0.0), False)
         G = grid.G.reshape(*grid.window.extent, RECORD).copy()
         G[grid.active == 0] = 0.0

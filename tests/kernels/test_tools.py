@@ -15,26 +15,26 @@ from pgimp.scene.scene import Scene
 
 
 @kernel
-def filled(tools, frame, numbers, sides, out):
+def filled(rigid_bodies, frame, numbers, sides, out):
     """What the first body fills of vertices, and its surface."""
     for i in range(len(numbers)):
         number = (numbers[i, 0], numbers[i, 1], numbers[i, 2])
         side = (sides[0], sides[1], sides[2])
-        if fill(tools, 0, frame, number, side):
-            out[i, 0] = tools.at[0].filled
+        if fill(rigid_bodies, 0, frame, number, side):
+            out[i, 0] = rigid_bodies.point[0].filled
             for d in range(3):
-                out[i, 1 + d] = tools.at[0].surface[d]
+                out[i, 1 + d] = rigid_bodies.point[0].surface[d]
 
 
 @kernel
-def bends(tools, frame, numbers, out):
+def bends(rigid_bodies, frame, numbers, out):
     """What curvature of the first body adds to the gap at vertices near it."""
     for i in range(len(numbers)):
-        if fill(tools, 0, frame, (numbers[i, 0], numbers[i, 1], numbers[i, 2]), (0, 0, 0)):
-            out[i] = tools.at[0].curvature_gap
+        if fill(rigid_bodies, 0, frame, (numbers[i, 0], numbers[i, 1], numbers[i, 2]), (0, 0, 0)):
+            out[i] = rigid_bodies.point[0].curvature_gap
 
 
-def tool_of(D, region, cell, motion=None):
+def rigid_body_of(D, region, cell, motion=None):
     """The frame of a scene with a rigid body, and the body for kernels, as the run begins."""
     size = [12.0 * h for h in cell]
     low = [0.1 * h for h in cell]
@@ -45,8 +45,8 @@ def tool_of(D, region, cell, motion=None):
     case = scene(D, bodies, cells=[12] * D, cell=cell)
     case["grid"]["size"] = size
     made = Scene(Case.model_validate(case))
-    made.tools.measure(Serial())
-    return made, made.tools.at(0.5, 0.75)
+    made.rigid_bodies.measure(Serial())
+    return made, made.rigid_bodies.at(0.5, 0.75)
 
 
 def expected(scene_, region, place, sides):
@@ -79,18 +79,18 @@ def test_parts_below_planes_at_any_angle(D, walls):
         region = {
             "intersection": [whole, {"half-space": {"point": list(middle), "normal": list(n)}}]
         }
-        scene_, tools = tool_of(D, region, cell)
-        exact = scene_.tools.entries[0].region
+        scene_, rigid_bodies = rigid_body_of(D, region, cell)
+        exact = scene_.rigid_bodies.entries[0].region
         ghost, near = scene_.frame.ghost, rng.integers(5, 8, size=(8, 3))
         sides = np.zeros(3, np.int64)
         if walls and D > 1:  # on which the plane stands, else what is beyond them counts
             n[-1], sides[D - 1] = 0.0, -1
             n /= np.linalg.norm(n)
             region["intersection"][1]["half-space"]["normal"] = list(n)
-            scene_, tools = tool_of(D, region, cell)
-            exact = scene_.tools.entries[0].region
+            scene_, rigid_bodies = rigid_body_of(D, region, cell)
+            exact = scene_.rigid_bodies.entries[0].region
         out = np.zeros((len(near), 4))
-        filled(tools, scene_.frame, near + ghost, sides, out)
+        filled(rigid_bodies, scene_.frame, near + ghost, sides, out)
         for number, found in zip(near, out, strict=True):
             place = number[:D] * np.array(cell)
             part = expected(scene_, exact, place, sides)
@@ -107,11 +107,11 @@ def test_round_bodies_and_edges():
         ({"ball": {"centre": [6.2, 6.4], "radius": 5.0}}, 0.02),
         ({"box": {"min": [2.3, 2.6], "max": [6.3, 6.1]}}, 0.125),
     ):
-        scene_, tools = tool_of(2, entry, cell)
-        region = scene_.tools.entries[0].region
+        scene_, rigid_bodies = rigid_body_of(2, entry, cell)
+        region = scene_.rigid_bodies.entries[0].region
         numbers = np.array([[i, j, 0] for i in range(13) for j in range(13)])
         out = np.zeros((len(numbers), 4))
-        filled(tools, scene_.frame, numbers + scene_.frame.ghost, np.zeros(3, np.int64), out)
+        filled(rigid_bodies, scene_.frame, numbers + scene_.frame.ghost, np.zeros(3, np.int64), out)
         for number, found in zip(numbers, out, strict=True):
             part = expected(scene_, region, number[:2] * 1.0, (0, 0))
             assert found[0] == pytest.approx(part, abs=near)
@@ -130,12 +130,12 @@ def test_a_body_that_moves_is_where_its_motion_says():
     """Parts of a turned and moved box are those of the box in its new place."""
     motion = {"velocity": [0.8, -0.4], "rotation": {"about": [6.0, 6.0], "rate": 0.6}}
     region = {"box": {"min": [3.0, 4.0], "max": [8.0, 7.0]}}
-    scene_, tools = tool_of(2, region, [1.0, 1.0], motion)
-    pose = scene_.tools.entries[0].rigid.pose(0.5)
+    scene_, rigid_bodies = rigid_body_of(2, region, [1.0, 1.0], motion)
+    pose = scene_.rigid_bodies.entries[0].rigid.pose(0.5)
     turn = np.array(pose.turn).reshape(3, 3)[:2, :2]
     numbers = np.array([[i, j, 0] for i in range(2, 11) for j in range(2, 11)])
     out = np.zeros((len(numbers), 4))
-    filled(tools, scene_.frame, numbers + scene_.frame.ghost, np.zeros(3, np.int64), out)
+    filled(rigid_bodies, scene_.frame, numbers + scene_.frame.ghost, np.zeros(3, np.int64), out)
 
     class Moved:
         @staticmethod
@@ -174,21 +174,23 @@ def test_curvature_of_balls_and_hollows(D, radius, hollow):
     if hollow:
         whole = {"box": {"min": [-4.0] * D, "max": [20.0] * D}}
         region = {"difference": [whole, region]}
-    scene_, tools = tool_of(D, region, [1.0] * D)
+    scene_, rigid_bodies = rigid_body_of(D, region, [1.0] * D)
     numbers = np.stack(np.meshgrid(*[np.arange(3, 10)] * D, indexing="ij"), axis=-1).reshape(-1, D)
     away = np.linalg.norm(numbers - centre, axis=1)
     near = np.abs(away - radius) < 1.0
     numbers = np.pad(numbers[near], ((0, 0), (0, 3 - D)))
     out = np.zeros(len(numbers))
-    bends(tools, scene_.frame, numbers + scene_.frame.ghost, out)
+    bends(rigid_bodies, scene_.frame, numbers + scene_.frame.ghost, out)
     exact = (1.0 / 12.0 + 1.0 / 16.0) * (D - 1) / away[near] * (-1.0 if hollow else 1.0)
     assert len(out) > 4
     assert out == pytest.approx(exact, rel=0.1)
 
 
 def test_edges_and_flat_faces_have_no_curvature():
-    scene_, tools = tool_of(2, {"box": {"min": [3.3, 2.6], "max": [8.4, 8.1]}}, [1.0, 1.0])
+    scene_, rigid_bodies = rigid_body_of(
+        2, {"box": {"min": [3.3, 2.6], "max": [8.4, 8.1]}}, [1.0, 1.0]
+    )
     numbers = np.array([[3, 5, 0], [8, 6, 0], [5, 8, 0], [6, 3, 0], [3, 3, 0], [8, 8, 0]])
     out = np.ones(len(numbers))
-    bends(tools, scene_.frame, numbers + scene_.frame.ghost, out)
+    bends(rigid_bodies, scene_.frame, numbers + scene_.frame.ghost, out)
     assert np.abs(out).max() < 1e-9

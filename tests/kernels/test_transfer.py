@@ -74,9 +74,9 @@ def test_momentum_update_without_walls(name, D):
     rank, reference, p = setting(name, D)
     rank.particles_to_grid()
     reference.particles_to_grid(p)
-    lightest = 1.001 * float(np.median(reference.m[reference.m > 0]))
-    rank.update_momentum(DT, GRAVITY[:D], (), lightest)
-    reference.update_momentum(DT, GRAVITY, (), lightest)
+    mass_cutoff = 1.001 * float(np.median(reference.m[reference.m > 0]))
+    rank.update_momentum(DT, GRAVITY[:D], (), mass_cutoff)
+    reference.update_momentum(DT, GRAVITY, (), mass_cutoff)
     assert (reference.v == 0).any() and (reference.v != 0).any()
     assert records_agree(rank, reference.m, reference.v, reference.a)
     assert close(rank.work.sum(), reference.work)
@@ -130,9 +130,7 @@ def test_grid_to_particles(name, D, tracked):
     reference.update_momentum(DT, GRAVITY, (), LIGHTEST)
     before = copied(rank)
     error, _, found, rate, clamped, _ = rank.grid_to_particles(DT, tracked)
-    reference.grid_to_particles(
-        p, rank.setting.materials, rank.setting.material_of, DT, tracked
-    )
+    reference.grid_to_particles(p, rank.setting.materials, rank.setting.material_of, DT, tracked)
     assert error == 0
     after = copied(rank)
     for field in ("x", "v", "F", "sigma", "V"):
@@ -177,9 +175,7 @@ def test_uniform_stress_has_no_force_inside(name, D):
     cells = (9, 8, 8)[:D]
     frame = make_frame(shape, (0.0,) * D, CELL[:D], cells)
     apart = F / 2
-    along = [
-        np.arange(1.07 + s / 2, n - 1.0, s) for s, n in zip(apart, cells, strict=True)
-    ]
+    along = [np.arange(1.07 + s / 2, n - 1.0, s) for s, n in zip(apart, cells, strict=True)]
     xi = np.stack([c.ravel() for c in np.meshgrid(*along, indexing="ij")], axis=1)
     p = Particles.empty(len(xi), Carried(D))
     p.x[:] = xi * frame.cell

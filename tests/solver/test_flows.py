@@ -10,7 +10,7 @@ from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.filling import EXCESS, FIELD
 from pgimp.solver.clock import Step
 from pgimp.solver.flows import EVERY, SHIFT
-from pgimp.solver.parts import parts_of
+from pgimp.solver.parts import groups_by_configuration
 
 #: A tank 8 cells wide, filled to 8 cells; sound at ten times sqrt(g depth).
 TANK = {
@@ -40,7 +40,7 @@ def tank(**parts):
 def filling(sim):
     """EXCESS and FIELD of the vertices of the domain's grid, in the order of y, x."""
     rank = sim.rank
-    order = parts_of(rank.scene, rank.population)[0].order
+    order = groups_by_configuration(rank.scene, rank.population)[0].order
     found = rank.flows.find(rank, order, Step(EVERY, 0.0, 0.01, 0.01))
     (i, j, _), extent = rank.grid.window.lower, rank.grid.window.extent
     G = found.G.reshape(rank.grid.planes, extent[1], RECORD)

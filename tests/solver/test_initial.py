@@ -10,7 +10,7 @@ from scenes import BAR, SOFT, box, field, finish, scene, start, wall
 
 from pgimp.errors import RunError
 from pgimp.kernels.data.record import FORCE, RECORD
-from pgimp.solver.parts import parts_of
+from pgimp.solver.parts import groups_by_configuration
 from pgimp.solver.step import sum_particles
 
 SEED = 41
@@ -94,7 +94,7 @@ def test_a_step_is_that_of_the_equations(name):
         given = kind["velocity"] if isinstance(kind, dict) else None
         kind = "velocity" if given else kind
         faces.append((kind, face.axis, face.side, given, [0.0] * scene.dimension))
-    grid.update_momentum(0.004, case.get("gravity", [0.0] * 3), faces, sim.rank.lightest)
+    grid.update_momentum(0.004, case.get("gravity", [0.0] * 3), faces, sim.rank.mass_cutoff)
     grid.grid_to_particles(p, scene.materials, scene.material_of, 0.004)
     sim.diagnostics()  # what reactions count from
     sim.advance()
@@ -146,7 +146,7 @@ def test_forces_with_mean_dilatation_have_a_potential(D):
 
     u = 0.15 * rng.uniform(-1.0, 1.0, (*grid.shape, D))
     deformed(u)
-    parts = parts_of(sim.scene, sim.population)
+    parts = groups_by_configuration(sim.scene, sim.population)
     sum_particles(sim.rank, parts, sim.scene.loads.at(0.0), False)
     window, G = sim.rank.grid.window, sim.rank.grid.G.reshape(*sim.rank.grid.window.extent, RECORD)
     G[sim.rank.grid.active == 0] = 0.0

@@ -105,31 +105,31 @@ def check_bounds(path: tuple[str | int, ...], region: Any, dimensions: int, grid
 
 
 def check_tools(
-    dimensions: int, body_names: Sequence[str], tools: Mapping[str, Any]
+    dimensions: int, body_names: Sequence[str], rigid_bodies: Mapping[str, Any]
 ) -> Problems:
     """Check that rigid bodies fit the dimensions and have an end, and that there is another."""
-    if tools and not body_names:
+    if rigid_bodies and not body_names:
         yield Problem(("bodies",), "all are rigid; a case needs a body of a material")
-    for name, tool in tools.items():
+    for name, rigid_body in rigid_bodies.items():
         path: tuple[str | int, ...] = ("bodies", name)
-        if tool.free:
-            yield from _free(path, dimensions, tool)
+        if rigid_body.free:
+            yield from _free(path, dimensions, rigid_body)
         else:
-            yield from _motion((*path, "rigid"), dimensions, tool.rigid)
-            if tool.velocity is not None:
+            yield from _motion((*path, "rigid"), dimensions, rigid_body.rigid)
+            if rigid_body.velocity is not None:
                 text = (
                     "a rigid body without density moves as `rigid` says, {velocity: ..}; one that "
                     "moves freely has a density: rigid: {density: ..}"
                 )
                 yield Problem((*path, "velocity"), text)
-        wrong = list(_region((*path, "region"), tool.region, dimensions))
+        wrong = list(_region((*path, "region"), rigid_body.region, dimensions))
         yield from wrong
-        for region in () if wrong else tool.region.simple():
+        for region in () if wrong else rigid_body.region.simple():
             if region.WHOLE_BODY:
                 yield Problem((*path, "region"), "a rigid body has no particles, also from a file")
-        if wrong or any(region.FROM_FILE for region in tool.region.simple()):
+        if wrong or any(region.FROM_FILE for region in rigid_body.region.simple()):
             continue
-        low, high = tool.region.bounds()
+        low, high = rigid_body.region.bounds()
         if any(a > b for a, b in zip(low, high, strict=True)):
             yield Problem((*path, "region"), "is empty: no point lies in it")
         elif not all(map(math.isfinite, (*low, *high))):
@@ -259,10 +259,10 @@ def check_constraints(
 
 
 def check_contact(
-    body_names: Sequence[str], tools: Mapping[str, Any], contact: Sequence[Any]
+    body_names: Sequence[str], rigid_bodies: Mapping[str, Any], contact: Sequence[Any]
 ) -> Problems:
     """Check that the entries of contact name bodies, and no pair twice."""
-    body_names = [*body_names, *tools]
+    body_names = [*body_names, *rigid_bodies]
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")
@@ -273,7 +273,7 @@ def check_contact(
                     yield Problem((*path, k), unknown("body", name, body_names))
         elif len(body_names) < 2:
             yield Problem(path, "there is only one body, which meets no other")
-        if entry.bodies != "all" and set(entry.bodies) <= set(tools):
+        if entry.bodies != "all" and set(entry.bodies) <= set(rigid_bodies):
             text = (
                 "all are rigid, and rigid bodies do not feel each other: leave the entry out, or "
                 "make one of them a body of a material"

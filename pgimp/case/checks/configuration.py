@@ -28,7 +28,7 @@ def check_configuration(
     method: Any,
     materials: Mapping[str, Any],
     bodies: Mapping[str, Any],
-    tools: Mapping[str, Any],
+    rigid_bodies: Mapping[str, Any],
     boundaries: Mapping[str, Any],
     escape: Mapping[str, str],
     contact: Sequence[Any],
@@ -40,7 +40,7 @@ def check_configuration(
         return
     first = initial[0]
     current = [name for name in bodies if name not in initial]
-    yield from _parted(bodies, tools, current, contact)
+    yield from _parted(bodies, rigid_bodies, current, contact)
     if exact is not None and current:
         yield Problem(
             ("exact",),
@@ -85,13 +85,13 @@ def check_configuration(
 
 
 def _parted(
-    bodies: Mapping[str, Any], tools: Mapping[str, Any], current: Sequence[str], contact: Any
+    bodies: Mapping[str, Any], rigid_bodies: Mapping[str, Any], current: Sequence[str], contact: Any
 ) -> Problems:
     """Check that bodies in the current configuration beside others either share a field or meet.
 
     Those that are tied share one field, also with what they are tied to in turn.
     """
-    names = [*bodies, *tools]
+    names = [*bodies, *rigid_bodies]
     if any(not set(entry.bodies) <= set(names) for entry in contact if entry.bodies != "all"):
         return
     pairs = Pairs.of(contact, names)

@@ -175,7 +175,7 @@ def check_planes_of_symmetry(before: Any, now: Any) -> Problems:
     for face in sorted({*before.boundaries, *now.boundaries}):
         slips = [isinstance(case.boundaries.get(face), Slip) for case in (before, now)]
         axis = "xyz".index(face[0])
-        for name, body in now.tools.items() if slips[0] != slips[1] else ():
+        for name, body in now.rigid_bodies.items() if slips[0] != slips[1] else ():
             if not (body.free and body.free.mirrored(axis, now.dimensions)):
                 continue
             if not any(region.FROM_FILE for region in body.region.simple()):

@@ -53,10 +53,15 @@ def check(parts: Mapping[str, Any], counted: float = 0.0) -> list[Problem]:
     parts = {**parts, "counted": counted}
     if "every_body" in parts:
         every = parts["every_body"]
-        tools = {name: body for name, body in every.items() if isinstance(body, RigidBody)}
-        bodies = {name: body for name, body in every.items() if name not in tools}
-        named = (name for name in parts.get("body_names", every) if name not in tools)
-        parts = {**parts, "body_names": tuple(named), "bodies": bodies, "tools": tools}
+        rigid_bodies = {name: body for name, body in every.items() if isinstance(body, RigidBody)}
+        bodies = {name: body for name, body in every.items() if name not in rigid_bodies}
+        named = (name for name in parts.get("body_names", every) if name not in rigid_bodies)
+        parts = {
+            **parts,
+            "body_names": tuple(named),
+            "bodies": bodies,
+            "rigid_bodies": rigid_bodies,
+        }
     if "materials" in parts:
         parts = {"declared": tuple(parts["materials"]), **parts}
     problems: list[Problem] = []
@@ -65,7 +70,7 @@ def check(parts: Mapping[str, Any], counted: float = 0.0) -> list[Problem]:
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
     known = {item.path for item in problems}
-    others = ("every_body", "tools", "counted")
+    others = ("every_body", "rigid_bodies", "counted")
     numbers = {name: part for name, part in parts.items() if name not in others}
     if "every_body" in parts:
         numbers["bodies"] = parts["every_body"]

@@ -122,7 +122,7 @@ def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
         gone = (*before.staged.removed, *stage.remove)
         if entry.body in gone and reselects(before, now, name):
             yield Problem(("constraints", name, "body"), f"'{entry.body}' has been removed")
-    if (now.contact or now.tools) and not (before.contact or before.tools):
+    if (now.contact or now.rigid_bodies) and not (before.contact or before.rigid_bodies):
         yield Problem(
             ("contact",),
             "surfaces of the bodies are known at the start only: a stage can change the laws of "

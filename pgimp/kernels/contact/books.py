@@ -11,12 +11,12 @@ from pgimp.kernels.data.ledger import (
     IMPULSE,
     LOSS,
     NORMAL_IMPULSE,
+    RIGID_IMPULSE,
+    RIGID_MOMENT,
+    RIGID_WORK,
     TANGENTIAL_IMPULSE,
-    TOOL_IMPULSE,
-    TOOL_MOMENT,
-    TOOL_WORK,
 )
-from pgimp.kernels.rigid.bodies import ANSWERS, place_of
+from pgimp.kernels.rigid.bodies import move_freely, place_of
 
 
 @inner_kernel
@@ -53,28 +53,28 @@ def book(contact, holding, number, pair, part, last, ledger, plane):
     if last and row.normal_impulse != 0.0:
         booked[CONTACT_AREA] += row.area
     x = place_of(holding.frame, number)
-    book_tools(contact, contact.tools, x, pair, part, (u, v), ledger, plane)
+    book_rigid_bodies(contact, contact.rigid_bodies, x, pair, part, (u, v), ledger, plane)
 
 
-def book_tools(contact, tools, x, pair, part, velocities, ledger, plane):
+def book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, plane):
     """Book the impulse on the rigid body of a pair, its moment, and its work on what it met.
 
     `x` is the vertex's place; `velocities` are those of the pair.
     """
 
 
-@specialise(book_tools)
-def _book_tools(contact, tools, x, pair, part, velocities, ledger, plane):
-    if not hasattr(tools, "instance_class"):
-        return lambda contact, tools, x, pair, part, velocities, ledger, plane: None
+@specialise(book_rigid_bodies)
+def _book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, plane):
+    if not hasattr(rigid_bodies, "instance_class"):
+        return lambda contact, rigid_bodies, x, pair, part, velocities, ledger, plane: None
 
-    def book_each(contact, tools, x, pair, part, velocities, ledger, plane):
+    def book_each(contact, rigid_bodies, x, pair, part, velocities, ledger, plane):
         row, (u, v), (a, b) = contact.pair_states[pair], velocities, fields_of(contact, pair)
         for sign, end, w in ((-part, a, u), (part, b, v)):
             if contact.fields[end].mass < inf:
                 continue
-            t = contact.bodies[end] - tools.bodies
-            booked, motion = ledger.tools[plane, t], tools.motion[t]
+            t = contact.bodies[end] - rigid_bodies.bodies
+            booked, motion = ledger.rigid_bodies[plane, t], rigid_bodies.motion[t]
             arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
             J = (
                 sign * impulse_of(row, 0),
@@ -82,21 +82,21 @@ def _book_tools(contact, tools, x, pair, part, velocities, ledger, plane):
                 sign * impulse_of(row, 2),
             )
             done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
-            lost = _lost(tools, t, arm, J, w)
+            lost = _lost(rigid_bodies, t, arm, J, w)
             done += lost
             ledger.contact[plane, contact.ends[pair].law - 1, LOSS] += lost
             for d in range(3):
                 e, f = (d + 1) % 3, (d + 2) % 3
-                booked[TOOL_IMPULSE + d] += J[d]
-                booked[TOOL_MOMENT + d] += arm[e] * J[f] - arm[f] * J[e]
-            booked[TOOL_WORK] += done
+                booked[RIGID_IMPULSE + d] += J[d]
+                booked[RIGID_MOMENT + d] += arm[e] * J[f] - arm[f] * J[e]
+            booked[RIGID_WORK] += done
             ledger.work[plane] += done
-            _take(tools, t, plane, arm, J)
+            _take(rigid_bodies, t, plane, arm, J)
 
     return book_each
 
 
-def _lost(tools, t, arm, J, w):
+def _lost(rigid_bodies, t, arm, J, w):
     """Energy that a rigid body that moves freely loses by an impulse, besides its work at `w`.
 
     Before the step's impulses it was faster: over all vertices it loses the impulse times the mean
@@ -105,13 +105,13 @@ def _lost(tools, t, arm, J, w):
 
 
 @specialise(_lost)
-def _lost_of_free(tools, t, arm, J, w):
-    if not hasattr(tools.types[ANSWERS], "ndim"):
-        return lambda tools, t, arm, J, w: 0.0
+def _lost_of_free(rigid_bodies, t, arm, J, w):
+    if not move_freely(rigid_bodies):
+        return lambda rigid_bodies, t, arm, J, w: 0.0
 
-    def lost(tools, t, arm, J, w):
-        found, former = 0.0, tools.motion[t].velocity_before
-        if tools.about[t].free < 0:
+    def lost(rigid_bodies, t, arm, J, w):
+        found, former = 0.0, rigid_bodies.motion[t].velocity_before
+        if rigid_bodies.lattice[t].free < 0:
             return found
         for d in range(3):
             e, f = (d + 1) % 3, (d + 2) % 3
@@ -123,20 +123,20 @@ def _lost_of_free(tools, t, arm, J, w):
     return lost
 
 
-def _take(tools, t, plane, arm, J):
+def _take(rigid_bodies, t, plane, arm, J):
     """Apply an impulse to a rigid body that moves freely."""
 
 
 @specialise(_take)
-def _take_free(tools, t, plane, arm, J):
-    if not hasattr(tools.types[ANSWERS], "ndim"):
-        return lambda tools, t, plane, arm, J: None
+def _take_free(rigid_bodies, t, plane, arm, J):
+    if not move_freely(rigid_bodies):
+        return lambda rigid_bodies, t, plane, arm, J: None
 
-    def take(tools, t, plane, arm, J):
-        free = tools.about[t].free
+    def take(rigid_bodies, t, plane, arm, J):
+        free = rigid_bodies.lattice[t].free
         if free < 0:
             return
-        taken = tools.answers[plane, free]
+        taken = rigid_bodies.responses[plane, free]
         for d in range(3):
             e, f = (d + 1) % 3, (d + 2) % 3
             taken.impulse[d] += J[d]

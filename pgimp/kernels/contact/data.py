@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel
-from pgimp.kernels.contact.select import SPREAD
+from pgimp.kernels.contact.select import VERTEX_RANGE
 from pgimp.physics.contact import FRICTION, Pairs
 
 #: Least part of a vertex's neighbourhood that either body must fill: less gives no reliable gap, as
@@ -91,9 +91,9 @@ class Contact(NamedTuple):
         The law of each pair of bodies.
     volumes : (planes * plane,) float64
         The sums of `VolumeSums`, for the planes where bodies meet.
-    met : (planes,) int64
+    vertex_counts : (planes,) int64
         Number of the vertices at which bodies meet, in each plane.
-    spread : (planes, SPREAD) int64
+    vertex_ranges : (planes, SPREAD) int64
         Between which vertices these are, see `select_near`.
     places, bodies : (fields,) int64
         Scratch: places of the records of the fields at a vertex, and their bodies.
@@ -103,37 +103,43 @@ class Contact(NamedTuple):
         Scratch: the fields of each pair at a vertex, and its law.
     pair_states : (pairs,) PAIR_STATE
         Scratch: the states of the pairs.
-    unbooked : (faces, 3) float64
+    scratch_impulse : (faces, 3) float64
         Scratch for what faces would book.
-    tools : Tools or ()
+    rigid_bodies : Tools or ()
         The rigid bodies, which count as fields without a place in the grid, and with infinite
         mass.
     """
 
     pairs: Pairs
     volumes: np.ndarray
-    met: np.ndarray
-    spread: np.ndarray
+    vertex_counts: np.ndarray
+    vertex_ranges: np.ndarray
     places: np.ndarray
     bodies: np.ndarray
     fields: np.ndarray
     ends: np.ndarray
     pair_states: np.ndarray
-    unbooked: np.ndarray
-    tools: Any
+    scratch_impulse: np.ndarray
+    rigid_bodies: Any
 
     @classmethod
     def empty(
-        cls, pairs: Pairs, volumes: Any, planes: int, fields: int, faces: int, tools: Any = ()
+        cls,
+        pairs: Pairs,
+        volumes: Any,
+        planes: int,
+        fields: int,
+        faces: int,
+        rigid_bodies: Any = (),
     ) -> "Contact":
         """Allocate for `planes` planes, where at most `fields` bodies meet at a vertex."""
-        most = fields + (len(tools.motion) if tools else 0)
+        most = fields + (len(rigid_bodies.motion) if rigid_bodies else 0)
         count = most * (most - 1) // 2
         return cls(
-            pairs, volumes, np.zeros(planes, np.int64), np.zeros((planes, SPREAD), np.int64),
+            pairs, volumes, np.zeros(planes, np.int64), np.zeros((planes, VERTEX_RANGE), np.int64),
             np.zeros(most, np.int64), np.zeros(most, np.int64), np.zeros(most, FIELD_STATE),
             np.zeros(count, PAIR_ENDS), np.zeros(count, PAIR_STATE), np.zeros((faces, 3)),
-            tools,
+            rigid_bodies,
         )  # fmt: skip
 
 
@@ -205,7 +211,7 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
                 if b >= count - rigid and fields[a].filled < _least_held(row):
                     continue
                 excess = max(fields[one].curvature_gap + fields[other].curvature_gap, 0.0)
-                bent = excess * _volume(frame, sides) / row.gap_rate ** 2
+                bent = excess * _volume(frame, sides) / row.gap_rate**2
                 gap = row.gap_rate * _gap(fields[one], fields[other], row, missing, bent)
                 row.gap_rate = max(gap - excess, 0.0) / dt
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]

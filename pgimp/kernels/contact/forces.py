@@ -2,7 +2,7 @@
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.data import fields_of, impulse_of
-from pgimp.kernels.contact.vertex import meet_at
+from pgimp.kernels.contact.vertex import contact_at_vertex
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.loads.loads import relaxed_part
 
@@ -22,17 +22,17 @@ def contact_forces(contact, faces, frame, field, forcing, last, out):
         Of the rank's own planes.
     """
     window = field.window
-    holding = Holding(faces, frame, forcing, contact.unbooked)
+    holding = Holding(faces, frame, forcing, contact.scratch_impulse)
     part = 1.0 if last else relaxed_part(forcing.loads.relaxation, forcing.dt)
     vertex = 0
     for i in range(field.owned):
-        touched = field.active[i] != 0 and contact.met[i] > 0
+        touched = field.active[i] != 0 and contact.vertex_counts[i] > 0
         for j in range(window.extent[1]):
             for k in range(window.extent[2]):
                 if touched:
                     r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
                     number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                    _, pairs = meet_at(contact, holding, field, number, r, last)
+                    _, pairs = contact_at_vertex(contact, holding, field, number, r, last)
                     for pair in range(pairs):
                         a, b = fields_of(contact, pair)
                         sign = -1.0 if contact.bodies[a] < contact.bodies[b] else 1.0

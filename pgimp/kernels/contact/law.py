@@ -7,7 +7,7 @@ from pgimp.kernels.contact.data import fields_of, impulse_of
 from pgimp.kernels.grid.conditions import held_velocity
 from pgimp.kernels.grid.constraints import is_marked
 from pgimp.kernels.grid.faces import beyond_any, face_count
-from pgimp.kernels.rigid.bodies import ANSWERS
+from pgimp.kernels.rigid.bodies import move_freely
 from pgimp.physics.contact import TIED
 
 #: Small and great changes of a velocity, relative to the greatest speed at a vertex: what is held
@@ -93,7 +93,7 @@ def _fastest(fields, count):
     return most if most > 0.0 else 1.0
 
 
-def softness(contact, tools, a, b):
+def held_compliance(contact, rigid_bodies, a, b):
     """Compliance of a free rigid body against a held field, by component: velocity per impulse.
 
     Held is what has no bilateral inverse mass. The impulse changes neither velocity, the body's
@@ -102,20 +102,20 @@ def softness(contact, tools, a, b):
     """
 
 
-@specialise(softness)
-def _softness(contact, tools, a, b):
-    if not hasattr(tools, "instance_class") or not hasattr(tools.types[ANSWERS], "ndim"):
-        return lambda contact, tools, a, b: (0.0, 0.0, 0.0)
+@specialise(held_compliance)
+def _held_compliance(contact, rigid_bodies, a, b):
+    if not move_freely(rigid_bodies):
+        return lambda contact, rigid_bodies, a, b: (0.0, 0.0, 0.0)
 
-    def of_free(contact, tools, a, b):
+    def of_free(contact, rigid_bodies, a, b):
         fields, rigid, other = contact.fields, b, a
         if fields[a].mass == inf:
             rigid, other = a, b
         if fields[rigid].mass < inf:
             return 0.0, 0.0, 0.0
-        if tools.about[contact.bodies[rigid] - tools.bodies].free < 0:
+        if rigid_bodies.lattice[contact.bodies[rigid] - rigid_bodies.bodies].free < 0:
             return 0.0, 0.0, 0.0
-        soft = tools.motion[contact.bodies[rigid] - tools.bodies].compliance
+        soft = rigid_bodies.motion[contact.bodies[rigid] - rigid_bodies.bodies].compliance
         return (
             soft if fields[other].bilateral_inverse_mass[0] == 0.0 else 0.0,
             soft if fields[other].bilateral_inverse_mass[1] == 0.0 else 0.0,
@@ -148,7 +148,7 @@ def exchange(contact, holding, number, held, pair, last):
     bilateral = tied or rigid
     soft = (0.0, 0.0, 0.0)
     if held:
-        soft = softness(contact, contact.tools, a, b)
+        soft = held_compliance(contact, contact.rigid_bodies, a, b)
     if tied:
         for d in range(len(holding.frame.cell)):
             mobility = first.bilateral_inverse_mass[d] + second.bilateral_inverse_mass[d] + soft[d]

@@ -11,8 +11,8 @@ from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.data import fields_of
-from pgimp.kernels.contact.law import softness
-from pgimp.kernels.contact.vertex import meet_at
+from pgimp.kernels.contact.law import held_compliance
+from pgimp.kernels.contact.vertex import contact_at_vertex
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.rigid.bodies import (
     lever,
@@ -25,7 +25,7 @@ NONE = 1e-120
 
 
 @kernel
-def find_response(contact, faces, frame, field, forcing):
+def find_rigid_impulses(contact, faces, frame, field, forcing):
     """Set the impulses on free rigid bodies in the last pass, and their derivatives by the motion.
 
     Parameters
@@ -35,22 +35,22 @@ def find_response(contact, faces, frame, field, forcing):
     faces, frame, field, forcing
         As in `update_momentum`, after its beginning.
     """
-    window, tools = field.window, contact.tools
-    holding = Holding(faces, frame, forcing, contact.unbooked)
+    window, rigid_bodies = field.window, contact.rigid_bodies
+    holding = Holding(faces, frame, forcing, contact.scratch_impulse)
     for i in range(field.owned):
-        for free in range(tools.answers.shape[1]):
-            _clear(tools.answers[i, free])
-        if field.active[i] == 0 or contact.met[i] == 0:
+        for free in range(rigid_bodies.responses.shape[1]):
+            _clear(rigid_bodies.responses[i, free])
+        if field.active[i] == 0 or contact.vertex_counts[i] == 0:
             continue
         for j in range(window.extent[1]):
             for k in range(window.extent[2]):
                 r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
                 number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                if not _some_free(tools, len(frame.cell), number):
+                if not _some_free(rigid_bodies, len(frame.cell), number):
                     continue
-                count, pairs = meet_at(contact, holding, field, number, r, True)
+                count, pairs = contact_at_vertex(contact, holding, field, number, r, True)
                 for pair in range(pairs):
-                    _add(contact, tools, frame, number, pair, count if pairs > 1 else 1, i)
+                    _add(contact, rigid_bodies, frame, number, pair, count if pairs > 1 else 1, i)
 
 
 @inner_kernel
@@ -63,20 +63,20 @@ def _clear(response):
 
 
 @inner_kernel
-def _some_free(tools, D, number):
+def _some_free(rigid_bodies, D, number):
     """Whether a vertex may be near a rigid body that moves freely."""
-    for t in range(len(tools.about)):
-        about = tools.about[t]
-        near = about.free >= 0
+    for t in range(len(rigid_bodies.lattice)):
+        lattice = rigid_bodies.lattice[t]
+        near = lattice.free >= 0
         for d in range(D):
-            near = near and about.least[d] <= number[d] <= about.most[d]
+            near = near and lattice.least[d] <= number[d] <= lattice.most[d]
         if near:
             return True
     return False
 
 
 @inner_kernel
-def _add(contact, tools, frame, number, pair, count, plane):
+def _add(contact, rigid_bodies, frame, number, pair, count, plane):
     """Add the impulse on a pair's rigid body at a vertex, if it moves freely.
 
     `count` is the number of fields that may respond together.
@@ -85,8 +85,8 @@ def _add(contact, tools, frame, number, pair, count, plane):
     rigid, other = (a, b) if contact.fields[a].mass == inf else (b, a)
     if contact.fields[rigid].mass < inf:
         return
-    t = contact.bodies[rigid] - tools.bodies
-    free = tools.about[t].free
+    t = contact.bodies[rigid] - rigid_bodies.bodies
+    free = rigid_bodies.lattice[t].free
     if free < 0:
         return
     # Where others push back, the response is stiffer: as if all fields there moved as one.
@@ -99,16 +99,20 @@ def _add(contact, tools, frame, number, pair, count, plane):
     s = (row.tangential_impulse[0], row.tangential_impulse[1], row.tangential_impulse[2])
     push, slip = row.normal_impulse, sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
     tied = contact.pairs.law[contact.ends[pair].law - 1] == TIED
-    mobility = _mobility(contact, tools, a, b, other, contact.fields[other].mass / mass)
+    mobility = _mobility(contact, rigid_bodies, a, b, other, contact.fields[other].mass / mass)
     along, across, drag, turn = _slopes(contact, pair, other, push, mobility)
     inverse = 1.0 / slip if slip > NONE else 0.0
     drag, turn = inverse * drag, inverse / slip * turn if slip > NONE else 0.0
-    if tools.motion[t].viscous_slip != 0.0:  # a bounded impulse as viscous: never overshoots
+    if rigid_bodies.motion[t].viscous_slip != 0.0:  # a bounded impulse as viscous: never overshoots
         drag, turn = 0.0, 0.0
         if push < 0.0:
             along = _pulled(row, mobility)
     sign = -1.0 if rigid == a else 1.0
-    answer, x, motion = tools.answers[plane, free], place_of(frame, number), tools.motion[t]
+    answer, x, motion = (
+        rigid_bodies.responses[plane, free],
+        place_of(frame, number),
+        rigid_bodies.motion[t],
+    )
     arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
     for d in range(3):
         J = sign * (s[d] + push * n[d])
@@ -124,12 +128,12 @@ def _add(contact, tools, frame, number, pair, count, plane):
 
 
 @inner_kernel
-def _mobility(contact, tools, a, b, other, part):
+def _mobility(contact, rigid_bodies, a, b, other, part):
     """Inverse mass that a free rigid body meets at a vertex, by component.
 
     `part` is the field's share of the mass that may respond together. What is held responds alone.
     """
-    soft, own = softness(contact, tools, a, b), contact.fields[other]
+    soft, own = held_compliance(contact, rigid_bodies, a, b), contact.fields[other]
     free = own.bilateral_inverse_mass
     return part * free[0] + soft[0], part * free[1] + soft[1], part * free[2] + soft[2]
 

@@ -2,19 +2,25 @@
 
 from pgimp.jit.kernel import inner_kernel, kernel
 
-#: Columns of `spread`: least and greatest vertex along y, then along z, in the window.
-LOW_Y, HIGH_Y, LOW_Z, HIGH_Z, SPREAD = 0, 1, 2, 3, 4
+#: Columns of `vertex_ranges`: least and greatest vertex along y, then along z, in the window.
+LOW_Y, HIGH_Y, LOW_Z, HIGH_Z, VERTEX_RANGE = 0, 1, 2, 3, 4
 
 
 @inner_kernel
-def include(spread, i, j, k):
+def include(vertex_ranges, i, j, k):
     """Widen the range of plane `i` by a vertex."""
-    spread[i, LOW_Y], spread[i, HIGH_Y] = min(spread[i, LOW_Y], j), max(spread[i, HIGH_Y], j)
-    spread[i, LOW_Z], spread[i, HIGH_Z] = min(spread[i, LOW_Z], k), max(spread[i, HIGH_Z], k)
+    vertex_ranges[i, LOW_Y], vertex_ranges[i, HIGH_Y] = (
+        min(vertex_ranges[i, LOW_Y], j),
+        max(vertex_ranges[i, HIGH_Y], j),
+    )
+    vertex_ranges[i, LOW_Z], vertex_ranges[i, HIGH_Z] = (
+        min(vertex_ranges[i, LOW_Z], k),
+        max(vertex_ranges[i, HIGH_Z], k),
+    )
 
 
 @kernel
-def select_near(frame, window, particles, order, spread, shared, rows, start):
+def select_near(frame, window, particles, order, vertex_ranges, shared, rows, start):
     """Select the particles that may have weight on some vertices, in their order.
 
     Parameters
@@ -23,7 +29,7 @@ def select_near(frame, window, particles, order, spread, shared, rows, start):
         That of the planes.
     order : Order
         Of all particles of the rank.
-    spread : (planes, SPREAD) int64
+    vertex_ranges : (planes, SPREAD) int64
         Range of the vertices in each plane; empty if the least is above the greatest.
     shared : int
         Vertices a direction in a support, less one.
@@ -38,8 +44,14 @@ def select_near(frame, window, particles, order, spread, shared, rows, start):
         start[layer] = found
         low_y, high_y, low_z, high_z = 1 << 40, -1, 1 << 40, -1
         for i in range(layer, layer + shared + 1):
-            low_y, high_y = min(low_y, spread[i, LOW_Y]), max(high_y, spread[i, HIGH_Y])
-            low_z, high_z = min(low_z, spread[i, LOW_Z]), max(high_z, spread[i, HIGH_Z])
+            low_y, high_y = (
+                min(low_y, vertex_ranges[i, LOW_Y]),
+                max(high_y, vertex_ranges[i, HIGH_Y]),
+            )
+            low_z, high_z = (
+                min(low_z, vertex_ranges[i, LOW_Z]),
+                max(high_z, vertex_ranges[i, HIGH_Z]),
+            )
         if high_y < 0:
             continue
         for k in range(order.start[layer], order.start[layer + 1]):

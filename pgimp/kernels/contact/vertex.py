@@ -20,7 +20,7 @@ from pgimp.kernels.rigid.fill import fill
 
 
 @kernel
-def find_meetings(field, where, met, spread):
+def find_contact_vertices(field, where, vertex_counts, vertex_ranges):
     """Count, in each of a rank's planes, the vertices at which several fields have mass.
 
     Parameters
@@ -29,17 +29,17 @@ def find_meetings(field, where, met, spread):
         After the halo exchange, so that ranks agree in planes that they share.
     where : (planes,) bool
         Which of the planes may hold several fields.
-    met : (planes,) int64
+    vertex_counts : (planes,) int64
         Set here.
-    spread : (planes, SPREAD) int64
+    vertex_ranges : (planes, SPREAD) int64
         Set to their ranges, see `select_near`.
     """
     window, G = field.window, field.G
     size, count = field_size(window), field_count(window)
-    met[:] = 0
-    for i in range(len(met)):
-        spread[i, LOW_Y] = spread[i, LOW_Z] = 1 << 40
-        spread[i, HIGH_Y] = spread[i, HIGH_Z] = -1
+    vertex_counts[:] = 0
+    for i in range(len(vertex_counts)):
+        vertex_ranges[i, LOW_Y] = vertex_ranges[i, LOW_Z] = 1 << 40
+        vertex_ranges[i, HIGH_Y] = vertex_ranges[i, HIGH_Z] = -1
         if field.active[i] == 0 or count == 1 or not where[i] or not has_several(field, i):
             continue
         r = i * window.stride[0]
@@ -49,12 +49,12 @@ def find_meetings(field, where, met, spread):
                 for f in range(count):
                     found += G[r + f * size + MASS] > 0.0
                 if found > 1:
-                    met[i] += 1
-                    include(spread, i, j, k)
+                    vertex_counts[i] += 1
+                    include(vertex_ranges, i, j, k)
                 r += RECORD
 
 
-def meet(contact, faces, frame, field, forcing, i, ledger, last):
+def apply_contact(contact, faces, frame, field, forcing, i, ledger, last):
     """Apply contact at the vertices of plane `i`.
 
     Parameters
@@ -68,28 +68,28 @@ def meet(contact, faces, frame, field, forcing, i, ledger, last):
     """
 
 
-@specialise(meet)
-def _meet(contact, faces, frame, field, forcing, i, ledger, last):
+@specialise(apply_contact)
+def _apply_contact(contact, faces, frame, field, forcing, i, ledger, last):
     if not hasattr(contact, "instance_class"):
         return lambda contact, faces, frame, field, forcing, i, ledger, last: None
 
-    def meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
-        if contact.met[i] > 0:
-            _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last)
+    def apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
+        if contact.vertex_counts[i] > 0:
+            _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last)
 
-    return meet_in_plane
+    return apply_in_plane
 
 
 @inner_kernel
-def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
-    """See `meet`."""
+def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
+    """See `apply_contact`."""
     window, dt = field.window, forcing.dt
-    holding = Holding(faces, frame, forcing, contact.unbooked)
+    holding = Holding(faces, frame, forcing, contact.scratch_impulse)
     for j in range(window.extent[1]):
         for k in range(window.extent[2]):
             r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
             number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-            count, pairs = meet_at(contact, holding, field, number, r, last)
+            count, pairs = contact_at_vertex(contact, holding, field, number, r, last)
             if pairs == 0:
                 continue
             for a in range(count):
@@ -109,7 +109,7 @@ def _meet_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
 
 
 @inner_kernel
-def meet_at(contact, holding, field, number, r, last):
+def contact_at_vertex(contact, holding, field, number, r, last):
     """Find the fields at the vertex whose first record is at `r`, after contact.
 
     Returns the number of fields that have particles, and that of the pairs that may act on each
@@ -120,7 +120,7 @@ def meet_at(contact, holding, field, number, r, last):
     if count == 0:
         return 0, 0
     sides = wall_sides(faces, frame, number)
-    rigid = find_tools(contact, contact.tools, frame, number, sides, count, last)
+    rigid = load_rigid_bodies(contact, contact.rigid_bodies, frame, number, sides, count, last)
     if count + rigid < 2:
         return 0, 0
     pairs = find_pairs(contact, frame, sides, count + rigid, rigid, dt)
@@ -166,7 +166,7 @@ def _find_fields(contact, faces, frame, field, r, number):
     return count
 
 
-def find_tools(contact, tools, frame, number, sides, count, last):
+def load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
     """Add the rigid bodies near a vertex to the `count` fields there; returns their number.
 
     The velocity from particles meets theirs at the step's beginning, that after forces theirs at
@@ -174,27 +174,29 @@ def find_tools(contact, tools, frame, number, sides, count, last):
     """
 
 
-@specialise(find_tools)
-def _find_tools(contact, tools, frame, number, sides, count, last):
-    if not hasattr(tools, "instance_class"):
-        return lambda contact, tools, frame, number, sides, count, last: 0
+@specialise(load_rigid_bodies)
+def _load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
+    if not hasattr(rigid_bodies, "instance_class"):
+        return lambda contact, rigid_bodies, frame, number, sides, count, last: 0
 
-    def find(contact, tools, frame, number, sides, count, last):
-        found, at = count, tools.at[0]
-        for t in range(len(tools.motion)):
-            if (tools.about[t].free >= 0 and not last) or not fill(tools, t, frame, number, sides):
+    def find(contact, rigid_bodies, frame, number, sides, count, last):
+        found, point = count, rigid_bodies.point[0]
+        for t in range(len(rigid_bodies.motion)):
+            if (rigid_bodies.lattice[t].free >= 0 and not last) or not fill(
+                rigid_bodies, t, frame, number, sides
+            ):
                 continue
-            row, motion = contact.fields[found], tools.motion[t]
+            row, motion = contact.fields[found], rigid_bodies.motion[t]
             velocity = motion.velocity_after if last else motion.velocity_before
-            contact.places[found], contact.bodies[found] = -1, tools.bodies + t
-            row.mass, row.filled, row.curvature_gap = inf, at.filled, at.curvature_gap
+            contact.places[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
+            row.mass, row.filled, row.curvature_gap = inf, point.filled, point.curvature_gap
             x = place_of(frame, number)
             arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
             for d in range(3):
                 e, f = (d + 1) % 3, (d + 2) % 3
                 v = velocity[d]
                 v += velocity[3 + e] * arm[f] - velocity[3 + f] * arm[e]
-                row.surface[d] = at.surface[d]
+                row.surface[d] = point.surface[d]
                 row.velocity[d] = row.velocity_before[d] = v
                 row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 0.0
             found += 1

@@ -141,7 +141,7 @@ class Forcing(NamedTuple):
         Length of the step.
     gravity : tuple of 3 float
         Body force per mass b, taken at the step's beginning.
-    lightest : float
+    mass_cutoff : float
         A vertex that is not heavier gets a = 0, and keeps v = p/m: a particle that passes it gets
         its full gradient, however small its weight.
     loads : Loads
@@ -164,7 +164,7 @@ class Forcing(NamedTuple):
 
     dt: float
     gravity: tuple[float, float, float]
-    lightest: float
+    mass_cutoff: float
     loads: Any
     constraints: tuple
     marked: tuple

@@ -44,7 +44,7 @@ class MixedFrame(NamedTuple):
     ----------
     origin, cell, inverse, cells, ghost
         See `Frame`.
-    begun : (bodies,) bool
+    lagrangian : (bodies,) bool
         Which bodies are in the initial configuration.
     """
 
@@ -53,7 +53,7 @@ class MixedFrame(NamedTuple):
     inverse: tuple[float, ...]
     cells: tuple[int, ...]
     ghost: int
-    begun: Any
+    lagrangian: Any
 
     @property
     def vertices(self) -> tuple[int, ...]:

@@ -13,9 +13,9 @@ IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 
 #: Columns of `Ledger.walls`, for each face: heat of friction; energy lost in impacts.
 WALL_HEAT, WALL_LOSS, WALL_BOOKED = 0, 1, 2
 
-#: Columns of `Ledger.tools`, for each rigid body since the start: impulse and angular impulse about
-#: its reference point that it received, and work that it has done.
-TOOL_IMPULSE, TOOL_MOMENT, TOOL_WORK, TOOLED = 0, 3, 6, 7
+#: Columns of `Ledger.rigid_bodies`, for each rigid body since the start: impulse and angular
+#: impulse about its reference point that it received, and work that it has done.
+RIGID_IMPULSE, RIGID_MOMENT, RIGID_WORK, TOOLED = 0, 3, 6, 7
 
 #: Columns of `Ledger.filled`, for each body: volume that particles of what flows carry, and the
 #: part for which vertices have room.
@@ -39,7 +39,7 @@ class Ledger(NamedTuple):
         Energy that each face that lets go, or holds every component, has taken; zeros for others.
     contact : (planes, entries, BOOKED) float64
         Sums of each entry of contact.
-    tools : (planes, rigid bodies, TOOLED) float64
+    rigid_bodies : (planes, rigid bodies, TOOLED) float64
         Sums of each rigid body.
     escaped : (planes, bodies, SUMS) float64
         Sums of the particles that left, as in `layer_sums`; (planes, 0, 0) where none may leave.
@@ -53,7 +53,7 @@ class Ledger(NamedTuple):
     constraint_impulse: np.ndarray
     walls: np.ndarray
     contact: np.ndarray
-    tools: np.ndarray
+    rigid_bodies: np.ndarray
     escaped: np.ndarray
     filled: np.ndarray
 
@@ -65,7 +65,7 @@ class Ledger(NamedTuple):
         constraints: int,
         escaped: tuple[int, int] = (0, 0),
         contacts: int = 0,
-        tools: int = 0,
+        rigid_bodies: int = 0,
         flows: int = 0,
     ) -> Ledger:
         """Return that of `planes` planes before the first step.
@@ -78,14 +78,14 @@ class Ledger(NamedTuple):
             Bodies and `SUMS`, where particles may leave.
         contacts : int
             Entries of contact.
-        tools : int
+        rigid_bodies : int
             Rigid bodies.
         flows : int
             Bodies, in scenes where any flows.
         """
         shapes = (
             (), (faces, 3), (faces,), (constraints, 3), (faces, WALL_BOOKED), (contacts, BOOKED),
-            (tools, TOOLED), escaped, (flows, VOLUMES),
+            (rigid_bodies, TOOLED), escaped, (flows, VOLUMES),
         )  # fmt: skip
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 
@@ -95,5 +95,5 @@ class Ledger(NamedTuple):
 
     def datasets(self) -> dict[str, np.ndarray]:
         """Return the sums by their names in checkpoints."""
-        stored = {"outside_mass": "beyond"}
+        stored = {"outside_mass": "beyond", "rigid_bodies": "tools"}
         return {stored.get(name, name): sums for name, sums in self._asdict().items()}

@@ -8,7 +8,7 @@ from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.ledger import WALL_HEAT, WALL_LOSS
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.constraints import constrained_velocity, former_velocity
-from pgimp.kernels.grid.faces import KIND, constrained, is_beyond, lets_go, side_of
+from pgimp.kernels.grid.faces import KIND, constrained, is_beyond, side_of, unilateral_walls
 from pgimp.kernels.grid.wall_gap import clearance_at
 from pgimp.kernels.loads.loads import given
 
@@ -101,7 +101,7 @@ def _book_losses(holding, number, r, motion, last, mass, lost):
             u, b = v, a
             clearance = clearance_at(forcing.clearances, n, r)
             v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
-            if not lets_go(faces.kinds, 0, int(faces.rows[n, KIND])):
+            if not unilateral_walls(faces.kinds, 0, int(faces.rows[n, KIND])):
                 continue
             for d in range(3):
                 one = given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]

@@ -127,17 +127,17 @@ def _constrained_by(kinds, k, rows, n, v, a, clearance):
     return of_one if len(kinds) > 1 else of_kind
 
 
-def lets_go(kinds, k, kind):
+def unilateral_walls(kinds, k, kind):
     """Whether number `kind` is a condition that lets go; those are `kinds`, numbered from `k`."""
 
 
-@specialise(lets_go)
+@specialise(unilateral_walls)
 def _lets_go(kinds, k, kind):
     if len(kinds) == 0:
         return lambda kinds, k, kind: False
     if hasattr(kinds[0].instance_class, "approach"):
-        return lambda kinds, k, kind: kind == k or lets_go(kinds[1:], k + 1, kind)
-    return lambda kinds, k, kind: lets_go(kinds[1:], k + 1, kind)
+        return lambda kinds, k, kind: kind == k or unilateral_walls(kinds[1:], k + 1, kind)
+    return lambda kinds, k, kind: unilateral_walls(kinds[1:], k + 1, kind)
 
 
 def on_walls(faces, frame, number):

@@ -183,7 +183,7 @@ def fold_filling(frame, field, mirror):
 
 
 @kernel
-def find_filling(frame, field, walls, tools, fills):
+def find_filling(frame, field, walls, rigid_bodies, fills):
     """Turn the sums of `FillingSums` into EXCESS, FIELD and SURPLUS.
 
     Parameters
@@ -192,7 +192,7 @@ def find_filling(frame, field, walls, tools, fills):
         As in `fold_filling`, after it.
     walls : (6,) bool
         Which faces are walls: the low and the high end of x, y, z.
-    tools : Tools or ()
+    rigid_bodies : Tools or ()
         The rigid bodies.
     fills : (rigid bodies,) bool
         Which of them fill as well.
@@ -216,7 +216,9 @@ def find_filling(frame, field, walls, tools, fills):
                 inside = volume
                 for d in range(3):
                     inside *= 1.0 if sides[d] == 0 else 0.5
-                surplus = filled / inside + _rigid_part(tools, fills, frame, number, sides) - 1.0
+                surplus = (
+                    filled / inside + _rigid_part(rigid_bodies, fills, frame, number, sides) - 1.0
+                )
                 for f in range(field_count(window)):
                     if is_used(field, i, f):
                         r = first + f * size
@@ -240,20 +242,20 @@ def _sides(frame, walls, number):
     return x, y, z
 
 
-def _rigid_part(tools, fills, frame, number, sides):
+def _rigid_part(rigid_bodies, fills, frame, number, sides):
     """Part of a vertex's neighbourhood that rigid bodies fill."""
 
 
 @specialise(_rigid_part)
-def _rigid_part_of(tools, fills, frame, number, sides):
-    if not hasattr(tools, "instance_class"):  # ()
-        return lambda tools, fills, frame, number, sides: 0.0
+def _rigid_part_of(rigid_bodies, fills, frame, number, sides):
+    if not hasattr(rigid_bodies, "instance_class"):  # ()
+        return lambda rigid_bodies, fills, frame, number, sides: 0.0
 
-    def part(tools, fills, frame, number, sides):
+    def part(rigid_bodies, fills, frame, number, sides):
         filled = 0.0
-        for t in range(len(tools.motion)):
-            if fills[t] and fill(tools, t, frame, number, sides):
-                filled += tools.at[0].filled
+        for t in range(len(rigid_bodies.motion)):
+            if fills[t] and fill(rigid_bodies, t, frame, number, sides):
+                filled += rigid_bodies.point[0].filled
         return filled
 
     return part

@@ -1,7 +1,7 @@
 """Momentum update (14) of the vertices, boundary conditions, and reactions of the faces."""
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.kernels.contact.vertex import meet
+from pgimp.kernels.contact.vertex import apply_contact
 from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
 from pgimp.kernels.grid.conditions import Holding, book_losses, hold
@@ -38,7 +38,7 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
         `WHOLE`, or `BEGINNING` and `REST` in two calls.
     """
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
-    dt, gravity, lightest, work = forcing.dt, forcing.gravity, forcing.lightest, ledger.work
+    dt, gravity, mass_cutoff, work = forcing.dt, forcing.gravity, forcing.mass_cutoff, ledger.work
     if part != REST:
         ledger.outside_mass[:] = 0.0
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
@@ -47,14 +47,16 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
         if active[i] == 0:
             continue
         if part != REST:
-            meet(contact, faces, frame, field, forcing, i, ledger, False)
+            apply_contact(contact, faces, frame, field, forcing, i, ledger, False)
             for f in range(field_count(field.window)):
                 if is_used(field, i, f):
                     begin = i * plane + f * size
-                    _accelerate(G, begin, begin + size, dt, gravity, lightest, forcing.clearances)
+                    _accelerate(
+                        G, begin, begin + size, dt, gravity, mass_cutoff, forcing.clearances
+                    )
         if part == BEGINNING:
             continue
-        meet(contact, faces, frame, field, forcing, i, ledger, True)
+        apply_contact(contact, faces, frame, field, forcing, i, ledger, True)
         for n in range(face_count(faces)):
             constrain_plane(faces, n, frame, field, forcing, i, ledger)
         if heavy and i < owned:
@@ -69,11 +71,11 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
 
 
 @inner_kernel
-def _accelerate(G, begin, end, dt, gravity, lightest, clearances):
+def _accelerate(G, begin, end, dt, gravity, mass_cutoff, clearances):
     """Turn the sums of a field of a plane into velocities and accelerations."""
     for r in range(begin, end, RECORD):
         m = G[r + MASS]
-        if m > lightest:
+        if m > mass_cutoff:
             inverse = 1.0 / m
             for d in range(3):
                 a = G[r + FORCE + d] * inverse + gravity[d]

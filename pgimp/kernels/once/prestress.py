@@ -4,7 +4,7 @@ from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
 from pgimp.jit.tuples import read, scaled, write
 from pgimp.kernels.update.stress import state_of
-from pgimp.kernels.update.varying import with_own
+from pgimp.kernels.update.varying import substitute_parameters
 from pgimp.physics.materials.parameters.evaluate import evaluate
 
 
@@ -21,7 +21,7 @@ def remember_stress(setting, particles, rows):
     """
     F, tensor = setting.identity, symmetric(setting.identity)
     for p in rows:
-        materials = with_own(setting, particles, p).materials
+        materials = substitute_parameters(setting, particles, p).materials
         number = setting.material_of[particles.body[p]]
         args = (F, determinant(F), read(particles.sigma, p, 0, tensor))
         state = state_of(materials, particles, p, F)
@@ -45,7 +45,7 @@ def bearable_stress(setting, particles, rows, stresses):
     still = scaled(0.0, F)
     for i in range(len(rows)):
         p = rows[i]
-        materials = with_own(setting, particles, p).materials
+        materials = substitute_parameters(setting, particles, p).materials
         number = setting.material_of[particles.body[p]]
         args = (F, determinant(F), read(particles.sigma, p, 0, tensor), still, 1.0)
         state = state_of(materials, particles, p, F)

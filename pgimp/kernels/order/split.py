@@ -4,12 +4,12 @@ from pgimp.jit.kernel import kernel
 
 
 @kernel
-def split_order(begun, body, rows, start, places, ends):
+def split_order(lagrangian, body, rows, start, places, ends):
     """Split the particles of a rank by whether their body is in the initial configuration.
 
     Parameters
     ----------
-    begun : (bodies,) bool
+    lagrangian : (bodies,) bool
         Which bodies are.
     body : (capacity,) int
         The particles' bodies.
@@ -24,7 +24,7 @@ def split_order(begun, body, rows, start, places, ends):
     for layer in range(len(start) - 1):
         ends[0, layer], ends[1, layer] = found, more
         for k in range(start[layer], start[layer + 1]):
-            if begun[body[rows[k]]]:
+            if lagrangian[body[rows[k]]]:
                 places[1, more] = k
                 more += 1
             else:

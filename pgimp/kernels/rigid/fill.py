@@ -14,7 +14,7 @@ from pgimp.kernels.contact.select import include
 from pgimp.kernels.data.record import MASS
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.rigid.bodies import (
-    look_up,
+    find_distance,
     place_of,
 )
 from pgimp.kernels.rigid.tents import cut
@@ -32,45 +32,45 @@ BEND, SHARP = (1.0 / 12.0 + 1.0 / 16.0) * 16.0, 0.5 / 16.0
 
 
 @inner_kernel
-def _halves(tools, frame, part):
+def _halves(rigid_bodies, frame, part):
     """Half sides of a tent, `part` of a cell, times the last normal; the greatest first."""
     a, b, c = 0.0, 0.0, 0.0
     for d in range(len(frame.cell)):
-        half = abs(tools.at[0].normal[d]) * part * frame.cell[d]
+        half = abs(rigid_bodies.point[0].normal[d]) * part * frame.cell[d]
         a, half = max(a, half), min(a, half)
         b, c = max(b, half), max(c, min(b, half))
     return a, b, c
 
 
 @inner_kernel
-def _tangent(frame, at):
+def _tangent(frame, point):
     """Side of a cell along the surface with the last normal, over which it may be bent."""
     square, D = 0.0, len(frame.cell)
     for d in range(D):
-        square += frame.cell[d] ** 2 * (1.0 - at.normal[d] ** 2)
+        square += frame.cell[d] ** 2 * (1.0 - point.normal[d] ** 2)
     return sqrt(square / (D - 1)) if D > 1 else frame.cell[0]
 
 
 @inner_kernel
-def _is_near(tools, t, frame, number):
+def _is_near(rigid_bodies, t, frame, number):
     """Set distance and normal at a vertex; returns whether the body may be near."""
-    about, at, D = tools.about[t], tools.at[0], len(frame.cell)
+    lattice, point, D = rigid_bodies.lattice[t], rigid_bodies.point[0], len(frame.cell)
     square, along = 0.0, 0.0
     for d in range(D):
-        if number[d] < about.least[d] or number[d] > about.most[d]:
+        if number[d] < lattice.least[d] or number[d] > lattice.most[d]:
             return False
         square += frame.cell[d] ** 2
     x, y, z = place_of(frame, number)
-    look_up(tools, t, D, x, y, z)
+    find_distance(rigid_bodies, t, D, x, y, z)
     for d in range(D):
-        along += abs(at.normal[d]) * frame.cell[d]
-    if abs(at.mean_distance - at.distance) < FLAT * _tangent(frame, at):
-        return at.mean_distance < along
-    return at.distance <= sqrt(square)
+        along += abs(point.normal[d]) * frame.cell[d]
+    if abs(point.mean_distance - point.distance) < FLAT * _tangent(frame, point):
+        return point.mean_distance < along
+    return point.distance <= sqrt(square)
 
 
 @inner_kernel
-def fill(tools, t, frame, number, sides):
+def fill(rigid_bodies, t, frame, number, sides):
     """Set the part of a vertex's neighbourhood that body `t` fills; returns whether it is near.
 
     Parameters
@@ -81,31 +81,31 @@ def fill(tools, t, frame, number, sides):
         -1 or 1 where it is on a wall at the low or the high end, by direction: the neighbourhood
         ends there.
     """
-    if not _is_near(tools, t, frame, number):
+    if not _is_near(rigid_bodies, t, frame, number):
         return False
-    at, D = tools.at[0], len(frame.cell)
+    point, D = rigid_bodies.point[0], len(frame.cell)
     reach, volume = 0.0, 1.0
     for d in range(D):
         reach += frame.cell[d] ** 2
         volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
     reach = sqrt(reach)
-    bent = at.mean_distance - at.distance
-    wide = _tangent(frame, at)
-    at.curvature_gap = BEND * bent if abs(bent) < SHARP * wide else 0.0
+    bent = point.mean_distance - point.distance
+    wide = _tangent(frame, point)
+    point.curvature_gap = BEND * bent if abs(bent) < SHARP * wide else 0.0
     x, y, z = place_of(frame, number)
-    n0, n1, n2 = at.normal[0], at.normal[1], at.normal[2]
-    if at.distance < -reach:  # deep inside
-        at.filled, scale = 1.0, volume / reach
-        at.surface[0], at.surface[1], at.surface[2] = scale * n0, scale * n1, scale * n2
+    n0, n1, n2 = point.normal[0], point.normal[1], point.normal[2]
+    if point.distance < -reach:  # deep inside
+        point.filled, scale = 1.0, volume / reach
+        point.surface[0], point.surface[1], point.surface[2] = scale * n0, scale * n1, scale * n2
         return True
     halved = True  # whole, or cut by walls perpendicular to the surface: planes of symmetry
     for d in range(D):
-        halved = halved and (sides[d] == 0 or abs(at.normal[d]) < SQUARE)
+        halved = halved and (sides[d] == 0 or abs(point.normal[d]) < SQUARE)
     if halved and abs(bent) < FLAT * wide:
-        a, b, c = _halves(tools, frame, 1.0)
-        filled, slope = cut(a, b, c, -at.mean_distance)
-        at.filled, scale = filled, volume * max(slope, 1e-3 / reach)
-        at.surface[0], at.surface[1], at.surface[2] = scale * n0, scale * n1, scale * n2
+        a, b, c = _halves(rigid_bodies, frame, 1.0)
+        filled, slope = cut(a, b, c, -point.mean_distance)
+        point.filled, scale = filled, volume * max(slope, 1e-3 / reach)
+        point.surface[0], point.surface[1], point.surface[2] = scale * n0, scale * n1, scale * n2
         return filled > 0.0
     filled, s0, s1, s2 = 0.0, 0.0, 0.0, 0.0
     count = 1
@@ -128,49 +128,49 @@ def fill(tools, t, frame, number, sides):
             )  # fmt: skip
         if weight == 0.0:
             continue
-        look_up(tools, t, D, px, py, pz)
-        if at.distance > reach:
+        find_distance(rigid_bodies, t, D, px, py, pz)
+        if point.distance > reach:
             continue
-        a, b, c = _halves(tools, frame, 0.5)
+        a, b, c = _halves(rigid_bodies, frame, 0.5)
         if not a > 0.0:
-            filled += weight if at.distance < 0.0 else 0.0
+            filled += weight if point.distance < 0.0 else 0.0
             continue
-        part, slope = cut(a, b, c, -at.distance)
+        part, slope = cut(a, b, c, -point.distance)
         filled += weight * part
-        s0 += weight * slope * at.normal[0]
-        s1 += weight * slope * at.normal[1]
-        s2 += weight * slope * at.normal[2]
-    at.filled = filled
+        s0 += weight * slope * point.normal[0]
+        s1 += weight * slope * point.normal[1]
+        s2 += weight * slope * point.normal[2]
+    point.filled = filled
     length = sqrt(s0 * s0 + s1 * s1 + s2 * s2)
     if length > 1e-3 / reach:
-        at.surface[0], at.surface[1], at.surface[2] = volume * s0, volume * s1, volume * s2
+        point.surface[0], point.surface[1], point.surface[2] = volume * s0, volume * s1, volume * s2
     else:
         scale = volume / reach
-        at.surface[0], at.surface[1], at.surface[2] = scale * n0, scale * n1, scale * n2
+        point.surface[0], point.surface[1], point.surface[2] = scale * n0, scale * n1, scale * n2
     return filled > 0.0
 
 
 @kernel
-def find_touched(frame, field, tools, met, spread):
+def find_rigid_vertices(frame, field, rigid_bodies, vertex_counts, vertex_ranges):
     """Count, in each of a rank's planes, the vertices with mass that are near a rigid body.
 
     Parameters
     ----------
     field : Field
         After the halo exchange.
-    met, spread
-        As in `find_meetings`; they grow by that.
+    vertex_counts, vertex_ranges
+        As in `find_contact_vertices`; they grow by that.
     """
     window, G, D = field.window, field.G, len(frame.cell)
     size = field_size(window)
-    for t in range(len(tools.motion)):
+    for t in range(len(rigid_bodies.motion)):
         low, high = (0, 0, 0), (0, 0, 0)
         for d in range(D):
-            a = max(0, tools.about[t].least[d] - window.lower[d])
-            b = min(window.extent[d] - 1, tools.about[t].most[d] - window.lower[d])
+            a = max(0, rigid_bodies.lattice[t].least[d] - window.lower[d])
+            b = min(window.extent[d] - 1, rigid_bodies.lattice[t].most[d] - window.lower[d])
             low = (a if d == 0 else low[0], a if d == 1 else low[1], a if d == 2 else low[2])
             high = (b if d == 0 else high[0], b if d == 1 else high[1], b if d == 2 else high[2])
-        for i in range(low[0], min(high[0], len(met) - 1) + 1):
+        for i in range(low[0], min(high[0], len(vertex_counts) - 1) + 1):
             if field.active[i] == 0:
                 continue
             for j in range(low[1], high[1] + 1):
@@ -180,6 +180,6 @@ def find_touched(frame, field, tools, met, spread):
                     for f in range(field_count(window)):
                         some = some or G[r + f * size + MASS] > 0.0
                     number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                    if some and _is_near(tools, t, frame, number):
-                        met[i] += 1
-                        include(spread, i, j, k)
+                    if some and _is_near(rigid_bodies, t, frame, number):
+                        vertex_counts[i] += 1
+                        include(vertex_ranges, i, j, k)

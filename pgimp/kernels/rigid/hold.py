@@ -17,14 +17,14 @@ from pgimp.kernels.data.ledger import (
     HEAT,
     IMPULSE,
     NORMAL_IMPULSE,
+    RIGID_IMPULSE,
+    RIGID_MOMENT,
+    RIGID_WORK,
     TANGENTIAL_IMPULSE,
-    TOOL_IMPULSE,
-    TOOL_MOMENT,
-    TOOL_WORK,
 )
 from pgimp.kernels.grid.position_limits import free_part
 from pgimp.kernels.rigid.bodies import (
-    look_up,
+    find_distance,
 )
 from pgimp.kernels.transfer.lane_io import take_row
 from pgimp.physics.contact import FRICTION, Pairs
@@ -38,7 +38,7 @@ class Keepers(NamedTuple):
 
     Attributes
     ----------
-    tools : Tools
+    rigid_bodies : Tools
         The rigid bodies where they are at the step's end.
     pairs : Pairs
         The laws of contact.
@@ -49,7 +49,7 @@ class Keepers(NamedTuple):
         Grows by impulse and moment on each body.
     """
 
-    tools: Any
+    rigid_bodies: Any
     pairs: Pairs
     yields: np.ndarray
     impulses: np.ndarray
@@ -77,7 +77,7 @@ def _hold_outside(keepers, forcing, particles, batch, x, v, ledger):
     def hold(keepers, forcing, particles, batch, x, v, ledger):
         held = 0
         for j in range(batch.size):
-            for t in range(len(keepers.tools.motion)):
+            for t in range(len(keepers.rigid_bodies.motion)):
                 held += _hold(keepers, forcing, particles, batch.rows[j], t, batch.layer, ledger)
         if held > 0:
             x = take_row(particles.x, batch.rows, 0, x)
@@ -88,19 +88,19 @@ def _hold_outside(keepers, forcing, particles, batch, x, v, ledger):
 
 
 @inner_kernel
-def _is_within(tools, t, D, x, reach):
+def _is_within(rigid_bodies, t, D, x, reach):
     """Whether a point may be within `reach` of body `t`, by the nearest point of its lattice."""
-    row, about = tools.motion[t], tools.about[t]
+    row, lattice = rigid_bodies.motion[t], rigid_bodies.lattice[t]
     place = 0
     for d in range(D):
         own = row.reference[d]
         for k in range(3):
             own += row.rotation[k, d] * (x[k] - row.centre[k])
         s = (own - row.low[d]) / row.spacing
-        if not (s > -0.5 and s < about.points[d] - 0.5):
+        if not (s > -0.5 and s < lattice.points[d] - 0.5):
             return False
-        place = place * about.points[d] + int(s + 0.5)
-    return tools.values[about.first + place, 0] < row.spacing + reach
+        place = place * lattice.points[d] + int(s + 0.5)
+    return rigid_bodies.values[lattice.first + place, 0] < row.spacing + reach
 
 
 @inner_kernel
@@ -114,7 +114,7 @@ def place_of_particle(particles, p):
 
 
 @kernel
-def count_near(tools, particles, rows, reach, counts, most):
+def count_near(rigid_bodies, particles, rows, reach, counts, most):
     """Count the particles within `reach` of each body that moves freely; find the greatest mass.
 
     Parameters
@@ -125,17 +125,19 @@ def count_near(tools, particles, rows, reach, counts, most):
         Set here.
     """
     counts[:], most[:] = 0, 0.0
-    for t in range(len(tools.motion)):
-        if tools.about[t].free < 0:
+    for t in range(len(rigid_bodies.motion)):
+        if rigid_bodies.lattice[t].free < 0:
             continue
         for p in rows:
-            if _is_within(tools, t, particles.x.shape[1], place_of_particle(particles, p), reach):
+            if _is_within(
+                rigid_bodies, t, particles.x.shape[1], place_of_particle(particles, p), reach
+            ):
                 counts[t] += 1
                 most[t] = max(most[t], particles.m[p])
 
 
 @kernel
-def count_inside(tools, pairs, particles, rows, depth, counts):
+def count_inside(rigid_bodies, pairs, particles, rows, depth, counts):
     """Count the particles whose centroids are deeper than `depth` in each rigid body.
 
     Those that pass through it, by `law: ignore`, do not count.
@@ -148,15 +150,21 @@ def count_inside(tools, pairs, particles, rows, depth, counts):
         Set here.
     """
     counts[:] = 0
-    for t in range(len(tools.motion)):
+    for t in range(len(rigid_bodies.motion)):
         for p in rows:
             D, x = particles.x.shape[1], place_of_particle(particles, p)
-            if pairs.entry[particles.body[p], tools.bodies + t] == 0:  # bodies of a material first
+            if (
+                pairs.entry[particles.body[p], rigid_bodies.bodies + t] == 0
+            ):  # bodies of a material first
                 continue
-            if _is_within(tools, t, D, x, 0.0):
-                look_up(tools, t, D, x[0], x[1], x[2])
-                n = (tools.at[0].normal[0], tools.at[0].normal[1], tools.at[0].normal[2])
-                counts[t] += tools.at[0].distance + _material(particles, p, n) < -depth
+            if _is_within(rigid_bodies, t, D, x, 0.0):
+                find_distance(rigid_bodies, t, D, x[0], x[1], x[2])
+                n = (
+                    rigid_bodies.point[0].normal[0],
+                    rigid_bodies.point[0].normal[1],
+                    rigid_bodies.point[0].normal[2],
+                )
+                counts[t] += rigid_bodies.point[0].distance + _material(particles, p, n) < -depth
 
 
 @inner_kernel
@@ -185,17 +193,17 @@ def _answer(yields, arm):
 @inner_kernel
 def _hold(keepers, forcing, particles, p, t, layer, ledger):
     """Hold particle `p` out of body `t`; returns 1 if it was changed, else 0."""
-    tools, D = keepers.tools, particles.x.shape[1]
-    at, motion = tools.at[0], tools.motion[t]
+    rigid_bodies, D = keepers.rigid_bodies, particles.x.shape[1]
+    point, motion = rigid_bodies.point[0], rigid_bodies.motion[t]
     x = place_of_particle(particles, p)
-    if not _is_within(tools, t, D, x, 0.0):
+    if not _is_within(rigid_bodies, t, D, x, 0.0):
         return 0
-    look_up(tools, t, D, x[0], x[1], x[2])
-    if not at.distance < 0.0:
+    find_distance(rigid_bodies, t, D, x[0], x[1], x[2])
+    if not point.distance < 0.0:
         return 0
-    n = (at.normal[0], at.normal[1], at.normal[2])
-    depth = -at.distance - _material(particles, p, n)
-    one, other = particles.body[p], tools.bodies + t
+    n = (point.normal[0], point.normal[1], point.normal[2])
+    depth = -point.distance - _material(particles, p, n)
+    one, other = particles.body[p], rigid_bodies.bodies + t
     entry = keepers.pairs.entry[min(one, other), max(one, other)]
     g = free_part(forcing.constraints, particles, p, n)
     square = g[0] ** 2 + g[1] ** 2 + g[2] ** 2
@@ -239,7 +247,7 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
         static, kinetic = pairs.coefficient[law, 0], pairs.coefficient[law, 1]
         if across > static * -normal:
             part = kinetic * -normal / across
-    booked, mine = ledger.contact[layer, law], ledger.tools[layer, t]
+    booked, mine = ledger.contact[layer, law], ledger.rigid_bodies[layer, t]
     J, done, heat = (0.0, 0.0, 0.0), 0.0, 0.0
     for d in range(D):
         slip = particles.v[p, d] - own[d] - normal * n[d]
@@ -256,10 +264,10 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
         moment = arm[e] * J[f] - arm[f] * J[e]
-        mine[TOOL_IMPULSE + d] -= J[d]
-        mine[TOOL_MOMENT + d] -= moment
+        mine[RIGID_IMPULSE + d] -= J[d]
+        mine[RIGID_MOMENT + d] -= moment
         keepers.impulses[layer, t, d] -= J[d]
         keepers.impulses[layer, t, 3 + d] -= moment
-    if keepers.tools.about[t].free < 0:  # else known when all impulses are
-        mine[TOOL_WORK] += done
+    if keepers.rigid_bodies.lattice[t].free < 0:  # else known when all impulses are
+        mine[RIGID_WORK] += done
         ledger.work[layer] += done

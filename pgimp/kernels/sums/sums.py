@@ -8,7 +8,7 @@ from pgimp.jit.tuples import read
 from pgimp.kernels.update.pace import pace
 from pgimp.kernels.update.speed import own_speed, speed_of_waves
 from pgimp.kernels.update.stress import has_any, state_of
-from pgimp.kernels.update.varying import with_own
+from pgimp.kernels.update.varying import substitute_parameters
 from pgimp.physics.materials.parameters.evaluate import evaluate
 
 #: Columns of `layer_sums`.
@@ -73,7 +73,7 @@ def layer_sums(setting, particles, order, sums):
             F = read(particles.F, p, 0, like)
             sigma = read(particles.sigma, p, 0, symmetric(like))
             J = determinant(F)
-            materials = with_own(setting, particles, p).materials
+            materials = substitute_parameters(setting, particles, p).materials
             state = state_of(materials, particles, p, F)
             k, args = setting.material_of[body], (F, J, sigma)
             row[STRAIN] += particles.V0[p] * evaluate("energy", materials, k, args, state)
@@ -136,7 +136,7 @@ def fastest_rate(setting, particles, rows, controlled):
     rate = 0.0
     for p in rows:
         F = read(particles.F, p, 0, setting.identity)
-        own = with_own(setting, particles, p)
+        own = substitute_parameters(setting, particles, p)
         state = state_of(own.materials, particles, p, F)
         args, v = (F, determinant(F)), read(particles.v, p, 0, frame.origin)
         c = speed_of_waves(own, material_of[particles.body[p]], args, state)

@@ -29,7 +29,7 @@ def _coordinate(frame, particles, p, d):
         return lambda frame, particles, p, d: particles.origin[p, d]
     if is_mixed(frame):
         return lambda frame, particles, p, d: (
-            particles.origin[p, d] if frame.begun[particles.body[p]] else particles.x[p, d]
+            particles.origin[p, d] if frame.lagrangian[particles.body[p]] else particles.x[p, d]
         )
     return lambda frame, particles, p, d: particles.x[p, d]
 
@@ -58,7 +58,7 @@ def _deformation(frame, particles, p):
     like = tuple(float(i == j) for i in range(D) for j in range(D))
     if is_mixed(frame):  # weights of the start are those of undeformed particles
         return lambda frame, particles, p: (
-            like if frame.begun[particles.body[p]] else read(particles.F, p, 0, like)
+            like if frame.lagrangian[particles.body[p]] else read(particles.F, p, 0, like)
         )
     return lambda frame, particles, p: read(particles.F, p, 0, like)
 
@@ -69,6 +69,6 @@ def half_widths(shape, frame, particles, p):
 
 @specialise(half_widths)
 def _half_widths(shape, frame, particles, p):
-    return lambda shape, frame, particles, p: (
-        size(shape, frame.cell, deformation(frame, particles, p))[0]
-    )
+    return lambda shape, frame, particles, p: size(
+        shape, frame.cell, deformation(frame, particles, p)
+    )[0]

@@ -18,7 +18,7 @@ from pgimp.kernels.update.meanweights import keep_means
 from pgimp.kernels.update.refill import refill
 from pgimp.kernels.update.speed import grid_speed
 from pgimp.kernels.update.stress import keep_state, margins, update_stress
-from pgimp.kernels.update.varying import with_own
+from pgimp.kernels.update.varying import substitute_parameters
 from pgimp.kernels.update.velocity import update_position, update_velocity
 from pgimp.kernels.update.viscosity import update_viscous_pressure
 
@@ -103,7 +103,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             L, F = deform(cells, setting, forcing, particles, batch, m, grad)  # (29)
             x, F = refill(forcing, setting, field, particles, batch, (buffer, sums), (x, F), ledger)
             J = determinant(F)
-            own = with_own(setting, particles, rows)
+            own = substitute_parameters(setting, particles, rows)
             sigma, state = update_stress(own, forcing, particles, rows, m, F, J, L)
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)

@@ -57,14 +57,14 @@ def _values_of(own, rows, like):
     return lambda own, rows, like: take_row(own, rows, 0, like)
 
 
-def with_own(setting, particles, rows):
+def substitute_parameters(setting, particles, rows):
     """The setting with the materials' parameters of a particle, or of four: `rows` is a tuple then.
 
     Where nothing varies it is the setting itself.
     """
 
 
-@specialise(with_own)
+@specialise(substitute_parameters)
 def _with_own(setting, particles, rows):
     width = _width(setting)
     if not width:

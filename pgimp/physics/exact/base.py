@@ -55,8 +55,10 @@ class Solution(Model):
         for key in ("body_force", "tractions", "constraints"):
             if getattr(case, key, None):
                 yield Problem((key,), "the exact solution has none; leave this out")
-        for tool in case.tools:
-            yield Problem(("bodies", tool), "the exact solution has no rigid body; leave it out")
+        for rigid_body in case.rigid_bodies:
+            yield Problem(
+                ("bodies", rigid_body), "the exact solution has no rigid body; leave it out"
+            )
         yield from self.mismatches(case, name, body)
 
     def _wrong_walls(self, boundaries: Any) -> Iterator[Problem]:

@@ -48,20 +48,20 @@ def warnings(case: Any) -> list[str]:
     """
     boxes = moving_boxes(case, times := instants(case))
     walls = _walls(case, boxes, at_once=True)
-    begun = [body.configuration == "initial" for body in case.bodies.values()]
-    if not any(begun):
+    lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
+    if not any(lagrangian):
         return [*_pairs(case, boxes, times), *walls, *_rigid(case)]
-    alone = [box for box, initial in zip(boxes, begun, strict=True) if initial]
-    if not all(begun):
+    alone = [box for box, initial in zip(boxes, lagrangian, strict=True) if initial]
+    if not all(lagrangian):
         return [*_held(case, alone), *walls, *_rigid(case)]
     return [*_passing(case, boxes, times), *_held(case, alone), *walls]
 
 
 def notes(case: Any) -> list[str]:
     """Return which bodies come near walls; as `warnings`."""
-    begun = [body.configuration == "initial" for body in case.bodies.values()]
+    lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
     boxes = moving_boxes(case, instants(case))
-    boxes = [box for box, initial in zip(boxes, begun, strict=True) if not initial]
+    boxes = [box for box, initial in zip(boxes, lagrangian, strict=True) if not initial]
     return list(_walls(case, boxes, at_once=False))
 
 
@@ -151,14 +151,14 @@ def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
 
 def _rigid(case: Any) -> Iterator[str]:
     """Return which bodies may meet a rigid body without an entry of contact."""
-    names = [*case.bodies, *case.tools]
-    if not case.tools:
+    names = [*case.bodies, *case.rigid_bodies]
+    if not case.rigid_bodies:
         return
     entry = np.abs(Pairs.of(case.contact, names).entry) > len(case.contact)
     first = len(case.bodies)
     found = [
-        f"'{body}' and '{tool}'"
-        for j, tool in enumerate(case.tools)
+        f"'{body}' and '{rigid_body}'"
+        for j, rigid_body in enumerate(case.rigid_bodies)
         for i, body in enumerate(case.bodies)
         if entry[i, first + j]
     ]

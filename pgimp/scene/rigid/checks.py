@@ -19,18 +19,19 @@ from pgimp.physics.boundaries.slip import Slip
 from pgimp.scene.faces import Face
 from pgimp.scene.rigid.free_body import State
 from pgimp.scene.rigid.measure import is_symmetry
-from pgimp.scene.rigid.rigid import SceneTools
+from pgimp.scene.rigid.rigid import SceneRigidBodies
 
 #: Cells within which surfaces of regions touch, and surfaces rounded by a lattice of distances;
 #: depth to which a free rigid body may overlap what it does not feel; distance for the closer
 #: check.
 _TOUCH, _ROUNDED, _PAST, _NEAR = 0.05, 0.2, 0.5, 0.3
 
-def require_slow(tools: SceneTools, dt: float) -> None:
+
+def require_slow(rigid_bodies: SceneRigidBodies, dt: float) -> None:
     """Refuse a first step in which a body would move by more than a cell."""
-    rate = tools.first_rate
+    rate = rigid_bodies.first_rate
     if rate * dt > 1.0 + 1e-9:
-        with located(tools.case):
+        with located(rigid_bodies.case):
             raise CaseError(
                 f"time.step: a rigid body moves by {rate * dt:.3g} cells in a step of {dt:.3g}, "
                 f"and would pass through what it meets; use at most {0.3 / rate:.3g}, or a slower "
@@ -38,9 +39,9 @@ def require_slow(tools: SceneTools, dt: float) -> None:
             )
 
 
-def require_same(tools: SceneTools, checksum: str) -> None:
+def require_same(rigid_bodies: SceneRigidBodies, checksum: str) -> None:
     """Refuse to go on with other rigid bodies than a run began with."""
-    if checksum != tools.checksum:
+    if checksum != rigid_bodies.checksum:
         raise UsageError(
             "the rigid bodies are not those of the run: has the file of a mesh changed? Put it "
             "back, or start over with --overwrite"
@@ -48,7 +49,7 @@ def require_same(tools: SceneTools, checksum: str) -> None:
 
 
 def require_apart(
-    tools: SceneTools,
+    rigid_bodies: SceneRigidBodies,
     blocks: Iterable[tuple[NDArray[np.float64], NDArray[np.int32]]],
     comm: Any,
 ) -> None:
@@ -67,35 +68,36 @@ def require_apart(
     CaseError
         On every rank.
     """
-    regions = [body.region for body in tools.case.bodies.values()]
-    placed, found = tools.at(0.0, 0.0), []
+    regions = [body.region for body in rigid_bodies.case.bodies.values()]
+    placed, found = rigid_bodies.at(0.0, 0.0), []
     for x, body in blocks:
         distance = np.empty(len(x))
-        for t, name in enumerate(tools.names):
-            distances(placed, t, tools.frame, x, distance)
-            near = np.flatnonzero(distance < _NEAR * min(tools.frame.cell))
+        for t, name in enumerate(rigid_bodies.names):
+            distances(placed, t, rigid_bodies.frame, x, distance)
+            near = np.flatnonzero(distance < _NEAR * min(rigid_bodies.frame.cell))
             for number in np.unique(body[near]):
                 own = near[body[near] == number]
-                depth = _depths(tools, name, regions[number], x[own], distance[own])
+                depth = _depths(rigid_bodies, name, regions[number], x[own], distance[own])
                 deepest = int(depth.argmax())
                 if depth[deepest] > 0.0:
                     place = tuple(x[own[deepest]].tolist())
                     found.append((-float(depth[deepest]), place, int(number), name))
     every = [one for some in comm.allgather(found) for one in some]
-    every += on_root(comm, partial(_within_bodies, tools))
+    every += on_root(comm, partial(_within_bodies, rigid_bodies))
     if not every:
         return
     deep, place, body, name = min(every)
-    with located(tools.case):
+    with located(rigid_bodies.case):
         raise CaseError(
-            f"bodies.{name}.region: '{list(tools.case.bodies)[body]}' reaches {-deep:.3g} into "
+            f"bodies.{name}.region: '{list(rigid_bodies.case.bodies)[body]}' reaches "
+            f"{-deep:.3g} into "
             f"the rigid '{name}' at ({', '.join(f'{c:.6g}' for c in place)}); bodies must not "
             "overlap at the start: move or cut one of them"
         )
 
 
 def _depths(
-    tools: SceneTools,
+    rigid_bodies: SceneRigidBodies,
     name: str,
     region: Any,
     x: NDArray[np.float64],
@@ -105,22 +107,25 @@ def _depths(
 
     Between two surfaces that have passed each other the distances from them add up to the depth.
     """
-    cell = np.array(tools.frame.cell)
+    cell = np.array(rigid_bodies.frame.cell)
     if region.WHOLE_BODY:
-        size = cell / np.array(tools.case.method.particles_per_cell)
+        size = cell / np.array(rigid_bodies.case.method.particles_per_cell)
         depth, least = -distance, 0.5 * float(np.sqrt(np.square(size).sum()))
     else:
-        ends = [tools.case.tools[name].region.signed_distance(x), region.signed_distance(x)]
+        ends = [
+            rigid_bodies.case.rigid_bodies[name].region.signed_distance(x),
+            region.signed_distance(x),
+        ]
         depth, least = np.where(np.max(ends, axis=0) < 0.0, -np.sum(ends, axis=0), 0.0), 0.0
     return np.where(depth > max(least, _TOUCH * float(cell.min())), depth, 0.0)
 
 
-def may_collide(tools: SceneTools, faces: Sequence[Face], states: list[State]) -> bool:
+def may_collide(rigid_bodies: SceneRigidBodies, faces: Sequence[Face], states: list[State]) -> bool:
     """Whether a sphere round any free rigid body meets a wall, or a rigid body."""
-    if len(tools) > len(states):
+    if len(rigid_bodies) > len(states):
         return True
-    frame = tools.frame
-    for number, (state, arm) in enumerate(zip(states, tools.arms, strict=True)):
+    frame = rigid_bodies.frame
+    for number, (state, arm) in enumerate(zip(states, rigid_bodies.arms, strict=True)):
         for face in faces:
             wall = frame.origin[face.axis]
             if face.side > 0:
@@ -129,13 +134,17 @@ def may_collide(tools: SceneTools, faces: Sequence[Face], states: list[State]) -
                 return True
         for other in range(number):
             gap = hypot(*map(sub, state.centre, states[other].centre))
-            if gap < arm + tools.arms[other]:
+            if gap < arm + rigid_bodies.arms[other]:
                 return True
     return False
 
 
 def collisions(
-    tools: SceneTools, faces: Sequence[Face], states: list[State], time: float, first: bool
+    rigid_bodies: SceneRigidBodies,
+    faces: Sequence[Face],
+    states: list[State],
+    time: float,
+    first: bool,
 ) -> Iterator[tuple[float, float, str, str]]:
     """Yield overlaps of free rigid bodies with walls and rigid bodies, which they do not feel.
 
@@ -150,11 +159,13 @@ def collisions(
     name, what : str
         The body's name, and what it overlaps.
     """
-    frame, points = tools.frame, tools.surface_at(tools.poses(time, states))
-    placed, least = tools.at(time, time, states), min(frame.cell)
-    for number in tools.free:
-        mine = np.ascontiguousarray(points[tools.surface.body == number][:, : len(frame.cell)])
-        free = tools.entries[number].free
+    frame, points = rigid_bodies.frame, rigid_bodies.surface_at(rigid_bodies.poses(time, states))
+    placed, least = rigid_bodies.at(time, time, states), min(frame.cell)
+    for number in rigid_bodies.free:
+        mine = np.ascontiguousarray(
+            points[rigid_bodies.surface.body == number][:, : len(frame.cell)]
+        )
+        free = rigid_bodies.entries[number].free
         assert free is not None
         for face in faces:
             if is_symmetry(face.name, face.condition, free, len(frame.cell)):
@@ -168,15 +179,15 @@ def collisions(
             if isinstance(face.condition, Slip):
                 ways = _across(face.axis, len(frame.cell))
                 what += f" (if that is a plane of symmetry: `fixed: {ways}`)"
-            yield depth - limit, depth, tools.names[number], what
+            yield depth - limit, depth, rigid_bodies.names[number], what
         distance = np.empty(len(mine))
-        for other, name in enumerate(tools.names):
+        for other, name in enumerate(rigid_bodies.names):
             if other != number:
                 distances(placed, other, frame, mine, distance)
                 depth = max(0.0, -float(distance.min(initial=0.0))) / least
                 # Deeper than half of a thin body it would leave on the other side.
-                limit = min(_ROUNDED if first else _PAST, 0.25 * tools.thick[other] / least)
-                yield depth - limit, depth, tools.names[number], f"the rigid body '{name}'"
+                limit = min(_ROUNDED if first else _PAST, 0.25 * rigid_bodies.thick[other] / least)
+                yield depth - limit, depth, rigid_bodies.names[number], f"the rigid body '{name}'"
 
 
 def _across(axis: int, D: int) -> str:
@@ -187,7 +198,7 @@ def _across(axis: int, D: int) -> str:
 
 
 def require_clear(
-    tools: SceneTools,
+    rigid_bodies: SceneRigidBodies,
     faces: Sequence[Face],
     states: list[State],
     number: int,
@@ -209,7 +220,7 @@ def require_clear(
 
     def look() -> None:
         none = (0.0, 0.0, "", "")
-        each = collisions(tools, faces, states, time, number == 0)
+        each = collisions(rigid_bodies, faces, states, time, number == 0)
         excess, depth, name, what = max(each, default=none)
         if excess <= 0.0:
             return
@@ -218,7 +229,7 @@ def require_clear(
             "a material only"
         )
         if number == 0:
-            with located(tools.case):
+            with located(rigid_bodies.case):
                 raise CaseError(f"bodies.{name}.region: {text}; move it, or cut it")
         raise EndlessError(
             f"at time {time:.6g}, after step {number}, the rigid body '{name}' {text}\n"
@@ -229,18 +240,20 @@ def require_clear(
     on_root(comm, look)
 
 
-def _within_bodies(tools: SceneTools) -> list[tuple[float, tuple[float, ...], int, str]]:
+def _within_bodies(
+    rigid_bodies: SceneRigidBodies,
+) -> list[tuple[float, tuple[float, ...], int, str]]:
     """Find overlaps of rigid bodies too small to contain particles: depth, place and body."""
-    found, D = [], len(tools.frame.cell)
-    for name, field in zip(tools.names, tools.fields, strict=True):
+    found, D = [], len(rigid_bodies.frame.cell)
+    for name, field in zip(rigid_bodies.names, rigid_bodies.fields, strict=True):
         deepest = np.argsort(field.values[:, 0], kind="stable")[:64]
         deepest = deepest[field.values[deepest, 0] < 0.0]
         points = field.points(deepest, D)
-        for number, body in enumerate(tools.case.bodies.values()):
+        for number, body in enumerate(rigid_bodies.case.bodies.values()):
             if body.region.WHOLE_BODY or not len(points):
                 continue
             depth = body.region.signed_distance(points)
-            for row in np.flatnonzero(depth < -0.1 * min(tools.frame.cell))[:1]:
+            for row in np.flatnonzero(depth < -0.1 * min(rigid_bodies.frame.cell))[:1]:
                 deep = float(field.values[deepest[row], 0] + depth[row])
                 found.append((deep, tuple(points[row].tolist()), number, name))
     return found

@@ -56,7 +56,7 @@ def require_densities(case: Case) -> None:
     used = (case.materials[body.material] for body in case.bodies.values())
     densities = [material.typical("density") for material in used]
     low, high = LIGHTEST * min(densities), max(densities) / LIGHTEST
-    for name, entry in case.tools.items():
+    for name, entry in case.rigid_bodies.items():
         if entry.free and not low <= entry.free.density <= high:
             raise CaseError(
                 f"bodies.{name}.rigid.density: {entry.free.density:.3g}, and bodies of a "

@@ -19,9 +19,9 @@ from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.rigid.bodies import (
     LATTICE,
     MOTION,
+    POINT,
     RESPONSE,
-    SURFACE,
-    Tools,
+    RigidBodies,
 )
 from pgimp.mpi.collective import on_root
 from pgimp.physics.rigid import Motion, Pose, Triple
@@ -34,6 +34,7 @@ from pgimp.scene.rigid.measure import lattice_points, measure, require_densities
 #: hundredth of the material's density as with a hundred times it.
 SOFT = 1e-3
 
+
 class Surface(NamedTuple):
     """Surfaces of rigid bodies: vertices, cells of them, and the body of each vertex."""
 
@@ -42,7 +43,7 @@ class Surface(NamedTuple):
     body: NDArray[np.int64]
 
 
-class SceneTools:
+class SceneRigidBodies:
     """The rigid bodies: of those that move as prescribed, also where they are in each step.
 
     Parameters
@@ -71,7 +72,7 @@ class SceneTools:
 
     def __init__(self, case: Case, frame: Frame) -> None:
         self.case, self.frame = case, frame
-        self.names, self.entries = list(case.tools), list(case.tools.values())
+        self.names, self.entries = list(case.rigid_bodies), list(case.rigid_bodies.values())
         self.fields: list[DistanceField] = []
         self.rate = 0.0
         self.free: dict[int, FreeBody] = {}
@@ -117,7 +118,7 @@ class SceneTools:
         self.arms = on_root(comm, self._greatest_arms)
         self._kept = None
 
-    def borrow(self, other: SceneTools) -> None:
+    def borrow(self, other: SceneRigidBodies) -> None:
         """Take the measures of the same bodies in another stage: as good to compile kernels for."""
         numbers = [other.names.index(name) for name in self.names]
         self.fields = [other.fields[number] for number in numbers]
@@ -184,26 +185,26 @@ class SceneTools:
             points[mine] = own @ np.array(turn).reshape(3, 3).T + np.array(centre)
         return points
 
-    def at(self, start: float, end: float, states: list[State] | None = None) -> Tools:
+    def at(self, start: float, end: float, states: list[State] | None = None) -> RigidBodies:
         """Return them for the kernels of a step from `start` to `end`.
 
         `states` are those, at its start, of the bodies that move freely; their velocity at its end
         is set to the same.
         """
-        tools, states = self.arrays(), self.first if states is None else states
+        rigid_bodies, states = self.arrays(), self.first if states is None else states
         free = dict(zip(self.free, states, strict=True))
         for number, (pose, entry, field) in enumerate(
             zip(self.poses(start, states), self.entries, self.fields, strict=True)
         ):
-            row, about = tools.motion[number], tools.about[number]
+            row, lattice = rigid_bodies.motion[number], rigid_bodies.lattice[number]
             row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
             for name, time in (("velocity_before", start), ("velocity_after", end)):
                 if isinstance(entry.rigid, Motion):
                     row[name] = np.concatenate(entry.rigid.velocities(time))
                 else:
                     row[name] = self.free[number].velocities(free[number])
-            self._bound(row, about, field)
-        return tools
+            self._bound(row, lattice, field)
+        return rigid_bodies
 
     def speeds(self) -> dict[int, float]:
         """Return the greatest speed over time of a point of each body that moves as prescribed."""
@@ -236,14 +237,14 @@ class SceneTools:
             return ""
         return sha256(b"".join(field.values.tobytes() for field in self.fields)).hexdigest()
 
-    def arrays(self) -> Tools:
+    def arrays(self) -> RigidBodies:
         """Return the constant data, and storage for the rest."""
         if self._kept is None:
             count = len(self.entries)
-            motion, about = np.zeros(count, MOTION), np.zeros(count, LATTICE)
+            motion, lattice = np.zeros(count, MOTION), np.zeros(count, LATTICE)
             first = 0
             for number, field in enumerate(self.fields):
-                row, one = motion[number], about[number]
+                row, one = motion[number], lattice[number]
                 row["reference"] = self.reference(number)
                 row["spacing"], row["low"] = field.spacing, field.low
                 one["points"], one["first"] = field.shape, first
@@ -252,20 +253,20 @@ class SceneTools:
                     row["compliance"] = SOFT / self.free[number].bulk.mass
                 first += len(field.values)
             values = [field.values for field in self.fields]
-            self._kept = Tools(
-                motion, about, np.concatenate(values) if values else np.zeros((0, 5)),
-                len(self.case.bodies), np.zeros(1, SURFACE), self._answers(0),
+            self._kept = RigidBodies(
+                motion, lattice, np.concatenate(values) if values else np.zeros((0, 5)),
+                len(self.case.bodies), np.zeros(1, POINT), self._answers(0),
             )  # fmt: skip
         return self._kept
 
-    def in_planes(self, planes: int) -> Tools:
+    def in_planes(self, planes: int) -> RigidBodies:
         """Return them for the kernels, as at the start, with storage for some planes."""
-        return self.at(0.0, 0.0)._replace(answers=self._answers(planes))
+        return self.at(0.0, 0.0)._replace(responses=self._answers(planes))
 
     def _answers(self, planes: int) -> Any:
         return np.zeros((planes, len(self.free)), RESPONSE) if self.free else ()
 
-    def _bound(self, row: NDArray, about: NDArray, field: DistanceField) -> None:
+    def _bound(self, row: NDArray, lattice: NDArray, field: DistanceField) -> None:
         """Set the least and the greatest vertex near a body."""
         far = field.low + field.spacing * (field.shape - 1)
         ends = zip(field.low, far, strict=True)
@@ -278,9 +279,9 @@ class SceneTools:
             placed = a + b + c + row["centre"][d]
             low, high = placed.min(), placed.max()
             least, most = 0, self.frame.vertices[d] - 1
-            about["least"][d] = np.clip(
+            lattice["least"][d] = np.clip(
                 np.floor((low - origin) * inverse) + self.frame.ghost - 1, least, most
             )
-            about["most"][d] = np.clip(
+            lattice["most"][d] = np.clip(
                 np.ceil((high - origin) * inverse) + self.frame.ghost + 1, least, most
             )

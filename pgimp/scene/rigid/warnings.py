@@ -13,7 +13,7 @@ from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.rigid import Motion
 from pgimp.scene.checks.facts import wave_speed
 from pgimp.scene.faces import Face
-from pgimp.scene.rigid.rigid import SceneTools
+from pgimp.scene.rigid.rigid import SceneRigidBodies
 
 #: Part of the speed of waves above which a rigid body that moves as prescribed is fast: at half of
 #: it rubber gets some per cent too little momentum on cells of a twelfth of the block, at 2.7 times
@@ -36,17 +36,17 @@ def motion_warnings(scenes: Sequence[Any]) -> list[str]:
     """
     found: list[str] = []
     scene = scenes[0]
-    if not scene.tools:
+    if not scene.rigid_bodies:
         return found
-    if scene.tools.free and any(each.case.body_force for each in scenes):
-        names = ", ".join(f"'{body.name}'" for body in scene.tools.free.values())
+    if scene.rigid_bodies.free and any(each.case.body_force for each in scenes):
+        names = ", ".join(f"'{body.name}'" for body in scene.rigid_bodies.free.values())
         found.append(
             f"body_force: it acts on bodies of a material only, not on {names}, which moves freely "
             "by gravity and contact alone"
         )
     first = len(scene.body_names)
     waves = [wave_speed(scene, body) for body in range(first)]
-    for number, speed in scene.tools.speeds().items():
+    for number, speed in scene.rigid_bodies.speeds().items():
         met = [
             (waves[body], scene.body_names[body])
             for body in range(first)
@@ -55,7 +55,7 @@ def motion_warnings(scenes: Sequence[Any]) -> list[str]:
         slowest, name = min(met, default=(inf, ""))
         if speed > _FAST * slowest > 0.0:
             found.append(
-                f"bodies.{scene.tools.names[number]}.rigid: it moves at up to {speed:.3g}, "
+                f"bodies.{scene.rigid_bodies.names[number]}.rigid: it moves at up to {speed:.3g}, "
                 f"{speed / slowest:.2g} times as fast as waves in '{name}' ({slowest:.3g}); above "
                 f"{_FAST:g} what it hits gets too little momentum, beyond 1 half of it or less: "
                 "smaller cells (grid.cell), or a body that moves freely (rigid: {density: ..}); "
@@ -66,31 +66,35 @@ def motion_warnings(scenes: Sequence[Any]) -> list[str]:
 
 def _through_planes(scenes: Sequence[Any]) -> list[str]:
     """Return which bodies that move as prescribed turn on `slip` walls, or move through them."""
-    tools = scenes[0].tools
+    rigid_bodies = scenes[0].rigid_bodies
     found: dict[tuple[str, str], str] = {}
     for scene in scenes:
         times = np.linspace(scene.case.staged.start, scene.case.time.end, _INSTANTS)
         for face in scene.faces:
-            for number, name in enumerate(tools.names):
-                motion = tools.entries[number].rigid
-                moves = isinstance(motion, Motion) and motion.moves and name in scene.tools.names
+            for number, name in enumerate(rigid_bodies.names):
+                motion = rigid_bodies.entries[number].rigid
+                moves = (
+                    isinstance(motion, Motion) and motion.moves and name in scene.rigid_bodies.names
+                )
                 if moves and isinstance(face.condition, Slip) and (name, face.name) not in found:
-                    if text := _conflict(tools, number, face, times):
+                    if text := _conflict(rigid_bodies, number, face, times):
                         found[name, face.name] = text
     return [f"bodies.{name}.rigid: {text}" for (name, _), text in found.items()]
 
 
-def _conflict(tools: SceneTools, number: int, face: Face, times: NDArray[np.float64]) -> str:
+def _conflict(
+    rigid_bodies: SceneRigidBodies, number: int, face: Face, times: NDArray[np.float64]
+) -> str:
     """Say how a motion conflicts with a plane of symmetry; empty if it does not.
 
     A body may lie across it and move to and fro, as a piston: what counts is its part within.
     """
-    frame, motion, axis = tools.frame, tools.entries[number].rigid, face.axis
+    frame, motion, axis = rigid_bodies.frame, rigid_bodies.entries[number].rigid, face.axis
     assert isinstance(motion, Motion)
     cell, origin = np.array(frame.cell), np.array(frame.origin)
     corner = origin + cell * frame.cells
     D, plane = len(cell), (corner if face.side > 0 else origin)[axis]
-    own = tools.surface.points[tools.surface.body == number] - motion.reference
+    own = rigid_bodies.surface.points[rigid_bodies.surface.body == number] - motion.reference
     before = None
     for time in times.tolist():
         centre, turn = motion.pose(time)

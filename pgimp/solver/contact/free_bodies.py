@@ -17,7 +17,7 @@ from pgimp.decomposition.grid import Grid
 from pgimp.errors import EndlessError
 from pgimp.kernels.rigid.bodies import (
     RESPONSE,
-    Tools,
+    RigidBodies,
 )
 from pgimp.scene.rigid.checks import may_collide, require_clear
 from pgimp.scene.rigid.free_body import FreeBody, Matrix, State, solve
@@ -58,9 +58,12 @@ class FreeBodies:
     """
 
     def __init__(self, scene: Scene, comm: Any) -> None:
-        self.scene, self.comm, self.tools = scene, comm, scene.tools
-        self.numbers, self.bodies = list(scene.tools.free), list(scene.tools.free.values())
-        self.states = scene.tools.first
+        self.scene, self.comm, self.rigid_bodies = scene, comm, scene.rigid_bodies
+        self.numbers, self.bodies = (
+            list(scene.rigid_bodies.free),
+            list(scene.rigid_bodies.free.values()),
+        )
+        self.states = scene.rigid_bodies.first
         self._inertia: list[Matrix] = []
         self._free_momenta: list[list[float]] = []
         self._touched = False
@@ -74,39 +77,44 @@ class FreeBodies:
     @property
     def rate(self) -> float:
         """Cells that a point of any of the bodies crosses in a unit of time, at most."""
-        return max(self.tools.rates(self.states))
+        return max(self.rigid_bodies.rates(self.states))
 
     def require_clear(self, done: Step, dt: float) -> None:
         """Refuse bodies that overlap what they do not feel; collective, every few steps.
 
         `dt` is the length of the next step. The start has been checked already.
         """
-        travel = max(self.rate, self.tools.rate) * dt
+        travel = max(self.rate, self.rigid_bodies.rate) * dt
         pause = max(1, min(LOOKS, int(TRAVEL / travel))) if travel > 0.0 else LOOKS
         faces, states = self.scene.faces, self.states
-        if done.number and done.number % pause == 0 and may_collide(self.tools, faces, states):
-            require_clear(self.tools, faces, states, done.number, done.end, self.comm)
+        if (
+            done.number
+            and done.number % pause == 0
+            and may_collide(self.rigid_bodies, faces, states)
+        ):
+            require_clear(self.rigid_bodies, faces, states, done.number, done.end, self.comm)
 
     def require_slow(self, t: Step) -> None:
         """Refuse a step in which a body would move by more than a cell; on every rank."""
-        for number, rate in zip(self.numbers, self.tools.rates(self.states), strict=True):
+        for number, rate in zip(self.numbers, self.rigid_bodies.rates(self.states), strict=True):
             if not rate * t.dt <= 1.0 + 1e-9:
                 raise EndlessError(
                     f"step {t.number}, from time {t.start:.6g}: the rigid body "
-                    f"'{self.tools.names[number]}' moves by {rate * t.dt:.3g} cells in a step of "
+                    f"'{self.rigid_bodies.names[number]}' moves by {rate * t.dt:.3g} cells "
+                    f"in a step of "
                     f"{t.dt:.3g}, and would pass through what it meets\n"
                     f"  try: time.step: {0.3 / rate:.3g}, or {{courant: 0.3}}"
                 )
 
     def solve_velocities(
-        self, tools: Tools, grid: Grid, t: Step, gravity: tuple[float, ...],
-        find_response: Callable[[], None],
+        self, rigid_bodies: RigidBodies, grid: Grid, t: Step, gravity: tuple[float, ...],
+        find_rigid_impulses: Callable[[], None],
     ) -> None:  # fmt: skip
         """Find the velocities at the end of a step, and set them; collective.
 
         Parameters
         ----------
-        tools : Tools
+        rigid_bodies : Tools
             Those of the step, without impulses yet.
         grid : Grid
             The rank's planes.
@@ -114,24 +122,22 @@ class FreeBodies:
             The step.
         gravity : tuple of 3 float
             Force per mass.
-        find_response : callable
-            Sets `answers` for the velocities that are in `tools`.
+        find_rigid_impulses : callable
+            Sets `responses` for the velocities that are in `rigid_bodies`.
         """
-        tried = self._begin(tools, t, gravity)
+        tried = self._begin(rigid_bodies, t, gravity)
         self._touched, part, before = False, 1.0, inf
         for number in range(TRIES):
             cautious = number // NEWTON % 2 == 1
             if number % NEWTON == 0:
                 part, before = 1.0, inf
-            self._set(tools, tried, cautious)
-            find_response()
-            sums = self._sum(tools, grid)
+            self._set(rigid_bodies, tried, cautious)
+            find_rigid_impulses()
+            sums = self._sum(rigid_bodies, grid)
             if not sums.view(np.float64).any():
                 return
             self._touched = True
-            changes = [
-                self._change(number, sums[number], v) for number, v in enumerate(tried)
-            ]
+            changes = [self._change(number, sums[number], v) for number, v in enumerate(tried)]
             left = max(map(self._size, range(len(tried)), tried, changes))
             if not cautious:
                 part = min(1.0, 2.0 * part) if left < before else max(0.5 * part, 1.0 / 64.0)
@@ -141,12 +147,14 @@ class FreeBodies:
                     v[i] += part * change[i]
             if left < ENOUGH:
                 break
-        self._set(tools, tried)
+        self._set(rigid_bodies, tried)
         if not left < ENOUGH:
-            find_response()
-            self._require_found(self._sum(tools, grid), tried, t)
+            find_rigid_impulses()
+            self._require_found(self._sum(rigid_bodies, grid), tried, t)
 
-    def _begin(self, tools: Tools, t: Step, gravity: tuple[float, ...]) -> list[list[float]]:
+    def _begin(
+        self, rigid_bodies: RigidBodies, t: Step, gravity: tuple[float, ...]
+    ) -> list[list[float]]:
         """Return the velocities at the end of a step without impulses."""
         self._inertia, self._free_momenta = [], []
         found: list[list[float]] = []
@@ -155,41 +163,42 @@ class FreeBodies:
             weight = [t.dt * body.bulk.mass * g for g in gravity]
             push = [p + w for p, w in zip(state.momentum, weight, strict=True)]
             momenta = [
-                p if may else 0.0
-                for p, may in zip((*push, *state.spin), body.may, strict=True)
+                p if may else 0.0 for p, may in zip((*push, *state.spin), body.may, strict=True)
             ]
             number = self.numbers[len(found)]
-            tools.motion["velocity_before"][number] = _booked_velocities(body, state, inertia)
+            rigid_bodies.motion["velocity_before"][number] = _booked_velocities(
+                body, state, inertia
+            )
             self._inertia.append(inertia)
             self._free_momenta.append(momenta)
             found.append(solve(body.mass_matrix(inertia), momenta))
         return found
 
-    def begin(self, tools: Tools, t: Step, gravity: tuple[float, ...]) -> None:
+    def begin(self, rigid_bodies: RigidBodies, t: Step, gravity: tuple[float, ...]) -> None:
         """Set the velocities without impulses, and the responses to these.
 
         For `pgimp.kernels.contact.lagrangian.gauss_seidel`, where impulses change the velocities
         one by one; `end` then moves the bodies.
         """
-        self._set(tools, self._begin(tools, t, gravity))
-        tools.answers[:] = np.zeros((), RESPONSE)
+        self._set(rigid_bodies, self._begin(rigid_bodies, t, gravity))
+        rigid_bodies.responses[:] = np.zeros((), RESPONSE)
         for number, body in enumerate(self.bodies):
             M = body.mass_matrix(self._inertia[number])
             for i in range(6):
                 if body.may[i]:
                     unit = [float(j == i) for j in range(6)]
-                    tools.answers["derivative"][0, number, i] = solve(M, unit)
+                    rigid_bodies.responses["derivative"][0, number, i] = solve(M, unit)
 
-    def end(self, tools: Tools, dt: float) -> None:
+    def end(self, rigid_bodies: RigidBodies, dt: float) -> None:
         """Move the bodies with the impulses since `begin`; the same on all ranks."""
-        self._move(tools.answers["trial_impulse"][0], dt)
+        self._move(rigid_bodies.responses["trial_impulse"][0], dt)
 
     def _set(
-        self, tools: Tools, velocities: list[list[float]], cautious: bool = False
+        self, rigid_bodies: RigidBodies, velocities: list[list[float]], cautious: bool = False
     ) -> None:
         for number, v in zip(self.numbers, velocities, strict=True):
-            tools.motion["velocity_after"][number] = v
-            tools.motion["viscous_slip"][number] = cautious
+            rigid_bodies.motion["velocity_after"][number] = v
+            rigid_bodies.motion["viscous_slip"][number] = cautious
 
     def _require_found(self, sums: np.ndarray, tried: list[list[float]], t: Step) -> None:
         """Refuse velocities that have not converged; on every rank."""
@@ -197,7 +206,11 @@ class FreeBodies:
         for number, (body, v) in enumerate(zip(self.bodies, tried, strict=True)):
             M = body.mass_matrix(self._inertia[number])
             off = solve(M, self._rest(number, sums[number], v))
-            away = (hypot(*off[:3]) + hypot(*off[3:]) * self.tools.arms[number]) * inverse * t.dt
+            away = (
+                (hypot(*off[:3]) + hypot(*off[3:]) * self.rigid_bodies.arms[number])
+                * inverse
+                * t.dt
+            )
             if not away < ASTRAY:
                 raise EndlessError(
                     f"step {t.number}, from time {t.start:.6g}: the velocity of the rigid body "
@@ -229,23 +242,23 @@ class FreeBodies:
 
     def _size(self, number: int, v: list[float], change: list[float]) -> float:
         """Return the relative size of a change of velocities."""
-        scale = [1.0] * 3 + [self.tools.arms[number]] * 3
+        scale = [1.0] * 3 + [self.rigid_bodies.arms[number]] * 3
         most = max(abs(x) * s for x, s in zip(v, scale, strict=True))
         by = max(abs(x) * s for x, s in zip(change, scale, strict=True))
         return by / max(most, by) if by != 0.0 else 0.0
 
-    def _sum(self, tools: Tools, grid: Grid) -> np.ndarray:
-        """Sum up `answers`, plane by plane in their order; collective."""
-        about = tools.about[self.numbers]
-        low, high = int(about["least"][:, 0].min()), int(about["most"][:, 0].max())
+    def _sum(self, rigid_bodies: RigidBodies, grid: Grid) -> np.ndarray:
+        """Sum up `responses`, plane by plane in their order; collective."""
+        lattice = rigid_bodies.lattice[self.numbers]
+        low, high = int(lattice["least"][:, 0].min()), int(lattice["most"][:, 0].max())
         every = np.zeros((high - low + 1, len(self.bodies)), RESPONSE)
         first = int(grid.window.lower[0])
         begin, end = max(low, first), min(high + 1, first + grid.owned)
         if begin < end:
             active = grid.active[begin - first : end - first] > 0
-            every[begin - low : end - low][active] = tools.answers[begin - first : end - first][
-                active
-            ]
+            every[begin - low : end - low][active] = rigid_bodies.responses[
+                begin - first : end - first
+            ][active]
         if self.comm.size > 1:
             found = np.empty_like(every)
             # A plane has but one owner: no sum is rounded.
@@ -254,11 +267,11 @@ class FreeBodies:
         numbers = every.view(np.float64).reshape(*every.shape, -1)
         return np.add.reduce(numbers, axis=0).view(RESPONSE)[:, 0]
 
-    def move(self, tools: Tools, grid: Grid, dt: float) -> None:
+    def move(self, rigid_bodies: RigidBodies, grid: Grid, dt: float) -> None:
         """Apply the step's impulses to the bodies, and move them; collective."""
         got = np.zeros(len(self.bodies), RESPONSE)
         if self._touched:
-            got = self._sum(tools, grid)
+            got = self._sum(rigid_bodies, grid)
         self._move(got["impulse"], dt)
 
     def _move(self, taken: np.ndarray, dt: float) -> None:

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from pgimp.jit.bound import Bound
-from pgimp.kernels.data.ledger import TOOL_WORK, Ledger
+from pgimp.kernels.data.ledger import RIGID_WORK, Ledger
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.rigid.bodies import Tools
+from pgimp.kernels.rigid.bodies import RigidBodies
 from pgimp.kernels.rigid.hold import Keepers, count_inside, count_near
 from pgimp.physics.rigid import Motion
 from pgimp.scene.rigid.free_body import State, solve
-from pgimp.scene.rigid.rigid import SceneTools
+from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
 from pgimp.solver.contact.free_bodies import FreeBodies
@@ -22,18 +22,18 @@ from pgimp.solver.contact.free_bodies import FreeBodies
 QUARTER = 0.25
 
 
-def placed(tools: SceneTools, time: float, states: list[State] | None) -> Tools:
+def placed(rigid_bodies: SceneRigidBodies, time: float, states: list[State] | None) -> RigidBodies:
     """Return rigid bodies where they are at a time, with the velocities that they have then."""
-    kept, states = tools.arrays(), tools.first if states is None else states
+    kept, states = rigid_bodies.arrays(), rigid_bodies.first if states is None else states
     motion = kept.motion.copy()
-    for number, pose in enumerate(tools.poses(time, states)):
-        row, rigid = motion[number], tools.entries[number].rigid
+    for number, pose in enumerate(rigid_bodies.poses(time, states)):
+        row, rigid = motion[number], rigid_bodies.entries[number].rigid
         row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
         if isinstance(rigid, Motion):
             row["velocity_after"] = np.concatenate(rigid.velocities(time))
-    for (number, body), state in zip(tools.free.items(), states, strict=True):
+    for (number, body), state in zip(rigid_bodies.free.items(), states, strict=True):
         motion["velocity_after"][number] = body.velocities(state)
-    return kept._replace(motion=motion, answers=())
+    return kept._replace(motion=motion, responses=())
 
 
 class Keeping:
@@ -53,11 +53,11 @@ class Keeping:
 
     def __init__(self, scene: Scene, comm: Any, free: FreeBodies | None, layers: int) -> None:
         self.scene, self.comm, self.free = scene, comm, free
-        self._impulses = np.zeros((layers, len(scene.tools), 6))
-        self._yields = np.zeros((len(scene.tools), 6, 6))
+        self._impulses = np.zeros((layers, len(scene.rigid_bodies), 6))
+        self._yields = np.zeros((len(scene.rigid_bodies), 6, 6))
         self._kept: Any = ()
         self._call = Bound()
-        self._moves = any(entry.moves for entry in scene.tools.entries)
+        self._moves = any(entry.moves for entry in scene.rigid_bodies.entries)
 
     def at(self, t: Step, particles: Particles, rows: np.ndarray) -> Any:
         """Return what holds particles out at the end of a step; () where nothing does; collective.
@@ -70,13 +70,13 @@ class Keeping:
             The rank's particles, before they move.
         """
         scene, free = self.scene, self.free
-        if not scene.tools or not scene.pairs or (scene.initial and not scene.mixed):
+        if not scene.rigid_bodies or not scene.pairs or (scene.initial and not scene.mixed):
             return ()
         if not self._kept or self._moves:
-            tools = placed(scene.tools, t.end, free.states if free else None)
+            rigid_bodies = placed(scene.rigid_bodies, t.end, free.states if free else None)
             if free:
-                self._set_yields(free, self._near(tools, particles, rows))
-            self._kept = Keepers(tools, scene.pairs, self._yields, self._impulses)
+                self._set_yields(free, self._near(rigid_bodies, particles, rows))
+            self._kept = Keepers(rigid_bodies, scene.pairs, self._yields, self._impulses)
         return self._kept
 
     def _set_yields(self, free: FreeBodies, mass: np.ndarray) -> None:
@@ -88,11 +88,16 @@ class Keeping:
                     unit = [float(mass[number]) * (j == i) for j in range(6)]
                     self._yields[number, i] = solve(M, unit)
 
-    def _near(self, tools: Tools, particles: Particles, rows: np.ndarray) -> np.ndarray:
+    def _near(
+        self, rigid_bodies: RigidBodies, particles: Particles, rows: np.ndarray
+    ) -> np.ndarray:
         """Bounds of the mass that each body may hold in a step, the same on any number of ranks."""
-        counts, most = np.zeros(len(tools.motion), np.int64), np.zeros(len(tools.motion))
+        counts, most = (
+            np.zeros(len(rigid_bodies.motion), np.int64),
+            np.zeros(len(rigid_bodies.motion)),
+        )
         cell = max(self.scene.frame.cell)
-        self._call(count_near, tools, particles, rows, 2.0 * cell, counts, most)
+        self._call(count_near, rigid_bodies, particles, rows, 2.0 * cell, counts, most)
         if self.comm.size > 1:
             every = np.array(self.comm.allgather((counts, most)))
             counts, most = every[:, 0].sum(axis=0), every[:, 1].max(axis=0)
@@ -114,11 +119,11 @@ class Keeping:
         -------
         (rigid bodies,) int64
         """
-        scene, counts = self.scene, np.zeros(len(self.scene.tools), np.int64)
+        scene, counts = self.scene, np.zeros(len(self.scene.rigid_bodies), np.int64)
         if len(counts) and scene.pairs:
-            tools = placed(scene.tools, time, self.free.states if self.free else None)
+            rigid_bodies = placed(scene.rigid_bodies, time, self.free.states if self.free else None)
             deep = depth * min(scene.frame.cell)
-            count_inside(tools, scene.pairs, particles, rows, deep, counts)
+            count_inside(rigid_bodies, scene.pairs, particles, rows, deep, counts)
         return counts
 
     def finish(self, ledger: Ledger, first: int) -> None:
@@ -145,7 +150,7 @@ class Keeping:
         work = _push(self.free, np.add.reduce(every, axis=0))
         if self.comm.rank == 0 and len(ledger.work):
             ledger.work[0] += sum(work)
-            ledger.tools[0, numbers, TOOL_WORK] += work
+            ledger.rigid_bodies[0, numbers, RIGID_WORK] += work
 
 
 def _push(free: FreeBodies, given: np.ndarray) -> list[float]:

@@ -12,11 +12,11 @@ from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.select import select_near
-from pgimp.kernels.contact.vertex import find_meetings
+from pgimp.kernels.contact.vertex import find_contact_vertices
 from pgimp.kernels.contact.volumes import volume_sums
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
-from pgimp.kernels.rigid.fill import find_touched
+from pgimp.kernels.rigid.fill import find_rigid_vertices
 from pgimp.kernels.transfer.p2g import particles_to_grid
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.free_bodies import FreeBodies
@@ -26,7 +26,7 @@ from pgimp.solver.contact.velocity_fields import assign, body_boxes, reach, wher
 _MOST_OF_A_PLANE = 0.6
 
 
-class Meetings:
+class MultifieldContact:
     """Contact on one rank.
 
     Volumes are summed only for planes in which several fields have mass: by the same layered sums
@@ -52,7 +52,7 @@ class Meetings:
         assert scene.pairs is not None
         self.scene, self.comm, self.pairs, self.call = scene, comm, scene.pairs, Bound()
         self.fields: tuple[int, ...] = (0,) * len(scene.body_names)
-        self.free = FreeBodies(scene, comm) if scene.tools.free else None
+        self.free = FreeBodies(scene, comm) if scene.rigid_bodies.free else None
         self._reach = reach(scene)
         self._steps = 0
         self._intervals = np.empty((0, 2))
@@ -63,9 +63,9 @@ class Meetings:
         self._halos: dict[tuple[bool, bool], Halo] = {}
 
     @property
-    def tools(self) -> Any:
+    def rigid_bodies(self) -> Any:
         """The rigid bodies for kernels, as they are in this step; () where there are none."""
-        return self._contact.tools
+        return self._contact.rigid_bodies
 
     def regroup(self, grid: Grid, population: Population) -> None:
         """Assign velocity fields to bodies, when it is due; collective."""
@@ -92,20 +92,31 @@ class Meetings:
             self._connect(grid)
         contact = self._contact
         ledger.contact[:, :, CONTACT_AREA] = 0.0
-        scene, tools = self.scene, self.scene.tools
-        if max(self.fields) == 0 and not tools:
+        scene, rigid_bodies = self.scene, self.scene.rigid_bodies
+        if max(self.fields) == 0 and not rigid_bodies:
             return contact
         if self._where is None:
             self._where = self._find_planes(grid)
-        self.call(find_meetings, grid.field, self._where, contact.met, contact.spread)
-        if tools:
-            placed = tools.at(start, end, self.free.states if self.free else None)
+        self.call(
+            find_contact_vertices,
+            grid.field,
+            self._where,
+            contact.vertex_counts,
+            contact.vertex_ranges,
+        )
+        if rigid_bodies:
+            placed = rigid_bodies.at(start, end, self.free.states if self.free else None)
             if self.free:
-                contact.tools.answers.fill(0.0)
+                contact.rigid_bodies.responses.fill(0.0)
             self.call(
-                find_touched, scene.frame, grid.field, placed, contact.met, contact.spread
+                find_rigid_vertices,
+                scene.frame,
+                grid.field,
+                placed,
+                contact.vertex_counts,
+                contact.vertex_ranges,
             )
-        found = np.flatnonzero(contact.met)
+        found = np.flatnonzero(contact.vertex_counts)
         if len(found):
             self._sum_volumes(grid, population, found)
         return contact
@@ -131,15 +142,15 @@ class Meetings:
         most = 1 + max(self.fields)
         self._contact = Contact.empty(
             self.pairs, self._volumes.G, grid.planes, most, len(scene.faces),
-            scene.tools.in_planes(grid.planes) if scene.tools else (),
+            scene.rigid_bodies.in_planes(grid.planes) if scene.rigid_bodies else (),
         )  # fmt: skip
 
     def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
         """Find the particles that may have weight where bodies meet, in some of the planes."""
         order, shared = population.ordered, grid.vertices - 1
-        spread, extent = self._contact.spread[planes], grid.window.extent
-        low_y, _, low_z, _ = spread.min(axis=0).tolist()
-        _, high_y, _, high_z = spread.max(axis=0).tolist()
+        vertex_ranges, extent = self._contact.vertex_ranges[planes], grid.window.extent
+        low_y, _, low_z, _ = vertex_ranges.min(axis=0).tolist()
+        _, high_y, _, high_z = vertex_ranges.max(axis=0).tolist()
         part = (high_y - low_y + 1) * (high_z - low_z + 1) / (extent[1] * extent[2])
         if part > _MOST_OF_A_PLANE:
             return order
@@ -148,7 +159,7 @@ class Meetings:
         start = np.empty_like(order.start)
         self.call(
             select_near, self.scene.frame, grid.window, population.particles, order,
-            self._contact.spread, shared, self._rows, start,
+            self._contact.vertex_ranges, shared, self._rows, start,
         )  # fmt: skip
         return Order(self._rows[: start[-1]], start)
 

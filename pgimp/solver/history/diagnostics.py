@@ -8,8 +8,8 @@ import numpy as np
 from pgimp.kernels.data.ledger import (
     BOOKED,
     IMPULSE,
-    TOOL_IMPULSE,
-    TOOL_MOMENT,
+    RIGID_IMPULSE,
+    RIGID_MOMENT,
     TOOLED,
     VOLUMES,
     WALL_BOOKED,
@@ -88,16 +88,34 @@ def column_names(scene: Any) -> list[str]:
     """
     faces = len(scene.faces)
     contact = np.zeros((len(scene.pairs.law) if scene.pairs else 0, BOOKED))
-    tools = np.zeros((len(scene.tools), TOOLED))
-    force = np.zeros((faces + len(scene.loads.constraints) + len(contact) + 2 * len(tools), 3))
+    rigid_bodies = np.zeros((len(scene.rigid_bodies), TOOLED))
+    force = np.zeros(
+        (faces + len(scene.loads.constraints) + len(contact) + 2 * len(rigid_bodies), 3)
+    )
     bodies, none = np.zeros((len(scene.body_names), scene.sums)), np.zeros(scene.sums)
     errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
     return list(
         line_of(
             Totals(
-                scene, START, bodies, none, none, none, 0.0, told, 0.0, 0.0, force,
-                np.zeros(faces), np.zeros((faces, WALL_BOOKED)), contact, tools,
-                np.zeros(len(tools), np.int64), np.zeros((len(bodies), VOLUMES)), {}, errors,
+                scene,
+                START,
+                bodies,
+                none,
+                none,
+                none,
+                0.0,
+                told,
+                0.0,
+                0.0,
+                force,
+                np.zeros(faces),
+                np.zeros((faces, WALL_BOOKED)),
+                contact,
+                rigid_bodies,
+                np.zeros(len(rigid_bodies), np.int64),
+                np.zeros((len(bodies), VOLUMES)),
+                {},
+                errors,
                 errors,
             )
         )
@@ -140,21 +158,21 @@ class Diagnostics:
         impulse = np.concatenate(
             [
                 own.impulse, own.constraint_impulse, own.contact[:, :, IMPULSE : IMPULSE + 3],
-                own.tools[:, :, TOOL_IMPULSE : TOOL_IMPULSE + 3],
-                own.tools[:, :, TOOL_MOMENT : TOOL_MOMENT + 3],
+                own.rigid_bodies[:, :, RIGID_IMPULSE : RIGID_IMPULSE + 3],
+                own.rigid_bodies[:, :, RIGID_MOMENT : RIGID_MOMENT + 3],
             ],
             axis=1,
         )  # fmt: skip
         errors = self._own_errors(rank, done.end)
         rows = rank.population.ordered.rows
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
-        booked = (impulse, own.outside_mass, own.contact, own.tools, own.walls, own.filled)
+        booked = (impulse, own.outside_mass, own.contact, own.rigid_bodies, own.walls, own.filled)
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None:
             return None
         bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, outside_mass, contact, tools, walls, filled = (
+        impulse, outside_mass, contact, rigid_bodies, walls, filled = (
             np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(6)
         )
         inside = np.sum([part[6] for part in parts], axis=0)
@@ -180,7 +198,8 @@ class Diagnostics:
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.told, self.first_energy, work, force, outside_mass, walls, contact, tools,
+                self.told, self.first_energy, work, force, outside_mass, walls, contact,
+                rigid_bodies,
                 inside, filled, rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
@@ -190,7 +209,11 @@ class Diagnostics:
         if self.warned or not inside.any():
             return
         self.warned = True
-        each = [f"{n} in '{name}'" for name, n in zip(scene.tools.names, inside, strict=True) if n]
+        each = [
+            f"{n} in '{name}'"
+            for name, n in zip(scene.rigid_bodies.names, inside, strict=True)
+            if n
+        ]
         self.said.append(
             f"particles are deeper in rigid bodies than a quarter of a cell: {', '.join(each)} "
             f"at time {time:.6g}; what is there takes no part in contact as it should. The columns "

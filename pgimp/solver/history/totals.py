@@ -52,7 +52,7 @@ class Totals(NamedTuple):
         What each face has taken.
     contact : (entries, BOOKED) float64
         The ledger of contact.
-    tools : (rigid bodies, TOOLED) float64
+    rigid_bodies : (rigid bodies, TOOLED) float64
         The ledger of rigid bodies.
     inside : (rigid bodies,) int64
         Particles that are deeper in each than a quarter of a cell.
@@ -78,7 +78,7 @@ class Totals(NamedTuple):
     outside_mass: np.ndarray
     walls: np.ndarray
     contact: np.ndarray
-    tools: np.ndarray
+    rigid_bodies: np.ndarray
     inside: np.ndarray
     filled: np.ndarray
     free: dict[int, tuple[FreeBody, State]]
@@ -115,11 +115,11 @@ class Totals(NamedTuple):
 
     def on_tool(self, k: int) -> np.ndarray:
         """Return the mean force on a rigid body."""
-        return self.along(self.force[len(self.force) - 2 * len(self.tools) + k], 0)
+        return self.along(self.force[len(self.force) - 2 * len(self.rigid_bodies) + k], 0)
 
     def moment_on_tool(self, k: int) -> tuple[float | None, ...]:
         """Return the mean moment on a rigid body, None about axes where it is always zero."""
-        return self.about_axes(self.force[len(self.force) - len(self.tools) + k])
+        return self.about_axes(self.force[len(self.force) - len(self.rigid_bodies) + k])
 
     def displacement_of_tool(self, k: int) -> tuple[float, ...]:
         """Return the displacement of a rigid body since the start."""
@@ -127,7 +127,7 @@ class Totals(NamedTuple):
             body, state = self.free[k]
             displacement = tuple(x - y for x, y in zip(state.centre, body.bulk.centre, strict=True))
         else:
-            motion = self.scene.tools.entries[k].rigid
+            motion = self.scene.rigid_bodies.entries[k].rigid
             displacement = (
                 (0.0,) * 3 if isinstance(motion, Free) else motion.displacement(self.done.end)
             )

@@ -123,7 +123,7 @@ def _fields(scene: Scene, bodies: list[Extent]) -> float:
     per_cell = np.array(scene.case.method.particles_per_cell)
     ends = [np.array([getattr(body, end) for body in bodies]) / per_cell for end in ("low", "high")]
     fields = 1 + max(assign(np.stack(ends), reach(scene))[0])
-    return fields * (2 if fields > 1 or scene.tools else 1)
+    return fields * (2 if fields > 1 or scene.rigid_bodies else 1)
 
 
 def estimate(
@@ -187,9 +187,11 @@ def estimate(
     line = 8 * scene.sums * names
     plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.escapes)
     plane_sums += 8 * BOOKED * len(scene.pairs.law) if scene.pairs else 0
-    plane_sums += 8 * TOOLED * len(scene.tools)
+    plane_sums += 8 * TOOLED * len(scene.rigid_bodies)
     # Of free bodies; their sums are over all planes, twice where ranks add them up.
-    answers = RESPONSE.itemsize * sum(bool(tool.free) for tool in case.tools.values())
+    answers = RESPONSE.itemsize * sum(
+        bool(rigid_body.free) for rigid_body in case.rigid_bodies.values()
+    )
     every = answers * (share + (1 if ranks == 1 else 2))
     # The first rank gathers them all, through messages.
     gathered = (line if ranks == 1 else 2 * (line + plane_sums)) if first else 0
@@ -217,8 +219,8 @@ def estimate(
     )  # fmt: skip
 
     rigid = Part(
-        f"the distances from {len(scene.tools)} rigid bodies",
-        40.0 * scene.tools.points(),
+        f"the distances from {len(scene.rigid_bodies)} rigid bodies",
+        40.0 * scene.rigid_bodies.points(),
         "smaller rigid bodies, without what meets nothing, or larger cells (grid.cell)",
         shared=False,
     )

@@ -79,7 +79,7 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = rank.scene.body_names[p.body[row]]
     advice = _out_of_range(rank, row)[1] if error == OUT_OF_RANGE else _ADVICE[error]
-    if error == OUTSIDE and rank.scene.begun[p.body[row]]:
+    if error == OUTSIDE and rank.scene.lagrangian[p.body[row]]:
         advice = _MET
     elif error == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
         advice = _DRAWN_OUT
@@ -102,7 +102,7 @@ def explanation(rank: Rank, row: int, error: int) -> str:
 def origin(rank: Rank, row: int, time: float) -> str:
     """Say in which rigid body a particle was that has left the domain; nothing for none."""
     inside = rank.keeping.inside(rank.particles, np.array([row], np.int32), time, 0.0)
-    names = [name for name, n in zip(rank.scene.tools.names, inside, strict=True) if n]
+    names = [name for name, n in zip(rank.scene.rigid_bodies.names, inside, strict=True) if n]
     return f", from inside the rigid body '{names[0]}'" if names else ""
 
 
@@ -120,7 +120,7 @@ def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
 def _face(rank: Rank, row: int) -> str:
     """Name of the closed face that a particle has passed."""
     frame = rank.scene.frame
-    if rank.scene.begun[rank.particles.body[row]]:
+    if rank.scene.lagrangian[rank.particles.body[row]]:
         for d, (low, high) in enumerate(rank.scene.bounds or ()):
             if not low <= rank.particles.x[row, d] <= high:
                 return f"{'xyz'[d]}-{'max' if rank.particles.x[row, d] > high else 'min'}"

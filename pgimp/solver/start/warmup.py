@@ -12,9 +12,9 @@ from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.forces import contact_forces
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
-from pgimp.kernels.contact.rigid_newton import find_response
+from pgimp.kernels.contact.rigid_newton import find_rigid_impulses
 from pgimp.kernels.contact.select import select_near
-from pgimp.kernels.contact.vertex import find_meetings
+from pgimp.kernels.contact.vertex import find_contact_vertices
 from pgimp.kernels.contact.volumes import volume_sums
 from pgimp.kernels.data.arguments import Forcing, Order, Report
 from pgimp.kernels.data.ledger import Ledger
@@ -28,7 +28,7 @@ from pgimp.kernels.grid.wall_gap import find_clearances
 from pgimp.kernels.once.prestress import bearable_stress, remember_stress
 from pgimp.kernels.order.layer_changes import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.order.order import grow_vertex_bounds, layers_of, locate, merge
-from pgimp.kernels.rigid.fill import find_touched
+from pgimp.kernels.rigid.fill import find_rigid_vertices
 from pgimp.kernels.rigid.hold import count_inside, count_near
 from pgimp.kernels.sums.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.sums.sums import exact_masses, fastest_rate, layer_sums
@@ -42,7 +42,7 @@ from pgimp.solver.clock import START
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.lagrangian import warmup as presentcalls
 from pgimp.solver.flows import idle
-from pgimp.solver.parts import parts_of
+from pgimp.solver.parts import groups_by_configuration
 from pgimp.solver.step import on_particles, on_vertices
 
 
@@ -52,11 +52,20 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
     assert flows is not None
     own = Grid(scene.frame, scene.vertices, grid.slab, fields=flows.fields)
     own.store(grid.base)
-    sums, tools = FillingSums(most=flows.most), _tools(scene, grid)
-    yield 6.0, lambda: particles_to_grid(
-        scene.setting.without_materials(), own.field, p, sums, order, np.zeros((0, 3), np.int64), ()
+    sums, rigid_bodies = FillingSums(most=flows.most), _tools(scene, grid)
+    yield (
+        6.0,
+        lambda: particles_to_grid(
+            scene.setting.without_materials(),
+            own.field,
+            p,
+            sums,
+            order,
+            np.zeros((0, 3), np.int64),
+            (),
+        ),
     )
-    yield 2.0, lambda: find_filling(scene.frame, own.field, flows.sides, tools, flows.fills)
+    yield 2.0, lambda: find_filling(scene.frame, own.field, flows.sides, rigid_bodies, flows.fills)
     for wall in flows.walls[:1]:
         yield 0.5, partial(fold_filling, scene.frame, own.field, wall)
         yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)
@@ -64,7 +73,7 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
 
 def _tools(scene: Scene, grid: Grid) -> Any:
     """The rigid bodies for kernels; () where there are none."""
-    return scene.tools.in_planes(grid.planes) if scene.tools else ()
+    return scene.rigid_bodies.in_planes(grid.planes) if scene.rigid_bodies else ()
 
 
 def warm_up(scene: Scene, comm: Any) -> None:
@@ -95,38 +104,73 @@ def _calls(scene: Scene) -> Iterator[Call]:
     clearances = np.empty((count, 0)) if scene.approached else ()
     controlled = scene.controlled
     forcing = Forcing(
-        1.0, scene.gravity(0.0), 0.0, loads, constraints, marked, scene.walls(0.0, 0.0), controlled,
+        1.0,
+        scene.gravity(0.0),
+        0.0,
+        loads,
+        constraints,
+        marked,
+        scene.walls(0.0, 0.0),
+        controlled,
         clearances,
     )
     vertex_forcing = on_vertices(forcing)
     report = Report(bounds, rows.copy(), np.zeros((1, 2), np.int64))
     ledger = Ledger.empty(grid.planes, count, len(constraints))
     contact: Any = ()
-    if scene.mixed or (scene.initial and (scene.pairs or scene.lets_go)):
+    if scene.mixed or (scene.initial and (scene.pairs or scene.unilateral_walls)):
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, bodies, len(frame.cell))))
         yield from presentcalls.calls(scene, grid, p, vertex_forcing, faces, ledger)
     elif scene.pairs:
-        tools = _tools(scene, grid)
-        contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, count, tools)
-        if scene.tools.free:
-            yield 2.0, lambda: find_response(contact, faces, frame, grid.field, vertex_forcing)
-        if tools:
-            yield 1.0, lambda: find_touched(
-                frame, grid.field, tools, contact.met, contact.spread
+        rigid_bodies = _tools(scene, grid)
+        contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, count, rigid_bodies)
+        if scene.rigid_bodies.free:
+            yield (
+                2.0,
+                lambda: find_rigid_impulses(contact, faces, frame, grid.field, vertex_forcing),
+            )
+        if rigid_bodies:
+            yield (
+                1.0,
+                lambda: find_rigid_vertices(
+                    frame, grid.field, rigid_bodies, contact.vertex_counts, contact.vertex_ranges
+                ),
             )
         if "contact" in scene.case.output.grid:
-            yield 2.0, lambda: contact_forces(
-                contact, faces, frame, grid.field, vertex_forcing, True, np.zeros((0, 3))
+            yield (
+                2.0,
+                lambda: contact_forces(
+                    contact, faces, frame, grid.field, vertex_forcing, True, np.zeros((0, 3))
+                ),
             )
-        yield 0.3, lambda: find_meetings(
-            grid.field, np.zeros(grid.planes, bool), contact.met, contact.spread
+        yield (
+            0.3,
+            lambda: find_contact_vertices(
+                grid.field,
+                np.zeros(grid.planes, bool),
+                contact.vertex_counts,
+                contact.vertex_ranges,
+            ),
         )
-        yield 0.3, lambda: select_near(
-            frame, grid.window, p, order, contact.spread, vertices - 1, rows.copy(), start.copy()
+        yield (
+            0.3,
+            lambda: select_near(
+                frame,
+                grid.window,
+                p,
+                order,
+                contact.vertex_ranges,
+                vertices - 1,
+                rows.copy(),
+                start.copy(),
+            ),
         )
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, len(fields), len(frame.cell))))
-        yield 6.0, lambda: particles_to_grid(
-            shaped, grid.field, p, volume_sums(shape), order, np.zeros((0, 3), np.int64), ()
+        yield (
+            6.0,
+            lambda: particles_to_grid(
+                shaped, grid.field, p, volume_sums(shape), order, np.zeros((0, 3), np.int64), ()
+            ),
         )
     summed = []
     particle_forcing = on_particles(forcing)
@@ -135,24 +179,35 @@ def _calls(scene: Scene) -> Iterator[Call]:
         particle_forcing = particle_forcing._replace(filling=idle(scene.flows))
     if keepers := Keeping(scene, None, None, 1).at(START, p, rows):
         particle_forcing = particle_forcing._replace(keepers=keepers)
-        numbers = np.zeros(len(scene.tools), np.int64)
-        yield 1.0, lambda: count_inside(keepers.tools, scene.pairs, p, rows, 0.0, numbers)
-        if scene.tools.free:
-            most = np.zeros(len(scene.tools))
-            yield 0.5, lambda: count_near(keepers.tools, p, rows, 0.0, numbers, most)
-    for part in parts_of(scene, Population(p, 0, shape, scene.placing, grid.slab, start)):
+        numbers = np.zeros(len(scene.rigid_bodies), np.int64)
+        yield 1.0, lambda: count_inside(keepers.rigid_bodies, scene.pairs, p, rows, 0.0, numbers)
+        if scene.rigid_bodies.free:
+            most = np.zeros(len(scene.rigid_bodies))
+            yield 0.5, lambda: count_near(keepers.rigid_bodies, p, rows, 0.0, numbers, most)
+    for part in groups_by_configuration(
+        scene, Population(p, 0, shape, scene.placing, grid.slab, start)
+    ):
         yield 10.4, partial(
             grid_to_particles, part.setting, part.bounded(scene, grid.field), p, order,
             np.zeros(0, np.int64), part.forced(particle_forcing), report, ledger,
         )  # fmt: skip
         yield 1.0, partial(fastest_rate, part.setting.without_shape(), p, rows, controlled)
         summed.append((part.setting.without_materials(), part.loaded(loads.summed()), order))
-    yield 6.3 * len(summed), lambda: particles_to_grid(
-        shaped, grid.field, p, summed[0][1], order, np.zeros((0, 3), np.int64),
-        Others(*summed[1]) if len(summed) > 1 else (),
+    yield (
+        6.3 * len(summed),
+        lambda: particles_to_grid(
+            shaped,
+            grid.field,
+            p,
+            summed[0][1],
+            order,
+            np.zeros((0, 3), np.int64),
+            Others(*summed[1]) if len(summed) > 1 else (),
+        ),
     )
-    yield 2.8, lambda: update_momentum(
-        frame, grid.field, faces, vertex_forcing, ledger, contact, WHOLE
+    yield (
+        2.8,
+        lambda: update_momentum(frame, grid.field, faces, vertex_forcing, ledger, contact, WHOLE),
     )
     yield 1.4, lambda: locate(shape, scene.placing, p, rows, frame.vertices)
     yield 1.4, lambda: layer_sums(material, p, order, np.zeros((1, bodies, scene.sums)))

@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.kernels.contact.forces import contact_forces
-from pgimp.kernels.contact.rigid_newton import find_response
+from pgimp.kernels.contact.rigid_newton import find_rigid_impulses
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD
 from pgimp.kernels.grid.momentum import BEGINNING, update_momentum
 from pgimp.solver.clock import Step
-from pgimp.solver.parts import parts_of
+from pgimp.solver.parts import groups_by_configuration
 from pgimp.solver.rank import Rank
 from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles
 from pgimp.storage.framefile import blocks
@@ -77,7 +77,10 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     contacts = bool(rank.meetings) and dt > 0.0
     if contacts and rank.meetings:  # before the first step all bodies share a field
         rank.meetings.regroup(grid, rank.population)
-    parts, marked = parts_of(scene, rank.population), contacts and bool(scene.loads.constraints)
+    parts, marked = (
+        groups_by_configuration(scene, rank.population),
+        contacts and bool(scene.loads.constraints),
+    )
     sum_particles(rank, parts, scene.loads.at(time), marked)
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension
@@ -131,20 +134,20 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     scene, grid, call = rank.scene, rank.grid, rank.call
     assert rank.meetings
     t = Step(1, time, dt, time + dt)
-    unbooked = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
-    contact = rank.meetings.find(grid, rank.population, unbooked, t.start, t.end)
+    scratch_impulse = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
+    contact = rank.meetings.find(grid, rank.population, scratch_impulse, t.start, t.end)
     forcing = on_vertices(acting(rank, t, scene.loads.at(time), controlled=False))
     faces, field = scene.face_parameters(t.start, t.end), grid.field
-    fold_mirrors(rank, forcing, contact, unbooked)
+    fold_mirrors(rank, forcing, contact, scratch_impulse)
     extent = grid.window.extent
     found = np.zeros((grid.owned * extent[1] * extent[2], 3))
     forces = partial(call, contact_forces, contact, faces, scene.frame, field, forcing)
     if forcing.loads.relaxation != ():
         forces(False, found)
-    call(update_momentum, scene.frame, field, faces, forcing, unbooked, contact, BEGINNING)
+    call(update_momentum, scene.frame, field, faces, forcing, scratch_impulse, contact, BEGINNING)
     if rank.free:
-        respond = partial(call, find_response, contact, faces, scene.frame, field, forcing)
-        rank.free.solve_velocities(contact.tools, grid, t, forcing.gravity, respond)
+        respond = partial(call, find_rigid_impulses, contact, faces, scene.frame, field, forcing)
+        rank.free.solve_velocities(contact.rigid_bodies, grid, t, forcing.gravity, respond)
     forces(True, found)
     return found.reshape(grid.owned, *extent[1:], 3)
 

@@ -115,13 +115,13 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
                 continue
             whole = _whole(source, name, (planes, *mine.shape[1:]))
             found[name] = whole[first : first + len(mine)]
-        if scene.tools.free:
-            states = _whole(source, "free-bodies", (len(scene.tools.free), STATE))
+        if scene.rigid_bodies.free:
+            states = _whole(source, "free-bodies", (len(scene.rigid_bodies.free), STATE))
             if (abs((states[:, 3:7] ** 2).sum(axis=1) - 1.0) > 1e-9).any():
                 raise DamagedError("the rotation of a rigid body is none")
             found["free-bodies"] = states
         if state.last_line is not None:
-            rows = (len(scene.pairs.law) if scene.pairs else 0) + 2 * len(scene.tools)
+            rows = (len(scene.pairs.law) if scene.pairs else 0) + 2 * len(scene.rigid_bodies)
             shape = (len(scene.faces) + len(scene.loads.constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)
@@ -135,7 +135,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
         rank.free.states = [FreeState.of(numbers.tolist()) for numbers in found["free-bodies"]]
     if rank.comm.rank == 0:
         rank.clamped, rank.held = state.clamped, state.held
-    rank.lightest = state.lightest
+    rank.mass_cutoff = state.mass_cutoff
     records.first_energy = state.first_energy
     records.most_outside = (state.beyond, state.beyond_time, state.beyond_face)
     records.removed = None if state.removed is None else np.array(state.removed)

@@ -29,7 +29,7 @@ class State(BaseModel):
     dt: float = Field(ge=0.0)
     rate: float = Field(ge=0.0)
     count: int = Field(ge=1, le=2**53)
-    lightest: float = Field(ge=0.0)
+    mass_cutoff: float = Field(ge=0.0)
     clamped: int = Field(ge=0)
     held: int = Field(ge=0, default=0)
     first_energy: float | None
@@ -37,7 +37,7 @@ class State(BaseModel):
     beyond: float = Field(ge=0.0)
     beyond_time: float = Field(ge=0.0)
     beyond_face: str
-    tools: str = ""
+    rigid_bodies: str = ""
     densest: float | None = Field(default=None, gt=0.0)
     watch: list[float] | None = Field(default=None, min_length=4, max_length=12)
     held_rate: list[NonNegativeFloat] | None = Field(default=None, min_length=7, max_length=7)
@@ -153,7 +153,7 @@ def capture(
         dt=done.dt,
         rate=rate,
         count=count,
-        lightest=rank.lightest,
+        mass_cutoff=rank.mass_cutoff,
         clamped=sum(part[1][0] for part in parts),
         held=sum(part[1][1] for part in parts),
         first_energy=records.first_energy,
@@ -161,7 +161,7 @@ def capture(
         beyond=records.most_outside[0],
         beyond_time=records.most_outside[1],
         beyond_face=records.most_outside[2],
-        tools=rank.scene.tools.checksum,
+        rigid_bodies=rank.scene.rigid_bodies.checksum,
         densest=rank.scene.densest,
         watch=watch.numbers if watch else None,
         stage=stage,

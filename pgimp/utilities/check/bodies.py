@@ -45,8 +45,8 @@ def report_materials(case: Case) -> None:
 
 def report_rigid(scene: Scene, verbose: bool) -> None:
     """How rigid bodies move."""
-    for name, field in zip(scene.tools.names, scene.tools.fields, strict=True):
-        entry = scene.case.tools[name]
+    for name, field in zip(scene.rigid_bodies.names, scene.rigid_bodies.fields, strict=True):
+        entry = scene.case.rigid_bodies[name]
         moves = "moves freely" if entry.free else "moves" if entry.moves else "stands"
         more = f"; {len(field.values):,} distances on its lattice" if verbose else ""
         print(f"rigid {name:<10} {moves}{more}")

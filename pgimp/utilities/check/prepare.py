@@ -71,7 +71,7 @@ def prepare(whole: Case) -> Prepared:
     require(scene, Serial())
     lattice, counts, notes = count_particles(scene, Serial())
     memory = require(scene, Serial(), int(counts.sum()))
-    if scene.tools:
+    if scene.rigid_bodies:
         _look_at_rigid(scene, lattice, counts)
     found = examine(scene, lattice, counts, whole.stages)
     varied = {body.name: body.rest_rate for body in found.bodies if body.varies}
@@ -79,9 +79,9 @@ def prepare(whole: Case) -> Prepared:
     # A grid of the initial configuration moves with its bodies.
     crossing = 0.0 if scene.initial else max(scene.frame.inverse)
     rate = _rate(case, found.bodies, crossing)
-    require_end(scene, max(rate, scene.tools.first_rate))
+    require_end(scene, max(rate, scene.rigid_bodies.first_rate))
     dt = _step(scene, rate)
-    require_slow(scene.tools, dt)
+    require_slow(scene.rigid_bodies, dt)
     return Prepared(
         scenes, lattice, counts, notes, memory, found, varied, of_stages, crossing, rate, dt
     )
@@ -103,14 +103,14 @@ def pace_of(courant: float, bodies: Sequence[BodyFacts], inverse: float) -> floa
 
 def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
     """Refuse rigid bodies that are too thin or overlap others, as a run does."""
-    scene.tools.measure(Serial())
+    scene.rigid_bodies.measure(Serial())
     blocks = (
         (block.positions, np.full(len(block.ids), body, np.int32))
         for body in range(len(lattice.bodies))
         for block in lattice.make((0, lattice.planes), counts, body)
     )
-    require_apart(scene.tools, blocks, Serial())
-    require_clear(scene.tools, scene.faces, scene.tools.first, 0, 0.0, Serial())
+    require_apart(scene.rigid_bodies, blocks, Serial())
+    require_clear(scene.rigid_bodies, scene.faces, scene.rigid_bodies.first, 0, 0.0, Serial())
 
 
 def _step(scene: Scene, rate: float) -> float:
@@ -118,6 +118,6 @@ def _step(scene: Scene, rate: float) -> float:
     case = scene.case
     if not isinstance(case.time.step, float | int):
         assert case.courant is not None
-        return min(case.courant / max(rate, scene.tools.first_rate), case.time.end)
+        return min(case.courant / max(rate, scene.rigid_bodies.first_rate), case.time.end)
     require_stable(scene, float(case.time.step), rate)
     return float(case.time.step)

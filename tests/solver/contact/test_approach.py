@@ -6,7 +6,7 @@ import pytest
 import pgimp
 from pgimp.mpi.comm import Serial
 from pgimp.solver.clock import Step
-from pgimp.solver.contact.lagrangian.approach import MARGIN, Approach, reach
+from pgimp.solver.contact.lagrangian.approach import MARGIN, BroadPhase, reach
 from pgimp.solver.contact.lagrangian.bonds import separating_walls, with_walls
 from pgimp.solver.simulation import Simulation
 
@@ -50,7 +50,7 @@ def test_near_particles_are_those_within_reach_of_another_body(D, seed, most, mo
     p.x[rows] = middles[p.body[rows]] + random.normal(0.0, 9.0, (len(rows), D))
     p.v[rows] = 0.0
     groups = np.arange(3)
-    approach = Approach(scene, Serial(), with_walls(scene), separating_walls(scene))
+    approach = BroadPhase(scene, Serial(), with_walls(scene), separating_walls(scene))
     approach.follow(population, groups, (), Step(0, 0.0, 0.1, 0.1))
     found = np.zeros(len(rows), bool)
     found[approach.near] = True

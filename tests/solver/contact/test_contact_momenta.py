@@ -35,7 +35,7 @@ class Momenta:
         self._update(frame, field, faces, forcing, ledger, contact, part)
         after = grid.G.reshape(shape)
         mass = before[..., MASS, None]
-        heavy = mass > forcing.lightest
+        heavy = mass > forcing.mass_cutoff
         given = before[..., MOMENTUM : MOMENTUM + 3]
         given = given + np.where(heavy, forcing.dt * before[..., FORCE : FORCE + 3], 0.0)
         found = np.where(mass > 0.0, mass * after[..., VELOCITY : VELOCITY + 3], 0.0)

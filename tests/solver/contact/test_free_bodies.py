@@ -31,7 +31,7 @@ def test_momentum_at_any_ratio_of_masses(configuration, D, density, law):
     assert (every < every[0] * (1.0 + 1e-3)).all()
     assert momenta(lines[-1])[0] > 0.5 * momenta(lines[0], "ball")[0] / (1.0 + density)
     body, state = sim.rank.free.now[0]
-    booked = sim.rank.ledger.tools[:, 0, :6].sum(axis=0)
+    booked = sim.rank.ledger.rigid_bodies[:, 0, :6].sum(axis=0)
     gained = np.array([*state.momentum, *state.spin])
     gained -= [*body.first.momentum, *body.first.spin]
     assert gained == pytest.approx(booked, abs=1e-12 * max(1.0, density))
@@ -112,12 +112,13 @@ def test_what_begins_in_a_wall_or_a_rigid_body_is_refused(low, high, said):
 
 def test_a_top():
     """Torque-free: |L| exact, energy of second order; a symmetric one precesses at L/I."""
+
     def turn(n):
         entry = Case.model_validate(scene(3, {
             "soft": box([1.0] * 3, [2.0] * 3),
             "top": free([4.0, 4.0, 4.0], [6.0, 6.0, 5.0], 1.0,
                         {"rotation": {"about": [5.0, 5.0, 4.5], "rate": [1.0, 0.0, 3.0]}}),
-        })).tools["top"]  # fmt: skip
+        })).rigid_bodies["top"]  # fmt: skip
         body = FreeBody("top", entry, bulk(entry.region, 1.0, everywhere(3)), 3)
         state, dt = body.first, 2.0 / n
         for _ in range(n):
@@ -158,7 +159,7 @@ def test_mass_and_inertia(D):
     ):  # fmt: skip
         bodies = {"soft": box([1.0] * D, [2.0] * D),
                   "rigid": {"rigid": {"density": 2.0}, "region": region}}  # fmt: skip
-        region = Case.model_validate(scene(D, bodies)).tools["rigid"].region
+        region = Case.model_validate(scene(D, bodies)).rigid_bodies["rigid"].region
         found = bulk(region, 2.0, everywhere(D))
         assert found.mass == pytest.approx(mass, rel=tolerance)
         assert found.inertia[8] == pytest.approx(mass * square, rel=tolerance)

@@ -33,15 +33,15 @@ def test_forces_of_contact_at_vertices():
 )  # fmt: skip
 @pytest.mark.parametrize("density", [0.05, 20.0])
 @pytest.mark.parametrize("begun", [(), ("block",), ("block", "next")])
-def test_the_energy_of_the_whole_is_the_sum_of_its_columns(begun, density, law, two):
+def test_the_energy_of_the_whole_is_the_sum_of_its_columns(lagrangian, density, law, two):
     """Whatever a body loses at once as it hits is in impact-loss, and in what is dissipated.
 
     In 2D its moment of inertia is constant, and the sum is exact: to rounding.
     """
-    bodies = {"block": box([1.0, 1.0], [4.0 if begun else 7.0, 4.0]),
+    bodies = {"block": box([1.0, 1.0], [4.0 if lagrangian else 7.0, 4.0]),
               "ball": {"rigid": {"density": density}, "velocity": [1.0, -2.0],
                        "region": {"ball": {"centre": [3.0, 5.6], "radius": 1.5}}}}  # fmt: skip
-    if begun:
+    if lagrangian:
         bodies["next"] = box([4.0, 1.0], [7.0, 4.0])
     if two:
         bodies["other"] = {"rigid": {"density": 3.0, "fixed": ["x", "rotation"]},
@@ -49,15 +49,15 @@ def test_the_energy_of_the_whole_is_the_sum_of_its_columns(begun, density, law, 
                            "region": {"box": {"min": [5.0, 4.1], "max": [6.8, 6.0]}}}  # fmt: skip
     case = scene(2, bodies, cells=[10, 9], end=0.6, step={"courant": 0.3},
                  contact=[{"bodies": list(bodies), **law}])  # fmt: skip
-    for name in begun:
+    for name in lagrangian:
         bodies[name]["configuration"] = "initial"
-    sim, tools = start(case), [name for name in bodies if name not in ("block", "next")]
+    sim, rigid_bodies = start(case), [name for name in bodies if name not in ("block", "next")]
     sums, works, losses = [], [], []
     while not sim.finished:
         line = sim.diagnostics()
-        kinetic = sum(line[f"tool.{name}.kinetic-energy"] for name in tools)
+        kinetic = sum(line[f"tool.{name}.kinetic-energy"] for name in rigid_bodies)
         sums.append(energy(line) + line["dissipated-energy"] + kinetic)
-        works.append(sum(line[f"tool.{name}.work"] for name in tools))
+        works.append(sum(line[f"tool.{name}.work"] for name in rigid_bodies))
         name = "contact." + "+".join(bodies)
         losses.append([line[f"{name}.impact-loss"], line["dissipated-energy"]])
         assert line["external-work"] == pytest.approx(works[-1], abs=1e-12 * sums[0])

@@ -211,13 +211,13 @@ def test_walls_have_no_area_in_the_books():
 
 
 @pytest.mark.parametrize("begun", [("a", "b"), ("a",)])
-def test_a_mirror_bears_what_it_turns_round_of_an_impact(begun):
+def test_a_mirror_bears_what_it_turns_round_of_an_impact(lagrangian):
     """Of the friction of blocks that meet there, on vertices beyond it, which tents reach."""
     bodies = {
         "a": box([1.0, 0.0], [3.0, 3.0], [1.0, 0.6]),
         "b": box([3.2, 0.0], [6.0, 2.0], [-1.0, 0.0]),
     }
-    bodies = {name: initial(body) if name in begun else body for name, body in bodies.items()}
+    bodies = {name: initial(body) if name in lagrangian else body for name, body in bodies.items()}
     sim = start(scene(2, bodies, cells=[8, 5], shape="fuzzy-constant", wall="mirror", end=0.5,
                       contact=[{"bodies": "all", "friction": 0.3}],
                       boundaries={"y-min": "slip"}))  # fmt: skip

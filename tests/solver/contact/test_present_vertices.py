@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import SOFT, scene, start
 
-from pgimp.solver.contact.lagrangian.lagrangian import PresentMeetings
+from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
 from pgimp.solver.contact.lagrangian.shares import divide, undivided
 
 
@@ -19,14 +19,14 @@ def first_contact(monkeypatch, **method):
                  materials={"soft": SOFT | {"young": 1000.0}},
                  contact=[{"bodies": "all"}])  # fmt: skip
     case["method"] |= method
-    find, kept = PresentMeetings._find, []
+    find, kept = LagrangianContact._find, []
 
     def look(self, near, t):
         found = find(self, near, t)
         kept.append((near, t.start, *found))
         return found
 
-    monkeypatch.setattr(PresentMeetings, "_find", look)
+    monkeypatch.setattr(LagrangianContact, "_find", look)
     sim = start(case)
     while not kept or len(kept[-1][2].ends) == 0:
         sim.advance()
@@ -39,17 +39,17 @@ def test_vertices_see_an_affine_motion_where_they_are(shape, monkeypatch):
 
     A body that has moved by u and is not strained was at x - u at the start.
     """
-    sim, bodies, near, time, encounters, responses = first_contact(monkeypatch, shape=shape)
+    sim, bodies, near, time, contact_pairs, coupling = first_contact(monkeypatch, shape=shape)
     frame = sim.scene.frame
     rest, field = np.divmod(near.vertices.keys, 2)
     number = np.transpose(np.divmod(rest, frame.cells[1] + 1 + 2 * frame.ghost))
     assert set(field) == {0, 1}
     places = np.array(frame.origin) + (number - frame.ghost) * np.array(frame.cell)
-    for end in encounters.ends:
+    for end in contact_pairs.ends:
         x = np.array(frame.origin) + (end["vertex"][:2] - frame.ghost) * frame.cell
         for side, name in enumerate("ab"):
-            row = slice(*responses.start[end["rows"][side] : end["rows"][side] + 2])
-            B, j = responses.entry[row, 0], responses.column[row]
+            row = slice(*coupling.start[end["rows"][side] : end["rows"][side] + 2])
+            B, j = coupling.entry[row, 0], coupling.column[row]
             assert B.sum() == pytest.approx(1.0, abs=1e-12)
             moved = np.array(bodies[name]["velocity"]) * time
             assert B @ places[j] == pytest.approx(x - moved, abs=1e-10)

@@ -141,7 +141,7 @@ def test_poses_are_integrals_of_the_motion():
     }  # fmt: skip
     bodies = {"block": box([1.0] * 3, [2.0] * 3), "ram": rigid([3.0] * 3, [5.0] * 3, **motion)}
     case = Case.model_validate(scene(3, bodies, end=2.0))
-    body = case.tools["ram"].rigid
+    body = case.rigid_bodies["ram"].rigid
     centre, turn = body.pose(1.0)
     assert centre == pytest.approx((5.0, 4.0, 5.0))
     assert np.array(turn).reshape(3, 3) @ [0, 1, 0] == pytest.approx([0, 0, 1], abs=1e-15)

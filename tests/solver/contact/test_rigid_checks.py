@@ -67,10 +67,10 @@ def test_a_run_goes_on_with_the_same_rigid_bodies_only():
     sim = start(struck(2, {"friction": 0.1}))
     other = struck(2, {"friction": 0.1})
     other["bodies"]["ram"]["region"]["box"]["min"][0] = 1.0
-    assert sim.scene.tools.checksum != start(other).scene.tools.checksum
-    require_same(sim.scene.tools, sim.scene.tools.checksum)
+    assert sim.scene.rigid_bodies.checksum != start(other).scene.rigid_bodies.checksum
+    require_same(sim.scene.rigid_bodies, sim.scene.rigid_bodies.checksum)
     with pytest.raises(UsageError, match="has the file of a mesh changed"):
-        require_same(sim.scene.tools, start(other).scene.tools.checksum)
+        require_same(sim.scene.rigid_bodies, start(other).scene.rigid_bodies.checksum)
 
 
 def test_nothing_but_contact_may_name_a_rigid_body():
@@ -95,8 +95,10 @@ def test_nothing_but_contact_may_name_a_rigid_body():
 ])  # fmt: skip
 def test_rigid_bodies_that_are_fast_for_waves_are_warned_of(rigid, speed):
     """Waves of 11.6; the one that turns is a ball of R = 2."""
-    bodies = {"block": box([2.0, 1.0], [6.0, 4.0]),
-              "punch": {"rigid": rigid, "region": {"ball": {"centre": [4.0, 6.5], "radius": 2.0}}}}
+    bodies = {
+        "block": box([2.0, 1.0], [6.0, 4.0]),
+        "punch": {"rigid": rigid, "region": {"ball": {"centre": [4.0, 6.5], "radius": 2.0}}},
+    }
     case = scene(2, bodies, cells=[8, 12], step={"courant": 0.3}, contact=[{"bodies": "all"}])
     said = [text for text in start(case).warnings if text.startswith("bodies.punch.rigid")]
     assert len(said) == bool(speed)

@@ -49,7 +49,7 @@ def test_sand_that_falls_on_a_slope_in_3d(speed):
 
 def line_impulse(sim):
     """Impulse along y on the first rigid body since the start."""
-    return sim.rank.ledger.tools[:, 0, 1].sum()
+    return sim.rank.ledger.rigid_bodies[:, 0, 1].sum()
 
 
 @pytest.mark.parametrize("degrees", [20.0, 45.0])

@@ -23,7 +23,9 @@ def pressed(dimension, part, floor="separating"):
         ball, plate = {"intersection": [ball, inside]}, {"intersection": [plate, inside]}
     bodies = {
         "ball": {
-            "material": "soft", "region": ball, "velocity": [0.0] * cut + [-0.5],
+            "material": "soft",
+            "region": ball,
+            "velocity": [0.0] * cut + [-0.5],
             "surface": "whole",
         },
         "plate": {"material": "soft", "region": plate},
@@ -49,9 +51,9 @@ def test_a_part_gives_what_the_whole_does(dimension, floor):
     inside = (first["x"][:, : dimension - 1] > 0.0).all(axis=1)
     found = np.hstack([field(whole, "x"), field(whole, "v"), field(whole, "F")])[inside]
     order = np.lexsort((first["body"][inside], *np.round(first["x"][inside], 6).T))
-    begun = start(pressed(dimension, True, floor))
+    lagrangian = start(pressed(dimension, True, floor))
     mine = np.hstack([field(part, "x"), field(part, "v"), field(part, "F")])
-    own = np.lexsort((field(begun, "body"), *np.round(field(begun, "x"), 6).T))
+    own = np.lexsort((field(lagrangian, "body"), *np.round(field(lagrangian, "x"), 6).T))
     assert mine.shape == found.shape
     np.testing.assert_allclose(mine[own], found[order], rtol=0.0, atol=1e-10)
 

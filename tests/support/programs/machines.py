@@ -90,8 +90,8 @@ class Machine:
             (self.root / script).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / script, self.root / script)
         shutil.copy(ROOT / "pyproject.toml", self.root)
-        for tool in [*TOOLS, "basename"]:
-            (self.bin / tool).symlink_to(shutil.which(tool))
+        for rigid_body in [*TOOLS, "basename"]:
+            (self.bin / rigid_body).symlink_to(shutil.which(rigid_body))
         self.add("python3", PYTHON)
         self.add("template", PROGRAM)
         lines = (f"{package}: {' '.join(names)}" for package, names in PROGRAMS.items())

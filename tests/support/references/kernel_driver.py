@@ -208,7 +208,7 @@ class Rank:
         dt: float,
         gravity: Sequence[float] = (),
         faces: tuple = (),
-        lightest: float = 5e-13,
+        mass_cutoff: float = 5e-13,
         mirrors: Sequence[Mirror] = (),
     ) -> None:
         """Momentum update; sets `impulse` (planes, faces, 3) and `work` (planes,)."""
@@ -218,7 +218,7 @@ class Rank:
         self.impulse, self.work = ledger.impulse, ledger.work
         self.outside_mass = ledger.outside_mass
         b = (*gravity, 0.0, 0.0, 0.0)[:3]
-        forcing = self.forcing(dt)._replace(gravity=b, lightest=lightest)
+        forcing = self.forcing(dt)._replace(gravity=b, mass_cutoff=mass_cutoff)
         near = np.empty((len(faces), len(self.grid.G) // RECORD))
         if self.approached:
             forcing = forcing._replace(clearances=near)
@@ -238,9 +238,7 @@ class Rank:
     @staticmethod
     def forcing(dt: float) -> Forcing:
         """What acts in a step without loads, faces and constraints."""
-        return Forcing(
-            dt, (0.0, 0.0, 0.0), 0.0, Loads(), (), (), np.full((6, WALL), -1.0), True
-        )
+        return Forcing(dt, (0.0, 0.0, 0.0), 0.0, Loads(), (), (), np.full((6, WALL), -1.0), True)
 
     def grid_to_particles(self, dt: float, tracked: bool = True) -> tuple:
         """First error and its row, then as the kernel from the changed layers on.

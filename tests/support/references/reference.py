@@ -181,7 +181,7 @@ class Reference:
             found[axis, side] = np.broadcast_to(frame.cell[axis] * way, self.shape)
         return found
 
-    def update_momentum(self, dt, gravity, faces, lightest, mirrors=()):
+    def update_momentum(self, dt, gravity, faces, mass_cutoff, mirrors=()):
         """(14) with (17), then the conditions of `faces`: (kind, axis, side, velocity, rate).
 
         Sets the impulse of each face, (faces, D), and the work of gravity and faces; with
@@ -198,7 +198,7 @@ class Reference:
                 if mirror[2] == releases:
                     most = closing[mirror[:2]] if releases else None
                     folded.append(self.fold(force, dt, gone, total, most, *mirror))
-        heavy = self.m > lightest
+        heavy = self.m > mass_cutoff
         m = np.where(heavy, self.m, 1.0)[..., None]
         b = np.asarray(gravity[: self.D], float)
         self.a = np.where(heavy[..., None], force / m, 0.0)

@@ -124,9 +124,9 @@ def test_faces_of_boxes_are_told_apart(runs):
     points[0, 0], points[1, 1], points[2, 2] = high[0], low[1], high[2]
     at, colours, _, _ = drawn_frame(runs, "block.out", "body", number=0)
     seen = at(camera(None, 3, None).project(points)[:, :2]).astype(int)
-    lightest = colours(np.zeros(1))[0]
-    assert np.abs(seen[2] - lightest).max() <= 2
-    lightness = seen.sum(axis=1) / lightest.sum()
+    mass_cutoff = colours(np.zeros(1))[0]
+    assert np.abs(seen[2] - mass_cutoff).max() <= 2
+    lightness = seen.sum(axis=1) / mass_cutoff.sum()
     assert 0.7 < lightness[0] < lightness[1] - 0.05 < lightness[2] - 0.1
 
 

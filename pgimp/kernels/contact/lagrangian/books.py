@@ -2,15 +2,15 @@
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.books import book, losses_of
-from pgimp.kernels.contact.lagrangian.gauss_seidel import impulse_of, take_up
+from pgimp.kernels.contact.lagrangian.gauss_seidel import impulse_of, load_pair
 from pgimp.kernels.contact.lagrangian.reference_grid import turns
 from pgimp.kernels.data.ledger import CONTACT_AREA, WALL_HEAT, WALL_LOSS
 
 
 @inner_kernel
-def _press_at(encounters, x, y, z, of):
+def _press_at(contact_pairs, x, y, z, of):
     """Whether the bodies of the pair with the ends `of` press on each other at a vertex."""
-    ends = encounters.ends
+    ends = contact_pairs.ends
     low, high = 0, len(ends)
     while low < high:  # vertices ascend
         middle = (low + high) // 2
@@ -24,7 +24,7 @@ def _press_at(encounters, x, y, z, of):
         if end.vertex[0] != x or end.vertex[1] != y or end.vertex[2] != z:
             return False
         if end.bodies[0] == of.bodies[0] and end.bodies[1] == of.bodies[1]:
-            return encounters.states[low].normal_impulse != 0.0
+            return contact_pairs.states[low].normal_impulse != 0.0
         low += 1
     return False
 
@@ -36,14 +36,14 @@ def _wall_of(end, walls):
 
 
 @inner_kernel
-def _book_areas(encounters, walls, ledger):
+def _book_areas(contact_pairs, walls, ledger):
     """Book the areas at vertices that do not press, where one beside them does.
 
     A vertex weights its neighbourhood, so that an area is divided between the two planes of
     vertices next to it, of which one may transmit all of the pressure.
     """
-    for k in range(len(encounters.ends)):
-        end, row, axis = encounters.ends[k], encounters.states[k], 0
+    for k in range(len(contact_pairs.ends)):
+        end, row, axis = contact_pairs.ends[k], contact_pairs.states[k], 0
         if row.normal_impulse != 0.0 or _wall_of(end, walls) >= 0:
             continue
         for d in range(1, 3):
@@ -53,32 +53,32 @@ def _book_areas(encounters, walls, ledger):
             x = end.vertex[0] + (way if axis == 0 else 0)
             y = end.vertex[1] + (way if axis == 1 else 0)
             z = end.vertex[2] + (way if axis == 2 else 0)
-            if _press_at(encounters, x, y, z, end):
+            if _press_at(contact_pairs, x, y, z, end):
                 ledger.contact[0, end.law - 1, CONTACT_AREA] += row.area
                 break
 
 
 @kernel
-def book_mirrored(encounters, responses, mirrors, ledger):
+def book_mirrored(contact_pairs, coupling, mirrors, ledger):
     """Book what mirrors add to the exchanged impulses, in the first plane, as `book_contacts`.
 
     What acts on vertices beyond a mirror acts on their images with the component across it, or all,
     turned round: the face gives twice that.
     """
-    for k in range(len(encounters.ends)):
+    for k in range(len(contact_pairs.ends)):
         for side in range(2):
-            r, sign = encounters.ends[k].rows[side], 2.0 * side - 1.0
+            r, sign = contact_pairs.ends[k].rows[side], 2.0 * side - 1.0
             if r < 0:
                 continue
             for n in range(len(mirrors)):
                 for d in range(3):
                     if turns(mirrors, n, d):
-                        turned = responses.beyond[r, n, d] * impulse_of(encounters.states[k], d)
+                        turned = coupling.beyond[r, n, d] * impulse_of(contact_pairs.states[k], d)
                         ledger.impulse[0, mirrors[n, 3], d] -= 2.0 * sign * turned
 
 
 @kernel
-def book_contacts(contact, free, encounters, responses, values, walls, ledger):
+def book_contacts(contact, free, contact_pairs, coupling, values, walls, ledger):
     """Book the exchanged impulses, in the first plane of the grid, whose owner calls this.
 
     Parameters
@@ -86,11 +86,11 @@ def book_contacts(contact, free, encounters, responses, values, walls, ledger):
     walls : SeparatingWalls
         Their impulses and losses are booked as the faces'.
     """
-    _book_areas(encounters, walls, ledger)
-    for k in range(len(encounters.ends)):
-        end, row = encounters.ends[k], encounters.states[k]
+    _book_areas(contact_pairs, walls, ledger)
+    for k in range(len(contact_pairs.ends)):
+        end, row = contact_pairs.ends[k], contact_pairs.states[k]
         wall = _wall_of(end, walls)
-        take_up(contact, free.frame, encounters, k, responses, values)
+        load_pair(contact, free.frame, contact_pairs, k, coupling, values)
         if wall >= 0:
             sign = -1.0 if end.bodies[0] < end.bodies[1] else 1.0
             face, fields = walls.faces[wall], contact.fields

@@ -23,7 +23,7 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 LEAST_FREE = 0.25
 
 
-class Responses(NamedTuple):
+class Coupling(NamedTuple):
     """Responses of the vertices of the start to impulses: the rows of B for the encounters.
 
     Attributes
@@ -85,7 +85,7 @@ def _value(before, i, q, way):
 
 
 @allocating_kernel
-def find_responses(frame, table, now, before, mirrors, encounters, sums, values):
+def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, values):
     """Find the rows of B for the encounters.
 
     Parameters
@@ -95,19 +95,19 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
     now, before : Supports
         Theirs, at their present places and at those of the start.
     mirrors
-        As of `take_vertices`.
-    encounters : Encounters
+        As of `copy_reference_vertices`.
+    contact_pairs : Encounters
         The pairs. In place of entries of `sums` they get the numbers of rows.
     sums : (m,) VERTEX_SUMS
-        See `Present`.
+        See `ContactVertices`.
     values : (k,) REFERENCE_VERTEX
-        See `StartVertices`.
+        See `ReferenceVertices`.
 
     Returns
     -------
     Responses
     """
-    ends, at, at0 = encounters.ends, now.at, before.at
+    ends, at, at0 = contact_pairs.ends, now.at, before.at
     row_of = np.full(len(sums), -1, np.int64)
     slots = np.empty(2 * len(ends), np.int64)
     rows = 0
@@ -178,4 +178,4 @@ def find_responses(frame, table, now, before, mirrors, encounters, sums, values)
         start[r + 1] = used
         for d in range(3):
             answer[r, d] = _answer(column, entry, start[r], used, values, d)
-    return Responses(start, column[:used], entry[:used], answer, beyond)
+    return Coupling(start, column[:used], entry[:used], answer, beyond)

@@ -22,77 +22,77 @@ from pgimp.kernels.contact.law import exchange
 
 
 @inner_kernel
-def _see(contact, a, r, responses, values):
+def _see(contact, a, r, coupling, values):
     """Load velocity, mass and mobility of an end of a pair, with row `r`, as field `a`."""
     row = contact.fields[a]
-    start, entry = responses.start, responses.entry
+    start, entry = coupling.start, coupling.entry
     u, v, w, most = 0.0, 0.0, 0.0, 0.0
     for k in range(start[r], start[r + 1]):
-        one = values[responses.column[k]]
+        one = values[coupling.column[k]]
         u += entry[k, 0] * one.velocity[0]
         v += entry[k, 1] * one.velocity[1]
         w += entry[k, 2] * one.velocity[2]
     row.velocity[0], row.velocity[1], row.velocity[2] = u, v, w
     for d in range(3):
-        row.inverse_mass[d] = row.bilateral_inverse_mass[d] = responses.answer[r, d]
-        most = max(most, responses.answer[r, d])
+        row.inverse_mass[d] = row.bilateral_inverse_mass[d] = coupling.answer[r, d]
+        most = max(most, coupling.answer[r, d])
     row.mass = 1.0 / most if most > 0.0 else 1e300
 
 
-def take_up(contact, frame, encounters, k, responses, values):
+def load_pair(contact, frame, contact_pairs, k, coupling, values):
     """Load pair `k` as the first pair at a vertex."""
 
 
-@specialise(take_up)
-def _take_up_pair(contact, frame, encounters, k, responses, values):
-    def take_up(contact, frame, encounters, k, responses, values):
-        end, rigid = encounters.ends[k], encounters.rigid[k]
+@specialise(load_pair)
+def _load_pair(contact, frame, contact_pairs, k, coupling, values):
+    def load_pair(contact, frame, contact_pairs, k, coupling, values):
+        end, rigid = contact_pairs.ends[k], contact_pairs.rigid[k]
         number = (end.vertex[0], end.vertex[1], end.vertex[2])
         for a in range(2):
             s = end.rows[a]
             if s < 0:
-                load_rigid(contact, contact.tools, frame, a, s, number, rigid)
+                load_rigid(contact, contact.rigid_bodies, frame, a, s, number, rigid)
             else:
-                _see(contact, a, s, responses, values)
+                _see(contact, a, s, coupling, values)
             contact.bodies[a], contact.ends[0].fields[a] = end.bodies[a], a
         contact.ends[0].law = end.law
-        contact.pair_states[0] = encounters.states[k]
+        contact.pair_states[0] = contact_pairs.states[k]
 
-    return take_up
+    return load_pair
 
 
 @inner_kernel
-def _give(r, J, sign, responses, values):
+def _give(r, J, sign, coupling, values):
     """Apply an impulse to the vertices that make up an end of a pair, with row `r`."""
-    start, entry = responses.start, responses.entry
+    start, entry = coupling.start, coupling.entry
     for k in range(start[r], start[r + 1]):
-        one = values[responses.column[k]]
+        one = values[coupling.column[k]]
         for d in range(3):
             one.velocity[d] += sign * entry[k, d] * J[d] * one.inverse_mass[d]
             if one.inverse_mass[d] == 0.0:
                 one.held_impulse[d] += sign * entry[k, d] * J[d]
 
 
-def _give_both(contact, frame, end, J, responses, values):
+def _give_both(contact, frame, end, J, coupling, values):
     """Apply an impulse to both ends of a pair, with opposite signs."""
 
 
 @specialise(_give_both)
-def _give_to_both(contact, frame, end, J, responses, values):
-    def give(contact, frame, end, J, responses, values):
+def _give_to_both(contact, frame, end, J, coupling, values):
+    def give(contact, frame, end, J, coupling, values):
         number = (end.vertex[0], end.vertex[1], end.vertex[2])
         for side in range(2):
             s, sign = end.rows[side], 2.0 * side - 1.0
             if s < 0:
-                push_rigid(contact.tools, frame, s, number, J, sign)
+                push_rigid(contact.rigid_bodies, frame, s, number, J, sign)
             else:
-                _give(s, J, sign, responses, values)
+                _give(s, J, sign, coupling, values)
 
     return give
 
 
 @kernel
-def solve_impulses(contact, free, encounters, responses, values, sweeps, enough):
+def solve_impulses(contact, free, contact_pairs, coupling, values, sweeps, enough):
     """Exchange impulses in all pairs until the law holds for all of them.
 
     Parameters
@@ -101,9 +101,9 @@ def solve_impulses(contact, free, encounters, responses, values, sweeps, enough)
         Laws and scratch.
     free : Holding
         The empty one: what is held has no mobility.
-    encounters : Encounters
+    contact_pairs : Encounters
         The pairs; their impulses are added up in `states`.
-    responses : Responses
+    coupling : Responses
         The response to impulses.
     values : (m,) REFERENCE_VERTEX
         The vertices of the start; their velocities are changed here.
@@ -117,21 +117,21 @@ def solve_impulses(contact, free, encounters, responses, values, sweeps, enough)
     int
         Number of sweeps.
     """
-    number, pairs = (0, 0, 0), len(encounters.ends)
+    number, pairs = (0, 0, 0), len(contact_pairs.ends)
     for sweep in range(sweeps):
         change, most = 0.0, 0.0
         for n in range(pairs):
             k = n if sweep % 2 == 0 else pairs - 1 - n
-            end, row = encounters.ends[k], encounters.states[k]
-            take_up(contact, free.frame, encounters, k, responses, values)
+            end, row = contact_pairs.ends[k], contact_pairs.states[k]
+            load_pair(contact, free.frame, contact_pairs, k, coupling, values)
             before = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
             exchange(contact, free, number, False, 0, True)
-            encounters.states[k] = contact.pair_states[0]
+            contact_pairs.states[k] = contact.pair_states[0]
             J = (
                 impulse_of(row, 0) - before[0], impulse_of(row, 1) - before[1],
                 impulse_of(row, 2) - before[2],
             )  # fmt: skip
-            _give_both(contact, free.frame, end, J, responses, values)
+            _give_both(contact, free.frame, end, J, coupling, values)
             for d in range(3):
                 change = max(change, abs(J[d]))
                 most = max(most, abs(impulse_of(row, d)))

@@ -6,7 +6,7 @@ from pgimp.jit.kernel import inner_kernel, kernel
 
 
 @kernel
-def room_size(count):
+def table_size(count):
     """Places in a table for `count` keys."""
     size = 16
     while size <= 2 * count:
@@ -14,9 +14,9 @@ def room_size(count):
     return size
 
 
-def room_for(count: int) -> np.ndarray:
+def empty_table(count: int) -> np.ndarray:
     """Make an empty table for `count` keys: (a power of two, 2) int64, key and number."""
-    return np.full((room_size(count), 2), -1, np.int64)
+    return np.full((table_size(count), 2), -1, np.int64)
 
 
 @inner_kernel
@@ -30,7 +30,7 @@ def slot(hashes, key):
 
 
 @kernel
-def number_keys(keys, hashes):
+def insert_keys(keys, hashes):
     """Enter the places of `keys` in a table: of duplicates, the first."""
     for i in range(len(keys)):
         at = slot(hashes, keys[i])
@@ -39,7 +39,7 @@ def number_keys(keys, hashes):
 
 
 @inner_kernel
-def number_of_key(hashes, key, found):
+def find_or_insert(hashes, key, found):
     """Number of a key, which is entered as number `found` if it is new."""
     at = slot(hashes, key)
     if hashes[at, 0] < 0:

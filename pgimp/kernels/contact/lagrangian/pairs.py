@@ -19,13 +19,13 @@ from pgimp.kernels.contact.data import (
 from pgimp.kernels.contact.lagrangian.vertices import (
     number_of,
 )
-from pgimp.kernels.contact.vertex import find_tools
+from pgimp.kernels.contact.vertex import load_rigid_bodies
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
 from pgimp.physics.contact import FRICTION
 
-#: The ends of a pair: for either one the number of its entry in `Present`, later of its row in
-#: `Responses`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
+#: The ends of a pair: for either one the number of its entry in `ContactVertices`, later of its
+#: row in `Coupling`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
 ENDS = np.dtype([
     ("rows", "i8", 2), ("bodies", "i8", 2), ("law", "i8"), ("vertex", "i8", 3)
 ], align=True)  # fmt: skip
@@ -35,7 +35,7 @@ ENDS = np.dtype([
 FARTHEST = 0.9
 
 
-class Encounters(NamedTuple):
+class ContactPairs(NamedTuple):
     """Pairs that may act on each other at vertices.
 
     Attributes
@@ -55,9 +55,7 @@ class Encounters(NamedTuple):
     @classmethod
     def empty(cls, count: int) -> Self:
         """Allocate for `count` pairs."""
-        return cls(
-            np.empty(count, ENDS), np.empty(count, PAIR_STATE), np.empty((count, 2, 3))
-        )
+        return cls(np.empty(count, ENDS), np.empty(count, PAIR_STATE), np.empty((count, 2, 3)))
 
     def chosen(self, which: Any) -> Self:
         """Return some of them, by places or a slice."""
@@ -105,11 +103,11 @@ def _is_far(frame, row, normal):
     for d in range(len(frame.cell)):
         way += normal.normal[d] * row.mass_offset[d]
         cell += (normal.normal[d] * frame.cell[d]) ** 2
-    return way * way > FARTHEST**2 * cell * row.mass ** 2
+    return way * way > FARTHEST**2 * cell * row.mass**2
 
 
 @inner_kernel
-def _keep_pairs(contact, frame, sums, number, places, pairs, found, encounters):
+def _keep_pairs(contact, frame, sums, number, places, pairs, found, contact_pairs):
     """Keep the pairs that `find_pairs` has found at a vertex, as far as there is room.
 
     `places` are the entries of the groups there in `sums`; fields behind them are rigid. Returns
@@ -124,10 +122,10 @@ def _keep_pairs(contact, frame, sums, number, places, pairs, found, encounters):
         if far:
             continue
         found += 1
-        if found > len(encounters.ends):
+        if found > len(contact_pairs.ends):
             continue
-        end, rigid = encounters.ends[found - 1], encounters.rigid[found - 1]
-        encounters.states[found - 1] = contact.pair_states[k]
+        end, rigid = contact_pairs.ends[found - 1], contact_pairs.rigid[found - 1]
+        contact_pairs.states[found - 1] = contact.pair_states[k]
         rigid[:, :] = 0.0
         end.law = contact.ends[k].law
         for d in range(3):
@@ -182,7 +180,7 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
 
 
 @kernel
-def find_encounters(contact, frame, faces, walls, present, dt, encounters):
+def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, contact_pairs):
     """Find the pairs that may act on each other at any vertex.
 
     Parameters
@@ -193,9 +191,9 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
         All walls at rest, where neighbourhoods end.
     walls : SeparatingWalls
         Those that let go.
-    present : Present
+    contact_vertices : Present
         The groups' sums at the vertices.
-    encounters : Encounters
+    contact_pairs : Encounters
         Filled with the pairs.
 
     Returns
@@ -203,26 +201,26 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
     int
         Number of pairs; those beyond the capacity are not kept.
     """
-    keys, order, sums = present.keys, present.order, present.sums
+    keys, order, sums = contact_vertices.keys, contact_vertices.order, contact_vertices.sums
     found, i = 0, 0
     whole = 1.0
     for d in range(len(frame.cell)):
         whole *= frame.cell[d]
     while i < len(order):
-        begin, vertex = i, keys[order[i]] // present.groups
-        while i < len(order) and keys[order[i]] // present.groups == vertex:
+        begin, vertex = i, keys[order[i]] // contact_vertices.groups
+        while i < len(order) and keys[order[i]] // contact_vertices.groups == vertex:
             i += 1
-        places, number = order[begin:i], number_of(present, vertex)
+        places, number = order[begin:i], number_of(contact_vertices, vertex)
         count, sides = len(places), wall_sides(faces, frame, number)
         cell = whole * 0.5 ** on_walls(faces, frame, number)
         for a in range(count):
             _load(contact, a, sums[places[a]], cell)
-        tools = find_tools(contact, contact.tools, frame, number, sides, count, True)
-        if count + tools > 1:
-            pairs = find_pairs(contact, frame, sides, count + tools, tools, dt)
-            found = _keep_pairs(
-                contact, frame, sums, number, places, pairs, found, encounters
-            )
+        rigid_bodies = load_rigid_bodies(
+            contact, contact.rigid_bodies, frame, number, sides, count, True
+        )
+        if count + rigid_bodies > 1:
+            pairs = find_pairs(contact, frame, sides, count + rigid_bodies, rigid_bodies, dt)
+            found = _keep_pairs(contact, frame, sums, number, places, pairs, found, contact_pairs)
         for w in range(len(walls.rows)):
             for a in range(count):
                 on = (number[walls.rows[w, 0]] - walls.rows[w, 2]) == 0
@@ -232,6 +230,6 @@ def find_encounters(contact, frame, faces, walls, present, dt, encounters):
                 if pairs > 0:
                     contact.pair_states[0].gap_rate /= dt
                     found = _keep_pairs(
-                        contact, frame, sums, number, places[a : a + 1], pairs, found, encounters
+                        contact, frame, sums, number, places[a : a + 1], pairs, found, contact_pairs
                     )
     return found

@@ -53,7 +53,7 @@ def book_held(holding, field, vertices, ledger):
     holding : Holding
         Faces and constraints.
     field : Field
-        As after `give_to_vertices`: what is held moves as prescribed.
+        As after `change_velocities`: what is held moves as prescribed.
     vertices : StartVertices
         Those of all ranks.
     ledger : Ledger
@@ -67,7 +67,7 @@ def book_held(holding, field, vertices, ledger):
             continue
         r, number = place_of_key(holding.frame, field, vertices.keys[n])
         i = number[0] - field.window.lower[0]
-        if r < 0 or i >= field.owned or not G[r + MASS] > forcing.lightest:
+        if r < 0 or i >= field.owned or not G[r + MASS] > forcing.mass_cutoff:
             continue
         u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
         b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])

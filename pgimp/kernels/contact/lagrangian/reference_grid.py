@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
-from pgimp.kernels.contact.lagrangian.hash_table import number_of_key, room_size, slot
+from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, slot, table_size
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
 from pgimp.kernels.data.particles import IntArray
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
@@ -24,7 +24,7 @@ REFERENCE_VERTEX = np.dtype([
 ], align=True)  # fmt: skip
 
 
-class StartVertices(NamedTuple):
+class ReferenceVertices(NamedTuple):
     """Data of vertices of the grid of the start.
 
     Attributes
@@ -111,7 +111,7 @@ def _has_weight(supports, i, q):
 
 
 @kernel
-def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
+def copy_reference_vertices(holding, field, table, supports, mirrors, seen, vertices):
     """Copy the vertices that particles have weight on at the start.
 
     Parameters
@@ -156,7 +156,7 @@ def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
             u = held_velocity(holding, number, r, v, True)
             for d in range(3):
                 row.velocity[d], row.inverse_mass[d], row.held_impulse[d] = v[d], 0.0, 0.0
-                if d < D and m > forcing.lightest:
+                if d < D and m > forcing.mass_cutoff:
                     pushed = (
                         v[0] + (1.0 if d == 0 else 0.0), v[1] + (1.0 if d == 1 else 0.0),
                         v[2] + (1.0 if d == 2 else 0.0),
@@ -168,7 +168,7 @@ def take_vertices(holding, field, table, supports, mirrors, seen, vertices):
 
 
 @allocating_kernel
-def find_vertices(frame, table, supports, mirrors, fields, hashes):
+def number_reference_vertices(frame, table, supports, mirrors, fields, hashes):
     """Set the numbers of the vertices of supports at the start.
 
     Particles with the same first vertex have the same vertices: their numbers are found once.
@@ -178,16 +178,16 @@ def find_vertices(frame, table, supports, mirrors, fields, hashes):
     table, supports
         The particles, of `fields` velocity fields, and their supports.
     mirrors
-        As of `take_vertices`.
+        As of `copy_reference_vertices`.
     hashes
         The numbers of the vertices' keys.
     """
     across, patch_of, patches = _across(frame), np.empty(len(table), np.int64), 0
-    known = np.full((room_size(len(table)), 2), -1, np.int64)
+    known = np.full((table_size(len(table)), 2), -1, np.int64)
     for i in range(len(table)):
         first = supports.first[i]
         key = _key(across, (first[0], first[1], first[2]), fields, table[i].field)
-        patch_of[i] = number_of_key(known, key, patches)
+        patch_of[i] = find_or_insert(known, key, patches)
         patches = max(patches, patch_of[i] + 1)
     numbers = np.full((patches, len(supports.local)), -1, np.int64)
     for i in range(len(table)):
@@ -219,13 +219,13 @@ def place_of_key(frame, field, key):
 
 
 @kernel
-def give_to_vertices(frame, field, keys, changes, forcing, work):
+def change_velocities(frame, field, keys, changes, forcing, work):
     """Change velocities and accelerations of the vertices that a rank has.
 
     Parameters
     ----------
     keys : (m,) int64
-        As of `take_vertices`, from all ranks.
+        As of `copy_reference_vertices`, from all ranks.
     changes : (m, 3) float64
         Of their velocities.
     forcing : Forcing

@@ -9,29 +9,26 @@ from math import inf
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.rigid.bodies import (
-    ANSWERS,
     lever,
+    move_freely,
     place_of,
 )
 
 
-def _moves(tools):
-    """Whether some rigid bodies, given by their Numba type, move freely."""
-    return hasattr(tools, "instance_class") and hasattr(tools.types[ANSWERS], "ndim")
-
-
 @inner_kernel
-def _arm(tools, t, frame, number):
+def _arm(rigid_bodies, t, frame, number):
     """From the centre of a rigid body to a vertex."""
-    x, motion = place_of(frame, number), tools.motion[t]
+    x, motion = place_of(frame, number), rigid_bodies.motion[t]
     return x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2]
 
 
 @inner_kernel
-def _free_number(tools, s):
+def _free_number(rigid_bodies, s):
     """Number of a rigid end among the rigid bodies; -1 unless it moves freely."""
-    t = -1 - s - tools.bodies
-    if t >= len(tools.about) or tools.about[t].free < 0:  # a wall, or as prescribed
+    t = -1 - s - rigid_bodies.bodies
+    if (
+        t >= len(rigid_bodies.lattice) or rigid_bodies.lattice[t].free < 0
+    ):  # a wall, or as prescribed
         return -1
     return t
 
@@ -46,7 +43,7 @@ def _prescribed(contact, a, rigid):
         row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 0.0
 
 
-def load_rigid(contact, tools, frame, a, s, number, rigid):
+def load_rigid(contact, rigid_bodies, frame, a, s, number, rigid):
     """Load a rigid end as field `a`: its velocity and, if it moves freely, its mobility.
 
     `s` is minus 1 minus its number among all bodies, `rigid` the velocities of the pair's ends.
@@ -55,17 +52,23 @@ def load_rigid(contact, tools, frame, a, s, number, rigid):
 
 
 @specialise(load_rigid)
-def _load_rigid(contact, tools, frame, a, s, number, rigid):
-    if not _moves(tools):
-        return lambda contact, tools, frame, a, s, number, rigid: _prescribed(contact, a, rigid)
+def _load_rigid(contact, rigid_bodies, frame, a, s, number, rigid):
+    if not move_freely(rigid_bodies):
+        return lambda contact, rigid_bodies, frame, a, s, number, rigid: _prescribed(
+            contact, a, rigid
+        )
 
-    def load(contact, tools, frame, a, s, number, rigid):
+    def load(contact, rigid_bodies, frame, a, s, number, rigid):
         _prescribed(contact, a, rigid)
-        t = _free_number(tools, s)
+        t = _free_number(rigid_bodies, s)
         if t < 0:
             return
-        row, motion, arm = contact.fields[a], tools.motion[t], _arm(tools, t, frame, number)
-        C = tools.answers[0, tools.about[t].free]
+        row, motion, arm = (
+            contact.fields[a],
+            rigid_bodies.motion[t],
+            _arm(rigid_bodies, t, frame, number),
+        )
+        C = rigid_bodies.responses[0, rigid_bodies.lattice[t].free]
         for d in range(3):
             v, bound = 0.0, 0.0
             for u in range(6):
@@ -82,18 +85,18 @@ def _load_rigid(contact, tools, frame, a, s, number, rigid):
     return load
 
 
-def push_rigid(tools, frame, s, number, J, sign):
+def push_rigid(rigid_bodies, frame, s, number, J, sign):
     """Apply an impulse at a vertex to a rigid end that moves freely."""
 
 
 @specialise(push_rigid)
-def _push_rigid(tools, frame, s, number, J, sign):
-    def push(tools, frame, s, number, J, sign):
-        t = _free_number(tools, s)
+def _push_rigid(rigid_bodies, frame, s, number, J, sign):
+    def push(rigid_bodies, frame, s, number, J, sign):
+        t = _free_number(rigid_bodies, s)
         if t < 0:
             return
-        motion, arm = tools.motion[t], _arm(tools, t, frame, number)
-        answer = tools.answers[0, tools.about[t].free]
+        motion, arm = rigid_bodies.motion[t], _arm(rigid_bodies, t, frame, number)
+        answer = rigid_bodies.responses[0, rigid_bodies.lattice[t].free]
         for w in range(6):
             given = 0.0
             for d in range(3):
@@ -102,4 +105,6 @@ def _push_rigid(tools, frame, s, number, J, sign):
             for u in range(6):
                 motion.velocity_after[u] += answer.derivative[u, w] * given
 
-    return push if _moves(tools) else lambda tools, frame, s, number, J, sign: None
+    return (
+        push if move_freely(rigid_bodies) else lambda rigid_bodies, frame, s, number, J, sign: None
+    )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel
-from pgimp.kernels.contact.lagrangian.hash_table import number_of_key, room_size
+from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, table_size
 from pgimp.kernels.contact.lagrangian.vertices import key_of
 from pgimp.kernels.data.particles import IntArray
 
@@ -26,7 +26,7 @@ class Patches(NamedTuple):
     numbers : (patches, k) int64
         The numbers of the groups at the vertices of a patch; -1 where they are alone.
     keys : (m,) int64
-        Their keys, see `pgimp.kernels.contact.lagrangian.vertices.Present`.
+        Their keys, see `pgimp.kernels.contact.lagrangian.vertices.ContactVertices`.
     """
 
     rows: IntArray
@@ -54,7 +54,7 @@ def _inside(boxes, number):
 
 
 @allocating_kernel
-def find_shared(table, local, within, boxes, present):
+def find_shared(table, local, within, boxes, contact_vertices):
     """Find the particles that have vertices which are shared.
 
     Parameters
@@ -67,7 +67,7 @@ def find_shared(table, local, within, boxes, present):
         An axis, and the least and the greatest number along it of the vertices that count.
     boxes : (m, 2, 3) int64
         Least and greatest numbers of the vertices where something rigid may be.
-    present : Present
+    contact_vertices : Present
         Without entries.
 
     Returns
@@ -77,17 +77,17 @@ def find_shared(table, local, within, boxes, present):
     many, (axis, least, greatest) = len(local), within
     patch_of, patches = np.empty(len(table), np.int64), 0
     begins, groups = np.empty((len(table), 3), np.int64), np.empty(len(table), np.int64)
-    known = np.full((room_size(len(table)), 2), -1, np.int64)
+    known = np.full((table_size(len(table)), 2), -1, np.int64)
     for i in range(len(table)):
         first, group = table[i].first_vertex, table[i].group
         x, y, z = first[0], first[1], first[2]
-        patch_of[i] = number_of_key(known, key_of(present, (x, y, z), group), patches)
+        patch_of[i] = find_or_insert(known, key_of(contact_vertices, (x, y, z), group), patches)
         if patch_of[i] == patches:
             begins[patches, 0], begins[patches, 1], begins[patches, 2] = x, y, z
             groups[patches] = group
             patches += 1
     # The groups at each vertex: the first one, or -1 where there are several.
-    known = np.full((room_size(many * patches), 2), -1, np.int64)
+    known = np.full((table_size(many * patches), 2), -1, np.int64)
     vertex, alone = np.full((patches, many), -1, np.int64), np.empty(many * patches, np.int64)
     found = 0
     for k in range(patches):
@@ -95,14 +95,14 @@ def find_shared(table, local, within, boxes, present):
             number = _vertex(begins[k], local, q)
             if not least <= number[axis] <= greatest:
                 continue
-            n = number_of_key(known, key_of(present, number, 0), found)
+            n = find_or_insert(known, key_of(contact_vertices, number, 0), found)
             vertex[k, q] = n
             if n == found:
                 alone[n] = -1 if _inside(boxes, number) else groups[k]
                 found += 1
             elif alone[n] != groups[k]:
                 alone[n] = -1
-    known = np.full((room_size(many * patches), 2), -1, np.int64)
+    known = np.full((table_size(many * patches), 2), -1, np.int64)
     keys, kept, entries = np.empty(many * patches, np.int64), np.zeros(patches, np.bool_), 0
     for k in range(patches):
         for q in range(many):
@@ -110,8 +110,8 @@ def find_shared(table, local, within, boxes, present):
             if n < 0 or alone[n] >= 0:
                 vertex[k, q] = -1
                 continue
-            key = key_of(present, _vertex(begins[k], local, q), groups[k])
-            n = number_of_key(known, key, entries)
+            key = key_of(contact_vertices, _vertex(begins[k], local, q), groups[k])
+            n = find_or_insert(known, key, entries)
             if n == entries:
                 keys[n] = key
                 entries += 1

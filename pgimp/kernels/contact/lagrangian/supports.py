@@ -114,14 +114,14 @@ def _support_along(shape, frame, half, x, supports, i, d, like):
 
 
 @kernel
-def find_supports(shape, frame, table, present, supports):
+def find_supports(shape, frame, table, current, supports):
     """Set the supports of particles, but not `at`.
 
     Parameters
     ----------
     table : (n,) NEAR_PARTICLE
         The particles.
-    present : bool
+    current : bool
         Whether their positions count; else those of their weights.
     supports : Supports
         Set here.
@@ -131,5 +131,5 @@ def find_supports(shape, frame, table, present, supports):
         supports.w[i, :, :] = 0.0
         supports.g[i, :, :] = 0.0
         supports.w[i, :, 0] = 1.0
-        x = table[i].position if present else table[i].weight_position
+        x = table[i].position if current else table[i].weight_position
         _support(shape, frame, table[i].half_width, x, supports, i, 0, frame.origin)

@@ -61,7 +61,7 @@ VERTEX_SUMS = np.dtype([
 ], align=True)  # fmt: skip
 
 
-class Present(NamedTuple):
+class ContactVertices(NamedTuple):
     """Sums of groups at the vertices of the domain's grid, one entry a group and vertex.
 
     Attributes
@@ -87,17 +87,17 @@ class Present(NamedTuple):
 
 
 @inner_kernel
-def key_of(present, number, group):
+def key_of(contact_vertices, number, group):
     """Key of a group at a vertex, given by its numbers."""
-    low, extent = present.low, present.extent
+    low, extent = contact_vertices.low, contact_vertices.extent
     key = (number[0] - low[0]) * extent[1] + number[1] - low[1]
-    return (key * extent[2] + number[2] - low[2]) * present.groups + group
+    return (key * extent[2] + number[2] - low[2]) * contact_vertices.groups + group
 
 
 @inner_kernel
-def number_of(present, vertex):
+def number_of(contact_vertices, vertex):
     """Numbers of a vertex, which is a key over the number of groups."""
-    low, extent = present.low, present.extent
+    low, extent = contact_vertices.low, contact_vertices.extent
     rest = vertex // extent[2]
     return rest // extent[1] + low[0], rest % extent[1] + low[1], vertex % extent[2] + low[2]
 
@@ -123,10 +123,10 @@ def _clear_sums(row):
 
 
 @kernel
-def take_near(setting, particles, rows, groups, fields, begun, table):
+def copy_near_particles(setting, particles, rows, groups, fields, lagrangian, table):
     """Copy the particles near a meeting, (n,) NEAR_PARTICLE, in canonical order.
 
-    `groups`, `fields` and `begun`, of the bodies, are as in `PresentMeetings`.
+    `groups`, `fields` and `lagrangian`, of the bodies, are as in `LagrangianContact`.
     """
     frame = setting.frame
     for i in range(len(rows)):
@@ -135,8 +135,8 @@ def take_near(setting, particles, rows, groups, fields, begun, table):
         F = deformation(frame, particles, p)
         own, x = read(particles.offset, p, 0, frame.origin), read(particles.x, p, 0, frame.origin)
         X, D = read(particles.origin, p, 0, frame.origin), len(frame.origin)
-        row.lagrangian = 1 if begun[particles.body[p]] else 0
-        kept = setting.identity if begun[particles.body[p]] else F
+        row.lagrangian = 1 if lagrangian[particles.body[p]] else 0
+        kept = setting.identity if lagrangian[particles.body[p]] else F
         half = size(setting.shape, frame.cell, kept)[0]
         for d in range(D):
             row.position[d], row.weight_position[d] = x[d], X[d] if row.lagrangian else x[d]
@@ -157,7 +157,7 @@ def take_near(setting, particles, rows, groups, fields, begun, table):
 
 
 @kernel
-def sum_present(frame, table, supports, left, linear, patch, numbers, present):
+def sum_at_contact_vertices(frame, table, supports, left, linear, patch, numbers, contact_vertices):
     """Sum particles into the vertices at their present places, by group.
 
     Parameters
@@ -170,10 +170,10 @@ def sum_present(frame, table, supports, left, linear, patch, numbers, present):
         1 where these are the whole ones, and their change over the offset counts, else 0.
     patch, numbers
         See `pgimp.kernels.contact.lagrangian.shared_vertices.Patches`.
-    present : Present
+    contact_vertices : Present
         With keys; the sums are set.
     """
-    D, sums = len(frame.origin), present.sums
+    D, sums = len(frame.origin), contact_vertices.sums
     for n in range(len(sums)):
         _clear_sums(sums[n])
     for i in range(len(table)):

@@ -47,7 +47,7 @@ def no_regions(D: int) -> Regions:
     )
 
 
-class Approach:
+class BroadPhase:
     """The particles of a rank that are near other bodies, rigid bodies or walls that let go.
 
     Parameters
@@ -71,7 +71,7 @@ class Approach:
 
     def __init__(self, scene: Scene, comm: Any, pairs: Pairs, walls: SeparatingWalls) -> None:
         self.scene, self.comm, self.pairs, self.walls = scene, comm, pairs, walls
-        self.near = self._room = np.empty(0, np.int64)
+        self.near = self._storage = np.empty(0, np.int64)
         self.any = False
         self.call = Bound()
         self._pause = 0
@@ -82,7 +82,12 @@ class Approach:
         self._pause = 0
 
     def follow(
-        self, population: Population, groups: np.ndarray, tools: Any, t: Step, rate: float = 0.0
+        self,
+        population: Population,
+        groups: np.ndarray,
+        rigid_bodies: Any,
+        t: Step,
+        rate: float = 0.0,
     ) -> bool:
         """Search all particles in a step, if some may have come near by then; collective.
 
@@ -92,7 +97,7 @@ class Approach:
             The particles.
         groups : (bodies,) int64
             The groups of bonded bodies.
-        tools : Tools or ()
+        rigid_bodies : Tools or ()
             The rigid bodies, in place.
         t : Step
             The step.
@@ -106,14 +111,14 @@ class Approach:
         """
         looked = self._pause == 0
         if looked:
-            self._look(population, groups, tools, t, rate)
+            self._look(population, groups, rigid_bodies, t, rate)
         self._pause -= 1
         if looked or self.scene.mixed:  # others keep their places
             self._select(population, groups)
         return looked
 
     def _look(
-        self, population: Population, groups: np.ndarray, tools: Any, t: Step, rate: float
+        self, population: Population, groups: np.ndarray, rigid_bodies: Any, t: Step, rate: float
     ) -> None:
         """Find where something may be met, and the steps for which this holds; collective."""
         scene, frame, p = self.scene, self.scene.frame, population.particles
@@ -127,7 +132,7 @@ class Approach:
         for boxes, _ in every:
             np.minimum.at(low, groups, boxes[0])
             np.maximum.at(high, groups, boxes[1])
-        speed = max(max(each[1] for each in every), scene.tools.rate, rate)
+        speed = max(max(each[1] for each in every), scene.rigid_bodies.rate, rate)
         travel = speed * t.dt
         self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
         away = reach(scene, scene.follows) + MARGIN
@@ -139,13 +144,13 @@ class Approach:
             if (first <= last).all():
                 ends.append((first, last))
                 meeting.append((a, b))
-        for row in tools.about if tools else ():
+        for row in rigid_bodies.lattice if rigid_bodies else ():
             first, last = row["least"][:D] - away, row["most"][:D] + away
             ends.append((first - frame.ghost, last - frame.ghost))
         for axis, side, end in self.walls.rows:
-            about = np.full((2, D), [[-np.inf], [np.inf]])
-            about[int(side < 0), axis] = end - frame.ghost - side * (1.0 + away[axis])
-            ends.append(about)
+            lattice = np.full((2, D), [[-np.inf], [np.inf]])
+            lattice[int(side < 0), axis] = end - frame.ghost - side * (1.0 + away[axis])
+            ends.append(lattice)
         self._regions = self._marked(population, groups, np.array(ends), meeting)
 
     def _marked(
@@ -184,8 +189,8 @@ class Approach:
     def _select(self, population: Population, groups: np.ndarray) -> None:
         """Find the particles in the regions where something may be met; collective."""
         order = population.order
-        if len(self._room) < len(order):
-            self._room = np.empty(len(order), np.int64)
+        if len(self._storage) < len(order):
+            self._storage = np.empty(len(order), np.int64)
         found = self.call(
             find_near,
             self.scene.frame,
@@ -193,9 +198,9 @@ class Approach:
             order,
             groups,
             self._regions,
-            self._room,
+            self._storage,
         )
-        self.near = self._room[:found]
+        self.near = self._storage[:found]
         self.any = bool(sum(self.comm.allgather(found)))
 
 

@@ -12,7 +12,7 @@ from pgimp.scene.scene import Scene
 def with_walls(scene: Scene) -> Pairs:
     """The law of each pair; walls that let go are bodies after all others."""
     letting = [face for face in scene.faces if face.condition.approaches]
-    names = [*scene.body_names, *scene.tools.names]
+    names = [*scene.body_names, *scene.rigid_bodies.names]
     pairs = scene.pairs or Pairs.of((), names)
     n, m, known = len(scene.body_names), len(names), len(pairs.law)
     entry = np.zeros((m + len(letting),) * 2, np.int64)
@@ -36,18 +36,18 @@ def separating_walls(scene: Scene) -> SeparatingWalls:
         for _, face in letting
     ]
     return SeparatingWalls(
-        len(scene.body_names) + len(scene.tools), np.array(rows, np.int64).reshape(-1, 3),
+        len(scene.body_names) + len(scene.rigid_bodies), np.array(rows, np.int64).reshape(-1, 3),
         np.array([n for n, _ in letting], np.int64),
     )  # fmt: skip
 
 
 def bonded(
-    pairs: Pairs, low: np.ndarray, high: np.ndarray, reach: np.ndarray, begun: np.ndarray
+    pairs: Pairs, low: np.ndarray, high: np.ndarray, reach: np.ndarray, lagrangian: np.ndarray
 ) -> tuple[tuple[int, ...], np.ndarray]:
     """Fields and groups of bodies by their boxes at the start, in cells.
 
     Those under the law `tied` that share vertices there are one group. Others that do have fields
-    of their own, as few as possible. Bodies that are not in the initial configuration (`begun`)
+    of their own, as few as possible. Those that are not in the initial one (`lagrangian`)
     move over the grid: those that are tied are one group, and each group has a field of its own.
     """
     n = len(low)
@@ -59,11 +59,11 @@ def bonded(
     for a in range(n):
         for b in range(a + 1, n):
             entry = abs(int(pairs.entry[a, b]))
-            if not entry or pairs.law[entry - 1] != TIED or begun[a] != begun[b]:
+            if not entry or pairs.law[entry - 1] != TIED or lagrangian[a] != lagrangian[b]:
                 continue
-            if touch[a, b] or not begun[a]:
+            if touch[a, b] or not lagrangian[a]:
                 group[group == group[b]] = group[a]
-    touch &= np.logical_and.outer(begun, begun)
+    touch &= np.logical_and.outer(lagrangian, lagrangian)
     _, group = np.unique(group, return_inverse=True)
     fields = np.zeros(n, np.int64)
     done: list[int] = []
@@ -72,10 +72,10 @@ def bonded(
         taken = {
             int(fields[b]) for b in np.flatnonzero(touch[mine].any(axis=0)) if group[b] in done
         }
-        if begun[mine].all():
+        if lagrangian[mine].all():
             fields[mine] = next(f for f in range(n + 1) if f not in taken)
             done.append(one)
-    for one in np.unique(group[~begun]):
+    for one in np.unique(group[~lagrangian]):
         fields[group == one] = fields.max() + 1
     return tuple(fields.tolist()), group.astype(np.int64)
 

@@ -15,24 +15,24 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_contacts, book_mirrored
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
-from pgimp.kernels.contact.lagrangian.coupling import Responses, find_responses
+from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling
 from pgimp.kernels.contact.lagrangian.gauss_seidel import solve_impulses
-from pgimp.kernels.contact.lagrangian.hash_table import number_keys, room_for
-from pgimp.kernels.contact.lagrangian.pairs import Encounters, find_encounters
+from pgimp.kernels.contact.lagrangian.hash_table import empty_table, insert_keys
+from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
 from pgimp.kernels.contact.lagrangian.reactions import book_held
 from pgimp.kernels.contact.lagrangian.reference_grid import (
-    StartVertices,
-    find_vertices,
-    give_to_vertices,
+    ReferenceVertices,
+    change_velocities,
+    number_reference_vertices,
 )
-from pgimp.kernels.contact.lagrangian.vertices import sum_present
+from pgimp.kernels.contact.lagrangian.vertices import sum_at_contact_vertices
 from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
 from pgimp.solver.contact.free_bodies import FreeBodies
-from pgimp.solver.contact.lagrangian.approach import Approach, reach
+from pgimp.solver.contact.lagrangian.approach import BroadPhase, reach
 from pgimp.solver.contact.lagrangian.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.contact.lagrangian.near import Near, NearParticles, in_order
 
@@ -44,7 +44,7 @@ SWEEPS, ENOUGH = 30, 1e-3
 TOGETHER = 200, 1e-6
 
 
-class PresentMeetings:
+class LagrangianContact:
     """Contact of bodies in the initial configuration, on one rank.
 
     Particles that are near something are copied to the ranks that have a share of the vertices
@@ -78,20 +78,20 @@ class PresentMeetings:
         self.sweeps = 0
         self._grouped = False
         self.pairs, self._walls = with_walls(scene), separating_walls(scene)
-        self._approach = Approach(scene, comm, self.pairs, self._walls)
-        tools: Any = scene.tools.in_planes(1) if scene.tools else ()
+        self._approach = BroadPhase(scene, comm, self.pairs, self._walls)
+        rigid_bodies: Any = scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
         self._contact = Contact.empty(
-            self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.faces), tools
+            self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.faces), rigid_bodies
         )
-        self.free = FreeBodies(scene, comm) if scene.tools.free else None
+        self.free = FreeBodies(scene, comm) if scene.rigid_bodies.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
         self._every_face = scene.standing_faces()
-        self._particles = NearParticles(scene, comm, tools, self._walls)
+        self._particles = NearParticles(scene, comm, rigid_bodies, self._walls)
 
     @property
-    def tools(self) -> Any:
+    def rigid_bodies(self) -> Any:
         """The rigid bodies for kernels, as they are in this step; () where there are none."""
-        return self._contact.tools
+        return self._contact.rigid_bodies
 
     def forget(self) -> None:
         """Search all particles again in the next step: they have changed, or their bodies have."""
@@ -112,7 +112,7 @@ class PresentMeetings:
         every = np.array(self.comm.allgather(boxes))
         low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
         distance = 2.0 * reach(scene)
-        self.fields, self.groups = bonded(self.pairs, low, high, distance, scene.begun)
+        self.fields, self.groups = bonded(self.pairs, low, high, distance, scene.lagrangian)
         self._particles.groups = self.groups
         self._particles.fields = np.array(self.fields, np.int64)
         if max(self.fields) > 0 and self.fields != grid.fields:
@@ -130,16 +130,16 @@ class PresentMeetings:
         """
         contact, free = self._contact, self.free
         ledger.contact[:, :, CONTACT_AREA] = 0.0
-        if self.scene.tools:
-            self.scene.tools.at(t.start, t.end, free.states if free else None)  # in place
+        if self.scene.rigid_bodies:
+            self.scene.rigid_bodies.at(t.start, t.end, free.states if free else None)  # in place
         if free:
-            free.begin(contact.tools, t, forcing.gravity)
+            free.begin(contact.rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
-        looked = self._approach.follow(population, self.groups, contact.tools, t, rate)
+        looked = self._approach.follow(population, self.groups, contact.rigid_bodies, t, rate)
         if self._approach.any:
             self._meet(grid, population, ledger, t, forcing, faces, looked)
         if free:
-            free.end(contact.tools, t.dt)
+            free.end(contact.rigid_bodies, t.dt)
 
     def _meet(
         self, grid: Grid, population: Population, ledger: Ledger, t: Step, forcing: Forcing,
@@ -147,79 +147,90 @@ class PresentMeetings:
     ) -> None:  # fmt: skip
         """Exchange the impulses of what may be near something, of which shares are made `anew`."""
         scene, contact, call = self.scene, self._contact, self.call
-        holding = Holding(faces, scene.frame, forcing, contact.unbooked)
+        holding = Holding(faces, scene.frame, forcing, contact.scratch_impulse)
         rows = population.order[self._approach.near].astype(np.int64)
         near = self._particles.gather(grid, population.particles, rows, holding, anew)
-        encounters, responses = self._find(near, t)
+        contact_pairs, coupling = self._find(near, t)
         vertices = near.vertices
         if self.comm.size > 1:
-            encounters, responses, vertices = unite(self.comm, encounters, responses, vertices)
+            contact_pairs, coupling, vertices = unite(self.comm, contact_pairs, coupling, vertices)
         self.sweeps = 0
-        if len(encounters.ends) == 0:
+        if len(contact_pairs.ends) == 0:
             return
         values, free = vertices.values, nothing_held(holding)
         before = values["velocity"].copy()
         self.sweeps = call(
-            solve_impulses, contact, free, encounters, responses, values, *self._accuracy
+            solve_impulses, contact, free, contact_pairs, coupling, values, *self._accuracy
         )
         changes = values["velocity"] - before
         call(
-            give_to_vertices, scene.frame, grid.field, vertices.keys, changes, forcing, ledger.work
+            change_velocities, scene.frame, grid.field, vertices.keys, changes, forcing, ledger.work
         )
         call(book_held, holding, grid.field, vertices, ledger)
         if grid.slab.layers and grid.slab.lower is None:
             if len(self._particles.mirrors):
-                call(book_mirrored, encounters, responses, self._particles.mirrors, ledger)
+                call(book_mirrored, contact_pairs, coupling, self._particles.mirrors, ledger)
             call(
-                book_contacts, contact, free, encounters, responses, values, self._walls, ledger
+                book_contacts, contact, free, contact_pairs, coupling, values, self._walls, ledger
             )  # fmt: skip
 
-    def _find(self, near: Near, t: Step) -> tuple[Encounters, Responses]:
+    def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the pairs of this rank's share, and their responses."""
         contact, call, frame = self._contact, self.call, self.scene.frame
-        table, patches, present, start, vertices = near
+        table, patches, contact_vertices, start, vertices = near
         now, mirrors = self._particles.supports(table, True), self._particles.mirrors
         left = self._particles.left(table, now)
-        call(sum_present, frame, table, now, *left, patches.patch, patches.numbers, present)
-        order = np.argsort(present.keys)
-        present = present._replace(order=order[present.sums["mass"][order] > 0.0])
-        capacity = 4 * len(present.keys)
+        call(
+            sum_at_contact_vertices,
+            frame,
+            table,
+            now,
+            *left,
+            patches.patch,
+            patches.numbers,
+            contact_vertices,
+        )
+        order = np.argsort(contact_vertices.keys)
+        contact_vertices = contact_vertices._replace(
+            order=order[contact_vertices.sums["mass"][order] > 0.0]
+        )
+        capacity = 4 * len(contact_vertices.keys)
         while True:
-            encounters = Encounters.empty(capacity)
+            contact_pairs = ContactPairs.empty(capacity)
             pairs = call(
-                find_encounters, contact, frame, self._every_face, self._walls, present, t.dt,
-                encounters,
+                find_contact_pairs, contact, frame, self._every_face, self._walls,
+                contact_vertices, t.dt, contact_pairs,
             )  # fmt: skip
             if pairs <= capacity:
                 break
             capacity = pairs
-        encounters = encounters.chosen(slice(pairs))
+        contact_pairs = contact_pairs.chosen(slice(pairs))
         if pairs:
-            hashes = room_for(len(vertices.keys))
-            call(number_keys, vertices.keys, hashes)
+            hashes = empty_table(len(vertices.keys))
+            call(insert_keys, vertices.keys, hashes)
             fields = 1 + max(self.fields, default=0)
-            call(find_vertices, frame, table, start, mirrors, fields, hashes)
-        responses = call(
-            find_responses, frame, table, now, start, mirrors, encounters, present.sums,
+            call(number_reference_vertices, frame, table, start, mirrors, fields, hashes)
+        coupling = call(
+            find_coupling, frame, table, now, start, mirrors, contact_pairs, contact_vertices.sums,
             vertices.values,
         )  # fmt: skip
-        return encounters, responses
+        return contact_pairs, coupling
 
 
 def unite(
-    comm: Any, encounters: Encounters, responses: Responses, vertices: StartVertices
-) -> tuple[Encounters, Responses, StartVertices]:
+    comm: Any, contact_pairs: ContactPairs, coupling: Coupling, vertices: ReferenceVertices
+) -> tuple[ContactPairs, Coupling, ReferenceVertices]:
     """Pairs and responses of all ranks, in the order of vertices, and what they need; collective.
 
     Columns of the responses are then numbers of the vertices that are returned, and rows of the
     pairs those of all responses.
     """
-    used, new = np.unique(responses.column, return_inverse=True)
-    mine = StartVertices(vertices.keys[used], vertices.values[used])
-    every = comm.allgather((encounters, responses._replace(column=new), mine))
+    used, new = np.unique(coupling.column, return_inverse=True)
+    mine = ReferenceVertices(vertices.keys[used], vertices.values[used])
+    every = comm.allgather((contact_pairs, coupling._replace(column=new), mine))
     pairs, answers, known = zip(*every, strict=True)
     keys = np.concatenate([each.keys for each in known])
-    union = in_order(StartVertices(keys, np.concatenate([each.values for each in known])))
+    union = in_order(ReferenceVertices(keys, np.concatenate([each.values for each in known])))
     rows = entries = 0
     starts = [np.zeros(1, np.int64)]
     columns = []
@@ -229,19 +240,19 @@ def unite(
         starts.append(answer.start[1:] + entries)
         columns.append(np.searchsorted(union.keys, own.keys)[answer.column])
         rows, entries = rows + len(answer.answer), entries + len(answer.column)
-    joined = Encounters(
+    joined = ContactPairs(
         np.concatenate([each.ends for each in pairs]),
         np.concatenate([each.states for each in pairs]),
         np.concatenate([each.rigid for each in pairs]),
     )
     order = np.lexsort(joined.ends["vertex"].T[::-1])
-    responses = Responses(
+    coupling = Coupling(
         np.concatenate(starts), np.concatenate(columns),
         np.concatenate([each.entry for each in answers]),
         np.concatenate([each.answer for each in answers]),
         np.concatenate([each.beyond for each in answers]),
     )  # fmt: skip
-    return joined.chosen(order), responses, union
+    return joined.chosen(order), coupling, union
 
 
 def nothing_held(holding: Holding) -> Holding:

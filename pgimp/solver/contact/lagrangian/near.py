@@ -12,17 +12,17 @@ from pgimp.kernels.contact.lagrangian.cut_supports import narrow_supports
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     REFERENCE_VERTEX,
+    ReferenceVertices,
     Seen,
-    StartVertices,
-    take_vertices,
+    copy_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.shared_vertices import Patches, find_shared
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
 from pgimp.kernels.contact.lagrangian.vertices import (
     NEAR_PARTICLE,
     VERTEX_SUMS,
-    Present,
-    take_near,
+    ContactVertices,
+    copy_near_particles,
 )
 from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import Setting
@@ -41,7 +41,7 @@ class Near(NamedTuple):
         The particles that have shared vertices there, in canonical order.
     patches : Patches
         The numbers of these vertices.
-    present : Present
+    contact_vertices : Present
         Room for the sums there.
     start : Supports
         The particles' supports at the start.
@@ -51,9 +51,9 @@ class Near(NamedTuple):
 
     table: np.ndarray
     patches: Patches
-    present: Present
+    contact_vertices: ContactVertices
     start: Supports
-    vertices: StartVertices
+    vertices: ReferenceVertices
 
 
 class NearParticles:
@@ -65,7 +65,7 @@ class NearParticles:
         The scene.
     comm : communicator
         Of all ranks.
-    tools : Tools or ()
+    rigid_bodies : Tools or ()
         The rigid bodies, in place.
     walls : SeparatingWalls
         The walls that let go.
@@ -76,9 +76,9 @@ class NearParticles:
         Groups of bodies that are bonded, and their velocity fields on the grid of the start.
     """
 
-    def __init__(self, scene: Scene, comm: Any, tools: Any, walls: SeparatingWalls) -> None:
+    def __init__(self, scene: Scene, comm: Any, rigid_bodies: Any, walls: SeparatingWalls) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
-        self._tools, self._walls = tools, walls
+        self._tools, self._walls = rigid_bodies, walls
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
         self.mirrors = mirrors_of(scene)
         self.local = local_vertices(scene.vertices, scene.dimension)
@@ -107,13 +107,20 @@ class NearParticles:
             self._table = np.empty(len(rows) + len(rows) // 8, NEAR_PARTICLE)
         table = self._table[: len(rows)]
         call(
-            take_near, self._plain, particles, rows, self.groups, self.fields, scene.begun, table
+            copy_near_particles,
+            self._plain,
+            particles,
+            rows,
+            self.groups,
+            self.fields,
+            scene.lagrangian,
+            table,
         )
         if comm.size == 1:
-            table, patches, present = self._shared(table)
+            table, patches, contact_vertices = self._shared(table)
             start = self.supports(table, False)
             vertices = self._take(grid, holding, table, start)
-            return Near(table, patches, present, start, vertices)
+            return Near(table, patches, contact_vertices, start, vertices)
         if anew:
             most = np.array(scene.frame.cells) + 2 * scene.frame.ghost + 1
             self._shares = divide(comm, table["first_vertex"], scene.vertices, most)
@@ -123,64 +130,70 @@ class NearParticles:
             supports = self.supports(own, False)
             parts.append((own, *self._take(grid, holding, own, supports)))
         tables, keys, values = zip(*comm.alltoall(parts), strict=True)
-        vertices = in_order(StartVertices(np.concatenate(keys), np.concatenate(values)))
-        table, patches, present = self._shared(np.concatenate(tables))
-        return Near(table, patches, present, self.supports(table, False), vertices)
+        vertices = in_order(ReferenceVertices(np.concatenate(keys), np.concatenate(values)))
+        table, patches, contact_vertices = self._shared(np.concatenate(tables))
+        return Near(table, patches, contact_vertices, self.supports(table, False), vertices)
 
-    def _shared(self, table: np.ndarray) -> tuple[np.ndarray, Patches, Present]:
+    def _shared(self, table: np.ndarray) -> tuple[np.ndarray, Patches, ContactVertices]:
         """Those of some particles with shared vertices of this rank's share, and these vertices."""
         low, high = np.zeros(3, np.int64), np.zeros(3, np.int64)
         if len(table):
             first = table["first_vertex"]
             low, high = first.min(axis=0), first.max(axis=0)
         none = np.empty(0, np.int64)
-        present = Present(
+        contact_vertices = ContactVertices(
             low, high - low + self.scene.vertices, 1 + int(self.groups.max()), none,
             np.empty(0, VERTEX_SUMS), none,
         )  # fmt: skip
         within, boxes = self._shares.within(self.comm.rank), self._rigid_boxes()
-        patches = self.call(find_shared, table, self.local, within, boxes, present)
+        patches = self.call(find_shared, table, self.local, within, boxes, contact_vertices)
         sums = np.empty(len(patches.keys), VERTEX_SUMS)
-        return table[patches.rows], patches, present._replace(keys=patches.keys, sums=sums)
+        return table[patches.rows], patches, contact_vertices._replace(keys=patches.keys, sums=sums)
 
     def _rigid_boxes(self) -> np.ndarray:
         """Least and greatest numbers of vertices at rigid bodies and walls, (n, 2, 3) int64."""
-        D, tools = self.scene.dimension, self._tools
-        about = tools.about if tools else ()
-        boxes = np.full((len(about) + len(self._walls.rows), 2, 3), [[[-FAR], [FAR]]])
-        for n, row in enumerate(about):
+        D, rigid_bodies = self.scene.dimension, self._tools
+        lattice = rigid_bodies.lattice if rigid_bodies else ()
+        boxes = np.full((len(lattice) + len(self._walls.rows), 2, 3), [[[-FAR], [FAR]]])
+        for n, row in enumerate(lattice):
             boxes[n, 0, :D], boxes[n, 1, :D] = row["least"][:D], row["most"][:D]
-        for n, (axis, side, place) in enumerate(self._walls.rows, len(about)):
+        for n, (axis, side, place) in enumerate(self._walls.rows, len(lattice)):
             boxes[n, int(side < 0), axis] = place
         return boxes
 
     def _take(
         self, grid: Grid, holding: Holding, table: np.ndarray, supports: Supports
-    ) -> StartVertices:
+    ) -> ReferenceVertices:
         """The vertices of the start that the particles of a table have."""
         last, step = self._seen
         if len(last) != len(grid.G) // 8:
             last, step = np.full(len(grid.G) // 8, -1, np.int64), 0
         self._seen = Seen(last, step + 1)
         most = supports.at.size
-        mine = StartVertices(np.empty(most, np.int64), np.empty(most, REFERENCE_VERTEX))
+        mine = ReferenceVertices(np.empty(most, np.int64), np.empty(most, REFERENCE_VERTEX))
         found = self.call(
-            take_vertices, holding, grid.field, table, supports, self.mirrors, self._seen, mine
+            copy_reference_vertices,
+            holding,
+            grid.field,
+            table,
+            supports,
+            self.mirrors,
+            self._seen,
+            mine,
         )
-        return in_order(StartVertices(mine.keys[:found], mine.values[:found]))
+        return in_order(ReferenceVertices(mine.keys[:found], mine.values[:found]))
 
-
-    def supports(self, table: np.ndarray, present: bool) -> Supports:
-        """Supports of the particles of a table, `present` ones or those of the start.
+    def supports(self, table: np.ndarray, current: bool) -> Supports:
+        """Supports of the particles of a table, at their positions or at those of the start.
 
         They hold until the next ones of the kind.
         """
-        supports, scene = self._room(len(table), "present" if present else "start"), self.scene
-        self.call(find_supports, scene.shape, scene.frame, table, present, supports)
+        supports, scene = self._storage(len(table), "current" if current else "start"), self.scene
+        self.call(find_supports, scene.shape, scene.frame, table, current, supports)
         return supports
 
     def left(self, table: np.ndarray, now: Supports) -> tuple[Supports, float]:
-        """Supports for the sums of volumes, and whether their change counts, see `sum_present`.
+        """Supports for the sums of volumes, and whether their change counts.
 
         `now` are those at the particles' present places.
         """
@@ -188,11 +201,11 @@ class NearParticles:
             return now, 1.0
         if not table["cut"].any():
             return now, 0.0
-        left, scene = self._room(len(table), "left"), self.scene
+        left, scene = self._storage(len(table), "left"), self.scene
         self.call(narrow_supports, scene.shape, scene.frame, table, now, left)
         return left, 0.0
 
-    def _room(self, count: int, kind: str) -> Supports:
+    def _storage(self, count: int, kind: str) -> Supports:
         """Storage for the supports of a kind."""
         kept = self._kept.get(kind)
         if kept is None or len(kept.at) < count:
@@ -202,10 +215,10 @@ class NearParticles:
         )
 
 
-def in_order(vertices: StartVertices) -> StartVertices:
+def in_order(vertices: ReferenceVertices) -> ReferenceVertices:
     """The same vertices in the order of their keys, each once."""
     keys, first = np.unique(vertices.keys, return_index=True)
-    return StartVertices(keys, vertices.values[first])
+    return ReferenceVertices(keys, vertices.values[first])
 
 
 def plain(scene: Scene) -> Setting:

@@ -11,28 +11,28 @@ from pgimp.decomposition.grid import Grid
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_contacts, book_mirrored
 from pgimp.kernels.contact.lagrangian.broad_phase import find_near, mark_blocks
-from pgimp.kernels.contact.lagrangian.coupling import Responses, find_responses
+from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling
 from pgimp.kernels.contact.lagrangian.cut_supports import narrow_supports
 from pgimp.kernels.contact.lagrangian.gauss_seidel import solve_impulses
-from pgimp.kernels.contact.lagrangian.hash_table import number_keys, room_for
-from pgimp.kernels.contact.lagrangian.pairs import Encounters, find_encounters
+from pgimp.kernels.contact.lagrangian.hash_table import empty_table, insert_keys
+from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
 from pgimp.kernels.contact.lagrangian.reactions import book_held
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     REFERENCE_VERTEX,
+    ReferenceVertices,
     Seen,
-    StartVertices,
-    find_vertices,
-    give_to_vertices,
-    take_vertices,
+    change_velocities,
+    copy_reference_vertices,
+    number_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.shared_vertices import find_shared
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
 from pgimp.kernels.contact.lagrangian.vertices import (
     NEAR_PARTICLE,
     VERTEX_SUMS,
-    Present,
-    sum_present,
-    take_near,
+    ContactVertices,
+    copy_near_particles,
+    sum_at_contact_vertices,
 )
 from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import Forcing
@@ -50,19 +50,24 @@ def calls(
     scene: Scene, grid: Grid, particles: Any, forcing: Forcing, faces: Any, ledger: Ledger
 ) -> Iterator[Call]:
     """Calls of the kernels on nothing; see `pgimp.solver.start.warmup`."""
-    tools: Any = scene.tools.in_planes(1) if scene.tools else ()
+    rigid_bodies: Any = scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
     pairs, count = with_walls(scene), len(scene.faces)
-    contact = Contact.empty(pairs, np.empty(0), 1, 2, count, tools)
+    contact = Contact.empty(pairs, np.empty(0), 1, 2, count, rigid_bodies)
     frame, shape, none = scene.frame, scene.shape, np.empty(0, np.int64)
     setting, mirrors = plain(scene), mirrors_of(scene)
     standing, walls = scene.standing_faces(), separating_walls(scene)
-    holding = Holding(faces, frame, forcing, contact.unbooked)
+    holding = Holding(faces, frame, forcing, contact.scratch_impulse)
     free = nothing_held(holding)
     local = local_vertices(scene.vertices, scene.dimension)
     table, supports = np.empty(0, NEAR_PARTICLE), Supports.empty(0, local)
-    vertices, encounters = StartVertices(none, np.empty(0, REFERENCE_VERTEX)), Encounters.empty(0)
-    present = Present(np.zeros(3, np.int64), none, 1, none, np.empty(0, VERTEX_SUMS), none)
-    rows = Responses(
+    vertices, contact_pairs = (
+        ReferenceVertices(none, np.empty(0, REFERENCE_VERTEX)),
+        ContactPairs.empty(0),
+    )
+    contact_vertices = ContactVertices(
+        np.zeros(3, np.int64), none, 1, none, np.empty(0, VERTEX_SUMS), none
+    )
+    rows = Coupling(
         np.zeros(1, np.int64), none, np.empty((0, 3)), np.empty((0, 3)),
         np.empty((0, len(mirrors), 3)),
     )  # fmt: skip
@@ -70,31 +75,47 @@ def calls(
     regions, order = no_regions(scene.dimension), np.empty(0, np.int32)
     yield 0.3, lambda: mark_blocks(frame, particles, order, none, regions)
     yield 0.3, lambda: find_near(frame, particles, order, none, regions, none)
-    yield 0.5, lambda: take_near(setting, particles, none, none, none, scene.begun, table)
+    yield (
+        0.5,
+        lambda: copy_near_particles(setting, particles, none, none, none, scene.lagrangian, table),
+    )
     yield 1.0, lambda: find_supports(shape, frame, table, True, supports)
-    yield 3.0, lambda: take_vertices(
-        holding, grid.field, table, supports, mirrors, Seen(none, 0), vertices
+    yield (
+        3.0,
+        lambda: copy_reference_vertices(
+            holding, grid.field, table, supports, mirrors, Seen(none, 0), vertices
+        ),
     )
     numbers, boxes = np.empty((0, len(local)), np.int64), np.empty((0, 2, 3), np.int64)
-    yield 1.0, lambda: find_shared(table, local, np.zeros(3, np.int64), boxes, present)
-    yield 1.0, lambda: sum_present(
-        frame, table, supports, supports, 0.0, none, numbers, present
+    yield 1.0, lambda: find_shared(table, local, np.zeros(3, np.int64), boxes, contact_vertices)
+    yield (
+        1.0,
+        lambda: sum_at_contact_vertices(
+            frame, table, supports, supports, 0.0, none, numbers, contact_vertices
+        ),
     )
     if isinstance(shape, BOXES):
         yield 0.5, lambda: narrow_supports(shape, frame, table, supports, supports)
-    yield 4.0, lambda: find_encounters(contact, frame, standing, walls, present, 1.0, encounters)
-    yield 0.2, lambda: number_keys(none, room_for(0))
-    yield 0.3, lambda: find_vertices(frame, table, supports, mirrors, 1, room_for(0))
-    yield 2.0, lambda: find_responses(
-        frame, table, supports, supports, mirrors, encounters, present.sums, values
+    yield (
+        4.0,
+        lambda: find_contact_pairs(
+            contact, frame, standing, walls, contact_vertices, 1.0, contact_pairs
+        ),
     )
-    yield 2.0, lambda: solve_impulses(contact, free, encounters, rows, values, 1, ENOUGH)
-    yield 0.3, lambda: give_to_vertices(
-        frame, grid.field, none, np.empty((0, 3)), forcing, ledger.work
+    yield 0.2, lambda: insert_keys(none, empty_table(0))
+    yield 0.3, lambda: number_reference_vertices(frame, table, supports, mirrors, 1, empty_table(0))
+    yield (
+        2.0,
+        lambda: find_coupling(
+            frame, table, supports, supports, mirrors, contact_pairs, contact_vertices.sums, values
+        ),
+    )
+    yield 2.0, lambda: solve_impulses(contact, free, contact_pairs, rows, values, 1, ENOUGH)
+    yield (
+        0.3,
+        lambda: change_velocities(frame, grid.field, none, np.empty((0, 3)), forcing, ledger.work),
     )
     yield 1.0, lambda: book_held(holding, grid.field, vertices, ledger)
     if len(mirrors):
-        yield 0.3, lambda: book_mirrored(encounters, rows, mirrors, ledger)
-    yield 2.0, lambda: book_contacts(
-        contact, free, encounters, rows, values, walls, ledger
-    )
+        yield 0.3, lambda: book_mirrored(contact_pairs, rows, mirrors, ledger)
+    yield 2.0, lambda: book_contacts(contact, free, contact_pairs, rows, values, walls, ledger)
