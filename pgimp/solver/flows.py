@@ -86,7 +86,8 @@ class Flows:
             self._halo.finish(own)
         for wall in flows.walls:
             self.call(fold_filling, frame, own.field, wall)
-        self.call(find_filling, frame, own.field, flows.sides, rank.rigid_bodies, flows.fills)
+        rigid_bodies = rank.contact.rigid_bodies
+        self.call(find_filling, frame, own.field, flows.sides, rigid_bodies, flows.fills)
         for wall in reversed(flows.walls):
             self.call(reflect_filling, frame, own.field, wall)
         rate = EVERY * t.dt * flows.rates

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from time import perf_counter, thread_time
 from typing import Any
 
 import numpy as np
@@ -23,9 +25,9 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.clearances import Clearances
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
-from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
-from pgimp.solver.contact.multifield import MultifieldContact
+from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
+from pgimp.solver.transfers import RangeReport
 
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
@@ -60,10 +62,8 @@ class Rank:
         The slab's planes, and the messages to the neighbours.
     ledger : Ledger
         What is booked by plane.
-    meetings : Meetings or None
-        Where bodies meet, in scenes with contact.
-    present : PresentMeetings or None
-        Where bodies in the initial configuration meet.
+    contact : NoContact
+        The contact of bodies, or one of its kinds.
     flows : Flows or None
         The filling of the vertices, in scenes with bodies that flow.
     calls : tuple of Bound
@@ -104,32 +104,20 @@ class Rank:
         self.error_buffer = np.zeros((2 * (1 + scene.mixed), MOST_LISTED, 2), np.int64)
         self.errors, self.failed = self.error_buffer[0, :0], 0
         self.vertex_bounds = np.zeros((2, 2), np.int64)
-        self._meet()
+        self.contact = contact_kind(scene)(scene, comm)
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, comm) if scene.flows else None
         #: Whether the layers have changed since rows were last sorted.
         self.moved = False
         self._allocate(slab)
 
-    def _meet(self) -> None:
-        """Recreate the contact detection."""
-        scene = self.scene
-        self.meetings: MultifieldContact | None = None
-        self.present: LagrangianContact | None = None
-        if scene.mixed or (scene.initial and (scene.pairs or scene.unilateral_walls)):
-            self.present = LagrangianContact(scene, self.comm)
-        elif scene.pairs:
-            self.meetings = MultifieldContact(scene, self.comm)
-
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab = slab
         lag = LAG if comm.size > 1 and not scene.initial else 0
-        meetings = self.meetings or self.present
-        fields = meetings.fields if meetings else ()
         bounds = scene.bounds if scene.initial else None
-        self.grid = Grid(scene.frame, scene.vertices, slab, lag, fields, bounds)
+        self.grid = Grid(scene.frame, scene.vertices, slab, lag, self.contact.fields, bounds)
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         self.keeping = Keeping(scene, comm, self.free, slab.layers)
@@ -165,14 +153,7 @@ class Rank:
     @property
     def free(self) -> FreeBodies | None:
         """The rigid bodies that move freely, which all ranks know; None where there are none."""
-        meetings = self.meetings or self.present
-        return meetings.free if meetings else None
-
-    @property
-    def rigid_bodies(self) -> Any:
-        """The rigid bodies for kernels, as they are in this step; () where there are none."""
-        meetings = self.meetings or self.present
-        return meetings.rigid_bodies if meetings else ()
+        return self.contact.free
 
     def live(self) -> np.ndarray:
         """Rows of the particles in canonical order, (n,) int64."""
@@ -196,8 +177,7 @@ class Rank:
         sums = redistribute(self.comm, old, new, extra, self.population, self.booked())
         self.moved = True
         self._allocate(slab_of(new, self.comm.rank))
-        if self.present:
-            self.present.forget()
+        self.contact.moved()
         self.grid.store(window)
         for booked, values in zip(self.booked(), sums, strict=True):
             booked[:] = values
@@ -215,13 +195,68 @@ class Rank:
         window, self.scene = self.grid.base, scene
         self.calls = tuple(Bound() for _ in range(1 + scene.mixed))
         self.population.particles = particles
-        self._meet()
+        self.contact = contact_kind(scene)(scene, self.comm)
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, self.comm) if scene.flows else None
         self._allocate(self.slab)
         self.grid.store(window)
 
-    def remove_outflow(self, left: np.ndarray) -> None:
+    def stopwatch(self) -> Callable[[str], None]:
+        """Return a function that adds the time since its last call to that of a phase."""
+        timings, worked = self.timings, self.worked
+        last, apart = perf_counter(), worked is not timings
+        last_own = thread_time() if apart else 0.0
+
+        def lap(phase: str) -> None:
+            nonlocal last, last_own
+            now = perf_counter()
+            timings[phase] += now - last
+            last = now
+            if apart:
+                own = thread_time()
+                worked[phase] += own - last_own
+                last_own = own
+
+        return lap
+
+    def send(self, report: RangeReport) -> None:
+        """Send the particles of a range of layers that have left the slab; see `Migration`."""
+        if len(report.changed) or self.migrates:
+            self.migration.proceed(self.population, report.changed)
+
+    def settle(self, reports: list[RangeReport], lap: Callable[[str], None]) -> None:
+        """Complete a step: what it has counted, outflow, arrivals, and the canonical order.
+
+        Parameters
+        ----------
+        reports : list of RangeReport
+            Those of all layers.
+        lap : callable
+            From `stopwatch`.
+        """
+        population = self.population
+        self.keeping.finish(self.ledger, int(self.grid.window.lower[0]))
+        self.particle_steps += self.count
+        self.clamped += sum(report.clamped for report in reports)
+        self.held += sum(report.held for report in reports)
+        failed = [number for report in reports for number in report.failed]
+        if sum(failed):
+            self._list_errors(failed)
+        found = sum(len(report.changed) for report in reports)
+        changed = population.changed[:found]
+        if len(reports) > 1:
+            changed.sort()
+        if any(report.outflow for report in reports):
+            self._remove_outflow(changed)
+        arrived = changed
+        if found or self.migrates:
+            arrived = self.migration.receive(population)
+        lap("migrate")
+        if found or len(arrived):
+            population.restore_order(changed, arrived)
+        lap("order")
+
+    def _remove_outflow(self, left: np.ndarray) -> None:
         """Book the particles that have left the domain, and free their rows.
 
         Their mass, momentum and energy are added to the sums of their last layer, in canonical
@@ -241,7 +276,7 @@ class Rank:
         layer_sums(scene.setting.without_shape(), self.particles, order, escaped)
         population.free_later(leaving)
 
-    def list_errors(self, numbers: list[int]) -> None:
+    def _list_errors(self, numbers: list[int]) -> None:
         """List the particles at fault in this step in canonical order, at most `MOST_LISTED`.
 
         Parameters

@@ -278,5 +278,5 @@ def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
             began = process_time()
             simulation.step(20)
             times[which] += process_time() - began
-        fields = max(fields, 1 + max(simulations[0].core.rank.meetings.fields))
+        fields = max(fields, 1 + max(simulations[0].core.rank.contact.fields))
     return times[0] / times[1], fields

@@ -8,10 +8,10 @@ import numpy as np
 import pgimp
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD, VELOCITY
-from pgimp.kernels.grid.momentum import WHOLE, update_momentum
 from pgimp.solver.clock import Step
 from pgimp.solver.parts import groups_by_configuration
-from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles
+from pgimp.solver.transfers import sum_particles
+from pgimp.solver.vertices import VertexUpdate, fold_mirrors, forcing_of, on_vertices
 
 #: Moment of inertia of a cylinder and of a sphere, over mass and radius squared.
 INERTIA = {2: 0.5, 3: 0.4}
@@ -96,14 +96,16 @@ def at_vertices(simulation, dt):
     rank = simulation.core.rank
     scene, grid = rank.scene, rank.grid
     t = Step(1, simulation.time, dt, simulation.time + dt)
-    rank.meetings.regroup(grid, rank.population)
+    rank.contact.assign_fields(rank)
     parts = groups_by_configuration(scene, rank.population)
     sum_particles(rank, parts, scene.loads.at(t.start), marked=False)
     rank.halo.finish(grid)
-    scratch_impulse = Ledger(*map(np.zeros_like, rank.ledger))
-    contact = rank.meetings.find(grid, rank.population, scratch_impulse, t.start, t.end)
-    forcing = on_vertices(acting(rank, t, scene.loads.at(t.start), controlled=False))
-    fold_mirrors(rank, forcing, contact, scratch_impulse)
+    scratch = Ledger(*map(np.zeros_like, rank.ledger))
+    rank.contact.detect(rank, t, scratch)
+    forcing = on_vertices(forcing_of(rank, t, scene.loads.at(t.start), controlled=False))
+    faces = scene.face_parameters(t.start, t.end)
+    update = VertexUpdate(t, faces, forcing, scratch)
+    fold_mirrors(rank, update)
     window, frame, D = grid.window, scene.frame, scene.dimension
     fields = 1 + max(grid.fields, default=0)
     shape = (grid.planes, fields, *window.extent[1:], RECORD)
@@ -121,8 +123,7 @@ def at_vertices(simulation, dt):
 
     G = grid.G.reshape(shape)
     before = G[active][..., MOMENTUM : MOMENTUM + 3].copy()
-    faces = scene.face_parameters(t.start, t.end)
-    rank.call(update_momentum, frame, grid.field, faces, forcing, scratch_impulse, contact, WHOLE)
+    rank.contact.update_momentum(rank, update)
     mass, velocity = G[active][..., MASS, None], G[active][..., VELOCITY : VELOCITY + 3]
     after = np.where(mass > 0.0, mass * velocity, 0.0)
     return sums(after) - sums(before), sums(before)

@@ -8,6 +8,8 @@ import numpy as np
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.momentum import REST
 from pgimp.solver import step as stepping
+from pgimp.solver import transfers
+from pgimp.solver.contact import base
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
 
 #: Of a free vertex's velocity; what differs by more is held.
@@ -37,8 +39,8 @@ class Seen:
     @contextlib.contextmanager
     def step(self):
         """Look at the vertices in the one step that is done meanwhile."""
-        sum_particles, update = stepping.sum_particles, stepping.update_momentum
-        take, exchange = stepping.grid_to_particles, LagrangianContact.exchange
+        sum_particles, update = stepping.sum_particles, base.update_momentum
+        take, exchange = transfers.grid_to_particles, LagrangianContact.exchange
         self.held = None
 
         def summed(rank, parts, loads, marked):
@@ -54,9 +56,9 @@ class Seen:
                 self.sums, self.forcing = field.G.reshape(-1, RECORD).copy(), forcing
             update(frame, field, faces, forcing, ledger, contact, part)
 
-        def exchanged(present, grid, *rest):
-            self.held = grid.field.G.reshape(-1, RECORD).copy()
-            exchange(present, grid, *rest)
+        def exchanged(contact, rank, update):
+            self.held = rank.grid.field.G.reshape(-1, RECORD).copy()
+            exchange(contact, rank, update)
 
         def taken(setting, field, *rest):
             self.after = field.G.reshape(-1, RECORD).copy()
@@ -66,9 +68,9 @@ class Seen:
             return take(setting, field, *rest)
 
         with (
-            mock.patch.multiple(
-                stepping, sum_particles=summed, update_momentum=updated, grid_to_particles=taken
-            ),
+            mock.patch.object(stepping, "sum_particles", summed),
+            mock.patch.object(base, "update_momentum", updated),
+            mock.patch.object(transfers, "grid_to_particles", taken),
             mock.patch.object(LagrangianContact, "exchange", exchanged),
         ):
             yield

@@ -10,7 +10,7 @@ from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, PER_CELL, close, copie
 
 from pgimp.kernels.data.record import FORCE, MASS, RECORD, VELOCITY
 from pgimp.solver.parts import groups_by_configuration
-from pgimp.solver.step import sum_particles
+from pgimp.solver.transfers import sum_particles
 
 #: Boxes that reach three and four vertices, in each number of directions where it is not the same.
 KINDS = pytest.mark.parametrize(("name", "D"), [("gimp", 2), ("finite-gimp", 3), ("cpdi", 2)])

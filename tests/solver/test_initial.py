@@ -11,7 +11,7 @@ from scenes import BAR, SOFT, box, field, finish, scene, start, wall
 from pgimp.errors import RunError
 from pgimp.kernels.data.record import FORCE, RECORD
 from pgimp.solver.parts import groups_by_configuration
-from pgimp.solver.step import sum_particles
+from pgimp.solver.transfers import sum_particles
 
 SEED = 41
 STIFF = {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,22 +12,31 @@ from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.data import Contact
+from pgimp.kernels.contact.forces import contact_forces
+from pgimp.kernels.contact.rigid_newton import find_rigid_impulses
 from pgimp.kernels.contact.select import select_near
 from pgimp.kernels.contact.vertex import find_contact_vertices
 from pgimp.kernels.contact.volumes import volume_sums
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
+from pgimp.kernels.grid.momentum import BEGINNING, REST, WHOLE
 from pgimp.kernels.rigid.fill import find_rigid_vertices
 from pgimp.kernels.transfer.p2g import particles_to_grid
 from pgimp.scene.scene import Scene
+from pgimp.solver.clock import Step
+from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.velocity_fields import assign, body_boxes, reach, where_near
+from pgimp.solver.vertices import VertexUpdate
+
+if TYPE_CHECKING:
+    from pgimp.solver.rank import Rank
 
 #: Where bodies meet in more than this part of the planes, all particles of these are near.
 _MOST_OF_A_PLANE = 0.6
 
 
-class MultifieldContact:
+class MultifieldContact(NoContact):
     """Contact on one rank.
 
     Volumes are summed only for planes in which several fields have mass: by the same layered sums
@@ -48,10 +58,13 @@ class MultifieldContact:
         The rigid bodies that move freely, if there are any.
     """
 
+    at_vertices = True
+
     def __init__(self, scene: Scene, comm: Any) -> None:
+        super().__init__(scene, comm)
         assert scene.pairs is not None
-        self.scene, self.comm, self.pairs, self.call = scene, comm, scene.pairs, Bound()
-        self.fields: tuple[int, ...] = (0,) * len(scene.body_names)
+        self.pairs, self.call = scene.pairs, Bound()
+        self.fields = (0,) * len(scene.body_names)
         self.free = FreeBodies(scene, comm) if scene.rigid_bodies.free else None
         self._reach = reach(scene)
         self._steps = 0
@@ -65,10 +78,11 @@ class MultifieldContact:
     @property
     def rigid_bodies(self) -> Any:
         """The rigid bodies for kernels, as they are in this step; () where there are none."""
-        return self._contact.rigid_bodies
+        return self.data.rigid_bodies if self.data else ()
 
-    def regroup(self, grid: Grid, population: Population) -> None:
-        """Assign velocity fields to bodies, when it is due; collective."""
+    def assign_fields(self, rank: Rank) -> None:
+        """See `NoContact.assign_fields`; when it is due."""
+        grid, population = rank.grid, rank.population
         if self._steps > 0:
             self._steps -= 1
             return
@@ -84,17 +98,16 @@ class MultifieldContact:
             grid.fields = self.fields
             grid.store(grid.base)
 
-    def find(
-        self, grid: Grid, population: Population, ledger: Ledger, start: float, end: float
-    ) -> Contact:
-        """Find where bodies meet in a step, after the halo exchange; collective."""
+    def detect(self, rank: Rank, t: Step, ledger: Ledger) -> None:
+        """See `NoContact.detect`; volumes are summed where bodies meet."""
+        grid = rank.grid
         if self._known is not grid.field:
             self._connect(grid)
-        contact = self._contact
+        contact = self.data
         ledger.contact[:, :, CONTACT_AREA] = 0.0
         scene, rigid_bodies = self.scene, self.scene.rigid_bodies
         if max(self.fields) == 0 and not rigid_bodies:
-            return contact
+            return
         if self._where is None:
             self._where = self._find_planes(grid)
         self.call(
@@ -105,7 +118,7 @@ class MultifieldContact:
             contact.vertex_ranges,
         )
         if rigid_bodies:
-            placed = rigid_bodies.at(start, end, self.free.states if self.free else None)
+            placed = rigid_bodies.at(t.start, t.end, self.free.states if self.free else None)
             if self.free:
                 contact.rigid_bodies.responses.fill(0.0)
             self.call(
@@ -118,8 +131,44 @@ class MultifieldContact:
             )
         found = np.flatnonzero(contact.vertex_counts)
         if len(found):
-            self._sum_volumes(grid, population, found)
-        return contact
+            self._sum_volumes(grid, rank.population, found)
+
+    def update_momentum(self, rank: Rank, update: VertexUpdate) -> None:
+        """See `NoContact.update_momentum`.
+
+        The impulses on rigid bodies that move freely depend on their new velocities, and these on
+        the impulses: both are solved for, between two parts of the update.
+        """
+        if self.free is None:
+            self.advance(rank, update, WHOLE)
+            return
+        self.advance(rank, update, BEGINNING)
+        self._solve_free(rank, update)
+        self.advance(rank, update, REST)
+        self.free.move(self.rigid_bodies, rank.grid, update.t.dt)
+
+    def _solve_free(self, rank: Rank, update: VertexUpdate) -> None:
+        """Find the velocities of the rigid bodies that move freely at the step's end."""
+        if self.free is None:
+            return
+        respond = partial(
+            rank.call, find_rigid_impulses, self.data, update.faces, self.scene.frame,
+            rank.grid.field, update.forcing,
+        )  # fmt: skip
+        gravity = update.forcing.gravity
+        self.free.solve_velocities(self.rigid_bodies, rank.grid, update.t, gravity, respond)
+
+    def forces(self, rank: Rank, update: VertexUpdate, out: np.ndarray) -> None:
+        """See `NoContact.forces`."""
+        forces = partial(
+            rank.call, contact_forces, self.data, update.faces, self.scene.frame, rank.grid.field,
+            update.forcing,
+        )  # fmt: skip
+        if update.forcing.loads.relaxation != ():
+            forces(False, out)
+        self.advance(rank, update, BEGINNING)
+        self._solve_free(rank, update)
+        forces(True, out)
 
     def _find_planes(self, grid: Grid) -> np.ndarray:
         """Find the planes in which bodies of different fields may meet until they are regrouped."""
@@ -140,7 +189,7 @@ class MultifieldContact:
         self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.lag, self.fields)
         self._volumes.store(grid.base)
         most = 1 + max(self.fields)
-        self._contact = Contact.empty(
+        self.data = Contact.empty(
             self.pairs, self._volumes.G, grid.planes, most, len(scene.faces),
             scene.rigid_bodies.in_planes(grid.planes) if scene.rigid_bodies else (),
         )  # fmt: skip
@@ -148,7 +197,7 @@ class MultifieldContact:
     def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
         """Find the particles that may have weight where bodies meet, in some of the planes."""
         order, shared = population.ordered, grid.vertices - 1
-        vertex_ranges, extent = self._contact.vertex_ranges[planes], grid.window.extent
+        vertex_ranges, extent = self.data.vertex_ranges[planes], grid.window.extent
         low_y, _, low_z, _ = vertex_ranges.min(axis=0).tolist()
         _, high_y, _, high_z = vertex_ranges.max(axis=0).tolist()
         part = (high_y - low_y + 1) * (high_z - low_z + 1) / (extent[1] * extent[2])
@@ -159,7 +208,7 @@ class MultifieldContact:
         start = np.empty_like(order.start)
         self.call(
             select_near, self.scene.frame, grid.window, population.particles, order,
-            self._contact.vertex_ranges, shared, self._rows, start,
+            self.data.vertex_ranges, shared, self._rows, start,
         )  # fmt: skip
         return Order(self._rows[: start[-1]], start)
 

@@ -65,42 +65,53 @@ HISTORY = (
             Column("time", "time", "simulated time", lambda s, _: s.done.end),
             Column("step", "", "steps done", lambda s, _: s.done.number),
             Column(
-                "dt", "time", "length of the last step, 0 before the first",
+                "dt",
+                "time",
+                "length of the last step, 0 before the first",
                 lambda s, _: s.done.dt,
             ),
             Column("mass", "mass", "mass of all particles", lambda s, _: s.total[MASS]),
             Column(
-                "momentum-AXIS", "mass length/time", "linear momentum",
+                "momentum-AXIS",
+                "mass length/time",
+                "linear momentum",
                 lambda s, _: s.along(s.total, MOMENTUM),
             ),
             Column(
-                "angular-momentum-AXIS", "mass length^2/time",
+                "angular-momentum-AXIS",
+                "mass length^2/time",
                 "angular momentum about the origin of the coordinates, counter-clockwise positive; "
                 "about z alone in 2D, none in 1D",
                 lambda s, _: s.moment(s.total),
             ),
             Column(
-                "kinetic-energy", "energy", "kinetic energy of the particles",
+                "kinetic-energy",
+                "energy",
+                "kinetic energy of the particles",
                 lambda s, _: s.total[KINETIC],
             ),
+            Column("strain-energy", "energy", "strain energy", lambda s, _: s.total[STRAIN]),
             Column(
-                "strain-energy", "energy", "strain energy", lambda s, _: s.total[STRAIN]
-            ),
-            Column(
-                "dissipated-energy", "energy",
+                "dissipated-energy",
+                "energy",
                 "what closes the balance: energy at the start plus external work less kinetic and "
                 "strain energy, and less that of particles that were removed (and with what "
                 "stages have changed, `stages.strain-energy`); of the order of the "
                 "time step also where nothing is lost, for instance in free fall, because work is "
                 "force times displacement",
                 lambda s, _: (
-                    s.first_energy + s.work - s.total[KINETIC] - s.total[STRAIN]
+                    s.first_energy
+                    + s.work
+                    - s.total[KINETIC]
+                    - s.total[STRAIN]
                     - (s.escaped[KINETIC] + s.escaped[STRAIN])
-                    - (s.removed[KINETIC] + s.removed[STRAIN]) + s.changed
+                    - (s.removed[KINETIC] + s.removed[STRAIN])
+                    + s.changed
                 ),
             ),
             Column(
-                "external-work", "energy",
+                "external-work",
+                "energy",
                 "work of gravity, body forces, faces, tractions, constraints and rigid bodies on "
                 "the material since the start: force times displacement; friction of what is at "
                 "rest does none, what it takes is in dissipated-energy",
@@ -117,7 +128,9 @@ HISTORY = (
     _loss("viscous-work", "energy that viscous stresses of materials took, likewise"),
     _loss("heat", "energy that became heat in materials with a temperature: a part of the others"),
     _gone(
-        "escaped", lambda scene: scene.escapes, lambda s: s.escaped,
+        "escaped",
+        lambda scene: scene.escapes,
+        lambda s: s.escaped,
         "only where `escape` removes particles, as all columns of this name: mass of those "
         "that were removed since the start, so that with `mass` it is constant",
     ),
@@ -125,7 +138,8 @@ HISTORY = (
         lambda scene: [""] if scene.case.staged.number else [],
         (
             Column(
-                "stages.strain-energy", "energy",
+                "stages.strain-energy",
+                "energy",
                 "only with `time.stages`, as the next columns: strain energy that materials got as "
                 "stages began because their parameters are others, the stress and deformation "
                 "being what they were",
@@ -134,30 +148,37 @@ HISTORY = (
         ),
     ),
     _gone(
-        "removed", lambda scene: bool(scene.case.staged.removed), lambda s: s.removed,
+        "removed",
+        lambda scene: bool(scene.case.staged.removed),
+        lambda s: s.removed,
         "mass of the bodies that stages have removed, so that with `mass` it is constant",
     ),
     Group(
         lambda scene: scene.body_names,
         (
+            Column("body.NAME.mass", "mass", "mass of each body", lambda s, k: s.bodies[k, MASS]),
             Column(
-                "body.NAME.mass", "mass", "mass of each body", lambda s, k: s.bodies[k, MASS]
-            ),
-            Column(
-                "body.NAME.centre-AXIS", "length",
+                "body.NAME.centre-AXIS",
+                "length",
                 "centre of mass of each body; nan when all its particles were removed",
                 lambda s, k: s.along(s.bodies[k], MOMENT) / (s.bodies[k, MASS] or np.nan),
             ),
             Column(
-                "body.NAME.momentum-AXIS", "mass length/time", "linear momentum of each body",
+                "body.NAME.momentum-AXIS",
+                "mass length/time",
+                "linear momentum of each body",
                 lambda s, k: s.along(s.bodies[k], MOMENTUM),
             ),
             Column(
-                "body.NAME.kinetic-energy", "energy", "kinetic energy of each body",
+                "body.NAME.kinetic-energy",
+                "energy",
+                "kinetic energy of each body",
                 lambda s, k: s.bodies[k, KINETIC],
             ),
             Column(
-                "body.NAME.strain-energy", "energy", "strain energy of each body",
+                "body.NAME.strain-energy",
+                "energy",
+                "strain energy of each body",
                 lambda s, k: s.bodies[k, STRAIN],
             ),
         ),
@@ -167,7 +188,8 @@ HISTORY = (
         _faces,
         (
             Column(
-                "reaction.FACE-AXIS", "force",
+                "reaction.FACE-AXIS",
+                "force",
                 "mean force of each named face on the material since the last line; compression at "
                 "x-min gives a positive reaction.x-min-x",
                 lambda s, k: s.along(s.force[k], 0),
@@ -178,7 +200,8 @@ HISTORY = (
         _constraints,
         (
             Column(
-                "constraint.NAME-AXIS", "force",
+                "constraint.NAME-AXIS",
+                "force",
                 "mean force of each constraint on the material since the last line",
                 lambda s, k: s.along(s.force[len(s.scene.faces) + k], 0),
             ),
@@ -188,7 +211,8 @@ HISTORY = (
         _constraints,
         (
             Column(
-                "displacement.NAME-AXIS", "length",
+                "displacement.NAME-AXIS",
+                "length",
                 "displacement that each constraint prescribes, none where it is free: the integral "
                 "of its `velocity` since the start; its particles move in steps by the velocity at "
                 "each step's end, so that theirs differs from it by an error of first order in the "
@@ -201,7 +225,8 @@ HISTORY = (
         _faces,
         (
             Column(
-                "beyond.FACE", "mass",
+                "beyond.FACE",
+                "mass",
                 "mass that particles carry past each named face in the last step, on vertices "
                 "beyond it: a particle of fixed size does where the material is compressed against "
                 "a wall, and what lies there the wall bears",
@@ -215,37 +240,47 @@ HISTORY = (
         lambda scene: [""] if scene.exact else [],
         (
             Column(
-                "error", "1",
+                "error",
+                "1",
                 "only with `exact`, as all that follows: error of the stress, the sum of |exact - "
                 "s| times volume over the particles, over the initial volume times a reference "
                 "stress: the column's weight, the stress behind the shock",
                 lambda s, _: s.mean(STRESS_VOLUME) / s.reference_stress(),
             ),
             Column(
-                "error.displacement-l2", "length",
+                "error.displacement-l2",
+                "length",
                 "root of the mean square error of the displacement, by initial volume",
                 lambda s, _: np.sqrt(s.mean(DISPLACEMENT)),
             ),
             Column(
-                "error.displacement-max", "length",
+                "error.displacement-max",
+                "length",
                 "greatest error of the displacement of a particle",
                 lambda s, _: s.greatest[DISPLACEMENT],
             ),
             Column(
-                "error.velocity-l2", "length/time", "as for the displacement",
+                "error.velocity-l2",
+                "length/time",
+                "as for the displacement",
                 lambda s, _: np.sqrt(s.mean(VELOCITY)),
             ),
             Column(
-                "error.velocity-max", "length/time", "as for the displacement",
+                "error.velocity-max",
+                "length/time",
+                "as for the displacement",
                 lambda s, _: s.greatest[VELOCITY],
             ),
             Column(
-                "error.stress-l2", "stress",
+                "error.stress-l2",
+                "stress",
                 "as for the displacement, of the Cauchy stress (Frobenius norm)",
                 lambda s, _: np.sqrt(s.mean(STRESS)),
             ),
             Column(
-                "error.stress-max", "stress", "as for the displacement, of the Cauchy stress",
+                "error.stress-max",
+                "stress",
+                "as for the displacement, of the Cauchy stress",
                 lambda s, _: s.greatest[STRESS],
             ),
         ),

@@ -43,7 +43,7 @@ from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.lagrangian import warmup as presentcalls
 from pgimp.solver.flows import idle
 from pgimp.solver.parts import groups_by_configuration
-from pgimp.solver.step import on_particles, on_vertices
+from pgimp.solver.vertices import on_particles, on_vertices
 
 
 def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[Call]:

@@ -6,19 +6,16 @@ the same time, also at the start, and after a resume. Of bodies in the initial c
 the grid at the start: vertices and cells stay where they were then.
 """
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.kernels.contact.forces import contact_forces
-from pgimp.kernels.contact.rigid_newton import find_rigid_impulses
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD
-from pgimp.kernels.grid.momentum import BEGINNING, update_momentum
 from pgimp.solver.clock import Step
 from pgimp.solver.parts import groups_by_configuration
 from pgimp.solver.rank import Rank
-from pgimp.solver.step import acting, fold_mirrors, on_vertices, sum_particles
+from pgimp.solver.transfers import sum_particles
+from pgimp.solver.vertices import VertexUpdate, fold_mirrors, forcing_of, on_vertices
 from pgimp.storage.framefile import blocks
 
 _UP, _DOWN = 5, 6
@@ -74,14 +71,12 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
         Length of the step for the forces of contact; 0: without them.
     """
     comm, scene, grid, slab = rank.comm, rank.scene, rank.grid, rank.slab
-    contacts = bool(rank.meetings) and dt > 0.0
-    if contacts and rank.meetings:  # before the first step all bodies share a field
-        rank.meetings.regroup(grid, rank.population)
-    parts, marked = (
-        groups_by_configuration(scene, rank.population),
-        contacts and bool(scene.loads.constraints),
-    )
-    sum_particles(rank, parts, scene.loads.at(time), marked)
+    contacts = rank.contact.at_vertices and dt > 0.0
+    if contacts:  # before the first step all bodies share a field
+        rank.contact.assign_fields(rank)
+    groups = groups_by_configuration(scene, rank.population)
+    marked = contacts and bool(scene.loads.constraints)
+    sum_particles(rank, groups, scene.loads.at(time), marked)
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension
     extent = grid.window.extent
@@ -131,24 +126,16 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
 
     As the next step does, of the length `dt`, but for what is booked; collective.
     """
-    scene, grid, call = rank.scene, rank.grid, rank.call
-    assert rank.meetings
+    scene, grid = rank.scene, rank.grid
     t = Step(1, time, dt, time + dt)
-    scratch_impulse = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
-    contact = rank.meetings.find(grid, rank.population, scratch_impulse, t.start, t.end)
-    forcing = on_vertices(acting(rank, t, scene.loads.at(time), controlled=False))
-    faces, field = scene.face_parameters(t.start, t.end), grid.field
-    fold_mirrors(rank, forcing, contact, scratch_impulse)
+    scratch = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
+    rank.contact.detect(rank, t, scratch)
+    forcing = on_vertices(forcing_of(rank, t, scene.loads.at(time), controlled=False))
+    update = VertexUpdate(t, scene.face_parameters(t.start, t.end), forcing, scratch)
+    fold_mirrors(rank, update)
     extent = grid.window.extent
     found = np.zeros((grid.owned * extent[1] * extent[2], 3))
-    forces = partial(call, contact_forces, contact, faces, scene.frame, field, forcing)
-    if forcing.loads.relaxation != ():
-        forces(False, found)
-    call(update_momentum, scene.frame, field, faces, forcing, scratch_impulse, contact, BEGINNING)
-    if rank.free:
-        respond = partial(call, find_rigid_impulses, contact, faces, scene.frame, field, forcing)
-        rank.free.solve_velocities(contact.rigid_bodies, grid, t, forcing.gravity, respond)
-    forces(True, found)
+    rank.contact.forces(rank, update, found)
     return found.reshape(grid.owned, *extent[1:], 3)
 
 

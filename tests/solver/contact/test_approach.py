@@ -51,7 +51,7 @@ def test_near_particles_are_those_within_reach_of_another_body(D, seed, most, mo
     p.v[rows] = 0.0
     groups = np.arange(3)
     approach = BroadPhase(scene, Serial(), with_walls(scene), separating_walls(scene))
-    approach.follow(population, groups, (), Step(0, 0.0, 0.1, 0.1))
+    approach.update(population, groups, (), Step(0, 0.0, 0.1, 0.1))
     found = np.zeros(len(rows), bool)
     found[approach.near] = True
 

@@ -33,7 +33,7 @@ def test_tied_bodies_are_one_body():
         stir(sim, 0.5)
         finish(sim)
     assert whole.step == 1000
-    assert max(two.rank.meetings.fields) == 1  # there are two velocity fields
+    assert max(two.rank.contact.fields) == 1  # there are two velocity fields
     mine, others = (
         np.concatenate([field(sim, name) for name in ("x", "v", "F", "sigma")], axis=1)
         for sim in (whole, two)

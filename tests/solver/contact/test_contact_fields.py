@@ -53,11 +53,11 @@ def test_bodies_apart_share_a_field():
     sim, counts = start(case), []
     while not sim.finished:
         sim.advance()
-        counts.append(1 + max(sim.rank.meetings.fields))
+        counts.append(1 + max(sim.rank.contact.fields))
     assert counts[0] == 1
     case["bodies"]["right"]["velocity"] = [-5.0, 0.0]
     sim = start(case | {"time": {"end": 2.5, "step": 0.01}})
-    while 1 + max(sim.rank.meetings.fields) == 1:
+    while 1 + max(sim.rank.contact.fields) == 1:
         sim.advance()
     assert sim.diagnostics()["contact.all.normal-impulse"] == 0.0
     assert finish(sim).diagnostics()["contact.all.normal-impulse"] > 0.0

@@ -7,7 +7,7 @@ import pytest
 from scenes import box, scene, start
 
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD, VELOCITY
-from pgimp.solver import step as stepping
+from pgimp.solver.contact import base
 
 
 def sums(sim, vectors, active):
@@ -25,7 +25,7 @@ class Momenta:
 
     def __init__(self, sim):
         self.sim, self.off = sim, []
-        self._update = stepping.update_momentum
+        self._update = base.update_momentum
 
     def update(self, frame, field, faces, forcing, ledger, contact, part):
         grid = self.sim.rank.grid
@@ -64,11 +64,11 @@ def test_three_bodies_collide_askew(law):
     case = scene(3, bodies, cells=[9, 7, 8], end=0.8, contact=[{"bodies": "all", **law}])
     sim = start(case)
     first, seen = sim.diagnostics(), Momenta(sim)
-    with mock.patch.object(stepping, "update_momentum", seen.update):
+    with mock.patch.object(base, "update_momentum", seen.update):
         while not sim.finished:
             sim.advance()
     last = sim.diagnostics()
-    assert 1 + max(sim.rank.meetings.fields) == 3
+    assert 1 + max(sim.rank.contact.fields) == 3
     assert last["contact.all.tangential-impulse"] > 1.0
     scale = first["mass"]  # times a velocity of 1, at some cells from the origin
     assert np.max(seen.off, axis=0) == pytest.approx([0.0, 0.0], abs=1e-13 * scale)

@@ -77,11 +77,11 @@ class BroadPhase:
         self._pause = 0
         self._regions = no_regions(scene.dimension)
 
-    def forget(self) -> None:
+    def restart(self) -> None:
         """Search all particles again in the next step: they have changed, or their bodies have."""
         self._pause = 0
 
-    def follow(
+    def update(
         self,
         population: Population,
         groups: np.ndarray,

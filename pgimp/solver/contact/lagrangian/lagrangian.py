@@ -5,12 +5,10 @@ Where bodies of both configurations are in one case, all of them meet in this wa
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.decomposition.grid import Grid
-from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_contacts, book_mirrored
@@ -26,15 +24,19 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     number_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.vertices import sum_at_contact_vertices
-from pgimp.kernels.data.arguments import Forcing
-from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
+from pgimp.kernels.data.ledger import CONTACT_AREA
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
+from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.lagrangian.approach import BroadPhase, reach
 from pgimp.solver.contact.lagrangian.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.contact.lagrangian.near import Near, NearParticles, in_order
+from pgimp.solver.vertices import VertexUpdate
+
+if TYPE_CHECKING:
+    from pgimp.solver.rank import Rank
 
 #: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. A
 #: hundred sweeps to 1e-4 find the same motion, but disks that meet then lose more.
@@ -44,7 +46,7 @@ SWEEPS, ENOUGH = 30, 1e-3
 TOGETHER = 200, 1e-6
 
 
-class LagrangianContact:
+class LagrangianContact(NoContact):
     """Contact of bodies in the initial configuration, on one rank.
 
     Particles that are near something are copied to the ranks that have a share of the vertices
@@ -71,14 +73,15 @@ class LagrangianContact:
     """
 
     def __init__(self, scene: Scene, comm: Any) -> None:
-        self.scene, self.comm, self.call = scene, comm, Bound()
+        super().__init__(scene, comm)
+        self.call = Bound()
         self.bodies = len(scene.body_names)
-        self.fields: tuple[int, ...] = (0,) * self.bodies if scene.pairs else ()
+        self.fields = (0,) * self.bodies if scene.pairs else ()
         self.groups = np.zeros(self.bodies, np.int64)
         self.sweeps = 0
         self._grouped = False
         self.pairs, self._walls = with_walls(scene), separating_walls(scene)
-        self._approach = BroadPhase(scene, comm, self.pairs, self._walls)
+        self._broad_phase = BroadPhase(scene, comm, self.pairs, self._walls)
         rigid_bodies: Any = scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
         self._contact = Contact.empty(
             self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.faces), rigid_bodies
@@ -93,16 +96,16 @@ class LagrangianContact:
         """The rigid bodies for kernels, as they are in this step; () where there are none."""
         return self._contact.rigid_bodies
 
-    def forget(self) -> None:
-        """Search all particles again in the next step: they have changed, or their bodies have."""
-        self._approach.forget()
+    def moved(self) -> None:
+        """See `NoContact.moved`: all particles are searched again in the next step."""
+        self._broad_phase.restart()
 
-    def group(self, grid: Grid, population: Population) -> None:
-        """Find, once, which bodies are bonded at the start; collective."""
+    def assign_fields(self, rank: Rank) -> None:
+        """See `NoContact.assign_fields`; once, to the groups of bodies bonded at the start."""
         if self._grouped:
             return
         self._grouped = True
-        scene = self.scene
+        scene, grid, population = self.scene, rank.grid, rank.population
         if not self.fields:
             return
         p, order = population.particles, population.order
@@ -119,36 +122,33 @@ class LagrangianContact:
             grid.fields = self.fields
             grid.store(grid.base)
 
-    def exchange(
-        self, grid: Grid, population: Population, ledger: Ledger, t: Step, forcing: Forcing,
-        faces: Any,
-    ) -> None:  # fmt: skip
-        """Exchange the impulses of contact, after the update of momentum; collective.
+    def exchange(self, rank: Rank, update: VertexUpdate) -> None:
+        """See `NoContact.exchange`.
 
         Velocities and accelerations of the vertices change. Bodies meet where they are now; faces
         and constraints hold the vertices of the start, as at the start.
         """
-        contact, free = self._contact, self.free
+        rigid_bodies, free = self.rigid_bodies, self.free
+        t, _, forcing, ledger = update
         ledger.contact[:, :, CONTACT_AREA] = 0.0
         if self.scene.rigid_bodies:
             self.scene.rigid_bodies.at(t.start, t.end, free.states if free else None)  # in place
         if free:
-            free.begin(contact.rigid_bodies, t, forcing.gravity)
+            free.begin(rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
-        looked = self._approach.follow(population, self.groups, contact.rigid_bodies, t, rate)
-        if self._approach.any:
-            self._meet(grid, population, ledger, t, forcing, faces, looked)
+        looked = self._broad_phase.update(rank.population, self.groups, rigid_bodies, t, rate)
+        if self._broad_phase.any:
+            self._exchange_near(rank, update, looked)
         if free:
-            free.end(contact.rigid_bodies, t.dt)
+            free.end(rigid_bodies, t.dt)
 
-    def _meet(
-        self, grid: Grid, population: Population, ledger: Ledger, t: Step, forcing: Forcing,
-        faces: Any, anew: bool,
-    ) -> None:  # fmt: skip
-        """Exchange the impulses of what may be near something, of which shares are made `anew`."""
+    def _exchange_near(self, rank: Rank, update: VertexUpdate, anew: bool) -> None:
+        """Solve for the impulses; `anew`: divide the vertices among the ranks again."""
         scene, contact, call = self.scene, self._contact, self.call
+        t, faces, forcing, ledger = update
+        grid, population = rank.grid, rank.population
         holding = Holding(faces, scene.frame, forcing, contact.scratch_impulse)
-        rows = population.order[self._approach.near].astype(np.int64)
+        rows = population.order[self._broad_phase.near].astype(np.int64)
         near = self._particles.gather(grid, population.particles, rows, holding, anew)
         contact_pairs, coupling = self._find(near, t)
         vertices = near.vertices

@@ -1,0 +1,122 @@
+"""P2G and G2P of a rank's particles: the kernels' calls by configuration and range of layers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pgimp.kernels.data.arguments import Forcing, Report
+from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
+from pgimp.kernels.loads.loads import Loads
+from pgimp.kernels.transfer.g2p import grid_to_particles
+from pgimp.kernels.transfer.p2g import Others, particles_to_grid
+from pgimp.solver.clock import Step
+from pgimp.solver.parts import ConfigurationGroup
+from pgimp.solver.vertices import on_particles
+
+if TYPE_CHECKING:
+    from pgimp.solver.rank import Rank
+
+
+class RangeReport(NamedTuple):
+    """Outcome of G2P for a range of layers.
+
+    Attributes
+    ----------
+    changed : (n,) int32
+        Places in the order of the particles that changed their layer or left.
+    rate : float
+        Largest (c_p + |v_p|)/L.
+    outflow, clamped, held : int
+        Particles that left the domain, whose half-width was held at one cell, and that a wall held.
+    failed : tuple of int
+        Particles at fault, by configuration.
+    """
+
+    changed: np.ndarray
+    rate: float
+    outflow: int
+    clamped: int
+    held: int
+    failed: tuple[int, ...]
+
+
+def sum_particles(
+    rank: Rank, groups: Sequence[ConfigurationGroup], loads: Loads, marked: bool
+) -> None:
+    """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have.
+
+    `marked` says whether the vertices that constraints hold are marked.
+    """
+    grid, particles, every = rank.grid, rank.particles, []
+    for group in groups:
+        order = group.order
+        if rank.failed:  # others do not know of it yet; such particles may be anywhere
+            order = order._replace(start=np.zeros_like(order.start))
+        every.append((group.setting.without_materials(), group.loaded(loads.summed()), order))
+    if marked:
+        grid.marks.fill(0)
+        for call, (setting, _, order) in zip(rank.calls, every, strict=True):
+            call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
+    (setting, summed, order), others = every[0], Others(*every[1]) if len(every) > 1 else ()
+    grid.active.fill(0)
+    for runs in rank.halo.parts(rank.population.start):  # first what neighbours wait for
+        rank.call(  # (16, 17, 18, 21, 22)
+            particles_to_grid, setting, grid.field, particles, summed, order, runs, others
+        )
+        rank.halo.proceed(grid, marked)
+
+
+def particle_forcing(
+    rank: Rank, groups: Sequence[ConfigurationGroup], t: Step, forcing: Forcing
+) -> Forcing:
+    """The forcing of particles: with the filling where bodies flow, and what keeps them outside."""
+    found = on_particles(forcing)
+    if rank.flows:
+        found = found._replace(filling=rank.flows.find(rank, groups[0].order, t))
+    keepers = rank.keeping.at(t, rank.particles, rank.population.ordered.rows)
+    return found._replace(keepers=keepers)
+
+
+def update_particles(
+    rank: Rank,
+    groups: Sequence[ConfigurationGroup],
+    forcing: Forcing,
+    layers: np.ndarray,
+    found: Sequence[RangeReport],
+) -> RangeReport:
+    """Update the particles of some layers from the grid: (26, 27, 29, 30).
+
+    Parameters
+    ----------
+    rank : Rank
+        The rank.
+    groups : sequence of ConfigurationGroup
+        Its particles.
+    forcing : Forcing
+        From `particle_forcing`.
+    layers : (n,) int64
+        The layers.
+    found : sequence of RangeReport
+        The reports of the ranges before, behind which this one writes.
+    """
+    first = sum(len(report.changed) for report in found)
+    buffers = rank.error_buffer[len(groups) * len(found) :]
+    moved, rate, outflow, clamped, held = 0, 0.0, 0, 0, 0
+    failed: list[int] = []
+    for group, call, errors in zip(groups, rank.calls, buffers, strict=False):
+        mine = rank.population.changed[first + moved :]
+        wrong, left, away, fastest, narrow, kept = call(
+            grid_to_particles, group.setting, group.bounded(rank.scene, rank.grid.field),
+            rank.particles, group.order, layers, group.forced(forcing),
+            Report(rank.vertex_bounds, mine, errors), rank.ledger,
+        )  # fmt: skip
+        if away and group.places is not None:
+            mine[:away] = group.places[mine[:away]]
+        failed.append(wrong)
+        rate, moved, outflow = max(rate, fastest), moved + away, outflow + left
+        clamped, held = clamped + narrow, held + kept
+    changed = rank.population.changed[first : first + moved]
+    return RangeReport(changed, rate, outflow, clamped, held, tuple(failed))

@@ -1,0 +1,87 @@
+"""The vertices of a rank in a step, besides contact: forcing, mirrors, constraints."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from pgimp.kernels.data.arguments import Forcing
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.grid.constraints import apply_constraints
+from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
+from pgimp.kernels.loads.loads import Loads
+from pgimp.solver.clock import Step
+
+if TYPE_CHECKING:
+    from pgimp.solver.rank import Rank
+
+
+class VertexUpdate(NamedTuple):
+    """A step's forcing of the vertices.
+
+    Attributes
+    ----------
+    t : Step
+        The step.
+    faces : Faces or ()
+        The conditions of faces in the step.
+    forcing : Forcing
+        The other forcing, without what acts on particles alone.
+    ledger : Ledger
+        Where work and impulses are booked.
+    """
+
+    t: Step
+    faces: Any
+    forcing: Forcing
+    ledger: Ledger
+
+
+def forcing_of(rank: Rank, t: Step, loads: Loads, controlled: bool | float) -> Forcing:
+    """Forcing of a step; see `pgimp.solver.step.step`."""
+    scene, grid = rank.scene, rank.grid
+    constraints = scene.loads.constraints_at(t.start, t.end)
+    marked = (constraints, grid.marks) if constraints else ()
+    return Forcing(
+        t.dt, scene.gravity(t.start), rank.mass_cutoff, loads, constraints, marked,
+        scene.walls(t.start, t.end), controlled, rank.clearances.stored(grid),
+    )  # fmt: skip
+
+
+def on_vertices(forcing: Forcing) -> Forcing:
+    """The forcing without particle-only loads.
+
+    Kernels that work on vertices are then compiled once for all kinds of loads.
+    """
+    loads = Loads(relaxation=forcing.loads.relaxation)
+    return forcing._replace(loads=loads, constraints=(), controlled=False)
+
+
+def on_particles(forcing: Forcing) -> Forcing:
+    """The forcing without vertex-only loads; see `on_vertices`."""
+    return forcing._replace(loads=forcing.loads._replace(walls=()), marked=(), clearances=())
+
+
+def fold_mirrors(rank: Rank, update: VertexUpdate) -> None:
+    """Fold the sums beyond faces that reflect; find the clearances of unilateral ones."""
+    scene, field, call, contact = rank.scene, rank.grid.field, rank.call, rank.contact.data
+    for releases in (False, True):  # unilateral ones last: they see the sums of both
+        for mirror in scene.mirrors:
+            if mirror.releases == releases:
+                call(fold, scene.frame, field, mirror, update.forcing, update.ledger)
+                if contact:
+                    call(fold_volumes, scene.frame, field, contact.volumes, mirror)
+        if not releases:
+            rank.clearances.find(rank.grid)
+
+
+def hold_constrained(rank: Rank, update: VertexUpdate) -> None:
+    """Set the velocities that constraints prescribe."""
+    if update.forcing.marked:
+        rank.call(apply_constraints, rank.grid.field, update.forcing, update.ledger)
+
+
+def reflect_mirrors(rank: Rank, update: VertexUpdate) -> None:
+    """Set the vertices beyond faces that reflect to the images of those inside."""
+    scene, field = rank.scene, rank.grid.field
+    for mirror in reversed(scene.mirrors):
+        rank.call(reflect, scene.frame, field, mirror, update.forcing, update.ledger)
