@@ -4,7 +4,7 @@ Surface vectors: each particle has the integrals A0 = int N dA and K0 = int N (X
 surface within its box, here by quadrature of the exact surface. Vertices sum A = sum S A0,
 B = sum S |A0| and Q = sum S sym(K0 + A0 (x_p - x_v)). With c = |A|/B of each body the normal is
 that of c_a^20 B_a A_a/|A_a| - c_b^20 B_b A_b/|A_b|, and the gap that of the offsets n.Qn/(A.n).
-Volume fractions are what is built, see `pgimp.kernels.contact.data`: gap and normal from sums of
+Volume fractions are what is built, see `pgimp.kernels.contact.gap`: gap and normal from sums of
 V_p S and V_p grad S. Particles, their volumes and weights are pgimp's.
 
 Of volume fractions there are two: with particles that a surface cuts where they are, at their
@@ -23,7 +23,7 @@ import gap
 import numpy as np
 
 import pgimp
-from pgimp.kernels.contact.data import LEAST_FILLED
+from pgimp.kernels.contact.gap import LEAST_FILLED
 from pgimp.kernels.contact.volumes import LEAST
 from pgimp.physics.shapes.gimp import GimpParameters
 

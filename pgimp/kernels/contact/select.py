@@ -1,22 +1,25 @@
 """Selection of the particles near vertices at which bodies meet: others are not summed again."""
 
+import numpy as np
+
 from pgimp.jit.kernel import inner_kernel, kernel
 
-#: Columns of `vertex_ranges`: least and greatest vertex along y, then along z, in the window.
-LOW_Y, HIGH_Y, LOW_Z, HIGH_Z, VERTEX_RANGE = 0, 1, 2, 3, 4
+#: The least and the greatest vertex along y and z, in the window; empty if least > greatest.
+VERTEX_RANGE = np.dtype([("low", "i8", 2), ("high", "i8", 2)], align=True)
 
 
 @inner_kernel
-def include(vertex_ranges, i, j, k):
-    """Widen the range of plane `i` by a vertex."""
-    vertex_ranges[i, LOW_Y], vertex_ranges[i, HIGH_Y] = (
-        min(vertex_ranges[i, LOW_Y], j),
-        max(vertex_ranges[i, HIGH_Y], j),
-    )
-    vertex_ranges[i, LOW_Z], vertex_ranges[i, HIGH_Z] = (
-        min(vertex_ranges[i, LOW_Z], k),
-        max(vertex_ranges[i, HIGH_Z], k),
-    )
+def clear_range(row):
+    """Empty a range of vertices."""
+    row.low[0] = row.low[1] = 1 << 40
+    row.high[0] = row.high[1] = -1
+
+
+@inner_kernel
+def include(row, j, k):
+    """Widen a range by a vertex."""
+    row.low[0], row.low[1] = min(row.low[0], j), min(row.low[1], k)
+    row.high[0], row.high[1] = max(row.high[0], j), max(row.high[1], k)
 
 
 @kernel
@@ -29,8 +32,8 @@ def select_near(frame, window, particles, order, vertex_ranges, shared, rows, st
         That of the planes.
     order : Order
         Of all particles of the rank.
-    vertex_ranges : (planes, SPREAD) int64
-        Range of the vertices in each plane; empty if the least is above the greatest.
+    vertex_ranges : (planes,) VERTEX_RANGE
+        Range of the vertices in each plane.
     shared : int
         Vertices a direction in a support, less one.
     rows : (n,) int32
@@ -44,14 +47,9 @@ def select_near(frame, window, particles, order, vertex_ranges, shared, rows, st
         start[layer] = found
         low_y, high_y, low_z, high_z = 1 << 40, -1, 1 << 40, -1
         for i in range(layer, layer + shared + 1):
-            low_y, high_y = (
-                min(low_y, vertex_ranges[i, LOW_Y]),
-                max(high_y, vertex_ranges[i, HIGH_Y]),
-            )
-            low_z, high_z = (
-                min(low_z, vertex_ranges[i, LOW_Z]),
-                max(high_z, vertex_ranges[i, HIGH_Z]),
-            )
+            row = vertex_ranges[i]
+            low_y, low_z = min(low_y, row.low[0]), min(low_z, row.low[1])
+            high_y, high_z = max(high_y, row.high[0]), max(high_z, row.high[1])
         if high_y < 0:
             continue
         for k in range(order.start[layer], order.start[layer + 1]):

@@ -6,10 +6,10 @@ from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.books import book
 from pgimp.kernels.contact.data import (
     SWEEPS,
-    find_pairs,
 )
+from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.law import exchange, find_held
-from pgimp.kernels.contact.select import HIGH_Y, HIGH_Z, LOW_Y, LOW_Z, include
+from pgimp.kernels.contact.select import clear_range, include
 from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size, has_several
 from pgimp.kernels.grid.conditions import Holding
@@ -31,15 +31,14 @@ def find_contact_vertices(field, where, vertex_counts, vertex_ranges):
         Which of the planes may hold several fields.
     vertex_counts : (planes,) int64
         Set here.
-    vertex_ranges : (planes, SPREAD) int64
+    vertex_ranges : (planes,) VERTEX_RANGE
         Set to their ranges, see `select_near`.
     """
     window, G = field.window, field.G
     size, count = field_size(window), field_count(window)
     vertex_counts[:] = 0
     for i in range(len(vertex_counts)):
-        vertex_ranges[i, LOW_Y] = vertex_ranges[i, LOW_Z] = 1 << 40
-        vertex_ranges[i, HIGH_Y] = vertex_ranges[i, HIGH_Z] = -1
+        clear_range(vertex_ranges[i])
         if field.active[i] == 0 or count == 1 or not where[i] or not has_several(field, i):
             continue
         r = i * window.stride[0]
@@ -50,7 +49,7 @@ def find_contact_vertices(field, where, vertex_counts, vertex_ranges):
                     found += G[r + f * size + MASS] > 0.0
                 if found > 1:
                     vertex_counts[i] += 1
-                    include(vertex_ranges, i, j, k)
+                    include(vertex_ranges[i], j, k)
                 r += RECORD
 
 

@@ -182,4 +182,4 @@ def find_rigid_vertices(frame, field, rigid_bodies, vertex_counts, vertex_ranges
                     number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
                     if some and _is_near(rigid_bodies, t, frame, number):
                         vertex_counts[i] += 1
-                        include(vertex_ranges, i, j, k)
+                        include(vertex_ranges[i], j, k)

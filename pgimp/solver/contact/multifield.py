@@ -197,11 +197,9 @@ class MultifieldContact(NoContact):
     def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
         """Find the particles that may have weight where bodies meet, in some of the planes."""
         order, shared = population.ordered, grid.vertices - 1
-        vertex_ranges, extent = self.data.vertex_ranges[planes], grid.window.extent
-        low_y, _, low_z, _ = vertex_ranges.min(axis=0).tolist()
-        _, high_y, _, high_z = vertex_ranges.max(axis=0).tolist()
-        part = (high_y - low_y + 1) * (high_z - low_z + 1) / (extent[1] * extent[2])
-        if part > _MOST_OF_A_PLANE:
+        ranges, extent = self.data.vertex_ranges[planes], grid.window.extent
+        y, z = (ranges["high"].max(axis=0) - ranges["low"].min(axis=0) + 1).tolist()
+        if y * z > _MOST_OF_A_PLANE * extent[1] * extent[2]:
             return order
         if len(self._rows) < len(order.rows):
             self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)

@@ -32,7 +32,7 @@ def test_forces_of_contact_at_vertices():
                      ({}, True), ({"friction": 0.4}, True)],
 )  # fmt: skip
 @pytest.mark.parametrize("density", [0.05, 20.0])
-@pytest.mark.parametrize("begun", [(), ("block",), ("block", "next")])
+@pytest.mark.parametrize("lagrangian", [(), ("block",), ("block", "next")])
 def test_the_energy_of_the_whole_is_the_sum_of_its_columns(lagrangian, density, law, two):
     """Whatever a body loses at once as it hits is in impact-loss, and in what is dissipated.
 

@@ -14,8 +14,8 @@ from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.data import (
     PAIR_STATE,
     clear_field,
-    find_pairs,
 )
+from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.lagrangian.vertices import (
     number_of,
 )

@@ -3,7 +3,7 @@
 Their own grid is that of the start, without neighbours. Where they come near each other, a rigid
 body or a wall that lets go, the particles there are summed once more, at their present places, into
 the vertices of the domain's grid: part filled, surface, and gap follow as they do in
-the current configuration (`pgimp.kernels.contact.data`). Pairs at such a vertex are in
+the current configuration (`pgimp.kernels.contact.gap`). Pairs at such a vertex are in
 `pgimp.kernels.contact.lagrangian.pairs`, responses to impulses there in
 `pgimp.kernels.contact.lagrangian.gauss_seidel`.
 
