@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
+from pgimp.jit.kernel import kernel
 from pgimp.schema.base import Model, Name, Number
 from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import Problem, raise_problems
@@ -39,6 +40,26 @@ AnyFriction = Annotated[
     float | Friction,
     Either("a coefficient or {static: ..., kinetic: ...}", {float: Coefficient, dict: Friction}),
 ]
+
+
+@kernel
+def sliding_part(static, kinetic, cohesion, pressed, sticking):
+    """Part of the tangential impulse of sticking that Coulomb's law transmits; 1 where it sticks.
+
+    Parameters
+    ----------
+    static, kinetic : float
+        Coefficients of friction.
+    cohesion : float
+        Greatest tangential impulse without pressure.
+    pressed : float
+        The normal impulse, at least 0.
+    sticking : float
+        The tangential impulse that would stop all slip.
+    """
+    if sticking > static * pressed + cohesion:
+        return (kinetic * pressed + cohesion) / sticking
+    return 1.0
 
 
 def coefficients(friction: float | Friction) -> tuple[float, float]:

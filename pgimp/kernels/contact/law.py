@@ -8,7 +8,7 @@ from pgimp.kernels.grid.conditions import held_velocity
 from pgimp.kernels.grid.constraints import is_marked
 from pgimp.kernels.grid.faces import beyond_any, face_count
 from pgimp.kernels.rigid.bodies import move_freely
-from pgimp.physics.contact import TIED
+from pgimp.physics.contact import TIED, sliding_part
 
 #: Small and great changes of a velocity, relative to the greatest speed at a vertex: what is held
 #: moves with neither. Against a great one a wall that lets go, or friction, holds nothing.
@@ -188,9 +188,7 @@ def exchange(contact, holding, number, held, pair, last):
     length, pressed, cling = sqrt(square), max(row.normal_impulse, 0.0), row.shear_adhesion
     if row.normal_impulse < 0.0:
         cling *= sqrt(1.0 - (row.normal_impulse / row.adhesion) ** 2)
-    part = 1.0
-    if length > static * pressed + cling:
-        part = (kinetic * pressed + cling) / length
+    part = sliding_part(static, kinetic, cling, pressed, length)
     row.sticking = part
     for d in range(3):
         stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most

@@ -27,7 +27,7 @@ from pgimp.kernels.rigid.bodies import (
     find_distance,
 )
 from pgimp.kernels.transfer.lane_io import take_row
-from pgimp.physics.contact import FRICTION, Pairs
+from pgimp.physics.contact import FRICTION, Pairs, sliding_part
 
 #: Least part of a normal's square that no constraint prescribes: less holds nothing.
 LEAST_FREE = 0.1
@@ -245,8 +245,7 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
     part, law = 1.0, abs(entry) - 1
     if pairs.law[law] == FRICTION:
         static, kinetic = pairs.coefficient[law, 0], pairs.coefficient[law, 1]
-        if across > static * -normal:
-            part = kinetic * -normal / across
+        part = sliding_part(static, kinetic, 0.0, -normal, across)
     booked, mine = ledger.contact[layer, law], ledger.rigid_bodies[layer, t]
     J, done, heat = (0.0, 0.0, 0.0), 0.0, 0.0
     for d in range(D):
