@@ -1,0 +1,157 @@
+"""Pairs of velocity fields at a vertex, and the gap between their surfaces.
+
+Bodies that touch, and whose surfaces are flat, fill the neighbourhood of a vertex between them:
+the parts that they fill, sum_p S_vp V_p over the volume of a cell, add up to 1, wherever the
+surfaces lie and however they are inclined. The missing part gives the gap. Its normal is that
+of the surfaces, the sum of V_p grad S_vp.
+"""
+
+from math import inf, sqrt
+
+from pgimp.jit.kernel import inner_kernel
+from pgimp.kernels.contact.data import clear_pair
+from pgimp.physics.contact import FRICTION
+
+#: Least part of a vertex's neighbourhood that either body must fill: less gives no reliable gap, as
+#: strain changes it.
+LEAST_FILLED = 0.02
+
+#: Least part that a body must fill to be held by a rigid one, where the gap is exact: however
+#: little is past the surface, it carries the stress of the first particles.
+LEAST_HELD = 1e-6
+
+#: The same where the rigid surface is inclined to the grid by more than the sine `INCLINED`, in
+#: proportion below. Cut boxes have corners there that the surface does not have, and these are all
+#: that a vertex in the rigid body sees of a body a fifth of a cell away.
+LEAST_INCLINED, INCLINED = 0.08, 0.05
+
+#: Least part of the mass of two fields that either must have.
+LEAST_MASS = 1e-5
+
+#: Least length of a normal's sum, relative to the side of a cell of the neighbourhood's volume:
+#: deep inside bodies, without a surface, it is rounding.
+LEAST_NORMAL = 1e-4
+
+#: Least part of a normal's square that is along the walls of a vertex: less counts as none.
+LEAST_WITHIN = 0.01
+
+
+@inner_kernel
+def find_pairs(contact, frame, sides, count, rigid, dt):
+    """Find the pairs of fields that act on each other at a vertex; returns their number.
+
+    Of `count` fields the last `rigid` are those of rigid bodies. `sides` tells in which directions
+    the vertex is on a wall, see `wall_sides`.
+    """
+    fields, ends, states = contact.fields, contact.ends, contact.pair_states
+    missing = 1.0
+    for a in range(count):
+        missing -= fields[a].filled
+    found = 0
+    for a in range(count - rigid):
+        for b in range(a + 1, count):
+            first, second = contact.bodies[a], contact.bodies[b]
+            one, other = (a, b) if first < second else (b, a)
+            entry = contact.pairs.entry[min(first, second), max(first, second)]
+            if entry < 0:
+                one, other, entry = other, one, -entry
+            if entry == 0:
+                continue
+            row = states[found]
+            clear_pair(row)
+            if contact.pairs.law[entry - 1] == FRICTION:
+                if b < count - rigid:
+                    least = min(fields[a].mass, fields[b].mass)
+                    if least < LEAST_MASS * (fields[a].mass + fields[b].mass):
+                        continue
+                    if min(fields[a].filled, fields[b].filled) < LEAST_FILLED:
+                        continue
+                elif fields[a].filled < LEAST_HELD or fields[b].filled < LEAST_FILLED:
+                    continue
+                if not _find_gap(frame, fields, one, other, sides, row):
+                    continue
+                if b >= count - rigid and fields[a].filled < _least_held(row):
+                    continue
+                excess = max(fields[one].curvature_gap + fields[other].curvature_gap, 0.0)
+                bent = excess * _volume(frame, sides) / row.gap_rate**2
+                gap = row.gap_rate * _gap(fields[one], fields[other], row, missing, bent)
+                row.gap_rate = max(gap - excess, 0.0) / dt
+                normal, shear, reach = contact.pairs.adhesion[entry - 1]
+                if row.gap_rate * dt < reach:
+                    row.adhesion, row.shear_adhesion = normal * row.area * dt, shear * row.area * dt
+            ends[found].fields[0], ends[found].fields[1], ends[found].law = one, other, entry
+            found += 1
+    return found
+
+
+@inner_kernel
+def _least_held(row):
+    """Least part that a body must fill to be held by a rigid one with the normal of a pair."""
+    along = max(abs(row.normal[0]), abs(row.normal[1]), abs(row.normal[2]))
+    return LEAST_INCLINED * min(sqrt(max(1.0 - along * along, 0.0)) / INCLINED, 1.0)
+
+
+@inner_kernel
+def _volume(frame, sides):
+    """Volume of a cell, less the parts behind walls."""
+    volume = 1.0
+    for d in range(len(frame.cell)):
+        volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
+    return volume
+
+
+@inner_kernel
+def _gap(a, b, row, missing, bent):
+    """Return the gap between two fields, in cells along the normal; set the area of contact.
+
+    Where one body ends sideways, it covers only a part of the other, the ratio of their areas. To
+    touch it, it must fill there what the other leaves free. The neighbourhood is weighted with a
+    tent, which is 1 - s at the surface's distance s, where the smaller part is (1 - s)^2 / 2. A
+    surface that is bent away from the other has an area that is smaller by `bent` where both touch.
+    """
+    first, second = 0.0, 0.0
+    for d in range(3):
+        first += a.surface[d] * row.normal[d]
+        second -= b.surface[d] * row.normal[d]
+    row.area = max(min(first, second), 0.0)
+    small, large = (a, b) if first < second else (b, a)
+    cover = 1.0
+    if row.area > 0.0 and large.mass == inf:
+        cover = row.area / max(max(first, second) - bent, row.area)
+    left = min(missing, cover * (1.0 - large.filled) - small.filled)
+    part = min(small.filled / cover, large.filled)
+    return max(left, 0.0) / (cover * sqrt(min(2.0 * part, 1.0)))
+
+
+@inner_kernel
+def _find_gap(frame, fields, a, b, sides, row):
+    """Set normal, from `a` to `b`, and, as `gap_rate`, the cell's length along the normal.
+
+    Returns whether there is a surface. Where a wall cuts bodies, that cut is no surface of contact:
+    on a wall the normal is along it, unless bodies lie on each other there. The normal of a rigid
+    body is known, and is used alone.
+    """
+    square, along, side = 0.0, 0.0, 1.0
+    whole, within = 0.0, 0.0
+    of_a = 0.0 if fields[b].mass == inf else 1.0
+    of_b = 0.0 if fields[a].mass == inf else 1.0
+    for d in range(len(frame.cell)):
+        n = (of_a * fields[a].surface[d] - of_b * fields[b].surface[d]) ** 2
+        whole += n
+        within += n if sides[d] == 0 else 0.0
+    flat = within > LEAST_WITHIN * whole
+    for d in range(len(frame.cell)):
+        n = of_a * fields[a].surface[d] - of_b * fields[b].surface[d]
+        if flat and sides[d] != 0:
+            n = 0.0
+        row.normal[d] = n
+        square += n * n
+        along += (n * frame.inverse[d]) ** 2
+        side *= frame.cell[d]
+    length = sqrt(square)
+    if not sqrt(along) > LEAST_NORMAL * side:
+        return False
+    for d in range(3):
+        row.normal[d] /= length
+    row.gap_rate = length / sqrt(along)
+    return True
