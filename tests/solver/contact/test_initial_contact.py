@@ -210,7 +210,7 @@ def test_walls_have_no_area_in_the_books():
     assert booked[0].any() and not booked[1:].any()
 
 
-@pytest.mark.parametrize("begun", [("a", "b"), ("a",)])
+@pytest.mark.parametrize("lagrangian", [("a", "b"), ("a",)])
 def test_a_mirror_bears_what_it_turns_round_of_an_impact(lagrangian):
     """Of the friction of blocks that meet there, on vertices beyond it, which tents reach."""
     bodies = {
