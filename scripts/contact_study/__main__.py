@@ -226,7 +226,7 @@ def _show(name, future):
 
 
 def main():
-    """Measure all, write contact.out/contact.md and, unless --quick, docs/contact.md."""
+    """Measure all, write contact.out/contact.md and, unless --quick, docs/contact-validation.md."""
     parser = argparse.ArgumentParser(prog="scripts/contact")
     parser.add_argument("--quick", action="store_true", help="fewer and coarser; writes no page")
     parser.add_argument(

@@ -74,7 +74,7 @@ def origin():
 
 
 def contacts(kept):
-    """The table of docs/contact.md."""
+    """The table of docs/contact-validation.md."""
     found = meetings.table(lambda *name: kept.get(key(("contact", *name))), BOTH)
     return f"{found}\n\nMeasured on one core of {kept['origin']}.\n"
 

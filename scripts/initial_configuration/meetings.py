@@ -133,7 +133,7 @@ def meeting(configuration, name, fine):
 
 
 def table(of, configurations):
-    """The table of docs/contact.md; `of` gives what is kept of (configuration, name, fine)."""
+    """The table of docs/contact-validation.md; `of` gives a (configuration, name, fine)."""
     heads = [text for one in configurations for text in (one, f"{one}, on half the cells")]
     lines = ["| test | exact | " + " | ".join(heads) + " |", "|---" * (2 + len(heads)) + "|"]
     for name, (rows, _, _) in PROBLEMS.items():

@@ -53,7 +53,8 @@ def test_three_bodies_collide_askew(law):
     """Friction, adhesion, ties, two and three bodies at a vertex: both momenta to rounding.
 
     Of the grid, in each step: what forces do is taken out, and is nothing but rounding itself. What
-    particles keep of angular momentum is another thing (docs/contact.md). Their momentum is kept.
+    particles keep of angular momentum is another thing (docs/contact-validation.md). Their momentum
+    is kept.
     """
     turn = {"rotation": {"about": [3.0, 3.0, 3.0], "rate": [0.4, -0.3, 0.5]}}
     bodies = {
