@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.decomposition.grid import Grid
-from pgimp.decomposition.halo import Halo
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.frame import Window
@@ -18,10 +16,10 @@ from pgimp.kernels.grid.filling import (
     fold_filling,
     reflect_filling,
 )
-from pgimp.kernels.transfer.p2g import particles_to_grid
 from pgimp.scene.flows import SceneFlows
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
+from pgimp.solver.vertex_sums import VertexSums
 
 #: Steps from one shift to the next, as each costs a sum over all particles.
 EVERY = 8
@@ -50,9 +48,7 @@ class Flows:
         assert scene.flows is not None
         self.scene, self.comm, self.call = scene, comm, Bound()
         self.flows: SceneFlows = scene.flows
-        self._known: Any = None
-        self._halo: Halo | None = None
-        self.sums = FillingSums(most=self.flows.most)
+        self._sums = VertexSums(scene, comm, FillingSums(most=self.flows.most))
         self._idle = idle(self.flows)
         self.shift = WEIGHTLESS if scene.case.gravity is None else SHIFT
 
@@ -72,18 +68,9 @@ class Flows:
             return self._idle
         grid, particles = rank.grid, rank.particles
         rank.ledger.filled.fill(0.0)
-        if self._known is not grid.field:
-            self._connect(grid)
-        own, frame, flows = self._sums, self.scene.frame, self.flows
-        own.active.fill(0)
-        runs = np.array([[0, grid.slab.layers, 0]])
-        self.call(
-            particles_to_grid, self.scene.setting.without_materials(), own.field, particles,
-            self.sums, order, runs, (),
-        )  # fmt: skip
-        if self._halo:
-            self._halo.proceed(own)
-            self._halo.finish(own)
+        self._sums.fit(grid, self.flows.fields)
+        self._sums.add(particles, order, np.arange(grid.planes))
+        own, frame, flows = self._sums.grid, self.scene.frame, self.flows
         for wall in flows.walls:
             self.call(fold_filling, frame, own.field, wall)
         rigid_bodies = rank.contact.rigid_bodies
@@ -95,15 +82,6 @@ class Flows:
             True, own.window, own.G, self.shift * rate, 1.0 - np.exp(-RELAX * rate),
             1.0 - np.exp(-self.shift * rate), flows.most, flows.gap,
         )  # fmt: skip
-
-    def _connect(self, grid: Grid) -> None:
-        """Allocate the sums for the planes of `grid`."""
-        if self._halo:
-            self._halo.close()
-        self._known, scene, slab = grid.field, self.scene, grid.slab
-        self._sums = Grid(scene.frame, scene.vertices, slab, grid.lag, self.flows.fields)
-        self._sums.store(grid.base)
-        self._halo = Halo(self.comm, slab, grid.vertices - 1) if slab.neighbours else None
 
 
 def idle(flows: SceneFlows) -> Filling:

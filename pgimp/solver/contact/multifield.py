@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.decomposition.grid import Grid
-from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.data import Contact
@@ -21,12 +20,12 @@ from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.momentum import BEGINNING, REST, WHOLE
 from pgimp.kernels.rigid.fill import find_rigid_vertices
-from pgimp.kernels.transfer.p2g import particles_to_grid
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.velocity_fields import assign, body_boxes, reach, where_near
+from pgimp.solver.vertex_sums import VertexSums
 from pgimp.solver.vertices import VertexUpdate
 
 if TYPE_CHECKING:
@@ -71,9 +70,7 @@ class MultifieldContact(NoContact):
         self._intervals = np.empty((0, 2))
         self._where: Any = None
         self._rows = np.empty(0, np.int32)
-        self._planes, self._runs = np.empty(0, np.int64), np.empty((0, 3), np.int64)
-        self._known: Any = None
-        self._halos: dict[tuple[bool, bool], Halo] = {}
+        self._volumes = VertexSums(scene, comm, volume_sums(scene.shape))
 
     @property
     def rigid_bodies(self) -> Any:
@@ -101,7 +98,7 @@ class MultifieldContact(NoContact):
     def detect(self, rank: Rank, t: Step, ledger: Ledger) -> None:
         """See `NoContact.detect`; volumes are summed where bodies meet."""
         grid = rank.grid
-        if self._known is not grid.field:
+        if self._volumes.fit(grid, self.fields):
             self._connect(grid)
         contact = self.data
         ledger.contact[:, :, CONTACT_AREA] = 0.0
@@ -131,7 +128,8 @@ class MultifieldContact(NoContact):
             )
         found = np.flatnonzero(contact.vertex_counts)
         if len(found):
-            self._sum_volumes(grid, rank.population, found)
+            order = self._near(grid, rank.population, found)
+            self._volumes.add(rank.particles, order, found)
 
     def update_momentum(self, rank: Rank, update: VertexUpdate) -> None:
         """See `NoContact.update_momentum`.
@@ -180,17 +178,11 @@ class MultifieldContact(NoContact):
         return begun > np.searchsorted(np.sort(high), place, "left")
 
     def _connect(self, grid: Grid) -> None:
-        """Allocate the sums for the planes of `grid`."""
-        for halo in self._halos.values():
-            halo.close()
-        self._halos.clear()
-        self._known, self._where, scene = grid.field, None, self.scene
-        self._planes = np.empty(0, np.int64)
-        self._volumes = Grid(scene.frame, scene.vertices, grid.slab, grid.lag, self.fields)
-        self._volumes.store(grid.base)
+        """Allocate the data of kernels for the planes of `grid`."""
+        self._where, scene = None, self.scene
         most = 1 + max(self.fields)
         self.data = Contact.empty(
-            self.pairs, self._volumes.G, grid.planes, most, len(scene.faces),
+            self.pairs, self._volumes.grid.G, grid.planes, most, len(scene.faces),
             scene.rigid_bodies.in_planes(grid.planes) if scene.rigid_bodies else (),
         )  # fmt: skip
 
@@ -209,36 +201,3 @@ class MultifieldContact(NoContact):
             self.data.vertex_ranges, shared, self._rows, start,
         )  # fmt: skip
         return Order(self._rows[: start[-1]], start)
-
-    def _sum_volumes(self, grid: Grid, population: Population, planes: np.ndarray) -> None:
-        """Sum volumes into some of the planes."""
-        slab, shared, volumes = grid.slab, grid.vertices - 1, self._volumes
-        order, layers = self._near(grid, population, planes), grid.slab.layers
-        if not np.array_equal(planes, self._planes):  # they stay the same for many steps
-            self._planes, self._runs = planes, _runs(planes, layers, shared)
-        volumes.active.fill(0)
-        self.call(
-            particles_to_grid, self.scene.setting.without_materials(), volumes.field,
-            population.particles, volume_sums(self.scene.shape), order, self._runs, (),
-        )  # fmt: skip
-        lower = slab.lower is not None and bool(planes[0] < shared)
-        upper = slab.upper is not None and bool(planes[-1] >= layers)
-        if not (lower or upper):
-            return
-        halo = self._halos.get((lower, upper))
-        if halo is None:
-            part = slab._replace(
-                lower=slab.lower if lower else None, upper=slab.upper if upper else None
-            )
-            halo = self._halos[lower, upper] = Halo(self.comm, part, shared)
-        halo.proceed(volumes)
-        halo.finish(volumes)
-
-
-def _runs(planes: np.ndarray, layers: int, shared: int) -> np.ndarray:
-    """Find the layers that add to some of the planes, as runs for `particles_to_grid`."""
-    near = np.zeros(layers + shared, bool)
-    for i in range(shared + 1):
-        near[np.maximum(planes - i, 0)] = True
-    edges = np.flatnonzero(np.diff(near[:layers], prepend=False, append=False)).reshape(-1, 2)
-    return np.concatenate([edges, np.zeros((len(edges), 1), np.int64)], axis=1)

@@ -1,0 +1,106 @@
+"""Further sums over particles at the vertices: volumes for contact, the filling of what flows.
+
+They are sums by layers with the same exchange as masses (docs/the-sum.md), so that all ranks get
+the same bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.halo import Halo
+from pgimp.jit.bound import Bound
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.transfer.p2g import particles_to_grid
+from pgimp.scene.scene import Scene
+
+
+class VertexSums:
+    """Sums of particles at a rank's vertices, in a grid and with messages of their own.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    comm : communicator
+        Of all ranks.
+    loads
+        What is summed: in the place of `Loads`, see `pgimp.kernels.transfer.contribution`.
+
+    Attributes
+    ----------
+    grid : Grid
+        The sums; it has the planes and the window of the rank's own grid.
+    """
+
+    grid: Grid
+
+    def __init__(self, scene: Scene, comm: Any, loads: Any) -> None:
+        self.scene, self.comm, self.loads, self.call = scene, comm, loads, Bound()
+        self._known: Any = None
+        self._planes, self._runs = np.empty(0, np.int64), np.empty((0, 3), np.int64)
+        self._halos: dict[tuple[bool, bool], Halo] = {}
+
+    def fit(self, grid: Grid, fields: Sequence[int]) -> bool:
+        """Allocate for the planes of a rank's grid, and velocity fields; return whether anew."""
+        if self._known is grid.field:
+            return False
+        for halo in self._halos.values():
+            halo.close()
+        self._halos.clear()
+        self._known, self._planes = grid.field, np.empty(0, np.int64)
+        self.grid = Grid(self.scene.frame, self.scene.vertices, grid.slab, grid.lag, fields)
+        self.grid.store(grid.base)
+        return True
+
+    def add(self, particles: Particles, order: Order, planes: np.ndarray) -> None:
+        """Sum particles into some of the planes.
+
+        A neighbour takes part if it shares one of them, on which both sides have to agree.
+
+        Parameters
+        ----------
+        particles, order
+            The particles; all that have weight in these planes.
+        planes : (n,) int64
+            The planes, ascending.
+        """
+        own, slab, shared = self.grid, self.grid.slab, self.grid.vertices - 1
+        if not np.array_equal(planes, self._planes):  # they stay the same for many steps
+            self._planes, self._runs = planes, _runs(planes, slab.layers, shared)
+        own.active.fill(0)
+        self.call(
+            particles_to_grid, self.scene.setting.without_materials(), own.field, particles,
+            self.loads, order, self._runs, (),
+        )  # fmt: skip
+        lower = slab.lower is not None and bool(planes[0] < shared)
+        upper = slab.upper is not None and bool(planes[-1] >= slab.layers)
+        if lower or upper:
+            halo = self._halo(lower, upper)
+            halo.proceed(own)
+            halo.finish(own)
+
+    def _halo(self, lower: bool, upper: bool) -> Halo:
+        """Return the messages to the neighbours that share a plane."""
+        halo = self._halos.get((lower, upper))
+        if halo is None:
+            slab = self.grid.slab
+            part = slab._replace(
+                lower=slab.lower if lower else None, upper=slab.upper if upper else None
+            )
+            halo = self._halos[lower, upper] = Halo(self.comm, part, self.grid.vertices - 1)
+        return halo
+
+
+def _runs(planes: np.ndarray, layers: int, shared: int) -> np.ndarray:
+    """Find the layers that add to some of the planes, as runs for `particles_to_grid`."""
+    near = np.zeros(layers + shared, bool)
+    for i in range(shared + 1):
+        near[np.maximum(planes - i, 0)] = True
+    edges = np.flatnonzero(np.diff(near[:layers], prepend=False, append=False)).reshape(-1, 2)
+    return np.concatenate([edges, np.zeros((len(edges), 1), np.int64)], axis=1)
