@@ -17,6 +17,7 @@ import numpy as np
 
 from pgimp.jit.compiled.cache import announced
 from pgimp.mpi.comm import say, world
+from pgimp.mpi.communicator import Communicator
 from pgimp.solver.decomposition import RESORT
 from pgimp.solver.simulation import Simulation
 from pgimp.utilities.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
@@ -107,7 +108,7 @@ def _errors(sim: Simulation) -> dict[str, float]:
     return {"velocity": float(every[:, 0].max()), "stress": float(every[:, 1].max())}
 
 
-def measure(comm: Any, cells: int, repeats: int, lattice: bool) -> dict[str, Any]:
+def measure(comm: Communicator, cells: int, repeats: int, lattice: bool) -> dict[str, Any]:
     """Run the benchmark; collective.
 
     Returns
@@ -157,7 +158,7 @@ def execute(args: argparse.Namespace) -> int:
         return _execute(args, comm)
 
 
-def _execute(args: argparse.Namespace, comm: Any) -> int:
+def _execute(args: argparse.Namespace, comm: Communicator) -> int:
     if args.model:
         network = Network(args.latency, args.bandwidth, int(args.ranks_per_node))
         particles = int(args.particles)

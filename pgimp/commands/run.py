@@ -12,6 +12,7 @@ from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.io.rundir.runinfo import describe_start, installed
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.comm import abort_on_error, world
+from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.peers import within
 from pgimp.mpi.together import end_all_on_exceptions, require_same
 from pgimp.running.log import Log
@@ -100,7 +101,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def run(
     case: Source,
-    comm: Any = None,
+    comm: Communicator | None = None,
     output: str | Path | None = None,
     *,
     overrides: Overrides = (),
@@ -180,7 +181,7 @@ def run(
     return reader.open(output)
 
 
-def _read(name: str, comm: Any) -> bytes:
+def _read(name: str, comm: Communicator) -> bytes:
     """Read the case file on rank 0 for all."""
 
     def content() -> bytes:
@@ -203,7 +204,7 @@ def _parse(text: bytes, name: str, overrides: Overrides) -> Case:
 def _run(
     case: Case,
     text: bytes | None,
-    comm: Any,
+    comm: Communicator,
     output: Path,
     overwrite: bool,
     resume: bool,
@@ -262,7 +263,7 @@ def _warn_of_edited(materials: dict[str, str], directory: RunDirectory, log: Log
             )
 
 
-def _set_up(case: Case, comm: Any, log: Log, began: float) -> Any:
+def _set_up(case: Case, comm: Communicator, log: Log, began: float) -> Any:
     from pgimp.solver.simulation import Simulation
 
     sim = Simulation(case, comm)

@@ -8,11 +8,11 @@ neither on these times.
 """
 
 from collections import deque
-from typing import Any
 
 import numpy as np
 
 from pgimp.decomposition.slabs import common, cut, imbalance_of, slab_of
+from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.switches import switched_on
 
 #: Environment variable that turns it off.
@@ -126,7 +126,7 @@ class Balance:
         if clear and self.on and self._may_pay(excess, step):
             self.rebalance_requested = True
 
-    def report(self, comm: Any, count: int, planes: int, step: int) -> None:
+    def report(self, comm: Communicator, count: int, planes: int, step: int) -> None:
         """Share the load of all ranks since the last report; collective.
 
         Parameters

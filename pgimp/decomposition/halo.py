@@ -20,6 +20,7 @@ from pgimp.decomposition.grid import Grid, aligned
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.transfer.p2g import complete
+from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.switches import switched_on
 
 _UP, _DOWN = 1, 2
@@ -67,7 +68,7 @@ class Halo:
         Sent so far by this rank.
     """
 
-    def __init__(self, comm: Any, slab: Slab, shared: int) -> None:
+    def __init__(self, comm: Communicator, slab: Slab, shared: int) -> None:
         self.comm, self.slab, self.shared = comm, slab, shared
         self.overlap, self.piece = switched_on(SWITCH, *_MEANING), PIECE
         self._alone = not slab.neighbours

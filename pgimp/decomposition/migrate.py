@@ -14,6 +14,7 @@ from pgimp.decomposition.population import Population, with_capacity
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.data.particles import Columns, Particles
 from pgimp.kernels.order.layer_changes import pack_rows, partition_migrants, unpack_rows
+from pgimp.mpi.communicator import Communicator
 
 _TAG, _REST = 3, 6
 
@@ -46,7 +47,7 @@ def _grown(number: int) -> int:
 class _Link:
     """The messages between a rank and one of its neighbours."""
 
-    def __init__(self, comm: Any, neighbour: int, columns: int) -> None:
+    def __init__(self, comm: Communicator, neighbour: int, columns: int) -> None:
         self.comm, self.neighbour, self.columns = comm, neighbour, columns
         self.to_send, self.to_receive = CAPACITY, CAPACITY  # records in the first message
         self.outgoing, self.incoming = _wire(CAPACITY, columns), _wire(CAPACITY, columns)
@@ -119,7 +120,7 @@ class Migration:
         Sent so far by this rank.
     """
 
-    def __init__(self, comm: Any, slab: Slab, particles: Particles) -> None:
+    def __init__(self, comm: Communicator, slab: Slab, particles: Particles) -> None:
         self.messages = self.bytes = 0
         self._slab = slab
         columns = particles.width

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from math import prod
-from typing import Any
 
 import numpy as np
 
 from pgimp.decomposition.migrate import pack, unpack
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, common, slab_of
+from pgimp.mpi.communicator import Communicator
 
 _TAG = 5
 
@@ -19,7 +19,7 @@ _NONE = np.empty(0, np.int32)
 
 
 def redistribute(
-    comm: Any,
+    comm: Communicator,
     old: list[int],
     new: list[int],
     extra: int,

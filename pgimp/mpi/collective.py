@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar, cast
 
 from pgimp.errors import PgimpError, RunError
+from pgimp.mpi.communicator import Communicator
 
 T = TypeVar("T")
 
 
-def on_root(comm: Any, action: Callable[[], T]) -> T:
+def on_root(comm: Communicator, action: Callable[[], T]) -> T:
     """Do something on rank 0 alone.
 
     Parameters
@@ -39,10 +40,10 @@ def on_root(comm: Any, action: Callable[[], T]) -> T:
     result, error = comm.bcast((result, error))
     if error is not None:
         raise error
-    return result
+    return cast(T, result)
 
 
-def agree(comm: Any, what: str, cause: str | None) -> None:
+def agree(comm: Communicator, what: str, cause: str | None) -> None:
     """Raise on every rank if any of them failed.
 
     Parameters
@@ -66,7 +67,7 @@ def agree(comm: Any, what: str, cause: str | None) -> None:
             raise RunError(f"cannot {what}: {first}{where}")
 
 
-def all_or_none(comm: Any, action: Callable[[], T], *kinds: type[Exception]) -> T:
+def all_or_none(comm: Communicator, action: Callable[[], T], *kinds: type[Exception]) -> T:
     """Do something on every rank; it fails on all if it fails on one.
 
     Parameters

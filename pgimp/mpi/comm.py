@@ -9,9 +9,10 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 from pgimp.errors import CaseError, PgimpError, UsageError
+from pgimp.mpi.communicator import Communicator
 from pgimp.terminal import escape
 
 T = TypeVar("T")
@@ -97,7 +98,7 @@ def launcher(environ: Mapping[str, str] | None = None) -> Launcher | None:
     return None
 
 
-def world() -> Any:
+def world() -> Communicator:
     """Return the communicator of all ranks of this run.
 
     Returns
@@ -131,7 +132,7 @@ def world() -> Any:
             "apt-get install openmpi-bin), or name it: MPI4PY_LIBMPI=/path/to/libmpi.so. Without\n"
             "mpirun, pgimp runs on one rank and needs no MPI. `pgimp doctor` checks the pieces."
         ) from None
-    comm = MPI.COMM_WORLD
+    comm = cast(Communicator, MPI.COMM_WORLD)
     if comm.size == 1 and (started.size is not None or started.rank > 0):
         library = MPI.Get_library_version().strip("\0 \n").splitlines()[0].split(",")[0]
         raise SharedUsageError(
@@ -156,7 +157,12 @@ def quiet_mpi() -> None:
     mpi4py.rc.finalize = False
 
 
-class Serial:
+def _message(*args: Any, **more: Any) -> Any:
+    """Stand in for what only several ranks have."""
+    raise NotImplementedError("a run on one rank has no messages")
+
+
+class Serial(Communicator):
     """A communicator of one rank, which needs no MPI library.
 
     It has the part of mpi4py's interface that makes sense on one rank; buffers are only ever sent
@@ -165,6 +171,9 @@ class Serial:
 
     rank = 0
     size = 1
+    alltoall = send = isend = recv = irecv = Send = Isend = Recv = Irecv = _message
+    Send_init = Recv_init = Iprobe = Allreduce = Iallreduce = Allgather = _message
+    Alltoall = Alltoallv = Dup = Split_type = Get_attr = Set_attr = _message
 
     def Barrier(self) -> None:
         """Return at once."""
@@ -215,7 +224,7 @@ def say(message: str) -> None:
 
 
 @contextmanager
-def abort_on_error(comm: Any) -> Iterator[None]:
+def abort_on_error(comm: Communicator) -> Iterator[None]:
     """End all ranks together, with one message, when any of them raises.
 
     A `CaseError` or `UsageError` that every rank raises is printed by rank 0, and all ranks leave
@@ -258,7 +267,7 @@ def _abort(private: Any, error: BaseException) -> None:
     abort_together(private, error, lambda: say(f"rank {private.rank}: {describe(error)}"))
 
 
-def abort_together(comm: Any, error: BaseException, speak: Callable[[], None]) -> None:
+def abort_together(comm: Communicator, error: BaseException, speak: Callable[[], None]) -> None:
     """End all ranks; of those that get here together only the lowest speaks.
 
     Parameters

@@ -5,12 +5,14 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from pgimp.mpi.communicator import Communicator
+
 #: A call that compiles a kernel, and the seconds that this takes, roughly.
 Call = tuple[float, Callable[[], Any]]
 
 
 @contextmanager
-def one_rank_first(comm: Any) -> Iterator[None]:
+def one_rank_first(comm: Communicator) -> Iterator[None]:
     """Run the body on the first rank of each node, then on the others; collective.
 
     The first compiles, the others find the kernels in the cache.
@@ -32,7 +34,7 @@ def one_rank_first(comm: Any) -> Iterator[None]:
         node.Free()
 
 
-def shared_out(comm: Any, calls: Iterable[Call]) -> None:
+def shared_out(comm: Communicator, calls: Iterable[Call]) -> None:
     """Make calls that compile kernels: the ranks of a node share them, then make all; collective.
 
     What another rank has compiled is found in the cache. An error in a call passes through after
@@ -71,7 +73,7 @@ def cores() -> set[int]:
     return set(range(os.cpu_count() or 1))
 
 
-def shares_cores(comm: Any) -> bool:
+def shares_cores(comm: Communicator) -> bool:
     """Return whether ranks that may use only this rank's cores are more than these; collective."""
     if comm.size == 1:
         return False

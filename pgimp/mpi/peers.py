@@ -16,6 +16,7 @@ import numpy as np
 from pgimp.errors import PgimpError, RunError, UsageError
 from pgimp.mpi import comm as communicators
 from pgimp.mpi.comm import abort_together, say
+from pgimp.mpi.communicator import Communicator
 
 #: Of a rank's end, and the tags after it of the rounds in which all hear of all.
 _ENDED_TAG = 80
@@ -58,7 +59,7 @@ class Peers:
         What this rank has not come to the end of.
     """
 
-    def __init__(self, comm: Any) -> None:
+    def __init__(self, comm: Communicator) -> None:
         self.acts = self.created = 0
         self.within, self.met = "", False
         self._comm = comm
@@ -153,7 +154,7 @@ class Peers:
         return heard
 
 
-def peers_of(comm: Any) -> Peers:
+def peers_of(comm: Communicator) -> Peers:
     """What this rank knows of the others of a communicator of several ranks."""
     from mpi4py import MPI
 
@@ -181,7 +182,7 @@ def world() -> Any:
     return comm
 
 
-def created(comm: Any) -> int:
+def created(comm: Communicator) -> int:
     """Number of a simulation that begins, among those of a communicator; 0 on one rank."""
     if comm.size == 1:
         return 0
@@ -191,7 +192,7 @@ def created(comm: Any) -> int:
 
 
 @contextmanager
-def together(comm: Any, act: str) -> Iterator[None]:
+def together(comm: Communicator, act: str) -> Iterator[None]:
     """Begin an act when all ranks have come to it; collective.
 
     Parameters
@@ -213,7 +214,7 @@ def together(comm: Any, act: str) -> Iterator[None]:
 
 
 @contextmanager
-def within(comm: Any, act: str) -> Iterator[None]:
+def within(comm: Communicator, act: str) -> Iterator[None]:
     """Between what all ranks begin and end together, having met.
 
     A rank that leaves it with an exception of its own, and ends, ends the job.

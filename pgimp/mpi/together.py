@@ -11,6 +11,7 @@ from typing import Any
 
 from pgimp.errors import UsageError
 from pgimp.mpi.comm import abort_together, say
+from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.peers import Peers, peers_of, seconds
 
 _DIGEST_TAG, _ANSWER_TAG = 78, 79
@@ -18,7 +19,7 @@ _DIGEST_TAG, _ANSWER_TAG = 78, 79
 _REMARK, _PATIENCE = 20.0, 300.0
 
 
-def require_same(comm: Any, what: str, content: str) -> None:
+def require_same(comm: Communicator, what: str, content: str) -> None:
     """Refuse to begin with ranks missing, or with another content on some; collective.
 
     Ranks that do not come within `_PATIENCE`, or the seconds of PGIMP_PATIENCE, end the job: by
@@ -64,7 +65,7 @@ def require_same(comm: Any, what: str, content: str) -> None:
         )
 
 
-def _wait(comm: Any, what: str, requests: dict[int, Any], peers: Peers) -> dict[int, Any]:
+def _wait(comm: Communicator, what: str, requests: dict[int, Any], peers: Peers) -> dict[int, Any]:
     """What the ranks have sent, by rank; ends the job if some do not."""
     patience = seconds(_PATIENCE)
     begin, found, said = time.monotonic(), {}, False
@@ -91,7 +92,7 @@ def _wait(comm: Any, what: str, requests: dict[int, Any], peers: Peers) -> dict[
         time.sleep(0.0005 if spent < 1.0 else 0.01)
 
 
-def end_all_on_exceptions(comm: Any) -> None:
+def end_all_on_exceptions(comm: Communicator) -> None:
     """Let an exception that nothing catches on one rank end all, as they would wait for it."""
     before: Callable[..., Any] = sys.excepthook
     if comm.size == 1 or getattr(before, "ends_all", False):

@@ -22,6 +22,7 @@ from pgimp.io.checkpoints import checkpointwriter
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.io.rundir import runinfo
 from pgimp.mpi.collective import all_or_none, on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.running.probes import Record
 from pgimp.running.schedule import Schedule
 from pgimp.solver.state.state import capture
@@ -105,7 +106,7 @@ class Checkpoints:
         self._measured = False
         self._stands_for: tuple[int, int, Mapping[str, Record]] = (-1, -1, {})
 
-    def resume(self, comm: Any, step: int, about: About) -> None:
+    def resume(self, comm: Communicator, step: int, about: About) -> None:
         """Go on after the checkpoint of a step; collective.
 
         Later ones, which were found damaged, are renamed, so that they do not count as kept ones.
@@ -222,7 +223,9 @@ def number_of(path: Path) -> int:
     return int(path.stem.removeprefix("step-"))
 
 
-def intact(paths: list[Path], comm: Any) -> Iterator[tuple[Path, CheckpointFile | DamagedError]]:
+def intact(
+    paths: list[Path], comm: Communicator
+) -> Iterator[tuple[Path, CheckpointFile | DamagedError]]:
     """Yield checkpoints, each with its content or its error; collective.
 
     Parameters

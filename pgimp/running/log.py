@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
+from pgimp.mpi.communicator import Communicator
 from pgimp.terminal import escape, silence
 
 
@@ -87,7 +88,7 @@ class Log:
 _BUSY = ("P2G", "momentum", "G2P", "order", "sort")
 
 
-def timing_table(comm: Any, seconds: dict[str, float], total: float) -> str:
+def timing_table(comm: Communicator, seconds: dict[str, float], total: float) -> str:
     """Format the time that each phase of a run took.
 
     Parameters

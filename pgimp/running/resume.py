@@ -14,6 +14,7 @@ from pgimp.errors import CaseError, DamagedError, RunError, UsageError, explain
 from pgimp.io.rundir.probefiles import probe_file
 from pgimp.io.rundir.rundir import STARTING, RunDirectory
 from pgimp.mpi.collective import on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.running.checkpoints import About, intact, made_by, number_of, present
 from pgimp.running.log import Log
 from pgimp.running.probes import require_known
@@ -35,7 +36,7 @@ class Resumed(NamedTuple):
     about: About
 
 
-def resume(case: Case, comm: Any, directory: RunDirectory, log: Log) -> Resumed | str:
+def resume(case: Case, comm: Communicator, directory: RunDirectory, log: Log) -> Resumed | str:
     """Find the newest intact checkpoint of a run and go back to its state; collective.
 
     Parameters

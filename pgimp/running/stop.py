@@ -15,6 +15,7 @@ from math import inf
 from typing import Any
 
 from pgimp import signals
+from pgimp.mpi.communicator import Communicator
 
 # Margin before a limit besides the checkpoint: to close the files, and for interpreter and launcher
 # to exit.
@@ -185,7 +186,7 @@ class Stop:
         The signal that came; 0 if none.
     """
 
-    def __init__(self, comm: Any, wall_time: float | None) -> None:
+    def __init__(self, comm: Communicator, wall_time: float | None) -> None:
         self.reason = ""
         self.signal = 0
         self._comm = comm

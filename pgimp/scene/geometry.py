@@ -18,6 +18,7 @@ from pgimp.geometry.regions import Mesh, Points
 from pgimp.geometry.regions.base import Region
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.mpi.collective import on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first
 from pgimp.scene.scene import LEAST, MOST
@@ -37,7 +38,7 @@ def _meshes(case: Case) -> Iterator[tuple[str, Mesh]]:
                     yield f"{section}.{name}.region", region
 
 
-def share(case: Case, comm: Any) -> None:
+def share(case: Case, comm: Communicator) -> None:
     """Read the files of a case on rank 0, and share them with all ranks; collective.
 
     Raises
@@ -49,7 +50,7 @@ def share(case: Case, comm: Any) -> None:
         _share(case, comm)
 
 
-def _share(case: Case, comm: Any) -> None:
+def _share(case: Case, comm: Communicator) -> None:
     release(case)
     known: dict[Mesh, Any] = {}
     for key, mesh in _meshes(case):
@@ -141,7 +142,7 @@ def _warm_up() -> None:
     surface.fill([np.array([0.0, 1.0])] * 3, [(0, 1)] * 3)
 
 
-def _read_points(case: Case, comm: Any) -> None:
+def _read_points(case: Case, comm: Communicator) -> None:
     """Check the files of particles on rank 0, and share their extents with all ranks."""
     if not any(isinstance(body.region, Points) for body in case.bodies.values()):
         return
@@ -222,7 +223,7 @@ def _read_points(case: Case, comm: Any) -> None:
             part.learn(means[column])
 
 
-def _read_tables(case: Case, comm: Any) -> None:
+def _read_tables(case: Case, comm: Communicator) -> None:
     """Read the tables over a coordinate in files on rank 0, and share them with all ranks."""
     for key, table in tables(case):
 
@@ -235,7 +236,7 @@ def _read_tables(case: Case, comm: Any) -> None:
         table.__dict__["rows"] = on_root(comm, read)
 
 
-def _most_particles(case: Case, comm: Any) -> int | None:
+def _most_particles(case: Case, comm: Communicator) -> int | None:
     """Particles that fit into the memory of all ranks, without anything else; collective."""
     row = Particles.empty(1, Carried(case.dimensions))
     mine = min(limits(), key=lambda limit: limit.free, default=None)
@@ -248,7 +249,7 @@ def _most_particles(case: Case, comm: Any) -> int | None:
     return int(sum(pools.values())) // sum(column.nbytes for column in row)
 
 
-def take_as_empty(case: Case, comm: Any) -> None:
+def take_as_empty(case: Case, comm: Communicator) -> None:
     """Treat the bodies in files as empty, where their particles exist already."""
     for _, mesh in _meshes(case):
         mesh.__dict__["surface"] = nothing(case.dimensions)

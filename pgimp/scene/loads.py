@@ -11,6 +11,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.update.viscosity import Viscosity
+from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.tractions import overlaps
 from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
 
@@ -201,7 +202,7 @@ class SceneLoads:
                         f"{', '.join(f'{2 * h:.6g}' for h in self.half)} apart"
                     )
 
-    def require_all_hold(self, p: Particles, n: int, comm: Any) -> None:
+    def require_all_hold(self, p: Particles, n: int, comm: Communicator) -> None:
         """Refuse constraints that hold none of the first `n` particles of any rank; collective.
 
         Raises
@@ -220,7 +221,7 @@ class SceneLoads:
         low, cell = grid.origin[d], grid.cell[d]
         return low + points / n * cell, low + (points[:-1] + 0.5) / n * cell
 
-    def scale_patches(self, population: Population, comm: Any) -> None:
+    def scale_patches(self, population: Population, comm: Communicator) -> None:
         """Scale the patches of each traction to the whole area of its face; collective.
 
         Small parts that were merged into other particles leave some area without a carrier.

@@ -15,6 +15,7 @@ from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
 from pgimp.kernels.order.order import cell_numbers
 from pgimp.kernels.sums.sums import SUMS
+from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact import Pairs
 from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.base import LOSSES
@@ -289,7 +290,7 @@ class Scene:
         self.most_mass = densest * prod(self.case.grid.size)
 
 
-def count_particles(scene: Scene, comm: Any) -> tuple[Lattice, np.ndarray, list[str]]:
+def count_particles(scene: Scene, comm: Communicator) -> tuple[Lattice, np.ndarray, list[str]]:
     """Lattice, counts of its particles by body and plane, and notes; collective.
 
     Raises

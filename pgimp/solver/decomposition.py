@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from time import perf_counter, thread_time
-from typing import Any
 
 import numpy as np
 
 from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.slabs import Slab, cut, slab_of
 from pgimp.kernels.order.order import layers_of
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
@@ -19,7 +19,9 @@ from pgimp.solver.window import shrink_window
 RESORT = 48
 
 
-def partition(scene: Scene, comm: Any, counts: np.ndarray) -> tuple[Slab, Balance, list[str]]:
+def partition(
+    scene: Scene, comm: Communicator, counts: np.ndarray
+) -> tuple[Slab, Balance, list[str]]:
     """Cut the layers into slabs at the start, one a rank, with balanced particle numbers.
 
     Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from math import inf, isclose
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.io.results.tables import Fields
 from pgimp.mpi.comm import world
+from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.peers import created, together
 from pgimp.mpi.together import end_all_on_exceptions, require_same
 from pgimp.physics import fields
@@ -55,7 +56,9 @@ class Simulation:
         If the case is wrong.
     """
 
-    def __init__(self, case: Source, comm: Any = None, overrides: Overrides = ()) -> None:
+    def __init__(
+        self, case: Source, comm: Communicator | None = None, overrides: Overrides = ()
+    ) -> None:
         comm = world() if comm is None else comm
         end_all_on_exceptions(comm)
         self.case: Case = load(case, overrides)

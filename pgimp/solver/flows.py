@@ -16,6 +16,7 @@ from pgimp.kernels.grid.filling import (
     fold_filling,
     reflect_filling,
 )
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.flows import SceneFlows
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
@@ -44,7 +45,7 @@ class Flows:
         Of all ranks.
     """
 
-    def __init__(self, scene: Scene, comm: Any) -> None:
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
         assert scene.flows is not None
         self.scene, self.comm, self.call = scene, comm, Bound()
         self.flows: SceneFlows = scene.flows

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from time import perf_counter, thread_time
-from typing import Any
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import layer_sums
 from pgimp.kernels.update.checks import OUTFLOW
+from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.clearances import Clearances
@@ -88,7 +88,7 @@ class Rank:
     def __init__(
         self,
         scene: Scene,
-        comm: Any,
+        comm: Communicator,
         slab: Slab,
         particles: Particles,
         count: int,

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.mpi.communicator import Communicator
+
 
 class Request(IntEnum):
     """Request of a rank after a step; the greatest of all ranks counts, on all of them."""
@@ -56,7 +58,7 @@ class StepReduction:
         First vertices (least, greatest; y, z) that all ranks together have reported.
     """
 
-    def __init__(self, comm: Any) -> None:
+    def __init__(self, comm: Communicator) -> None:
         self.rate, self.request, self.rebalance_requested = 0.0, Request.NONE, False
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._comm = comm

@@ -11,6 +11,7 @@ from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import DamagedError, RunError
 from pgimp.kernels.data.particles import Particles
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene
@@ -86,7 +87,7 @@ class Simulation:
     count: int
     rate: float
 
-    def __init__(self, case: Case, comm: Any, source: Any = None) -> None:
+    def __init__(self, case: Case, comm: Communicator, source: Any = None) -> None:
         state = None if source is None else State.of(source)
         self.cases, self.comm = case.stages, comm
         self.stage = state.stage if state else 0

@@ -17,6 +17,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.transfer.p2g import particles_to_grid
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 
 
@@ -40,7 +41,7 @@ class VertexSums:
 
     grid: Grid
 
-    def __init__(self, scene: Scene, comm: Any, loads: Any) -> None:
+    def __init__(self, scene: Scene, comm: Communicator, loads: Any) -> None:
         self.scene, self.comm, self.loads, self.call = scene, comm, loads, Bound()
         self._known: Any = None
         self._planes, self._runs = np.empty(0, np.int64), np.empty((0, 3), np.int64)

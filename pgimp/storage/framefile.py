@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.errors import explain
+from pgimp.mpi.communicator import Communicator
 from pgimp.storage.checksums import Written, first_wrong, word_sum
 from pgimp.storage.datasets import bytes_of, put
 
@@ -71,7 +72,7 @@ class FrameFile:
         The data given to this rank, in this order, with CRC-32, if checksums are kept.
     """
 
-    def __init__(self, path: Path, comm: Any, most: int | None = None) -> None:
+    def __init__(self, path: Path, comm: Communicator, most: int | None = None) -> None:
         self.path = path
         self.error: str | None = None
         self.written: list[Written] = []

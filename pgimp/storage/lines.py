@@ -6,10 +6,10 @@ import errno
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from pgimp.errors import RunError, explain
 from pgimp.mpi.collective import on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.storage.atomic import sync_folder, write
 from pgimp.storage.linereader import numbered
 from pgimp.storage.plain import open_plain
@@ -40,7 +40,7 @@ class LineFile:
         self._filled: dict[str, float] = {}
         self._unlisted = False  # in its folder, as far as a crash of the machine is concerned
 
-    def resume(self, comm: Any, step: int) -> None:
+    def resume(self, comm: Communicator, step: int) -> None:
         """Go on after the line of a step, or the last one before it; later ones are cut off.
 
         Parameters

@@ -9,6 +9,7 @@ import numpy as np
 
 from pgimp.errors import RunError
 from pgimp.mpi.collective import agree
+from pgimp.mpi.communicator import Communicator
 from pgimp.storage.framefile import blocks
 
 Array = np.ndarray
@@ -56,7 +57,7 @@ class Rows:
 
     def __init__(
         self,
-        comm: Any,
+        comm: Communicator,
         ids: Array,
         storage: Array,
         count: int,
@@ -160,7 +161,7 @@ class _Exchange:
         The order in which values are sent: by rank, else as they are.
     """
 
-    def __init__(self, comm: Any, rows: Array, share: int) -> None:
+    def __init__(self, comm: Communicator, rows: Array, share: int) -> None:
         self.order: Any = slice(None)
         self._comm = comm
         if comm.size == 1:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
 
 from pgimp.errors import RunError, explain
 from pgimp.mpi.collective import agree, on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.storage.framefile import FrameFile
 
 
@@ -27,7 +27,9 @@ class Unfinished:
         What is being done, for messages.
     """
 
-    def __init__(self, part: Path, path: Path, file: FrameFile, comm: Any, what: str) -> None:
+    def __init__(
+        self, part: Path, path: Path, file: FrameFile, comm: Communicator, what: str
+    ) -> None:
         self.path = path
         self._part, self._file, self._comm, self._what = part, file, comm, what
         file.flush()
@@ -75,7 +77,7 @@ def explained_errors(what: str) -> Iterator[None]:
 
 
 @contextmanager
-def removed_on_error(part: Path, comm: Any) -> Iterator[None]:
+def removed_on_error(part: Path, comm: Communicator) -> Iterator[None]:
     """Delete a file that is not to be finished, on rank 0."""
     try:
         yield

@@ -17,6 +17,7 @@ import numpy as np
 from pgimp.errors import DamagedError, RunError, explain
 from pgimp.io.checkpoints.checkpointheader import KINDS, encode, parse
 from pgimp.mpi.collective import agree, on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.storage.atomic import publish, temporary
 from pgimp.storage.checksums import Written
 from pgimp.storage.datasets import Dataset, Layout, bytes_of, lay_out
@@ -34,7 +35,7 @@ _NUMBER, _PIECE_TEXT = 20, 48
 
 def write(
     path: Path,
-    comm: Any,
+    comm: Communicator,
     about: dict[str, Any],
     rows: Mapping[str, Array],
     whole: Mapping[str, Array],

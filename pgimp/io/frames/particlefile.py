@@ -12,6 +12,7 @@ import numpy as np
 
 from pgimp.io.frames.particlevalues import CONNECTIVITY, Values
 from pgimp.mpi.collective import on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import Source
 from pgimp.storage import chunks
 from pgimp.storage.atomic import temporary
@@ -92,7 +93,9 @@ class ParticleFile:
             "materials": names["material"],
         }
 
-    def rows(self, comm: Any, ids: Array, storage: Array, count: int, complete: bool) -> Rows:
+    def rows(
+        self, comm: Communicator, ids: Array, storage: Array, count: int, complete: bool
+    ) -> Rows:
         """Rows as such a file needs them; collective. See `Rows`."""
         unit = chunks.ROWS if self._compressed else 1
         return Rows(comm, ids, storage, count, complete, unit)

@@ -11,11 +11,12 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pgimp.errors import RunError, explain
 from pgimp.io.frames.xdmf import Collection
 from pgimp.mpi.collective import on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.storage.atomic import sync_folder
 from pgimp.storage.unfinished import Unfinished
 
@@ -51,7 +52,9 @@ class Series(ABC):
         Bytes of the files that this process wrote, on rank 0.
     """
 
-    def __init__(self, comm: Any, collection: Collection, pattern: re.Pattern[str]) -> None:
+    def __init__(
+        self, comm: Communicator, collection: Collection, pattern: re.Pattern[str]
+    ) -> None:
         self.folder = collection.path.parent / "frames"
         self.comm = comm
         self.written = self.size = 0

@@ -27,6 +27,7 @@ from pgimp.io.rundir.ownfiles import (
 )
 from pgimp.io.rundir.probefiles import PROBES
 from pgimp.mpi.collective import on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.storage.atomic import write
 from pgimp.storage.linereader import so_far
 from pgimp.terminal import escape
@@ -75,7 +76,7 @@ class RunDirectory:
     def __init__(
         self,
         path: Path,
-        comm: Any,
+        comm: Communicator,
         overwrite: bool = False,
         resume: bool = False,
         probes: Collection[str] = (),

@@ -16,6 +16,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from pgimp.mpi.communicator import Communicator
 from pgimp.storage import atomic
 from pgimp.storage.hdf5 import load_h5py
 from pgimp.storage.plain import read_plain
@@ -31,7 +32,9 @@ def now() -> str:
     return datetime.datetime.now().astimezone().isoformat(timespec="seconds")
 
 
-def describe_start(comm: Any, particles: int, resumed: int | None = None) -> dict[str, Any]:
+def describe_start(
+    comm: Communicator, particles: int, resumed: int | None = None
+) -> dict[str, Any]:
     """Collect the data of a run's start.
 
     Parameters

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.errors import CaseError
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.lattice import Lattice
 
 
@@ -19,7 +20,7 @@ class Counts(NamedTuple):
     notes: list[str]
 
 
-def count_all(lattice: Lattice, comm: Any) -> Counts:
+def count_all(lattice: Lattice, comm: Communicator) -> Counts:
     """Count all particles, each rank a share of the planes, and check what bodies contain.
 
     Raises

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
 from pgimp.geometry.regions import Points
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.once.prestress import bearable_stress, remember_stress
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.populate import prestressed, set_stress
 from pgimp.scene.scene import Scene
@@ -29,7 +29,7 @@ def stressed(scene: Scene) -> list[int]:
     ]
 
 
-def measure(scene: Scene, particles: Particles, count: int, comm: Any) -> list[str]:
+def measure(scene: Scene, particles: Particles, count: int, comm: Communicator) -> list[str]:
     """Return a warning about each body whose stress its material cuts; collective.
 
     Parameters

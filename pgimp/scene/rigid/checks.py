@@ -15,6 +15,7 @@ from pgimp.case.places import located
 from pgimp.errors import CaseError, EndlessError, UsageError
 from pgimp.kernels.rigid.bodies import distances
 from pgimp.mpi.collective import on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.scene.faces import Face
 from pgimp.scene.rigid.free_body import State
@@ -51,7 +52,7 @@ def require_same(rigid_bodies: SceneRigidBodies, checksum: str) -> None:
 def require_apart(
     rigid_bodies: SceneRigidBodies,
     blocks: Iterable[tuple[NDArray[np.float64], NDArray[np.int32]]],
-    comm: Any,
+    comm: Communicator,
 ) -> None:
     """Refuse bodies that overlap rigid ones at the start; collective.
 
@@ -86,10 +87,10 @@ def require_apart(
     every += on_root(comm, partial(_within_bodies, rigid_bodies))
     if not every:
         return
-    deep, place, body, name = min(every)
+    deep, place, inside, name = min(every)
     with located(rigid_bodies.case):
         raise CaseError(
-            f"bodies.{name}.region: '{list(rigid_bodies.case.bodies)[body]}' reaches "
+            f"bodies.{name}.region: '{list(rigid_bodies.case.bodies)[inside]}' reaches "
             f"{-deep:.3g} into "
             f"the rigid '{name}' at ({', '.join(f'{c:.6g}' for c in place)}); bodies must not "
             "overlap at the start: move or cut one of them"
@@ -203,7 +204,7 @@ def require_clear(
     states: list[State],
     number: int,
     time: float,
-    comm: Any,
+    comm: Communicator,
 ) -> None:
     """Refuse free rigid bodies that are in walls or rigid ones; collective.
 

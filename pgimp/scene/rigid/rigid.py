@@ -24,6 +24,7 @@ from pgimp.kernels.rigid.bodies import (
     RigidBodies,
 )
 from pgimp.mpi.collective import on_root
+from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion, Pose, Triple
 from pgimp.scene.rigid.free_body import FreeBody, State
 from pgimp.scene.rigid.measure import lattice_points, measure, require_densities
@@ -92,7 +93,7 @@ class SceneRigidBodies:
             if not any(part.FROM_FILE for part in entry.region.simple())
         )
 
-    def measure(self, comm: Any) -> None:
+    def measure(self, comm: Communicator) -> None:
         """Compute the distances on rank 0, and share them with all ranks; collective.
 
         Raises

@@ -8,6 +8,7 @@ import numpy as np
 
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.momentum import WHOLE, update_momentum
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
 from pgimp.solver.vertices import VertexUpdate
@@ -46,7 +47,7 @@ class NoContact:
     free: FreeBodies | None = None
     data: Any = ()
 
-    def __init__(self, scene: Scene, comm: Any) -> None:
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.comm = scene, comm
 
     @property

@@ -19,6 +19,7 @@ from pgimp.kernels.rigid.bodies import (
     RESPONSE,
     RigidBodies,
 )
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.rigid.checks import may_collide, require_clear
 from pgimp.scene.rigid.free_body import FreeBody, Matrix, State, solve
 from pgimp.scene.scene import Scene
@@ -57,7 +58,7 @@ class FreeBodies:
         Their states of motion.
     """
 
-    def __init__(self, scene: Scene, comm: Any) -> None:
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.comm, self.rigid_bodies = scene, comm, scene.rigid_bodies
         self.numbers, self.bodies = (
             list(scene.rigid_bodies.free),

@@ -11,6 +11,7 @@ from pgimp.kernels.data.ledger import RIGID_WORK, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.rigid.bodies import RigidBodies
 from pgimp.kernels.rigid.hold import Keepers, count_inside, count_near
+from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion
 from pgimp.scene.rigid.free_body import State, solve
 from pgimp.scene.rigid.rigid import SceneRigidBodies
@@ -51,7 +52,9 @@ class Keeping:
         Layers of the rank.
     """
 
-    def __init__(self, scene: Scene, comm: Any, free: FreeBodies | None, layers: int) -> None:
+    def __init__(
+        self, scene: Scene, comm: Communicator, free: FreeBodies | None, layers: int
+    ) -> None:
         self.scene, self.comm, self.free = scene, comm, free
         self._impulses = np.zeros((layers, len(scene.rigid_bodies), 6))
         self._yields = np.zeros((len(scene.rigid_bodies), 6, 6))

@@ -20,6 +20,7 @@ from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.momentum import BEGINNING, REST, WHOLE
 from pgimp.kernels.rigid.fill import find_rigid_vertices
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
 from pgimp.solver.contact.base import NoContact
@@ -59,7 +60,7 @@ class MultifieldContact(NoContact):
 
     at_vertices = True
 
-    def __init__(self, scene: Scene, comm: Any) -> None:
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)
         assert scene.pairs is not None
         self.pairs, self.call = scene.pairs, Bound()

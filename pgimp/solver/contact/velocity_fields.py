@@ -14,6 +14,7 @@ import numpy as np
 
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.data.frame import Frame
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 
 #: Least number of steps for which bodies must stay out of reach to share a field, and the most
@@ -25,7 +26,9 @@ FEWEST, MOST = 2, 64
 NEAR = 16
 
 
-def body_boxes(frame: Frame, particles: Any, rows: np.ndarray, bodies: int, comm: Any) -> Any:
+def body_boxes(
+    frame: Frame, particles: Any, rows: np.ndarray, bodies: int, comm: Communicator
+) -> Any:
     """Least and greatest coordinates of each body's particles, (2, bodies, D) in cells; collective.
 
     Bodies without particles have infinite ones.

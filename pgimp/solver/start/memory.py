@@ -6,7 +6,7 @@ when bodies spread or many particles move to another rank at once, is not forese
 """
 
 from math import prod
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.data.ledger import BOOKED, TOOLED
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.rigid.bodies import RESPONSE
+from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.limits import Limit, limits
 from pgimp.physics.fields import ALWAYS
 from pgimp.scene.bodies.extent import Extent, extents, points
@@ -239,7 +240,7 @@ def estimate(
     return Estimate(count, most, sorted(peak, key=lambda part: -part.size), untouched)
 
 
-def require(scene: Scene, comm: Any, count: int | None = None) -> Estimate:
+def require(scene: Scene, comm: Communicator, count: int | None = None) -> Estimate:
     """Refuse a run that the memory of its nodes cannot hold; collective.
 
     Returns

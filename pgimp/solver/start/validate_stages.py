@@ -1,11 +1,11 @@
 """Checks of all stages before a run's first step: columns of the history, and steps."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from pgimp.errors import CaseError
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.sanity import small_step_warning
 from pgimp.scene.scene import Scene
@@ -68,7 +68,7 @@ def stage_rate(scene: Scene, rates: Mapping[str, float]) -> float:
     return max(found)
 
 
-def rates_at_rest(rank: Rank, scene: Scene, comm: Any) -> dict[str, float]:
+def rates_at_rest(rank: Rank, scene: Scene, comm: Communicator) -> dict[str, float]:
     """Return what `stage_rate` needs, from the particles at the start; collective."""
     still = rank.particles._replace(v=np.zeros_like(rank.particles.v))
     order, found = rank.population.order, {}

@@ -34,6 +34,8 @@ from pgimp.kernels.sums.errors import ERRORS, initial_velocities, layer_errors
 from pgimp.kernels.sums.sums import exact_masses, fastest_rate, layer_sums
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, complete, particles_to_grid
+from pgimp.mpi.comm import Serial
+from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks.overstress import stressed
@@ -76,7 +78,7 @@ def _tools(scene: Scene, grid: Grid) -> Any:
     return scene.rigid_bodies.in_planes(grid.planes) if scene.rigid_bodies else ()
 
 
-def warm_up(scene: Scene, comm: Any) -> None:
+def warm_up(scene: Scene, comm: Communicator) -> None:
     """Call each kernel once with the types that the scene's steps will use; collective."""
     shared_out(comm, _calls(scene))
 
@@ -177,7 +179,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     if scene.flows:
         yield from _of_flows(scene, grid, p, order)
         particle_forcing = particle_forcing._replace(filling=idle(scene.flows))
-    if keepers := Keeping(scene, None, None, 1).at(START, p, rows):
+    if keepers := Keeping(scene, Serial(), None, 1).at(START, p, rows):
         particle_forcing = particle_forcing._replace(keepers=keepers)
         numbers = np.zeros(len(scene.rigid_bodies), np.int64)
         yield 1.0, lambda: count_inside(keepers.rigid_bodies, scene.pairs, p, rows, 0.0, numbers)

@@ -9,6 +9,7 @@ from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.data.particles import COLUMNS, Particles
 from pgimp.kernels.order.order import cell_numbers, locate
 from pgimp.mpi.collective import all_or_none
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.rigid.free_body import STATE
 from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
@@ -17,7 +18,7 @@ from pgimp.solver.rank import Rank
 from pgimp.solver.state.state import State
 
 
-def outline(scene: Scene, source: Any, comm: Any) -> tuple[State, np.ndarray]:
+def outline(scene: Scene, source: Any, comm: Communicator) -> tuple[State, np.ndarray]:
     """State and number of particles by layer, in agreement with each other and the scene.
 
     Everything in a checkpoint is checked before it is used: a file with the right checksums may
@@ -51,7 +52,7 @@ def outline(scene: Scene, source: Any, comm: Any) -> tuple[State, np.ndarray]:
 
 
 def read_particles(
-    scene: Scene, slab: Slab, source: Any, state: State, layers: np.ndarray, comm: Any
+    scene: Scene, slab: Slab, source: Any, state: State, layers: np.ndarray, comm: Communicator
 ) -> tuple[Particles, int, np.ndarray]:
     """Read the particles of a slab; collective.
 

@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from math import ceil, log2
 from statistics import median
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
 from pgimp.decomposition.migrate import pack, unpack
 from pgimp.errors import RunError
+from pgimp.mpi.communicator import Communicator
 from pgimp.solver.simulation import Simulation
 from pgimp.utilities.model.costs import Costs, Messages, Network
 from pgimp.utilities.model.layout import layout_now
@@ -23,7 +23,7 @@ _REPEATS = 20
 
 
 def run_in_turn(
-    samples: Sequence[Sample | None], comm: Any, seconds: float, fewest: int = 3
+    samples: Sequence[Sample | None], comm: Communicator, seconds: float, fewest: int = 3
 ) -> None:
     """Time blocks of all samples by turns, so that disturbances hit all alike; collective.
 
@@ -76,7 +76,7 @@ def costs_of(samples: Sequence[Sample]) -> Costs:
     return Costs(fixed, particles, vertex, last.seconds("P2G") / max(last.seconds(), 1e-9))
 
 
-def messages_of(pair: Sample, costs: Costs, comm: Any) -> Messages:
+def messages_of(pair: Sample, costs: Costs, comm: Communicator) -> Messages:
     """Costs of messages, from a small sample on all ranks, two at least; collective."""
     reduction = _reduction(comm) / ceil(log2(comm.size))
     bandwidth = _bandwidth(comm)
@@ -88,7 +88,7 @@ def messages_of(pair: Sample, costs: Costs, comm: Any) -> Messages:
     return free._replace(neighbour=comm.bcast(max(neighbour, 0.0)))
 
 
-def busy_of(crowd: Sample, costs: Costs, comm: Any) -> float:
+def busy_of(crowd: Sample, costs: Costs, comm: Communicator) -> float:
     """Factor of work on all ranks at once, from a large sample on all of them; collective."""
     step = predict(layout_now(crowd.sim), costs, Network(), comm.size)
     work = step.mean + step.excess
@@ -96,7 +96,7 @@ def busy_of(crowd: Sample, costs: Costs, comm: Any) -> float:
     return float(comm.bcast(max(1.0, 1.0 + (measured - step.seconds) / work)))
 
 
-def _timed(comm: Any, act: Callable[[], object]) -> float:
+def _timed(comm: Communicator, act: Callable[[], object]) -> float:
     """Seconds of something that all ranks do, the median; the same on every rank."""
     seconds = []
     for _ in range(_REPEATS):
@@ -108,14 +108,14 @@ def _timed(comm: Any, act: Callable[[], object]) -> float:
     return float(max(comm.allgather(median(seconds))))
 
 
-def _reduction(comm: Any) -> float:
+def _reduction(comm: Communicator) -> float:
     from mpi4py import MPI
 
     mine, every = np.zeros(8), np.zeros(8)
     return _timed(comm, lambda: comm.Iallreduce(mine, every, MPI.MAX).Wait())
 
 
-def _bandwidth(comm: Any) -> float:
+def _bandwidth(comm: Communicator) -> float:
     """Bytes per second that the first two ranks send to each other, both at once."""
     other = 1 - comm.rank
 

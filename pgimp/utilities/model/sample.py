@@ -15,6 +15,7 @@ from pgimp.decomposition.slabs import Slab
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.order.order import locate
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.solver.decomposition import RESORT
 from pgimp.solver.simulation import Simulation
@@ -41,7 +42,7 @@ _ENDLESS, _MANY = 1_000_000, 1e9
 class Scattered(Simulation):
     """A simulation in the midst of its motion: particles lie anywhere in their boxes, and drift."""
 
-    def __init__(self, case: Case, comm: Any) -> None:
+    def __init__(self, case: Case, comm: Communicator) -> None:
         super().__init__(case, comm)
         dt = self.clock.next(self.done, self.rate).dt
         v, cell = self.particles.v, self.scene.frame.cell[0]
@@ -101,7 +102,9 @@ class Sample:
         Why the last steps that were to be timed were not; empty if they were.
     """
 
-    def __init__(self, make: Callable[[], Simulation], comm: Any, whole: bool = False) -> None:
+    def __init__(
+        self, make: Callable[[], Simulation], comm: Communicator, whole: bool = False
+    ) -> None:
         self._make, self._comm, self._whole = make, comm, whole
         self._blocks: list[dict[str, float]] = []
         self.done, self.failure = not whole, ""
@@ -266,7 +269,7 @@ def plain(case: Case, count: int, longer: float = _ENDLESS) -> Case:
 
 
 def samples_of(
-    case: Case, count: int, comm: Any, sizes: Sequence[int], steps: float = 1.0
+    case: Case, count: int, comm: Communicator, sizes: Sequence[int], steps: float = 1.0
 ) -> list[Sample]:
     """Samples of a case with `count` particles, resized to about as many as `sizes` say.
 

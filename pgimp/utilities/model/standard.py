@@ -7,6 +7,7 @@ from typing import Any
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
+from pgimp.mpi.communicator import Communicator
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.start.memory import estimate
 from pgimp.utilities.model.block import Block, block_case, block_layout
@@ -33,7 +34,7 @@ MOST_PARTICLES = 10**10
 
 
 def model_block(
-    comm: Any, cells: int, repeats: int, lattice: bool, particles: int, network: Network
+    comm: Communicator, cells: int, repeats: int, lattice: bool, particles: int, network: Network
 ) -> tuple[dict[str, Any], str]:
     """Measure, compare with the block of `cells`, and extrapolate; collective.
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from pgimp.mpi.comm import Serial
+from pgimp.mpi.communicator import Communicator
 from pgimp.solver.simulation import Simulation
 from pgimp.utilities.model.costs import Costs, Network
 from pgimp.utilities.model.layout import layout_now
@@ -30,7 +31,7 @@ class Comparison(NamedTuple):
 
 
 def compare(
-    comm: Any,
+    comm: Communicator,
     samples: Callable[[], Iterable[Sample]],
     small: Callable[[Any], Simulation],
     large: Callable[[Any], Simulation],
@@ -72,7 +73,7 @@ def compare(
     run_in_turn(turns, comm, seconds, fewest)
     while not all(comm.allgather(all(sample.done for _, _, sample in compared if sample))):
         run_in_turn(turns, comm, 0.0, fewest)
-    costs = comm.bcast(costs_of(mine) if mine else None)
+    costs = cast(Costs, comm.bcast(costs_of(mine) if mine else None))
     if pair and crowd:
         costs = costs._replace(messages=messages_of(pair, costs, comm))
         costs = costs._replace(busy=busy_of(crowd, costs, comm))

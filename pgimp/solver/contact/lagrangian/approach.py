@@ -11,6 +11,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.contact.lagrangian.broad_phase import Regions, find_near, mark_blocks
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
 from pgimp.scene.scene import Scene
@@ -69,7 +70,9 @@ class BroadPhase:
         Whether there are such particles on any rank.
     """
 
-    def __init__(self, scene: Scene, comm: Any, pairs: Pairs, walls: SeparatingWalls) -> None:
+    def __init__(
+        self, scene: Scene, comm: Communicator, pairs: Pairs, walls: SeparatingWalls
+    ) -> None:
         self.scene, self.comm, self.pairs, self.walls = scene, comm, pairs, walls
         self.near = self._storage = np.empty(0, np.int64)
         self.any = False

@@ -26,6 +26,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
 from pgimp.kernels.contact.lagrangian.vertices import sum_at_contact_vertices
 from pgimp.kernels.data.ledger import CONTACT_AREA
 from pgimp.kernels.grid.conditions import Holding
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.clock import Step
 from pgimp.solver.contact.base import NoContact
@@ -72,7 +73,7 @@ class LagrangianContact(NoContact):
         The rigid bodies that move freely, if there are any.
     """
 
-    def __init__(self, scene: Scene, comm: Any) -> None:
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)
         self.call = Bound()
         self.bodies = len(scene.body_names)
@@ -218,7 +219,7 @@ class LagrangianContact(NoContact):
 
 
 def unite(
-    comm: Any, contact_pairs: ContactPairs, coupling: Coupling, vertices: ReferenceVertices
+    comm: Communicator, contact_pairs: ContactPairs, coupling: Coupling, vertices: ReferenceVertices
 ) -> tuple[ContactPairs, Coupling, ReferenceVertices]:
     """Pairs and responses of all ranks, in the order of vertices, and what they need; collective.
 

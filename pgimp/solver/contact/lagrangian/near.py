@@ -28,6 +28,7 @@ from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import Setting
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.conditions import Holding
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.shares import FAR, divide, undivided
 
@@ -76,7 +77,9 @@ class NearParticles:
         Groups of bodies that are bonded, and their velocity fields on the grid of the start.
     """
 
-    def __init__(self, scene: Scene, comm: Any, rigid_bodies: Any, walls: SeparatingWalls) -> None:
+    def __init__(
+        self, scene: Scene, comm: Communicator, rigid_bodies: Any, walls: SeparatingWalls
+    ) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
         self._tools, self._walls = rigid_bodies, walls
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)

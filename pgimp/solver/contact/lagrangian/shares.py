@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+
+from pgimp.mpi.communicator import Communicator
 
 #: Greater than all numbers of vertices.
 FAR = 1 << 40
@@ -47,7 +49,7 @@ def undivided(ranks: int) -> Shares:
     return Shares(0, np.array([-FAR, *[FAR] * ranks]))
 
 
-def divide(comm: Any, first: np.ndarray, vertices: int, most: np.ndarray) -> Shares:
+def divide(comm: Communicator, first: np.ndarray, vertices: int, most: np.ndarray) -> Shares:
     """Divide the particles of all ranks evenly, along the axis where they need least copies.
 
     Collective; the same on all ranks.
