@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from time import monotonic
 from types import MappingProxyType
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -26,6 +26,10 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.running.probes import Record
 from pgimp.running.schedule import Schedule
 from pgimp.solver.state.state import capture
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.solver.simulation import Simulation
 
 CHECKPOINT = re.compile(r"step-(\d{9,})\.h5")
 DAMAGED = ".damaged"
@@ -89,17 +93,16 @@ class Checkpoints:
         Bytes of those that this process wrote, on rank 0.
     """
 
-    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+    def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:
         self.folder = directory / "checkpoints"
         self.latest, self.size = -1, 0
         every = case.checkpoint.every
-        wall = isinstance(every, WallTime)
         self._keep = int(case.checkpoint.keep)
         self._case = dump_case(case)
         self._made_by = made_by()
-        self._schedule = Schedule(None if wall else every)
+        self._schedule = Schedule(None if isinstance(every, WallTime) else every)
         self._schedule.skip(sim.time, sim.step, sim.dt)
-        self._pause = every.wall if wall else math.inf
+        self._pause = every.wall if isinstance(every, WallTime) else math.inf
         self._next = monotonic() + self._pause
         row = sum(array[0].nbytes for array in sim.particles)
         self.seconds = sim.count * row / _SLOW
@@ -122,7 +125,7 @@ class Checkpoints:
                 with suppress(OSError):
                     path.rename(path.with_name(path.name + DAMAGED))
 
-    def due(self, sim: Any) -> bool:
+    def due(self, sim: Simulation) -> bool:
         """Return whether one is due by step or simulated time; to be called after each step."""
         return self._schedule.due(sim.time, sim.step, sim.dt)
 
@@ -133,7 +136,7 @@ class Checkpoints:
 
     def write(
         self,
-        sim: Any,
+        sim: Simulation,
         frames: int,
         line: int,
         probes: Mapping[str, Record] = MappingProxyType({}),

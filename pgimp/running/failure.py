@@ -17,9 +17,9 @@ from pgimp.kernels.order.order import vertices_of
 from pgimp.kernels.update.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
-from pgimp.solver.parts import fastest
-from pgimp.solver.stability import stable_courant
+from pgimp.solver.configurations import fastest
 from pgimp.solver.start.particle_errors import Failure, explanation
+from pgimp.solver.time.stability import stable_courant
 from pgimp.storage.atomic import write as write_file
 
 if TYPE_CHECKING:

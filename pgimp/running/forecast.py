@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from math import floor
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from pgimp.case.output import WallTime
 from pgimp.physics.fields import ALWAYS, Field
+from pgimp.schema.base import Steps
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 #: Rounding, relative to the interval, within which the end is a multiple of it.
 _ROUNDING = 1e-9
@@ -14,7 +19,7 @@ _ROUNDING = 1e-9
 _MANY = 10_000
 
 
-def frames(case: Any, steps: float) -> int:
+def frames(case: Case, steps: float) -> int:
     """Frames of a run of `steps` steps, the first and the last included."""
     last = case.time.last
     times = {0.0, *case.output.at, *(stage.time.end for stage in case.stages)}
@@ -25,7 +30,7 @@ def frames(case: Any, steps: float) -> int:
     return int(min(steps + 1, len(times) + between))
 
 
-def frame_size(case: Any, fields: Mapping[str, Field], particles: int) -> float:
+def frame_size(case: Case, fields: Mapping[str, Field], particles: int) -> float:
     """Bytes of a frame of particles, uncompressed; `fields` are all known ones."""
     real = 4 if case.output.precision == "float32" else 8
     total = 0
@@ -45,7 +50,7 @@ def _between(every: Any, end: float, steps: float) -> float:
     return max(0.0, float(floor(many * (1.0 - _ROUNDING))))
 
 
-def warnings(case: Any, steps: float) -> Iterator[str]:
+def warnings(case: Case, steps: float) -> Iterator[str]:
     """Yield requests without effect: intervals of output that end after the run.
 
     Parameters
@@ -67,12 +72,12 @@ def warnings(case: Any, steps: float) -> Iterator[str]:
         requested.append((f"probes.{name}.every", probe.every, f"lines only {ends}"))
     end = case.time.last
     for key, every, what in requested:
-        if every is None or hasattr(every, "wall"):
+        if every is None or isinstance(every, WallTime):
             continue
-        count = getattr(every, "steps", None)
-        if count is None and every > end * (1.0 + _ROUNDING):
+        count = every.steps if isinstance(every, Steps) else 0
+        if not isinstance(every, Steps) and every > end * (1.0 + _ROUNDING):
             text = f"{every:g} is beyond the end at {end:g}"
-        elif count is not None and count > steps:
+        elif count > steps:
             text = f"{count:,} steps are more than the run takes, about {steps:,.0f}"
         else:
             continue

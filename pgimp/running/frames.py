@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from pgimp.io.frames.particlefile import ParticleFile
 from pgimp.io.frames.series import Entry, Series
@@ -11,6 +11,10 @@ from pgimp.io.frames.xdmf import Collection, particles
 from pgimp.io.results.reader import Frame
 from pgimp.io.rundir.ownfiles import FRAME
 from pgimp.physics.fields import ALWAYS
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.solver.simulation import Simulation
 
 
 class Frames(Series):
@@ -26,17 +30,17 @@ class Frames(Series):
         The run.
     """
 
-    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+    def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:
         super().__init__(sim.comm, Collection(directory / "particles.xdmf"), FRAME)
         self.enter(case, sim)
 
-    def enter(self, case: Any, sim: Any) -> None:
+    def enter(self, case: Case, sim: Simulation) -> None:
         """Write the output of a case, or of another stage of one."""
         self.fields = [*ALWAYS, *(name for name in sim.scene.fields if name in case.output.fields)]
         compressed = case.output.compression != "none"
         self._file = ParticleFile(case, sim.scene, self.fields, case.output.precision, compressed)
 
-    def write(self, sim: Any) -> None:
+    def write(self, sim: Simulation) -> None:
         """Write the present state as the next frame, and finish the one before; collective.
 
         Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from pgimp.storage.framefile import FrameFile
 from pgimp.storage.unfinished import Unfinished, explained_errors, removed_on_error
 
 if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.solver.simulation import Simulation
     from pgimp.solver.state.grid_state import ActiveGrid
 
 Array = np.ndarray
@@ -42,11 +44,11 @@ class GridFrames(Series):
         The run.
     """
 
-    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+    def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:
         super().__init__(sim.comm, Collection(directory / "grid.xdmf"), GRID_FRAME)
         self.enter(case)
 
-    def enter(self, case: Any) -> None:
+    def enter(self, case: Case) -> None:
         """Write the output of a case, or of another stage of one."""
         self.fields = [name for name in GRID if name in case.output.grid]
         self._type = np.dtype(case.output.precision).newbyteorder("<").str
@@ -58,7 +60,7 @@ class GridFrames(Series):
             "dimensions": case.dimensions,
         }
 
-    def write(self, sim: Any, number: int) -> None:
+    def write(self, sim: Simulation, number: int) -> None:
         """Write the grid as the next frame, and finish the one before; collective.
 
         Parameters

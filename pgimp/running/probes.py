@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -16,6 +16,10 @@ from pgimp.running.schedule import Schedule
 from pgimp.solver.state.probes import Place, Point, nearest, sample
 from pgimp.storage.atomic import sync_folder
 from pgimp.storage.lines import LineFile
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.solver.simulation import Simulation
 
 _Place = Annotated[list[float], Field(min_length=1, max_length=3)]
 
@@ -54,7 +58,7 @@ def _what(entry: Any) -> tuple[str | None, list[float]]:
     return entry.body, list(entry.at)
 
 
-def require_known(case: Any, records: Mapping[str, Record]) -> None:
+def require_known(case: Case, records: Mapping[str, Record]) -> None:
     """Ensure that the probes of a case can go on from their records in a checkpoint.
 
     Raises
@@ -101,7 +105,7 @@ class _Probe(NamedTuple):
         )
 
 
-def _schedules(case: Any) -> list[tuple[Schedule, list[str]]]:
+def _schedules(case: Case) -> list[tuple[Schedule, list[str]]]:
     """Schedule of probes' lines, with the names of the probes that share it."""
     times: dict[Any, list[str]] = {}
     for name, entry in case.probes.items():
@@ -122,7 +126,7 @@ class Probes:
         The run.
     """
 
-    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+    def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:
         self._directory = directory
         self._case, self._sim = case, sim
         self._probes: dict[str, _Probe] = {}
@@ -169,7 +173,7 @@ class Probes:
             schedule.skip(sim.time, sim.step, sim.dt)
         return notes
 
-    def enter(self, case: Any) -> None:
+    def enter(self, case: Case) -> None:
         """Go on in another stage of the case, whose history may have other times."""
         sim = self._sim
         self._schedules = _schedules(case)

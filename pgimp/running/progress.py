@@ -7,11 +7,14 @@ import shutil
 import sys
 from contextlib import suppress
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pgimp.mpi.comm import launcher
 from pgimp.running.log import Log
 from pgimp.terminal import unescaped
+
+if TYPE_CHECKING:
+    from pgimp.solver.simulation import Simulation
 
 # Reading the clock after every step would cost time in tiny scenes; this interval is enough.
 _LOOK_SECONDS = 0.1
@@ -68,7 +71,7 @@ class Progress:
         Width of the terminal; 0 for plain lines.
     """
 
-    def __init__(self, log: Log, sim: Any, end: float, columns: int) -> None:
+    def __init__(self, log: Log, sim: Simulation, end: float, columns: int) -> None:
         self._sim = sim
         self._log = log
         self._end = end

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING
 
 from pgimp.errors import RunError
 from pgimp.io.frames.series import Series
@@ -20,6 +20,10 @@ from pgimp.running.rigidframes import RigidFrames
 from pgimp.running.schedule import Schedule
 from pgimp.solver.reduction import Request
 from pgimp.solver.start.validate_stages import absent
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.solver.simulation import Simulation
 
 
 class Recorder:
@@ -47,7 +51,7 @@ class Recorder:
         history.
     """
 
-    def __init__(self, directory: RunDirectory, case: Any, sim: Any) -> None:
+    def __init__(self, directory: RunDirectory, case: Case, sim: Simulation) -> None:
         self._sim = sim
         self._directory = directory
         whole, case = case, sim.case

@@ -19,9 +19,9 @@ from pgimp.running.checkpoints import About, intact, made_by, number_of, present
 from pgimp.running.log import Log
 from pgimp.running.probes import require_known
 from pgimp.schema.document import LARGEST_FILE
-from pgimp.solver.clock import clock_of
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.state.state import State
+from pgimp.solver.time.clock import clock_of
 from pgimp.storage.linereader import require_whole
 from pgimp.storage.plain import read_plain
 

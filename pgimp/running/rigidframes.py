@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from pgimp.storage.atomic import temporary
 from pgimp.storage.datasets import Dataset, lay_out
 from pgimp.storage.framefile import FrameFile
 from pgimp.storage.unfinished import Unfinished, explained_errors, removed_on_error
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.solver.simulation import Simulation
 
 
 class RigidFrames(Series):
@@ -34,12 +38,13 @@ class RigidFrames(Series):
         The run.
     """
 
-    def __init__(self, directory: Path, case: Any, sim: Any) -> None:
+    def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:
         super().__init__(sim.comm, Collection(directory / "rigid.xdmf"), RIGID_FRAME)
         self.enter(case)
 
-    def enter(self, case: Any) -> None:
+    def enter(self, case: Case) -> None:
         """Write the bodies of a case, or of another stage of one."""
+        self._dimension = case.dimensions
         self._attributes = {
             "format": FORMAT_VERSION,
             "title": str(case.title),
@@ -48,7 +53,7 @@ class RigidFrames(Series):
             "bodies": list(case.rigid_bodies),
         }
 
-    def write(self, sim: Any, number: int) -> None:
+    def write(self, sim: Simulation, number: int) -> None:
         """Write the surfaces as the next frame, and finish the one before; collective.
 
         Raises
@@ -91,8 +96,7 @@ class RigidFrames(Series):
                 file.write(offsets["connectivity"], rigid_bodies.surface.cells)
             unfinished = Unfinished(part, path, file, self.comm, what)
         counts = len(rigid_bodies.surface.body), len(rigid_bodies.surface.cells)
-        dimension = int(self._attributes["dimensions"])
-        self._wait_for(unfinished, Entry(time, step, surface(path, time, counts, dimension)))
+        self._wait_for(unfinished, Entry(time, step, surface(path, time, counts, self._dimension)))
 
     def resume(self, number: int) -> list[str]:
         """See `Series.resume`; nothing is done if there is no rigid body."""

@@ -15,9 +15,9 @@ from pgimp.running.log import Log, timing_table
 from pgimp.running.progress import Progress, duration, terminal_columns
 from pgimp.running.recorder import Recorder
 from pgimp.running.stop import Stop
-from pgimp.solver.heldrate import WORTH
 from pgimp.solver.reduction import Request
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.time.held_rate import WORTH
 
 #: Part of the mass past a wall from which a note is due.
 _NEGLIGIBLE = 1e-6

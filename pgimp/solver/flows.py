@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from pgimp.jit.bound import Bound
@@ -19,7 +17,8 @@ from pgimp.kernels.grid.filling import (
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.flows import SceneFlows
 from pgimp.scene.scene import Scene
-from pgimp.solver.clock import Step
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 from pgimp.solver.vertex_sums import VertexSums
 
 #: Steps from one shift to the next, as each costs a sum over all particles.
@@ -53,12 +52,12 @@ class Flows:
         self._idle = idle(self.flows)
         self.shift = WEIGHTLESS if scene.case.gravity is None else SHIFT
 
-    def find(self, rank: Any, order: Order, t: Step) -> Filling:
+    def find(self, rank: RankState, order: Order, t: Step) -> Filling:
         """Find the filling at the step's beginning, when it is due; collective.
 
         Parameters
         ----------
-        rank : Rank
+        rank : RankState
             The rank, whose ledger then starts to sum volumes anew.
         order : Order
             Its particles in the current configuration.

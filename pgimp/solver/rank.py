@@ -67,7 +67,7 @@ class Rank:
     flows : Flows or None
         The filling of the vertices, in scenes with bodies that flow.
     calls : tuple of Bound
-        Call the kernels of a step, for each part one; see `pgimp.solver.parts`.
+        Call the kernels of a step, for each part one; see `pgimp.solver.configurations`.
     mass_cutoff : float
         Mass below which a vertex is not accelerated.
     vertex_bounds : (2, 2) int64

@@ -4,6 +4,8 @@ Errors are reported as early as they can be found, above all before kernels are 
 the case alone, then of its particles, then of the first step given their wave speeds.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 
@@ -32,15 +34,15 @@ from pgimp.scene.rigid.checks import (
 )
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.solver.clock import CourantClock, clock_of
-from pgimp.solver.energywatch import EnergyWatch
-from pgimp.solver.parts import fastest
+from pgimp.solver.configurations import fastest
 from pgimp.solver.rank import Rank
-from pgimp.solver.stability import check_first_step, require_end
 from pgimp.solver.start.memory import require
 from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
 from pgimp.solver.start.warmup import warm_up
 from pgimp.solver.state.restore import outline, read_books, read_particles
+from pgimp.solver.time.clock import CourantClock, clock_of
+from pgimp.solver.time.energy_watch import EnergyWatch
+from pgimp.solver.time.stability import check_first_step, require_end
 from pgimp.solver.window import open_window
 
 #: A vertex lighter than this part of the lightest initial particle is not accelerated.

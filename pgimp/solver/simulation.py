@@ -16,9 +16,7 @@ from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene
 from pgimp.solver import setup
-from pgimp.solver.clock import START, CourantClock, FixedClock, Step
 from pgimp.solver.decomposition import RESORT, partition, rebalance, resort, slab_predicate
-from pgimp.solver.energywatch import EVERY, EnergyWatch
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
@@ -27,6 +25,8 @@ from pgimp.solver.start.particle_errors import Failure, collect_errors
 from pgimp.solver.start.validate_stages import absent, look_ahead
 from pgimp.solver.state.state import State
 from pgimp.solver.step import step
+from pgimp.solver.time.clock import START, CourantClock, FixedClock, Step
+from pgimp.solver.time.energy_watch import EVERY, EnergyWatch
 
 
 class Simulation:

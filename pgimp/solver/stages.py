@@ -20,13 +20,13 @@ from pgimp.kernels.sums.sums import STRAIN, SUMS
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.scene import Scene
-from pgimp.solver.clock import clock_of
+from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
-from pgimp.solver.energywatch import EnergyWatch
 from pgimp.solver.history.diagnostics import sums_of_bodies
-from pgimp.solver.parts import fastest
-from pgimp.solver.stability import check_first_step
 from pgimp.solver.start.warmup import warm_up
+from pgimp.solver.time.clock import clock_of
+from pgimp.solver.time.energy_watch import EnergyWatch
+from pgimp.solver.time.stability import check_first_step
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from pgimp.solver.clock import Step
-from pgimp.solver.parts import groups_by_configuration
+from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
+from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import (
     RangeReport,
     particle_forcing,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,12 +12,10 @@ from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, particles_to_grid
-from pgimp.solver.clock import Step
-from pgimp.solver.parts import ConfigurationGroup
+from pgimp.solver.configurations import ConfigurationGroup
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import on_particles
-
-if TYPE_CHECKING:
-    from pgimp.solver.rank import Rank
 
 
 class RangeReport(NamedTuple):
@@ -44,7 +42,7 @@ class RangeReport(NamedTuple):
 
 
 def sum_particles(
-    rank: Rank, groups: Sequence[ConfigurationGroup], loads: Loads, marked: bool
+    rank: RankState, groups: Sequence[ConfigurationGroup], loads: Loads, marked: bool
 ) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have.
 
@@ -70,7 +68,7 @@ def sum_particles(
 
 
 def particle_forcing(
-    rank: Rank, groups: Sequence[ConfigurationGroup], t: Step, forcing: Forcing
+    rank: RankState, groups: Sequence[ConfigurationGroup], t: Step, forcing: Forcing
 ) -> Forcing:
     """The forcing of particles: with the filling where bodies flow, and what keeps them outside."""
     found = on_particles(forcing)
@@ -81,7 +79,7 @@ def particle_forcing(
 
 
 def update_particles(
-    rank: Rank,
+    rank: RankState,
     groups: Sequence[ConfigurationGroup],
     forcing: Forcing,
     layers: np.ndarray,
@@ -91,7 +89,7 @@ def update_particles(
 
     Parameters
     ----------
-    rank : Rank
+    rank : RankState
         The rank.
     groups : sequence of ConfigurationGroup
         Its particles.

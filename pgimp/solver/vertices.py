@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.loads.loads import Loads
-from pgimp.solver.clock import Step
-
-if TYPE_CHECKING:
-    from pgimp.solver.rank import Rank
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 
 
 class VertexUpdate(NamedTuple):
@@ -36,7 +34,7 @@ class VertexUpdate(NamedTuple):
     ledger: Ledger
 
 
-def forcing_of(rank: Rank, t: Step, loads: Loads, controlled: bool | float) -> Forcing:
+def forcing_of(rank: RankState, t: Step, loads: Loads, controlled: bool | float) -> Forcing:
     """Forcing of a step; see `pgimp.solver.step.step`."""
     scene, grid = rank.scene, rank.grid
     constraints = scene.loads.constraints_at(t.start, t.end)
@@ -61,7 +59,7 @@ def on_particles(forcing: Forcing) -> Forcing:
     return forcing._replace(loads=forcing.loads._replace(walls=()), marked=(), clearances=())
 
 
-def fold_mirrors(rank: Rank, update: VertexUpdate) -> None:
+def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Fold the sums beyond faces that reflect; find the clearances of unilateral ones."""
     scene, field, call, contact = rank.scene, rank.grid.field, rank.call, rank.contact.data
     for releases in (False, True):  # unilateral ones last: they see the sums of both
@@ -74,13 +72,13 @@ def fold_mirrors(rank: Rank, update: VertexUpdate) -> None:
             rank.clearances.find(rank.grid)
 
 
-def hold_constrained(rank: Rank, update: VertexUpdate) -> None:
+def hold_constrained(rank: RankState, update: VertexUpdate) -> None:
     """Set the velocities that constraints prescribe."""
     if update.forcing.marked:
         rank.call(apply_constraints, rank.grid.field, update.forcing, update.ledger)
 
 
-def reflect_mirrors(rank: Rank, update: VertexUpdate) -> None:
+def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Set the vertices beyond faces that reflect to the images of those inside."""
     scene, field = rank.scene, rank.grid.field
     for mirror in reversed(scene.mirrors):

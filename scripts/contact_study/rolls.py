@@ -8,8 +8,8 @@ import numpy as np
 import pgimp
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD, VELOCITY
-from pgimp.solver.clock import Step
-from pgimp.solver.parts import groups_by_configuration
+from pgimp.solver.configurations import groups_by_configuration
+from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import sum_particles
 from pgimp.solver.vertices import VertexUpdate, fold_mirrors, forcing_of, on_vertices
 

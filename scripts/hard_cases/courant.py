@@ -12,8 +12,8 @@ import numpy as np
 from pgimp.case.schema import Case
 from pgimp.errors import RunError
 from pgimp.mpi.comm import Serial
-from pgimp.solver.clock import FixedClock
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.time.clock import FixedClock
 
 BAR = {"model": "linear-1d", "young": 1.0, "density": 1.0}
 SOLID = {"model": "neo-hookean", "young": 1.0, "density": 1.0}

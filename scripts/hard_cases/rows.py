@@ -13,7 +13,7 @@ from courant import energies, free_bodies
 from runs import BOUND, Watched, begin, field, watch
 
 from pgimp.errors import RunError
-from pgimp.solver.clock import FixedClock
+from pgimp.solver.time.clock import FixedClock
 
 METHODS = {
     name: {"method.shape": name}

@@ -57,14 +57,15 @@ def prepare():
     from pgimp.decomposition.balance import Balance
     from pgimp.jit.bound import Bound
     from pgimp.running import running
-    from pgimp.solver import clock, heldrate, simulation
+    from pgimp.solver import simulation
     from pgimp.solver.reduction import Request
+    from pgimp.solver.time import clock, held_rate
 
     Bound.__call__ = _checked
     run.abort_on_error = lambda comm: contextlib.nullcontext()
     redistribute._PIECE, halo.PIECE, migrate.CAPACITY = 200, 5, 2
     simulation.EVERY = 7
-    heldrate.FIRST, heldrate.LONGEST = 4, 32
+    held_rate.FIRST, held_rate.LONGEST = 4, 32
     clock.MOST_STEPS = clock.BLOWN_UP_STEPS = MOST_STEPS
     usual = running._request
 

@@ -10,7 +10,7 @@ from pgimp.mpi.comm import Serial
 from pgimp.scene.checks import nearness
 from pgimp.scene.checks.units import in_si
 from pgimp.scene.geometry import share
-from pgimp.solver.stability import stable_courant
+from pgimp.solver.time.stability import stable_courant
 from pgimp.utilities.check.prepare import prepare
 
 METAL = {

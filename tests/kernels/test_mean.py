@@ -9,7 +9,7 @@ from scenes import box, field, finish, scene, start, stir
 from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, PER_CELL, close, copied, setting
 
 from pgimp.kernels.data.record import FORCE, MASS, RECORD, VELOCITY
-from pgimp.solver.parts import groups_by_configuration
+from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.transfers import sum_particles
 
 #: Boxes that reach three and four vertices, in each number of directions where it is not the same.

@@ -8,9 +8,9 @@ from scenes import start
 
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.filling import EXCESS, FIELD
-from pgimp.solver.clock import Step
+from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.flows import EVERY, SHIFT
-from pgimp.solver.parts import groups_by_configuration
+from pgimp.solver.time.clock import Step
 
 #: A tank 8 cells wide, filled to 8 cells; sound at ten times sqrt(g depth).
 TANK = {

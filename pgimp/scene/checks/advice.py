@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from pgimp.scene.checks import nearness
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.moving_boxes import clearance, faces_with_condition, instants, moving_boxes
 from pgimp.scene.checks.sanity import strains
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 #: Displacement in cells, and strain, from which the configuration makes a difference.
 _FAR, _MUCH = 0.5, 0.05
@@ -29,7 +32,7 @@ _LOCKS = 0.45
 _WIDE = ("fuzzy-constant", "bspline-cubic")
 
 
-def advice(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
+def advice(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
     """Return what would do better than the configuration and the method of this case.
 
     Nothing where they are on a front of docs/error-against-cost.md, or near one, as far as what
@@ -40,7 +43,7 @@ def advice(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
     return [*began, *_points(case, bodies), *_wide(case, bodies), *_spin(case), *sizes]
 
 
-def _configuration(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
+def _configuration(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
     """Whether bodies that move, turn or stretch would do better in the initial one.
 
     That is for elastic bodies; what has no law of contact with what it meets would stick to it.
@@ -66,7 +69,7 @@ def _configuration(case: Any, bodies: Sequence[BodyFacts]) -> list[str]:
     ]
 
 
-def _points(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
+def _points(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
     """Points that cross cells; with `affine` there is a warning."""
     crossing = [b.name for b in bodies if _moves(case, b) and _current(case, b.name)]
     if crossing and case.method.shape == "mpm" and not case.method.affine:
@@ -76,7 +79,7 @@ def _points(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
         )
 
 
-def _wide(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
+def _wide(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
     """Wide shapes of elastic bodies that move; nearly incompressible ones they are good for."""
     moving = [
         body.name
@@ -93,7 +96,7 @@ def _wide(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
         )
 
 
-def _spin(case: Any) -> Iterator[str]:
+def _spin(case: Case) -> Iterator[str]:
     """Bodies that turn without `affine`."""
     turning = [
         name
@@ -108,7 +111,7 @@ def _spin(case: Any) -> Iterator[str]:
         )
 
 
-def _sizes(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
+def _sizes(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
     """Strong compression or tension of boxes that keep their size."""
     shape = case.method.shape
     strained = [
@@ -126,12 +129,12 @@ def _sizes(case: Any, bodies: Sequence[BodyFacts]) -> Iterator[str]:
         )
 
 
-def _moves(case: Any, body: BodyFacts) -> bool:
+def _moves(case: Case, body: BodyFacts) -> bool:
     """Whether a body crosses a part of a cell."""
     return body.top_speed * case.time.end > _FAR * min(case.grid.cell)
 
 
-def _hit(case: Any) -> bool:
+def _hit(case: Case) -> bool:
     """Whether bodies meet under `contact`, or walls that let go."""
     if case.contact:
         return True
@@ -144,7 +147,7 @@ def _hit(case: Any) -> bool:
     )
 
 
-def _current(case: Any, name: str) -> bool:
+def _current(case: Case, name: str) -> bool:
     return case.bodies[name].configuration == "current"
 
 
@@ -152,6 +155,6 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(map(repr, names[:3])) + " and others" * (len(names) > 3)
 
 
-def _fits(case: Any, body: Any) -> bool:
+def _fits(case: Case, body: Any) -> bool:
     """Whether a body is elastic, and not in the initial configuration yet."""
     return body.configuration == "current" and case.materials[body.material].ELASTIC

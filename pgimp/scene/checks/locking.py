@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 #: Poisson's ratio above which bodies lock.
 _NEARLY_HALF = 0.45
 
 
-def locking(case: Any, poisson: Mapping[str, float] | None = None) -> Iterator[str]:
+def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[str]:
     """Yield a warning about each solid that is nearly incompressible, and so too stiff.
 
     Parameters
@@ -29,7 +32,7 @@ def locking(case: Any, poisson: Mapping[str, float] | None = None) -> Iterator[s
             )
 
 
-def stripes(case: Any, poisson: Mapping[str, float] | None = None) -> Iterator[str]:
+def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[str]:
     """Yield a note about each solid that flows plastically, so that its stress has stripes.
 
     Liquids and grains have none, nor what `locking` warns of. Parameters are those of `locking`.
@@ -44,7 +47,7 @@ def stripes(case: Any, poisson: Mapping[str, float] | None = None) -> Iterator[s
             )
 
 
-def _pointwise(case: Any) -> Iterator[tuple[str, str, Any]]:
+def _pointwise(case: Case) -> Iterator[tuple[str, str, Any]]:
     """Bodies, with their material and its name, where particles have each their own volume."""
     method = case.method
     if case.dimensions == 1 or method.volumetric == "mean" or method.shape == "fuzzy-constant":
@@ -59,5 +62,5 @@ def _ratio(body: str, material: Any, poisson: Mapping[str, float] | None) -> flo
     return float(ratio) if isinstance(ratio, float | int) else 0.0
 
 
-def _boxes(case: Any) -> str:
+def _boxes(case: Case) -> str:
     return "" if case.method.chi == "box" else ", with boxes (shape: gimp)"

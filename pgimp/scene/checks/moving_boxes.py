@@ -6,13 +6,16 @@ From the case alone: gravity, the velocities at the start, constraints, and face
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from pgimp.geometry.regions import Points
 from pgimp.scene.checks.supports import held_at
 from pgimp.schema.tables import Table, VectorTable
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 AXES = "xyz"
 
@@ -37,13 +40,13 @@ class Box(NamedTuple):
     high: np.ndarray
 
 
-def instants(case: Any) -> np.ndarray:
+def instants(case: Case) -> np.ndarray:
     """Times at which the boxes are evaluated, from the start to the end."""
     number = min(_INSTANTS, max(_FEWEST_INSTANTS, _PLACES // len(case.bodies)))
     return np.linspace(0.0, case.time.end, number)
 
 
-def moving_boxes(case: Any, times: np.ndarray) -> list[Box]:
+def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
     """Boxes of all bodies of a material at some times, the first of them the start."""
     fall = _integral(_fall(case, times), times)
     boxes = []
@@ -80,7 +83,7 @@ def _velocity(entry: Any, middle: np.ndarray) -> tuple[np.ndarray, bool]:
     return v + (np.zeros(D) if translation is None else translation), True
 
 
-def _fall(case: Any, times: np.ndarray) -> np.ndarray:
+def _fall(case: Case, times: np.ndarray) -> np.ndarray:
     b, D = case.gravity, case.dimensions
     if b is None:
         return np.zeros((len(times), D))
@@ -99,26 +102,26 @@ def _integral(values: np.ndarray, times: np.ndarray) -> np.ndarray:
     return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(parts, axis=0)])
 
 
-def faces_with_condition(case: Any) -> Iterator[tuple[str, Any, int, int]]:
+def faces_with_condition(case: Case) -> Iterator[tuple[str, Any, int, int]]:
     """Faces with a condition, with their axis and side."""
     for face, condition in case.boundaries.items():
         yield face, condition, AXES.index(face[0]), -1 if face.endswith("min") else 1
 
 
-def clearance(case: Any, axis: int, side: int, low: np.ndarray, high: np.ndarray) -> Any:
+def clearance(case: Case, axis: int, side: int, low: np.ndarray, high: np.ndarray) -> Any:
     """Distance of a box from a face, in cells."""
     away = low - case.grid.origin[axis] if side < 0 else case.grid.corner[axis] - high
     return away / case.grid.cell[axis]
 
 
-def _held(case: Any, low: np.ndarray, high: np.ndarray) -> Iterator[bool]:
+def _held(case: Case, low: np.ndarray, high: np.ndarray) -> Iterator[bool]:
     """For each face that the body touches: whether it holds the body in all directions."""
     for _, condition, axis, side in faces_with_condition(case):
         if clearance(case, axis, side, low[axis], high[axis]) <= TOUCH:
             yield all(held_at(condition, axis, side)[: case.dimensions])
 
 
-def _stopped(case: Any, low: np.ndarray, high: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+def _stopped(case: Case, low: np.ndarray, high: np.ndarray, displacement: np.ndarray) -> np.ndarray:
     """Displacement of a box that walls stop."""
     for _, _, axis, side in faces_with_condition(case):
         if side < 0:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +24,10 @@ from pgimp.scene.checks.moving_boxes import (
     moving_boxes,
 )
 
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.scene.scene import Scene
+
 #: Of the part of the grid where two bodies may meet, if they are to be compared cell by cell.
 _MOST_CELLS = 20_000_000
 #: Pairs of bodies that are compared so, each in some hundredths of a second.
@@ -32,13 +36,13 @@ _MOST_PAIRS = 100
 _NAMED = 3
 
 
-def reach(case: Any) -> np.ndarray:
+def reach(case: Case) -> np.ndarray:
     """Distance from which two surfaces feel each other, by direction, (D,) in cells."""
     half = np.array(case.method.parameters(tuple(case.grid.cell)).half)
     return 2.0 * (1.0 + half) - 1.0 / np.array(case.method.particles_per_cell)
 
 
-def warnings(case: Any) -> list[str]:
+def warnings(case: Case) -> list[str]:
     """Return which bodies and walls near each other; from the case alone, so that it costs nothing.
 
     Parameters
@@ -57,7 +61,7 @@ def warnings(case: Any) -> list[str]:
     return [*_passing(case, boxes, times), *_held(case, alone), *walls]
 
 
-def notes(case: Any) -> list[str]:
+def notes(case: Case) -> list[str]:
     """Return which bodies come near walls; as `warnings`."""
     lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
     boxes = moving_boxes(case, instants(case))
@@ -65,13 +69,13 @@ def notes(case: Any) -> list[str]:
     return list(_walls(case, boxes, at_once=False))
 
 
-def meet(case: Any) -> bool:
+def meet(case: Case) -> bool:
     """Whether bodies may approach each other, or a wall, from a distance at the start."""
     boxes = moving_boxes(case, times := instants(case))
     return bool(_pairs_that_meet(case, boxes, times) or [*_walls(case, boxes, at_once=False)])
 
 
-def _pairs_that_meet(case: Any, boxes: list[Box], times: np.ndarray) -> str:
+def _pairs_that_meet(case: Case, boxes: list[Box], times: np.ndarray) -> str:
     """Return names of bodies that are apart at the start, and come into each other's reach."""
     cell, near = np.array(case.grid.cell), reach(case)
     low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
@@ -92,7 +96,7 @@ def _pairs_that_meet(case: Any, boxes: list[Box], times: np.ndarray) -> str:
     return names + (f" and {len(met) - _NAMED} more pairs" if len(met) > _NAMED else "")
 
 
-def _passing(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
+def _passing(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
     """Return what bodies in the initial configuration approach without contact."""
     if names := _pairs_that_meet(case, boxes, times):
         yield (
@@ -101,7 +105,7 @@ def _passing(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
         )
 
 
-def _held(case: Any, boxes: list[Box]) -> Iterator[str]:
+def _held(case: Case, boxes: list[Box]) -> Iterator[str]:
     """Return which walls bodies in the initial configuration come to, and do not feel."""
     for text in _walls(case, boxes, at_once=False):
         face, _, who = text.partition(": ")
@@ -112,7 +116,7 @@ def _held(case: Any, boxes: list[Box]) -> Iterator[str]:
         )
 
 
-def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
+def _pairs(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
     """Return which bodies are apart at the start, and come nearer, into each other's reach."""
     if names := _pairs_that_meet(case, boxes, times):
         near = reach(case)
@@ -124,7 +128,7 @@ def _pairs(case: Any, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
         )
 
 
-def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
+def _walls(case: Case, boxes: list[Box], at_once: bool) -> Iterator[str]:
     """Return which bodies are, or will be, within a wall's reach without touching it."""
     near = 0.5 * reach(case)
     for face, condition, axis, side in faces_with_condition(case):
@@ -149,7 +153,7 @@ def _walls(case: Any, boxes: list[Box], at_once: bool) -> Iterator[str]:
             yield f"boundaries.{face}: {', '.join(names[:_NAMED])}{more} {what}{holds}"
 
 
-def _rigid(case: Any) -> Iterator[str]:
+def _rigid(case: Case) -> Iterator[str]:
     """Return which bodies may meet a rigid body without an entry of contact."""
     names = [*case.bodies, *case.rigid_bodies]
     if not case.rigid_bodies:
@@ -176,7 +180,7 @@ def _range(values: np.ndarray) -> str:
     return " or ".join(texts)
 
 
-def bonded(scene: Any, lattice: Any, counts: np.ndarray) -> Iterator[str]:
+def bonded(scene: Scene, lattice: Any, counts: np.ndarray) -> Iterator[str]:
     """Return which bodies share vertices of the grid from the start, though no cell.
 
     Those that share a cell are in the notes of `pgimp.scene.bodies.counts`.
@@ -231,7 +235,7 @@ def _close(low: np.ndarray, high: np.ndarray, near: np.ndarray) -> list[tuple[in
 
 
 def _marks(
-    scene: Any,
+    scene: Scene,
     lattice: Any,
     counts: np.ndarray,
     body: int,

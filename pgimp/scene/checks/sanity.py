@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from pgimp.scene.checks.facts import BodyFacts, Findings
 from pgimp.scene.checks.supports import held_at, own_weight
 from pgimp.scene.checks.units import unlikely
 from pgimp.schema.tables import Table, VectorTable
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 #: No elastic solid is strained more than this by loads.
 _MOST_STRAIN = 0.5
@@ -29,7 +32,8 @@ _FEW = 3.0 - 1e-9
 _FAR = 1.0
 AXES = "xyz"
 
-def strains(case: Any, body: BodyFacts) -> dict[str, float]:
+
+def strains(case: Case, body: BodyFacts) -> dict[str, float]:
     """Return the strains of a body by its loads, were it linear.
 
     Parameters
@@ -70,7 +74,7 @@ def _greatest(load: Any) -> float:
     return max(float(np.linalg.norm(value)) for value in values)
 
 
-def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
+def body_warnings(case: Case, body: BodyFacts, duration: float) -> Iterator[str]:
     """Yield warnings about a body.
 
     Parameters
@@ -103,7 +107,7 @@ def body_warnings(case: Any, body: BodyFacts, duration: float) -> Iterator[str]:
         )
 
 
-def _coarse(key: str, variation: Variation, case: Any) -> Iterator[str]:
+def _coarse(key: str, variation: Variation, case: Case) -> Iterator[str]:
     """Yield a warning if a random field changes from one cell to the next."""
     for part in variation.parts():
         if isinstance(part, RandomVariation):
@@ -118,7 +122,7 @@ def _coarse(key: str, variation: Variation, case: Any) -> Iterator[str]:
                     return
 
 
-def case_warnings(case: Any, found: Findings) -> Iterator[str]:
+def case_warnings(case: Case, found: Findings) -> Iterator[str]:
     """Yield warnings about the whole: thin bodies, idle probes and tractions, unsuitable methods.
 
     Parameters
@@ -180,7 +184,7 @@ def case_warnings(case: Any, found: Findings) -> Iterator[str]:
     yield from _ineffective_tractions(case)
 
 
-def _pressed(case: Any) -> set[str]:
+def _pressed(case: Case) -> set[str]:
     """Names of the bodies that may meet others under a law of friction."""
     names: set[str] = set()
     for entry in case.contact:
@@ -189,7 +193,7 @@ def _pressed(case: Any) -> set[str]:
     return names
 
 
-def _ineffective_tractions(case: Any) -> Iterator[str]:
+def _ineffective_tractions(case: Case) -> Iterator[str]:
     """Yield the tractions that a wall bears entirely."""
     for name, entry in case.tractions.items():
         condition = case.boundaries.get(entry.face)

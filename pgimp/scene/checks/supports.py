@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.schema.tables import VectorTable
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 AXES = "xyz"
 
@@ -36,7 +39,7 @@ class Support(NamedTuple):
     held: tuple[bool, ...]
 
 
-def supports(case: Any, body: BodyFacts) -> Iterator[Support]:
+def supports(case: Case, body: BodyFacts) -> Iterator[Support]:
     """Yield the supports of a body: faces with a condition at which it lies, and constraints.
 
     Parameters
@@ -86,7 +89,7 @@ def greatest(load: Any, dimensions: int) -> np.ndarray:
     return np.abs(np.array(rows, float)).max(axis=0)
 
 
-def own_weight(case: Any, body: BodyFacts) -> dict[str, float]:
+def own_weight(case: Case, body: BodyFacts) -> dict[str, float]:
     """Strains of a linear body by its weight, by words for how it bears that.
 
     As a column, rho g h/M with the wave modulus M. Where it is clamped at the side, also as a beam:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pgimp.physics.materials.johnson_cook import JohnsonCook
 from pgimp.scene.checks.facts import BodyFacts
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "um": 1e-6, "µm": 1e-6, "in": 0.0254}
 _TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
@@ -51,7 +54,7 @@ def scales(units: str) -> tuple[float, float, float] | None:
     return (length, mass, time) if length and mass and time else None
 
 
-def in_si(case: Any, name: str) -> dict[str, tuple[float, str]]:
+def in_si(case: Case, name: str) -> dict[str, tuple[float, str]]:
     """Numbers of a material in SI units, by key: value and unit; empty if units are not known.
 
     Those that vary in space, and those without a unit, are left out.
@@ -73,7 +76,7 @@ def in_si(case: Any, name: str) -> dict[str, tuple[float, str]]:
     return found
 
 
-def unlikely(case: Any, body: BodyFacts) -> Iterator[str]:
+def unlikely(case: Case, body: BodyFacts) -> Iterator[str]:
     """Yield values that no material has, in units with a known label, such as "mm, t, s"."""
     name = case.bodies[body.name].material
     entry, known = case.materials[name], scales(case.units)

@@ -10,12 +10,12 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.momentum import WHOLE, update_momentum
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.clock import Step
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
 if TYPE_CHECKING:
     from pgimp.solver.contact.free_bodies import FreeBodies
-    from pgimp.solver.rank import Rank
 
 
 class NoContact:
@@ -55,20 +55,20 @@ class NoContact:
         """The rigid bodies for kernels, as they are in this step; () where there are none."""
         return ()
 
-    def assign_fields(self, rank: Rank) -> None:
+    def assign_fields(self, rank: RankState) -> None:
         """Assign velocity fields to bodies: one to those that cannot meet soon."""
 
-    def detect(self, rank: Rank, t: Step, ledger: Ledger) -> None:
+    def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
         """Find the vertices where bodies meet, after the halo exchange."""
 
-    def update_momentum(self, rank: Rank, update: VertexUpdate) -> None:
+    def update_momentum(self, rank: RankState, update: VertexUpdate) -> None:
         """Update velocities and accelerations of the vertices, with contact there: (14, 17)."""
         self.advance(rank, update, WHOLE)
 
-    def exchange(self, rank: Rank, update: VertexUpdate) -> None:
+    def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """Exchange impulses between vertices of different places."""
 
-    def forces(self, rank: Rank, update: VertexUpdate, out: np.ndarray) -> None:
+    def forces(self, rank: RankState, update: VertexUpdate, out: np.ndarray) -> None:
         """Add the forces of contact at a rank's vertices, in place of `update_momentum`.
 
         Parameters
@@ -80,7 +80,7 @@ class NoContact:
     def moved(self) -> None:
         """Note that the rank's particles are others now."""
 
-    def advance(self, rank: Rank, update: VertexUpdate, part: int) -> None:
+    def advance(self, rank: RankState, update: VertexUpdate, part: int) -> None:
         """Call `update_momentum` for a part of the update."""
         rank.call(
             update_momentum, self.scene.frame, rank.grid.field, update.faces, update.forcing,

@@ -23,7 +23,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.rigid.checks import may_collide, require_clear
 from pgimp.scene.rigid.free_body import FreeBody, Matrix, State, solve
 from pgimp.scene.scene import Scene
-from pgimp.solver.clock import Step
+from pgimp.solver.time.clock import Step
 
 #: Iterations of Newton's method. Contact that only opens, closes, sticks or slides takes two or
 #: three. Where a correction is not smaller than the one before, half of it is made, then a quarter.

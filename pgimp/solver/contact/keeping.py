@@ -16,8 +16,8 @@ from pgimp.physics.rigid import Motion
 from pgimp.scene.rigid.free_body import State, solve
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.scene import Scene
-from pgimp.solver.clock import Step
 from pgimp.solver.contact.free_bodies import FreeBodies
+from pgimp.solver.time.clock import Step
 
 #: Depth in a rigid body, in cells, from which a particle counts as inside.
 QUARTER = 0.25

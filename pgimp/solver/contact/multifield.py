@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,15 +22,13 @@ from pgimp.kernels.grid.momentum import BEGINNING, REST, WHOLE
 from pgimp.kernels.rigid.fill import find_rigid_vertices
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.clock import Step
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.velocity_fields import assign, body_boxes, reach, where_near
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 from pgimp.solver.vertex_sums import VertexSums
 from pgimp.solver.vertices import VertexUpdate
-
-if TYPE_CHECKING:
-    from pgimp.solver.rank import Rank
 
 #: Where bodies meet in more than this part of the planes, all particles of these are near.
 _MOST_OF_A_PLANE = 0.6
@@ -78,7 +76,7 @@ class MultifieldContact(NoContact):
         """The rigid bodies for kernels, as they are in this step; () where there are none."""
         return self.data.rigid_bodies if self.data else ()
 
-    def assign_fields(self, rank: Rank) -> None:
+    def assign_fields(self, rank: RankState) -> None:
         """See `NoContact.assign_fields`; when it is due."""
         grid, population = rank.grid, rank.population
         if self._steps > 0:
@@ -96,7 +94,7 @@ class MultifieldContact(NoContact):
             grid.fields = self.fields
             grid.store(grid.base)
 
-    def detect(self, rank: Rank, t: Step, ledger: Ledger) -> None:
+    def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
         """See `NoContact.detect`; volumes are summed where bodies meet."""
         grid = rank.grid
         if self._volumes.fit(grid, self.fields):
@@ -132,7 +130,7 @@ class MultifieldContact(NoContact):
             order = self._near(grid, rank.population, found)
             self._volumes.add(rank.particles, order, found)
 
-    def update_momentum(self, rank: Rank, update: VertexUpdate) -> None:
+    def update_momentum(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.update_momentum`.
 
         The impulses on rigid bodies that move freely depend on their new velocities, and these on
@@ -146,7 +144,7 @@ class MultifieldContact(NoContact):
         self.advance(rank, update, REST)
         self.free.move(self.rigid_bodies, rank.grid, update.t.dt)
 
-    def _solve_free(self, rank: Rank, update: VertexUpdate) -> None:
+    def _solve_free(self, rank: RankState, update: VertexUpdate) -> None:
         """Find the velocities of the rigid bodies that move freely at the step's end."""
         if self.free is None:
             return
@@ -157,7 +155,7 @@ class MultifieldContact(NoContact):
         gravity = update.forcing.gravity
         self.free.solve_velocities(self.rigid_bodies, rank.grid, update.t, gravity, respond)
 
-    def forces(self, rank: Rank, update: VertexUpdate, out: np.ndarray) -> None:
+    def forces(self, rank: RankState, update: VertexUpdate, out: np.ndarray) -> None:
         """See `NoContact.forces`."""
         forces = partial(
             rank.call, contact_forces, self.data, update.faces, self.scene.frame, rank.grid.field,

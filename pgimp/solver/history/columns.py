@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,12 +13,15 @@ from pgimp.solver.history.contact_columns import MEETING, WALLS
 from pgimp.solver.history.flow_columns import FLOWS
 from pgimp.solver.history.totals import Column, Group, Totals
 
+if TYPE_CHECKING:
+    from pgimp.scene.scene import Scene
 
-def _faces(scene: Any) -> list[str]:
+
+def _faces(scene: Scene) -> list[str]:
     return [face.name for face in scene.faces]
 
 
-def _constraints(scene: Any) -> list[str]:
+def _constraints(scene: Scene) -> list[str]:
     return [*scene.case.constraints]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from pgimp.kernels.data.ledger import (
     CONTACT_AREA,
@@ -17,16 +17,19 @@ from pgimp.kernels.data.ledger import (
 from pgimp.scene.rigid.free_body import FreeBody, Six
 from pgimp.solver.history.totals import Column, Group
 
+if TYPE_CHECKING:
+    from pgimp.scene.scene import Scene
+
 #: Stand-in for a body's six numbers before it is measured, where only names matter.
 _SIX: Six = (0.0,) * 6
 
 
-def _letting(scene: Any) -> list[int]:
+def _letting(scene: Scene) -> list[int]:
     """Numbers of the faces that let go."""
     return [n for n, face in enumerate(scene.faces) if face.condition.approaches]
 
 
-def _taking(scene: Any) -> list[int]:
+def _taking(scene: Scene) -> list[int]:
     """Numbers of the faces that may take energy: that let go, or hold every component."""
     holding = [n for n, face in enumerate(scene.faces) if face.condition.motion(0.0) is not None]
     return sorted(_letting(scene) + holding)

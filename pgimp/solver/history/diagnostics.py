@@ -1,7 +1,9 @@
 """The sums of which history.csv shows columns: over particles, work, reactions, in layer order."""
 
+from __future__ import annotations
+
 from math import frexp, ldexp
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,11 +19,14 @@ from pgimp.kernels.data.ledger import (
 from pgimp.kernels.sums.errors import ERRORS, layer_errors
 from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
 from pgimp.physics.materials.base import LOSSES
-from pgimp.solver.clock import START, Step
 from pgimp.solver.contact.keeping import QUARTER
 from pgimp.solver.history.columns import line_of
 from pgimp.solver.history.totals import Totals
 from pgimp.solver.rank import Rank
+from pgimp.solver.time.clock import START, Step
+
+if TYPE_CHECKING:
+    from pgimp.scene.scene import Scene
 
 #: Part of the volume of what flows without room on the grid that is worth a warning.
 LOST = 0.02
@@ -33,7 +38,7 @@ def _mass(sums: np.ndarray, unit: float) -> float:
     return ldexp(float((high << LOW) + low), -LOW) / unit
 
 
-def _own_sums(rank: Rank, scene: Any, order: Any) -> tuple[np.ndarray, np.ndarray, float]:
+def _own_sums(rank: Rank, scene: Scene, order: Any) -> tuple[np.ndarray, np.ndarray, float]:
     """Sums by layer and body of some particles of a rank, their masses, and the unit of these."""
     particles = rank.particles
     sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
@@ -54,7 +59,7 @@ def _reduced(
     return bodies, _mass(every.reshape(-1, 2), unit)
 
 
-def sums_of_bodies(rank: Rank, scene: Any, order: Any) -> np.ndarray:
+def sums_of_bodies(rank: Rank, scene: Scene, order: Any) -> np.ndarray:
     """Sums by body of some particles, as `layer_sums` has them, on rank 0; collective.
 
     Parameters
@@ -78,7 +83,7 @@ def sums_of_bodies(rank: Rank, scene: Any, order: Any) -> np.ndarray:
     return _reduced([part[0] for part in parts], [part[1] for part in parts], unit)[0]
 
 
-def column_names(scene: Any) -> list[str]:
+def column_names(scene: Scene) -> list[str]:
     """Names of the columns that history.csv will have, found without a particle.
 
     Parameters
@@ -140,7 +145,7 @@ class Diagnostics:
         self.changed = 0.0
         self.told = np.zeros(len(LOSSES))
 
-    def removed_so_far(self, scene: Any) -> np.ndarray:
+    def removed_so_far(self, scene: Scene) -> np.ndarray:
         """Sums of the bodies that stages have removed."""
         return np.zeros(scene.sums) if self.removed is None else self.removed
 
@@ -204,7 +209,7 @@ class Diagnostics:
             )
         )  # fmt: skip
 
-    def _tell_inside(self, scene: Any, time: float, inside: np.ndarray) -> None:
+    def _tell_inside(self, scene: Scene, time: float, inside: np.ndarray) -> None:
         """Warn, once, of particles inside rigid bodies."""
         if self.warned or not inside.any():
             return
@@ -220,7 +225,7 @@ class Diagnostics:
             "tool.NAME.inside of history.csv go on counting"
         )
 
-    def _tell_volumes(self, scene: Any, time: float, filled: np.ndarray) -> None:
+    def _tell_volumes(self, scene: Scene, time: float, filled: np.ndarray) -> None:
         """Warn, once of each, of bodies that flow and have lost volume."""
         for name, (carried, room) in zip(scene.body_names, filled, strict=False):
             if name not in self.lost and room < (1.0 - LOST) * carried:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,8 +10,11 @@ from pgimp.kernels.data.ledger import CARRIED, ROOM
 from pgimp.kernels.sums.sums import MASS
 from pgimp.solver.history.totals import Column, Group, Totals
 
+if TYPE_CHECKING:
+    from pgimp.scene.scene import Scene
 
-def _flows(scene: Any) -> list[tuple[int, str]]:
+
+def _flows(scene: Scene) -> list[tuple[int, str]]:
     """Numbers and names of the bodies that flow."""
     if not scene.flows:
         return []

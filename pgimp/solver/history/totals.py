@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -12,7 +12,10 @@ from pgimp.kernels.sums.sums import ANGULAR, SUMS
 from pgimp.physics.materials.base import LOSSES
 from pgimp.physics.rigid import Free
 from pgimp.scene.rigid.free_body import FreeBody, State
-from pgimp.solver.clock import Step
+from pgimp.solver.time.clock import Step
+
+if TYPE_CHECKING:
+    from pgimp.scene.scene import Scene
 
 T = TypeVar("T")
 
@@ -64,7 +67,7 @@ class Totals(NamedTuple):
         Sums and maxima of the errors, as `layer_errors` has them; zeros without exact solution.
     """
 
-    scene: Any
+    scene: Scene
     done: Step
     bodies: np.ndarray
     total: np.ndarray

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE, TOO_FAST
-from pgimp.solver.clock import Step
 from pgimp.solver.rank import Rank
+from pgimp.solver.time.clock import Step
 
 _WHAT = {
     NOT_FINITE: "has a position, velocity or deformation that is not a finite number",

@@ -9,10 +9,10 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.sanity import small_step_warning
 from pgimp.scene.scene import Scene
+from pgimp.solver.configurations import fastest
 from pgimp.solver.history.diagnostics import column_names
-from pgimp.solver.parts import fastest
 from pgimp.solver.rank import Rank
-from pgimp.solver.stability import require_stable, stability_warning, stable_courant
+from pgimp.solver.time.stability import require_stable, stability_warning, stable_courant
 
 #: Columns of the history that are zero where a stage does not have them; others are nan.
 _SUMS = ("removed.", "escaped.", "stages.")

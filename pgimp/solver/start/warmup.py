@@ -40,11 +40,11 @@ from pgimp.mpi.node import Call, shared_out
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks.overstress import stressed
 from pgimp.scene.scene import Scene
-from pgimp.solver.clock import START
+from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.lagrangian import warmup as presentcalls
 from pgimp.solver.flows import idle
-from pgimp.solver.parts import groups_by_configuration
+from pgimp.solver.time.clock import START
 from pgimp.solver.vertices import on_particles, on_vertices
 
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD
-from pgimp.solver.clock import Step
-from pgimp.solver.parts import groups_by_configuration
+from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
+from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import sum_particles
 from pgimp.solver.vertices import VertexUpdate, fold_mirrors, forcing_of, on_vertices
 from pgimp.storage.framefile import blocks

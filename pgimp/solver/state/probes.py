@@ -5,6 +5,8 @@ ranks: a particle is on one of them, and the sums at a place go layer by layer i
 canonical order, as those of the history.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from math import floor, prod
 from typing import TYPE_CHECKING, Any
@@ -17,6 +19,7 @@ from pgimp.physics.fields import TENSOR, Source
 from pgimp.storage.framefile import blocks
 
 if TYPE_CHECKING:
+    from pgimp.scene.scene import Scene
     from pgimp.solver.simulation import Simulation
 
 AXES = "xyz"
@@ -72,7 +75,7 @@ class Point:
                 self._row = int(rows[there[0]])
         return self._row >= 0
 
-    def own(self, sim: "Simulation") -> np.ndarray | None:
+    def own(self, sim: Simulation) -> np.ndarray | None:
         """Columns of the particle, None where it is not on this rank."""
         if self._row < 0:
             return None
@@ -89,7 +92,7 @@ class Point:
                 found.append(values[list(components)])
         return np.concatenate(found)
 
-    def line(self, sim: "Simulation", parts: list[np.ndarray | None]) -> Line:
+    def line(self, sim: Simulation, parts: list[np.ndarray | None]) -> Line:
         """A line on rank 0, from each rank's part; nothing but the time once it is gone."""
         names = []
         for name, components in _followed(sim.scene):
@@ -99,7 +102,7 @@ class Point:
         return _line(sim, names, values)
 
 
-def _followed(scene: Any) -> list[tuple[str, Sequence[int]]]:
+def _followed(scene: Scene) -> list[tuple[str, Sequence[int]]]:
     """Quantities of a material point, and which of their components the case has."""
     D = scene.dimension
     found: list[tuple[str, Sequence[int]]] = []
@@ -126,7 +129,7 @@ class Place:
     def __init__(self, place: Sequence[float]) -> None:
         self.place = tuple(place)
 
-    def own(self, sim: "Simulation") -> list[np.ndarray]:
+    def own(self, sim: Simulation) -> list[np.ndarray]:
         """Sums of the layers of this rank whose particles may reach the place, in their order."""
         population, frame, sums = sim.population, sim.scene.frame, []
         p = population.particles
@@ -151,7 +154,7 @@ class Place:
                 sums.append(np.add.reduce(terms, axis=0))
         return sums
 
-    def line(self, sim: "Simulation", parts: list[list[np.ndarray]]) -> Line:
+    def line(self, sim: Simulation, parts: list[list[np.ndarray]]) -> Line:
         """A line on rank 0, from the sums that each rank has."""
         D, S = sim.scene.dimension, sim.particles.sigma.shape[1]
         ends = {"AXIS": AXES[:D], "COMPONENT": TENSOR.split()[:S]}
@@ -168,7 +171,7 @@ class Place:
         return _line(sim, names, np.hstack([mean.values(around) for mean in PLACE.values()]))
 
 
-def _line(sim: "Simulation", names: list[str], values: np.ndarray | None) -> Line:
+def _line(sim: Simulation, names: list[str], values: np.ndarray | None) -> Line:
     """A line with `values` in the first columns, and nothing in the others."""
     line: Line = {"time": sim.time, "step": sim.step} | dict.fromkeys(names)
     if values is not None:
@@ -177,7 +180,7 @@ def _line(sim: "Simulation", names: list[str], values: np.ndarray | None) -> Lin
     return line
 
 
-def nearest(sim: "Simulation", body: int, at: Sequence[float]) -> Point:
+def nearest(sim: Simulation, body: int, at: Sequence[float]) -> Point:
     """The particle of a body whose centre is closest to a place now; collective.
 
     Of several that are equally close, the one with the lowest number.
@@ -199,7 +202,7 @@ def nearest(sim: "Simulation", body: int, at: Sequence[float]) -> Point:
     return Point(number, origin)
 
 
-def sample(sim: "Simulation", probes: Sequence[Point | Place]) -> list[Line]:
+def sample(sim: Simulation, probes: Sequence[Point | Place]) -> list[Line]:
     """Lines of probes about the present state on rank 0, empty elsewhere; collective."""
     comm, population = sim.comm, sim.population
     points = [probe for probe in probes if isinstance(probe, Point) and not probe.gone]

@@ -12,9 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationE
 
 from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
-from pgimp.solver.clock import Step
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
+from pgimp.solver.time.clock import Step
 
 _MODEL = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 

@@ -14,9 +14,9 @@ from pgimp.scene.checks.facts import BodyFacts, Findings, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_slow
 from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
-from pgimp.solver.stability import require_end, require_stable
 from pgimp.solver.start.memory import Estimate, require
 from pgimp.solver.start.validate_stages import look_ahead, require_stable_stages
+from pgimp.solver.time.stability import require_end, require_stable
 
 
 class Prepared(NamedTuple):

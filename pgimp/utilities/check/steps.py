@@ -6,8 +6,8 @@ from math import ceil
 from pgimp.case.arrange_stages import changes_of, steps_in
 from pgimp.case.schema import Case
 from pgimp.scene.scene import Scene
-from pgimp.solver.stability import stable_courant
 from pgimp.solver.start.validate_stages import stage_rate
+from pgimp.solver.time.stability import stable_courant
 from pgimp.utilities.model.pilot import Pilot
 
 #: Error of a number of steps that is "about" right.

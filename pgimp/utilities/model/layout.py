@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from pgimp.kernels.order.order import layers_of
 from pgimp.scene.bodies.extent import Extent
 from pgimp.scene.scene import Scene
 from pgimp.solver.start.memory import window
+
+if TYPE_CHECKING:
+    from pgimp.solver.simulation import Simulation
 
 
 class Layout(NamedTuple):
@@ -85,7 +88,7 @@ def layout_of(
     return Layout(of_layers, plane, scene.vertices, scene.ends, wide=wide)
 
 
-def layout_now(sim: Any) -> Layout:
+def layout_now(sim: Simulation) -> Layout:
     """Layout of a simulation as it is; collective."""
     scene, rows = sim.scene, sim.live()
     speed = float(np.abs(sim.particles.v[rows, 0]).sum())

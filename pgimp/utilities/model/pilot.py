@@ -18,9 +18,9 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
 from pgimp.geometry.regions import Points
 from pgimp.mpi.comm import Serial
-from pgimp.solver.heldrate import LONGEST, HeldRate
-from pgimp.solver.parts import fastest
+from pgimp.solver.configurations import fastest
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.time.held_rate import LONGEST, HeldRate
 from pgimp.utilities.model.costs import Costs
 
 #: Seconds that a pilot run may take, about; it ends after twice as many.

@@ -35,7 +35,7 @@ _LARGER = 4.0
 #: Part of its particles that a sample must keep to be representative.
 _KEPT = 0.98
 #: Steps, or multiples of a case's end, that no sample reaches; and enough steps for a sample: a run
-#: of too many is refused, see `pgimp.solver.stability.require_end`.
+#: of too many is refused, see `pgimp.solver.time.stability.require_end`.
 _ENDLESS, _MANY = 1_000_000, 1e9
 
 

@@ -8,8 +8,8 @@ from mentioned import mentions
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
-from pgimp.solver.heldrate import HeldRate
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.time.held_rate import HeldRate
 from pgimp.utilities.check.steps import predicted
 from pgimp.utilities.model import pilot as pilots
 from pgimp.utilities.model.costs import Costs

@@ -5,7 +5,7 @@ Where bodies of both configurations are in one case, all of them meet in this wa
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -28,16 +28,14 @@ from pgimp.kernels.data.ledger import CONTACT_AREA
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.clock import Step
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
-from pgimp.solver.contact.lagrangian.approach import BroadPhase, reach
 from pgimp.solver.contact.lagrangian.bonds import bonded, separating_walls, with_walls
-from pgimp.solver.contact.lagrangian.near import Near, NearParticles, in_order
+from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase, reach
+from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles, in_order
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
-
-if TYPE_CHECKING:
-    from pgimp.solver.rank import Rank
 
 #: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. A
 #: hundred sweeps to 1e-4 find the same motion, but disks that meet then lose more.
@@ -101,7 +99,7 @@ class LagrangianContact(NoContact):
         """See `NoContact.moved`: all particles are searched again in the next step."""
         self._broad_phase.restart()
 
-    def assign_fields(self, rank: Rank) -> None:
+    def assign_fields(self, rank: RankState) -> None:
         """See `NoContact.assign_fields`; once, to the groups of bodies bonded at the start."""
         if self._grouped:
             return
@@ -123,7 +121,7 @@ class LagrangianContact(NoContact):
             grid.fields = self.fields
             grid.store(grid.base)
 
-    def exchange(self, rank: Rank, update: VertexUpdate) -> None:
+    def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`.
 
         Velocities and accelerations of the vertices change. Bodies meet where they are now; faces
@@ -143,7 +141,7 @@ class LagrangianContact(NoContact):
         if free:
             free.end(rigid_bodies, t.dt)
 
-    def _exchange_near(self, rank: Rank, update: VertexUpdate, anew: bool) -> None:
+    def _exchange_near(self, rank: RankState, update: VertexUpdate, anew: bool) -> None:
         """Solve for the impulses; `anew`: divide the vertices among the ranks again."""
         scene, contact, call = self.scene, self._contact, self.call
         t, faces, forcing, ledger = update

@@ -40,10 +40,10 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.node import Call
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.lagrangian.approach import no_regions
 from pgimp.solver.contact.lagrangian.bonds import separating_walls, with_walls
+from pgimp.solver.contact.lagrangian.broad_phase import no_regions
 from pgimp.solver.contact.lagrangian.lagrangian import ENOUGH, nothing_held
-from pgimp.solver.contact.lagrangian.near import mirrors_of, plain
+from pgimp.solver.contact.lagrangian.near_particles import mirrors_of, plain
 
 
 def calls(

@@ -1,12 +1,18 @@
 """The stability limit of a step: Courant = dt max_p((c_p + |v_p|)/L)."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.errors import CaseError
 from pgimp.physics.materials.base import has
-from pgimp.solver.limiting import limiting
+from pgimp.solver.time.limiting import limiting
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.scene.scene import Scene
 
 #: More controlled steps than this before the next stop mean that a run would never end.
 MOST_STEPS = 1e12
@@ -29,7 +35,7 @@ _MEAN = {
 }
 
 
-def stable_courant(case: Any) -> float:
+def stable_courant(case: Case) -> float:
     """Courant number up to which free surfaces stay stable; above, there is a warning.
 
     That of the shape, with mean dilatation more where no body is nearly incompressible.
@@ -48,7 +54,7 @@ def stable_courant(case: Any) -> float:
     return max(least, min(limit, of_one / max(method.particles_per_cell)))
 
 
-def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:
+def check_first_step(scene: Scene, dt: float, rate: float) -> list[str]:
     """Compare the first step of a simulation with the stability limit.
 
     Parameters
@@ -78,7 +84,7 @@ def check_first_step(scene: Any, dt: float, rate: float) -> list[str]:
     return [warning] if warning else []
 
 
-def require_end(scene: Any, rate: float) -> None:
+def require_end(scene: Scene, rate: float) -> None:
     """Refuse a run that would never end, or has energies that no float64 can hold.
 
     Parameters
@@ -111,7 +117,7 @@ def require_end(scene: Any, rate: float) -> None:
         )
 
 
-def require_stable(scene: Any, dt: float, rate: float) -> None:
+def require_stable(scene: Scene, dt: float, rate: float) -> None:
     """Refuse a step beyond the limit.
 
     Parameters

@@ -15,8 +15,8 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
 from pgimp.scene.scene import Scene
-from pgimp.solver.clock import Step
 from pgimp.solver.contact.lagrangian.bonds import acting
+from pgimp.solver.time.clock import Step
 
 #: Cells by which particles may come nearer to something before the next search; the most steps
 #: until then.

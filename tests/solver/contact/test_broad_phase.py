@@ -5,10 +5,10 @@ import pytest
 
 import pgimp
 from pgimp.mpi.comm import Serial
-from pgimp.solver.clock import Step
-from pgimp.solver.contact.lagrangian.approach import MARGIN, BroadPhase, reach
 from pgimp.solver.contact.lagrangian.bonds import separating_walls, with_walls
+from pgimp.solver.contact.lagrangian.broad_phase import MARGIN, BroadPhase, reach
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.time.clock import Step
 
 
 def case(D):
@@ -41,7 +41,7 @@ def test_near_particles_are_those_within_reach_of_another_body(D, seed, most, mo
 
     With few blocks their sides are several cells, and more is looked at.
     """
-    monkeypatch.setattr("pgimp.solver.contact.lagrangian.approach.BLOCKS", most)
+    monkeypatch.setattr("pgimp.solver.contact.lagrangian.broad_phase.BLOCKS", most)
     random = np.random.default_rng((D, seed))
     sim = Simulation(case(D), Serial())
     p, population, scene = sim.particles, sim.rank.population, sim.scene

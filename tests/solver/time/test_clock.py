@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scenes import box, finish, scene, start
 
 from pgimp.errors import RunError
-from pgimp.solver.clock import START, CourantClock, FixedClock, Step
+from pgimp.solver.time.clock import START, CourantClock, FixedClock, Step
 
 
 def ticks(clock, rate=lambda time: 1.0):

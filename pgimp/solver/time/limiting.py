@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pgimp.geometry.regions import Points
 from pgimp.scene.bodies.populate import velocities
 from pgimp.scene.checks.facts import rest_rate
+
+if TYPE_CHECKING:
+    from pgimp.scene.scene import Scene
 
 #: Part of a rate that what is found must have to be its cause: velocities in files are not seen.
 _MOST = 0.1
@@ -23,7 +26,7 @@ class Limit(NamedTuple):
     what: str
 
 
-def limiting(scene: Any, rate: float) -> Limit:
+def limiting(scene: Scene, rate: float) -> Limit:
     """Return what crosses most cells in a unit of time at the start.
 
     Parameters
@@ -38,7 +41,7 @@ def limiting(scene: Any, rate: float) -> Limit:
     return most if most.rate > _MOST * rate else Limit(rate, "bodies", "the fastest particle")
 
 
-def _of_bodies(scene: Any) -> list[Limit]:
+def _of_bodies(scene: Scene) -> list[Limit]:
     """Waves in each body, and its motion."""
     found, inverse = [], max(scene.frame.inverse)
     for number, (name, body) in enumerate(scene.case.bodies.items()):
@@ -53,7 +56,7 @@ def _of_bodies(scene: Any) -> list[Limit]:
     return found
 
 
-def _of_rigid(scene: Any) -> list[Limit]:
+def _of_rigid(scene: Scene) -> list[Limit]:
     """The greatest motion of each rigid body, of those that move freely the initial one."""
     rigid_bodies = scene.rigid_bodies
     if not rigid_bodies:

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import box, energy, scene, start
 
-from pgimp.solver.heldrate import FIRST, LONGEST, WORTH, HeldRate
 from pgimp.solver.state.state import State, capture
+from pgimp.solver.time.held_rate import FIRST, LONGEST, WORTH, HeldRate
 
 
 def held(rates):

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from pgimp.case.schema import Case
 from pgimp.errors import EndlessError
-from pgimp.solver.heldrate import HeldRate
-from pgimp.solver.stability import BLOWN_UP, BLOWN_UP_STEPS, MOST_STEPS
+from pgimp.solver.time.held_rate import HeldRate
+from pgimp.solver.time.stability import BLOWN_UP, BLOWN_UP_STEPS, MOST_STEPS
 
 
 class Step(NamedTuple):
@@ -76,7 +76,7 @@ class FixedClock:
 class CourantClock:
     """Steps of a given Courant number; only `stops` and the end shorten them, evenly.
 
-    They become shorter at once and longer rarely, see `pgimp.solver.heldrate`.
+    They become shorter at once and longer rarely, see `pgimp.solver.time.held_rate`.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class CourantClock:
     def __init__(
         self, courant: float, end: float, stops: tuple[float, ...], rest_rate: float = inf
     ) -> None:
-        #: Reduction of the Courant number, see `pgimp.solver.energywatch`.
+        #: Reduction of the Courant number, see `pgimp.solver.time.energy_watch`.
         self.part = 1.0
         #: What the steps are taken by.
         self.held = HeldRate()

@@ -7,8 +7,8 @@ import pytest
 from scenes import SOFT, box, energy, scene, start
 
 from pgimp.errors import RunError
-from pgimp.solver import energywatch
-from pgimp.solver.energywatch import EnergyWatch
+from pgimp.solver.time import energy_watch
+from pgimp.solver.time.energy_watch import EnergyWatch
 
 #: Wave speed of the bar, in cells.
 SPEED = 10.0
@@ -132,7 +132,7 @@ def test_a_look_goes_on_from_a_checkpoint():
 
 
 def test_a_run_that_blows_up_is_ended(monkeypatch):
-    monkeypatch.setattr(energywatch, "SHORTER", 1.0)
+    monkeypatch.setattr(energy_watch, "SHORTER", 1.0)
     sim = shaken(bar(per_cell=4, end=20.0), 1e-5)
     sim.clock._courant = 0.7
     with pytest.raises(RunError, match="has come from nothing: the solution is not stable"):

@@ -1,0 +1,44 @@
+"""What the parts of a step need of a rank, for type checkers; see `pgimp.solver.rank.Rank`."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from pgimp.decomposition.grid import Grid
+from pgimp.decomposition.halo import Halo
+from pgimp.decomposition.population import Population
+from pgimp.jit.bound import Bound
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.data.particles import Particles
+from pgimp.mpi.communicator import Communicator
+from pgimp.scene.scene import Scene
+
+
+class RankState(Protocol):
+    """A rank's scene, planes, particles and books; attributes are those of `Rank`."""
+
+    scene: Scene
+    comm: Communicator
+    grid: Grid
+    halo: Halo
+    population: Population
+    ledger: Ledger
+    calls: tuple[Bound, ...]
+    mass_cutoff: float
+    vertex_bounds: np.ndarray
+    error_buffer: np.ndarray
+    failed: int
+    contact: Any
+    clearances: Any
+    flows: Any
+    keeping: Any
+
+    @property
+    def call(self) -> Bound:
+        """Calls the kernels of a step that are for all parts."""
+
+    @property
+    def particles(self) -> Particles:
+        """The particles."""

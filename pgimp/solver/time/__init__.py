@@ -1,0 +1,1 @@
+"""The size of a step: clocks, the Courant number, its limits, and the watch over energy."""
