@@ -155,6 +155,11 @@ class Rank:
         """The rigid bodies that move freely, which all ranks know; None where there are none."""
         return self.contact.free
 
+    def fastest(self, rate: float) -> float:
+        """Cells crossed in a unit of time by waves and particles, `rate`, or by rigid bodies."""
+        rate, free = max(rate, self.scene.rigid_bodies.rate), self.free
+        return max(rate, free.rate) if free else rate
+
     def live(self) -> np.ndarray:
         """Rows of the particles in canonical order, (n,) int64."""
         return self.population.order.astype(np.int64)

@@ -20,6 +20,7 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.once.prestress import remember_stress
 from pgimp.kernels.order.order import layers_of
 from pgimp.mpi.collective import all_or_none
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks import nearness, overstress
 from pgimp.scene.checks.facts import rest_rate
@@ -35,11 +36,16 @@ from pgimp.scene.rigid.checks import (
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.configurations import fastest
+from pgimp.solver.decomposition import partition
 from pgimp.solver.rank import Rank
+from pgimp.solver.reduction import StepReduction
+from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.memory import require
+from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
 from pgimp.solver.start.warmup import warm_up
 from pgimp.solver.state.restore import outline, read_books, read_particles
+from pgimp.solver.state.state import State
 from pgimp.solver.time.clock import CourantClock, clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step, require_end
@@ -49,144 +55,170 @@ from pgimp.solver.window import open_window
 LIGHT = 1e-12
 
 
-def begin(sim: Any, scenes: Sequence[Scene]) -> None:
+def begin(
+    scenes: Sequence[Scene], comm: Communicator, reduction: StepReduction, creation: Creation
+) -> Start:
     """Create the particles of the case, and check its first step; collective.
 
     Parameters
     ----------
-    sim : Simulation
-        Of the first stage, without particles.
     scenes : sequence of Scene
         Those of all stages.
+    comm : communicator
+        Of all ranks.
+    reduction : StepReduction
+        That of the run.
+    creation : Creation
+        Creates the particles.
 
     Raises
     ------
     CaseError
         On every rank, for errors that show only in the particles.
     """
-    scene, comm = sim.scene, sim.comm
-    share(sim.case, comm)
+    scene = scenes[0]
+    start = Start(scene, comm, reduction)
+    share(start.case, comm)
     require(scene, comm)
     scene.rigid_bodies.measure(comm)
     lattice, counts, notes = count_particles(scene, comm)
-    sim.notes += notes
-    sim.count = int(counts.sum())
-    require(scene, comm, sim.count)
+    start.notes += notes
+    start.count = int(counts.sum())
+    require(scene, comm, start.count)
     layer = np.empty(len(lattice.coordinates[0]), np.int64)
     layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
-    slab = sim.decompose(np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0]))
+    on_lattice = np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0])
+    slab = _decompose(start, creation.layer_counts(on_lattice))
     particles, count = all_or_none(
-        comm, lambda: sim.create(slab, lattice, counts, layer), CaseError
+        comm, lambda: creation.create(slab, lattice, counts, layer), CaseError
     )
     scene.loads.require_all_hold(particles, count, comm)
-    if later := later_constraints(sim.cases):
+    if later := later_constraints([each.case for each in scenes]):
         mine = held(later, particles.body[:count], particles.x[:count])
-        sim.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
+        start.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
     if scene.rigid_bodies:
         require_apart(scene.rigid_bodies, [(particles.x[:count], particles.body[:count])], comm)
         require_clear(scene.rigid_bodies, scene.faces, scene.rigid_bodies.first, 0, 0.0, comm)
-    _compile(sim, scenes[1:], 0)
+    _compile(start, scenes[1:], 0)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)
-    sim.warnings += overstress.measure(scene, particles, count, comm)
-    put_in_order(sim, slab, particles, count)
+    start.warnings += overstress.measure(scene, particles, count, comm)
+    put_in_order(start, slab, particles, count)
     if len(scenes) > 1 and scene.variations:
-        require_stable_stages(scenes, rates_at_rest(sim.rank, scene, comm))
-    sim.warnings += locking(sim.case)
-    sim.notes += stripes(sim.case)
-    sim.warnings += nearness.warnings(sim.case)
-    release(sim.case)
-    if sim.watch:
-        sim.watch.begin(sim.rank)
-    rate = max(sim.rate, scene.rigid_bodies.first_rate)
-    with located(sim.case):
+        require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
+    start.warnings += locking(start.case)
+    start.notes += stripes(start.case)
+    start.warnings += nearness.warnings(start.case)
+    release(start.case)
+    if start.watch:
+        start.watch.begin(start.rank)
+    rate = max(start.rate, scene.rigid_bodies.first_rate)
+    with located(start.case):
         require_end(scene, rate)
-        dt = sim.clock.next(sim.done, rate).dt
-        sim.warnings += check_first_step(scene, dt, sim.rate)
+        dt = start.clock.next(start.done, rate).dt
+        start.warnings += check_first_step(scene, dt, start.rate)
     require_slow(scene.rigid_bodies, dt)
-    sim.warnings += motion_warnings(scenes)
+    start.warnings += motion_warnings(scenes)
+    return start
 
 
-def resume(sim: Any, scenes: Sequence[Scene], source: Any, counted: int) -> None:
+def resume(
+    scenes: Sequence[Scene],
+    comm: Communicator,
+    reduction: StepReduction,
+    source: Any,
+    now: State,
+) -> Start:
     """Restore the state of a checkpoint; collective.
 
     Parameters
     ----------
-    sim : Simulation
-        Of the checkpoint's stage, without particles.
     scenes : sequence of Scene
         Those of all stages.
+    comm : communicator
+        Of all ranks.
+    reduction : StepReduction
+        That of the run.
     source : CheckpointFile
         The checkpoint.
-    counted : int
-        Steps before those that the clock of its stage counts.
+    now : State
+        Its stage, and the steps before those that the clock of this counts.
 
     Raises
     ------
     DamagedError
         On every rank, if it does not hold a state of this case.
     """
-    scene, comm = sim.scene, sim.comm
-    take_as_empty(sim.case, comm)
+    scene = scenes[now.stage]
+    start = Start(scene, comm, reduction, stage=now.stage)
+    take_as_empty(start.case, comm)
     require(scene, comm, source.count)
     scene.rigid_bodies.measure(comm)
-    _compile(sim, scenes[sim.stage + 1 :], counted)
+    _compile(start, scenes[now.stage + 1 :], now.counted)
     state, layers = outline(scene, source, comm)
     require_same(scene.rigid_bodies, state.rigid_bodies)
-    sim.count = state.count
+    start.count = state.count
     if state.densest is not None:
         scene.weigh(state.densest)
-    slab = sim.decompose(layers)
-    put_in_order(sim, slab, *read_particles(scene, slab, source, state, layers, comm))
-    read_books(sim.rank, source, state, sim.diagnostic_sums)
-    sim.done = sim.clock.after(state.step, state.time, state.dt)
-    sim.rate = state.rate
-    if sim.clock.held and state.held_rate:  # an older checkpoint has none: a window begins
-        sim.clock.held.numbers = state.held_rate
-    if sim.watch:
+    slab = _decompose(start, layers)
+    put_in_order(start, slab, *read_particles(scene, slab, source, state, layers, comm))
+    read_books(start.rank, source, state, start.diagnostic_sums)
+    start.done = start.clock.after(state.step, state.time, state.dt)
+    start.rate = state.rate
+    if start.clock.held and state.held_rate:  # an older checkpoint has none: a window begins
+        start.clock.held.numbers = state.held_rate
+    if start.watch:
         if state.watch is None:  # the run began with other steps
-            sim.watch.begin(sim.rank)
+            start.watch.begin(start.rank)
         else:
-            sim.watch.numbers = state.watch
-        sim.watch.shorten(sim.clock)
+            start.watch.numbers = state.watch
+        start.watch.shorten(start.clock)
+    return start
 
 
-def _compile(sim: Any, later: Sequence[Scene], counted: int) -> None:
+def _decompose(start: Start, counts: np.ndarray) -> Slab:
+    """Cut the layers into slabs, one a rank, with balanced numbers of particles."""
+    slab, start.balance, notes = partition(start.scene, start.comm, counts)
+    start.notes += notes
+    return slab
+
+
+def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
     """Compile the kernels of this stage and of later ones, and start the clock; collective."""
-    scene, comm = sim.scene, sim.comm
+    scene, comm = start.scene, start.comm
     warm_up(scene, comm)
     for each in later:  # none waits for the compiler then, or meets what it refuses
         take_as_empty(each.case, comm)
         each.rigid_bodies.borrow(scene.rigid_bodies)
         warm_up(each, comm)
     rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
-    sim.clock = clock_of(sim.case, rate, counted)
-    sim.watch = EnergyWatch(rate * min(scene.frame.cell)) if sim.case.watched else None
+    start.clock = clock_of(start.case, rate, counted)
+    start.watch = EnergyWatch(rate * min(scene.frame.cell)) if start.case.watched else None
     # Messages of the ranks about the cache on their nodes, each once.
     said = comm.allgather((problems(), FOLDER.warning))
-    sim.notes[:0] = messages(found for found, _ in said)
-    sim.warnings += dict.fromkeys(warning for _, warning in said if warning)
+    start.notes[:0] = messages(found for found, _ in said)
+    start.warnings += dict.fromkeys(warning for _, warning in said if warning)
 
 
 def put_in_order(
-    sim: Any,
+    start: Start,
     slab: Slab,
     particles: Particles,
     count: int,
-    start: np.ndarray | None = None,
+    layers: np.ndarray | None = None,
 ) -> None:
     """Create a rank from its particles, which are put in order; collective.
 
     Parameters
     ----------
-    sim : Simulation
+    start : Start
         Whose kernels are compiled; it gets the rank and its rate.
     slab : Slab
         This rank's.
     particles, count : Particles, int
         Those of the slab, and their number.
-    start : (layers + 1,) int64, optional
+    layers : (layers + 1,) int64, optional
         Beginnings of the layers; with it the particles are in order and have all they carry.
 
     Raises
@@ -194,7 +226,7 @@ def put_in_order(
     CaseError
         On every rank, if they weigh more than the domain can hold.
     """
-    scene, comm = sim.scene, sim.comm
+    scene, comm = start.scene, start.comm
     mine = particles.m[:count]
     dense = float((mine / particles.V0[:count]).max(initial=0.0)) if scene.variations else 0.0
     masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum()), dense))
@@ -202,21 +234,21 @@ def put_in_order(
     if scene.variations and scene.densest is None:
         scene.weigh(max(dense for _, _, dense in masses))
     if total > 2.0 * scene.most_mass:  # only particles from a file can
-        with located(sim.case):
+        with located(start.case):
             raise CaseError(
                 f"bodies: the particles weigh {total:.6g}, and the whole domain, filled with "
                 f"the densest material, {scene.most_mass:.6g}; look at the volumes of points"
             )
-    sim.rank = rank = Rank(scene, comm, slab, particles, count, start)
+    start.rank = rank = Rank(scene, comm, slab, particles, count, layers)
     rank.mass_cutoff = LIGHT * min(least for least, _, _ in masses)
-    sim.balance.watch(count)
-    open_window(rank, sim.reduction)
-    if start is None:
+    start.balance.watch(count)
+    open_window(rank, start.reduction)
+    if layers is None:
         scene.loads.scale_patches(rank.population, comm)
     order, controlled = rank.population.order, scene.controlled or True
-    sim.rate = max(comm.allgather(fastest(scene, rank.particles, order, controlled)))
+    start.rate = max(comm.allgather(fastest(scene, rank.particles, order, controlled)))
     if scene.variations:  # waves at rest are the particles', far from which typical ones may be
-        if isinstance(sim.clock, CourantClock):
-            sim.clock.rest_rate = sim.rate or np.inf
-        if sim.watch:
-            sim.watch.speed = sim.rate * min(scene.frame.cell)
+        if isinstance(start.clock, CourantClock):
+            start.clock.rest_rate = start.rate or np.inf
+        if start.watch:
+            start.watch.speed = start.rate * min(scene.frame.cell)

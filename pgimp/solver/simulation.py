@@ -8,24 +8,23 @@ import numpy as np
 from pgimp.case.schema import Case
 from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.population import Population
-from pgimp.decomposition.slabs import Slab
 from pgimp.errors import DamagedError, RunError
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
-from pgimp.scene.bodies.lattice import Lattice
-from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene
 from pgimp.solver import setup
-from pgimp.solver.decomposition import RESORT, partition, rebalance, resort, slab_predicate
+from pgimp.solver.decomposition import RESORT, rebalance, resort
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.stages import enter
+from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.particle_errors import Failure, collect_errors
+from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import absent, look_ahead
 from pgimp.solver.state.state import State
 from pgimp.solver.step import step
-from pgimp.solver.time.clock import START, CourantClock, FixedClock, Step
+from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EVERY, EnergyWatch
 
 
@@ -80,12 +79,18 @@ class Simulation:
         The same on every rank, if the checkpoint does not hold a state of this case.
     """
 
+    #: Creates the particles at the start.
+    creation: type[Creation] = Creation
     clock: FixedClock | CourantClock
     watch: EnergyWatch | None
     rank: Rank
     balance: Balance
+    done: Step
     count: int
     rate: float
+    diagnostic_sums: Diagnostics
+    notes: list[str]
+    warnings: list[str]
 
     def __init__(self, case: Case, comm: Communicator, source: Any = None) -> None:
         state = None if source is None else State.of(source)
@@ -96,35 +101,32 @@ class Simulation:
         scenes = [Scene(each) for each in self.cases]
         self.case, self.scene = self.cases[self.stage], scenes[self.stage]
         self.columns = look_ahead(scenes) if len(scenes) > 1 else []
-        self.done = START
         self.doing: Step | None = None
-        self.notes: list[str] = []
-        self.warnings: list[str] = []
         self.failure: Failure | None = None
         self.request = self.agreed_request = Request.NONE
         self.reduction = StepReduction(comm)
-        self.diagnostic_sums = Diagnostics()
         if state is None:
-            setup.begin(self, scenes)
+            start = setup.begin(scenes, comm, self.reduction, self.creation(scenes[0]))
         else:
-            setup.resume(self, scenes, source, state.counted)
+            start = setup.resume(scenes, comm, self.reduction, source, state)
+        self.take(start)
 
-    def decompose(self, counts: np.ndarray) -> Slab:
-        """Cut the layers into slabs, one a rank, with balanced numbers of particles."""
-        slab, self.balance, notes = partition(self.scene, self.comm, counts)
-        self.notes += notes
-        return slab
+    def take(self, start: Start) -> None:
+        """Go on from a start."""
+        self.case, self.scene, self.stage = start.case, start.scene, start.stage
+        self.clock, self.watch, self.done = start.clock, start.watch, start.done
+        self.rank, self.balance, self.count = start.rank, start.balance, start.count
+        self.rate, self.diagnostic_sums = start.rate, start.diagnostic_sums
+        self.notes, self.warnings = start.notes, start.warnings
 
-    def create(
-        self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
-    ) -> tuple[Particles, int]:
-        """Particles of a slab's layers, and their number; `layer` holds that of each plane."""
-        own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
-        begin, end = int(own[0]), int(own[1])
-        particles = populate(
-            self.scene, lattice, counts, (begin, end), slab_predicate(self.scene, slab)
-        )
-        return particles, int(np.count_nonzero(particles.m))
+    def now_as_start(self) -> Start:
+        """Return what another stage would go on from."""
+        start = Start(
+            self.scene, self.comm, self.reduction, self.diagnostic_sums, self.done, self.stage,
+            self.count, self.rate, self.watch, self.notes, self.warnings,
+        )  # fmt: skip
+        start.clock, start.balance, start.rank = self.clock, self.balance, self.rank
+        return start
 
     @property
     def now(self) -> Step:
@@ -205,7 +207,7 @@ class Simulation:
                 f"t = {self.time:.6g} is not the end of {self.case.staged.title}, "
                 f"which is at t = {self.case.time.end:.6g}; advance until stage_done"
             )
-        enter(self)
+        self.take(enter(self.now_as_start(), self.cases[self.stage + 1]))
 
     def advance(self, complete: bool = True) -> None:
         """Do one step, the first of the next stage where one is done; collective.
@@ -266,8 +268,7 @@ class Simulation:
     @property
     def fastest(self) -> float:
         """Cells that waves, particles or rigid bodies cross in a unit of time, at most."""
-        rate, free = max(self.rate, self.scene.rigid_bodies.rate), self.rank.free
-        return max(rate, free.rate) if free else rate
+        return self.rank.fastest(self.rate)
 
     def complete_reduction(self) -> None:
         """Complete the last step's reduction, if that has not been done; collective.

@@ -23,6 +23,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
 from pgimp.solver.history.diagnostics import sums_of_bodies
+from pgimp.solver.start.start import Start
 from pgimp.solver.start.warmup import warm_up
 from pgimp.solver.time.clock import clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
@@ -33,22 +34,23 @@ if TYPE_CHECKING:
     from pgimp.solver.rank import Rank
 
 
-def enter(sim: Any) -> None:
+def enter(now: Start, case: Case) -> Start:
     """Enter the next stage, once the last step of the one before is done; collective.
 
     Parameters
     ----------
-    sim : Simulation
-        At the end of a stage; it begins stages, so that its type is not known here.
+    now : Start
+        The end of the stage before.
+    case : Case
+        The stage.
 
     Raises
     ------
     RunError
         On every rank: a constraint that begins and holds no particle, a step that is too long.
     """
-    rank, comm, records = sim.rank, sim.comm, sim.diagnostic_sums
-    old, case = sim.scene, sim.cases[sim.stage + 1]
-    new = Scene(case)
+    rank, comm, records = now.rank, now.comm, now.diagnostic_sums
+    old, new = now.scene, Scene(case)
     if old.densest is not None:
         new.weigh(old.densest)
     take_as_empty(case, comm)
@@ -72,9 +74,9 @@ def enter(sim: Any) -> None:
 
     counts = np.concatenate(comm.allgather(np.diff(rank.population.start)))
     _, balance, _ = partition(new, comm, counts)
-    if balance.cuts != sim.balance.cuts:
+    if balance.cuts != now.balance.cuts:
         rank.population.particles = particles
-        rank.move(sim.balance.cuts, balance.cuts)
+        rank.move(now.balance.cuts, balance.cuts)
         particles = rank.particles
     balance.watch(rank.count)
     books, free = rank.booked(), dict(_free(rank))
@@ -83,19 +85,22 @@ def enter(sim: Any) -> None:
     if rank.free:
         rank.free.states = [free[name] for name, _ in _free(rank)]
 
-    sim.stage, sim.case, sim.scene, sim.balance = sim.stage + 1, case, new, balance
+    now.stage, now.scene, now.balance = now.stage + 1, new, balance
     rate = fastest(new, particles, rank.population.order, new.controlled or True)
-    sim.rate = max(sim.rate, *comm.allgather(rate))
+    now.rate = max(now.rate, *comm.allgather(rate))
     rate = max(rest_rate(new, body) for body in range(len(new.body_names)))
     if new.variations:  # as in `Simulation`
-        rate = sim.rate
+        rate = now.rate
     same = isinstance(case.time.step, float | int) and case.time.step == old.case.time.step
-    sim.clock = clock_of(case, rate, sim.clock.before if same else sim.done.number)
-    _watch(sim, rate * min(new.frame.cell))
+    now.clock = clock_of(case, rate, now.clock.before if same else now.done.number)
+    _watch(now, rate * min(new.frame.cell))
     try:
-        sim.warnings += check_first_step(new, sim.clock.next(sim.done, sim.fastest).dt, sim.rate)
+        now.warnings += check_first_step(
+            new, now.clock.next(now.done, rank.fastest(now.rate)).dt, now.rate
+        )
     except CaseError as error:
         raise RunError(f"{case.staged.title}: {error}") from None
+    return now
 
 
 def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
@@ -215,13 +220,13 @@ def _free(rank: Rank) -> list[tuple[str, Any]]:
     return list(zip(names, rank.free.states, strict=True))
 
 
-def _watch(sim: Any, speed: float) -> None:
+def _watch(now: Start, speed: float) -> None:
     """Watch the energy from here on, if pgimp chooses the stage's steps; its numbers stay."""
-    before, sim.watch = sim.watch, None
-    if not sim.case.watched:
+    before, now.watch = now.watch, None
+    if not now.case.watched:
         return
-    sim.watch = EnergyWatch(speed)
+    now.watch = EnergyWatch(speed)
     if before:
-        sim.watch.numbers = before.numbers
-    sim.watch.begin(sim.rank)
-    sim.watch.shorten(sim.clock)
+        now.watch.numbers = before.numbers
+    now.watch.begin(now.rank)
+    now.watch.shorten(now.clock)

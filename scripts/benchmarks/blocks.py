@@ -121,7 +121,9 @@ def shake(sim):
     if half == 0.0:
         places = 0.25 + 0.5 * places
     p.x[rows] = origin + (corner + places) * cell
-    put_in_order(sim, sim.rank.slab, p, len(rows))
+    start = sim.now_as_start()
+    put_in_order(start, sim.rank.slab, p, len(rows))
+    sim.take(start)
 
 
 def create(case, comm=None, random=False):

@@ -18,22 +18,23 @@ from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.start.creation import Creation
 from pgimp.utilities.model.layout import Layout, layout_of
 
 YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1
 
 
-class Block(Simulation):
-    """The block, its particles moved to random positions within their cells."""
+class RandomCreation(Creation):
+    """Particles at random positions within their cells."""
 
-    def decompose(self, counts: np.ndarray) -> Slab:
-        """See `Simulation`; `counts` are those on the lattice."""
-        return super().decompose(_spread(counts, self.scene.shape.half[0]))
+    def layer_counts(self, counts: np.ndarray) -> np.ndarray:
+        """See `Creation.layer_counts`."""
+        return _spread(counts, self.scene.shape.half[0])
 
     def create(
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
-        """See `Simulation.create`."""
+        """See `Creation.create`."""
         # A random position may lie in a layer next to its lattice plane's: look two cells further.
         reach = 2 * lattice.per_cell[0]
         own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
@@ -54,6 +55,12 @@ class Block(Simulation):
         for i in range(len(arrays)):  # so that no more than one array is there twice
             arrays[i] = arrays[i][:count][here]
         return Particles._make(arrays), int(here.sum())
+
+
+class Block(Simulation):
+    """The block, its particles at random positions within their cells."""
+
+    creation = RandomCreation
 
 
 def _uniform(ids: np.ndarray) -> np.ndarray:

@@ -19,6 +19,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.solver.decomposition import RESORT
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.start.creation import Creation
 
 #: Seconds and steps of a block that is timed as one.
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
@@ -39,23 +40,13 @@ _KEPT = 0.98
 _ENDLESS, _MANY = 1_000_000, 1e9
 
 
-class Scattered(Simulation):
-    """A simulation in the midst of its motion: particles lie anywhere in their boxes, and drift."""
-
-    def __init__(self, case: Case, comm: Communicator) -> None:
-        super().__init__(case, comm)
-        dt = self.clock.next(self.done, self.rate).dt
-        v, cell = self.particles.v, self.scene.frame.cell[0]
-        rows = self.live()
-        crossings = dt / cell * float(np.abs(v[rows, 0]).sum())
-        total, count = np.sum(comm.allgather((crossings, len(rows))), axis=0)
-        if total < _DRIFT * count:
-            v[rows, 0] += _DRIFT * cell / dt
+class ScatteredCreation(Creation):
+    """Particles anywhere in their boxes, also those of neighbours' layers that end up here."""
 
     def create(
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
-        """See `Simulation.create`."""
+        """See `Creation.create`."""
         end = slab.first + slab.layers
         if slab.layers == 0:
             return super().create(slab, lattice, counts, layer)
@@ -77,6 +68,22 @@ class Scattered(Simulation):
         rows = rows[here]
         kept = np.append(rows, 0)  # room for one at least
         return Particles._make(column[kept] for column in p), len(rows)
+
+
+class Scattered(Simulation):
+    """A simulation in the midst of its motion: particles lie anywhere in their boxes, and drift."""
+
+    creation = ScatteredCreation
+
+    def __init__(self, case: Case, comm: Communicator) -> None:
+        super().__init__(case, comm)
+        dt = self.clock.next(self.done, self.rate).dt
+        v, cell = self.particles.v, self.scene.frame.cell[0]
+        rows = self.live()
+        crossings = dt / cell * float(np.abs(v[rows, 0]).sum())
+        total, count = np.sum(comm.allgather((crossings, len(rows))), axis=0)
+        if total < _DRIFT * count:
+            v[rows, 0] += _DRIFT * cell / dt
 
 
 class Sample:

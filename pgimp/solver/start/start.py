@@ -1,0 +1,44 @@
+"""What a run has at its first step, and each stage at its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from pgimp.case.schema import Case
+from pgimp.decomposition.balance import Balance
+from pgimp.mpi.communicator import Communicator
+from pgimp.scene.scene import Scene
+from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.rank import Rank
+from pgimp.solver.reduction import StepReduction
+from pgimp.solver.time.clock import START, CourantClock, FixedClock, Step
+from pgimp.solver.time.energy_watch import EnergyWatch
+
+
+@dataclass
+class Start:
+    """The state that a simulation takes over; its attributes are those of `Simulation`.
+
+    Set-up fills it in the order in which it finds things: `clock`, `watch`, `balance`, then `rank`
+    and `rate`.
+    """
+
+    scene: Scene
+    comm: Communicator
+    reduction: StepReduction
+    diagnostic_sums: Diagnostics = field(default_factory=Diagnostics)
+    done: Step = START
+    stage: int = 0
+    count: int = 0
+    rate: float = 0.0
+    watch: EnergyWatch | None = None
+    notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    clock: FixedClock | CourantClock = field(init=False)
+    balance: Balance = field(init=False)
+    rank: Rank = field(init=False)
+
+    @property
+    def case(self) -> Case:
+        """The case of the stage."""
+        return self.scene.case
