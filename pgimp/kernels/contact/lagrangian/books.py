@@ -74,7 +74,7 @@ def book_mirrored(contact_pairs, coupling, mirrors, ledger):
                 for d in range(3):
                     if turns(mirrors, n, d):
                         turned = coupling.beyond[r, n, d] * impulse_of(contact_pairs.states[k], d)
-                        ledger.impulse[0, mirrors[n, 3], d] -= 2.0 * sign * turned
+                        ledger.impulse[0, mirrors[n].face, d] -= 2.0 * sign * turned
 
 
 @kernel
@@ -93,7 +93,7 @@ def book_contacts(contact, free, contact_pairs, coupling, values, walls, ledger)
         load_pair(contact, free.frame, contact_pairs, k, coupling, values)
         if wall >= 0:
             sign = -1.0 if end.bodies[0] < end.bodies[1] else 1.0
-            face, fields = walls.faces[wall], contact.fields
+            face, fields = walls.planes[wall].face, contact.fields
             for d in range(3):
                 ledger.impulse[0, face, d] += sign * impulse_of(row, d)
             heat, loss = losses_of(row, fields[0].velocity, fields[1].velocity)

@@ -16,11 +16,12 @@ from pgimp.kernels.contact.data import (
     clear_field,
 )
 from pgimp.kernels.contact.gap import find_pairs
+from pgimp.kernels.contact.lagrangian.reference_grid import depth
 from pgimp.kernels.contact.lagrangian.vertices import (
     number_of,
 )
 from pgimp.kernels.contact.vertex import load_rigid_bodies
-from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
 from pgimp.physics.contact import FRICTION
 
@@ -69,15 +70,12 @@ class SeparatingWalls(NamedTuple):
     ----------
     first : int
         Number of the first one among the bodies.
-    rows : (walls, 3) int64
-        Axis, side, and number of the vertices on it along the axis.
-    faces : (walls,) int64
-        Their numbers among the faces.
+    planes : (walls,) FACE_PLANE
+        The faces.
     """
 
     first: int
-    rows: IntArray
-    faces: IntArray
+    planes: NDArray
 
 
 @inner_kernel
@@ -162,8 +160,8 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
 
     The wall is a rigid body that begins at it. Where other walls are, the neighbourhood ends.
     """
-    axis, side = walls.rows[w, 0], walls.rows[w, 1]
-    deep = (number[axis] - walls.rows[w, 2]) * side
+    axis, side = walls.planes[w].axis, walls.planes[w].side
+    deep = depth(walls.planes[w], number)
     if deep < 0:
         return 0
     if _past_another(faces, axis, frame, number):
@@ -221,9 +219,9 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
         if count + rigid_bodies > 1:
             pairs = find_pairs(contact, frame, sides, count + rigid_bodies, rigid_bodies, dt)
             found = _keep_pairs(contact, frame, sums, number, places, pairs, found, contact_pairs)
-        for w in range(len(walls.rows)):
+        for w in range(len(walls.planes)):
             for a in range(count):
-                on = (number[walls.rows[w, 0]] - walls.rows[w, 2]) == 0
+                on = depth(walls.planes[w], number) == 0
                 half = cell * 2.0 if on else cell
                 _load(contact, 0, sums[places[a]], half)
                 pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)

@@ -17,6 +17,12 @@ from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import held_velocity
 
+#: A face of the domain: its direction and side, the vertices on it along that, its number among
+#: the faces, and whether it turns all components of a reflected vector round.
+FACE_PLANE = np.dtype([
+    ("axis", "i8"), ("side", "i8"), ("vertex", "i8"), ("face", "i8"), ("sticks", "i8")
+], align=True)  # fmt: skip
+
 #: A vertex of the start: mass, velocity, inverse mass by component, which is 0 where a face or a
 #: constraint holds it, and the impulse of contact that these bear.
 REFERENCE_VERTEX = np.dtype([
@@ -68,9 +74,15 @@ def _key(across, number, fields, field):
 
 
 @inner_kernel
+def depth(plane, number):
+    """Vertices, along its axis, from a face outwards to a vertex, given by its numbers."""
+    return (number[plane.axis] - plane.vertex) * plane.side
+
+
+@inner_kernel
 def is_turned(mirrors, n, number):
     """Whether a vertex, given by its numbers, lies beyond a mirror."""
-    return (number[mirrors[n, 0]] - mirrors[n, 2]) * mirrors[n, 1] > 0
+    return depth(mirrors[n], number) > 0
 
 
 @inner_kernel
@@ -79,8 +91,8 @@ def image_of(mirrors, number):
     x, y, z = number
     for n in range(len(mirrors)):
         if is_turned(mirrors, n, number):
-            axis = mirrors[n, 0]
-            back = 2 * mirrors[n, 2] - number[axis]
+            axis = mirrors[n].axis
+            back = 2 * mirrors[n].vertex - number[axis]
             x, y, z = (
                 back if axis == 0 else x, back if axis == 1 else y, back if axis == 2 else z
             )  # fmt: skip
@@ -90,7 +102,7 @@ def image_of(mirrors, number):
 @inner_kernel
 def turns(mirrors, n, d):
     """Whether mirror `n` turns component `d` round."""
-    return mirrors[n, 4] != 0 or mirrors[n, 0] == d
+    return mirrors[n].sticks != 0 or mirrors[n].axis == d
 
 
 @inner_kernel
@@ -122,9 +134,8 @@ def copy_reference_vertices(holding, field, table, supports, mirrors, seen, vert
         After the update of momentum.
     table, supports
         The particles, and their supports at the start.
-    mirrors : (n, 5) int64
-        Axis, side, vertex number and face of the walls that reflect, and whether they stick, see
-        `Mirror`; what is beyond has its image's sums.
+    mirrors : (n,) FACE_PLANE
+        The walls that reflect, see `Mirror`; what is beyond has its image's sums.
     seen : Seen
         Vertices that have been copied are marked.
     vertices : StartVertices

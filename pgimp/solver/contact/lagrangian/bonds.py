@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
 from pgimp.physics.contact import FRICTION, TIED, Pairs, coefficients
 from pgimp.scene.scene import Scene
 
@@ -31,14 +32,12 @@ def separating_walls(scene: Scene) -> SeparatingWalls:
     """Walls that let go, as bodies after all others; see `with_walls`."""
     frame = scene.frame
     letting = [(n, face) for n, face in enumerate(scene.faces) if face.condition.approaches]
-    rows = [
-        (face.axis, face.side, frame.ghost + (face.side > 0) * frame.cells[face.axis])
-        for _, face in letting
+    planes = [
+        (face.axis, face.side, frame.ghost + (face.side > 0) * frame.cells[face.axis], n, False)
+        for n, face in letting
     ]
-    return SeparatingWalls(
-        len(scene.body_names) + len(scene.rigid_bodies), np.array(rows, np.int64).reshape(-1, 3),
-        np.array([n for n, _ in letting], np.int64),
-    )  # fmt: skip
+    first = len(scene.body_names) + len(scene.rigid_bodies)
+    return SeparatingWalls(first, np.array(planes, FACE_PLANE))
 
 
 def bonded(

@@ -150,7 +150,7 @@ class BroadPhase:
         for row in rigid_bodies.lattice if rigid_bodies else ():
             first, last = row["least"][:D] - away, row["most"][:D] + away
             ends.append((first - frame.ghost, last - frame.ghost))
-        for axis, side, end in self.walls.rows:
+        for axis, side, end, *_ in self.walls.planes.tolist():
             lattice = np.full((2, D), [[-np.inf], [np.inf]])
             lattice[int(side < 0), axis] = end - frame.ghost - side * (1.0 + away[axis])
             ends.append(lattice)

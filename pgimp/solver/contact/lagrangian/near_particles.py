@@ -11,6 +11,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.lagrangian.cut_supports import narrow_supports
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import (
+    FACE_PLANE,
     REFERENCE_VERTEX,
     ReferenceVertices,
     Seen,
@@ -157,10 +158,10 @@ class NearParticles:
         """Least and greatest numbers of vertices at rigid bodies and walls, (n, 2, 3) int64."""
         D, rigid_bodies = self.scene.dimension, self._tools
         lattice = rigid_bodies.lattice if rigid_bodies else ()
-        boxes = np.full((len(lattice) + len(self._walls.rows), 2, 3), [[[-FAR], [FAR]]])
+        boxes = np.full((len(lattice) + len(self._walls.planes), 2, 3), [[[-FAR], [FAR]]])
         for n, row in enumerate(lattice):
             boxes[n, 0, :D], boxes[n, 1, :D] = row["least"][:D], row["most"][:D]
-        for n, (axis, side, place) in enumerate(self._walls.rows, len(lattice)):
+        for n, (axis, side, place, *_) in enumerate(self._walls.planes.tolist(), len(lattice)):
             boxes[n, int(side < 0), axis] = place
         return boxes
 
@@ -230,10 +231,10 @@ def plain(scene: Scene) -> Setting:
 
 
 def mirrors_of(scene: Scene) -> np.ndarray:
-    """Axis, side, vertex number, face, and whether they stick, of the mirrors, (n, 5) int64."""
+    """The mirrors, (n,) FACE_PLANE."""
     frame = scene.frame
     rows = []
     for each in scene.mirrors:
         vertex = frame.ghost + (each.side > 0) * frame.cells[each.axis]
         rows.append((each.axis, each.side, vertex, each.number, each.sticks))
-    return np.array(rows, np.int64).reshape(-1, 5)
+    return np.array(rows, FACE_PLANE)
