@@ -16,7 +16,7 @@ from pgimp.physics.loads.tractions import overlaps
 from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
 
 
-def parts_of(low: float, high: float, edges: np.ndarray) -> np.ndarray:
+def covered_fractions(low: float, high: float, edges: np.ndarray) -> np.ndarray:
     """Fraction of each of the lattice's columns, given by their `edges`, that [low, high] covers.
 
     Small parts merge inwards, as those of particles do.
@@ -159,7 +159,7 @@ class SceneLoads:
                 edges, centres = self._lattice(d)
                 columns.append(np.searchsorted(centres, p.x[mine, d]))
                 if body.surface == "cut":
-                    parts.append(parts_of(low[d], high[d], edges))
+                    parts.append(covered_fractions(low[d], high[d], edges))
                 else:
                     parts.append(((low[d] <= centres) & (centres < high[d])).astype(float))
             overlap = overlaps(self._width[entry.axis], 2.0 * self.half[entry.axis])

@@ -74,7 +74,7 @@ class Scene:
         The laws of contact; None where all bodies share one velocity field.
     flows : SceneFlows or None
         The bodies that flow, if there are any.
-    rigid_bodies : SceneTools
+    rigid_bodies : SceneRigidBodies
         The rigid bodies; false where there are none.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.

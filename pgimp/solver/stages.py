@@ -188,7 +188,7 @@ def _booked(scene: Scene) -> tuple[list[str], ...]:
 
 
 def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) -> np.ndarray:
-    """Rows of an array by other names; those of names that are new are zero."""
+    """Reorder rows to new names, zero-filled."""
     number = {name: i for i, name in enumerate(old)}
     found = np.zeros((len(new), *values.shape[1:]))
     for i, name in enumerate(new):

@@ -76,7 +76,7 @@ class Contact(NamedTuple):
         Scratch: the states of the pairs.
     scratch_impulse : (faces, 3) float64
         Scratch for what faces would book.
-    rigid_bodies : Tools or ()
+    rigid_bodies : RigidBodies or ()
         The rigid bodies, which count as fields without a place in the grid, and with infinite
         mass.
     """

@@ -37,8 +37,8 @@ def held_field_velocity(contact, holding, number, a, last):
 def find_held(contact, holding, number, count, rigid, last):
     """Set the mobilities of the fields at a vertex; returns whether any component is held.
 
-    A component is held if it does not follow the velocity, to either side: also by a wall that lets
-    go while the body presses on it, or by friction while it sticks. The bilateral inverse mass
+    A component is constrained if perturbing the velocity does not change the result: also by a
+    unilateral wall under pressure, or by friction while it sticks. The bilateral inverse mass
     excludes these.
     There are `count` fields of bodies and `rigid` ones of rigid bodies.
     """

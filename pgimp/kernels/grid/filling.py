@@ -192,7 +192,7 @@ def find_filling(frame, field, walls, rigid_bodies, fills):
         As in `fold_filling`, after it.
     walls : (6,) bool
         Which faces are walls: the low and the high end of x, y, z.
-    rigid_bodies : Tools or ()
+    rigid_bodies : RigidBodies or ()
         The rigid bodies.
     fills : (rigid bodies,) bool
         Which of them fill as well.

@@ -38,7 +38,7 @@ class Keepers(NamedTuple):
 
     Attributes
     ----------
-    rigid_bodies : Tools
+    rigid_bodies : RigidBodies
         The rigid bodies where they are at the step's end.
     pairs : Pairs
         The laws of contact.

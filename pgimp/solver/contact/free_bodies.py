@@ -115,7 +115,7 @@ class FreeBodies:
 
         Parameters
         ----------
-        rigid_bodies : Tools
+        rigid_bodies : RigidBodies
             Those of the step, without impulses yet.
         grid : Grid
             The rank's planes.
@@ -285,7 +285,7 @@ class FreeBodies:
 
 
 def _booked_velocities(body: FreeBody, state: State, inertia: Matrix) -> list[float]:
-    """Return the velocities before a step with which the energy that a body loses is booked.
+    """Velocities before a step, for the books of energy.
 
     A moment also changes how the axis turns in the step: twice the change of speed that turning
     makes by the step's middle is left out, so that what is booked is what the body loses.

@@ -82,7 +82,7 @@ def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: 
 
 
 def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
-    """Assign each body the lowest field that no body has which it may meet soon.
+    """Greedy colouring: each body gets the lowest field of no body that it may meet soon.
 
     Parameters
     ----------

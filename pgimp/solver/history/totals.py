@@ -146,7 +146,7 @@ class Totals(NamedTuple):
         return self.errors[column] / volume if volume else np.nan
 
     def reference_stress(self) -> float:
-        """Return the stress that (47) refers to; 1 before the load starts: there is no error."""
+        """Reference stress of (47); 1 before loading, when the error is zero."""
         return self.scene.exact.scale(self.done.end) or 1.0
 
 

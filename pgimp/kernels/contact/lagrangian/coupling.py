@@ -1,7 +1,6 @@
-"""How vertices where bodies are now answer impulses: the rows of B of `accumulated`.
+"""Coupling matrix B between contact vertices and reference vertices, see `gauss_seidel`.
 
-What a particle has at the start's vertices, velocity and its gradient, is what it tells of the
-velocity at a present vertex:
+Each particle extrapolates its velocity to the contact vertex x_i with its velocity gradient:
 
     B_ij = sum_p m_p S_ip (S0_jp + grad S0_jp . F_p^-1 (x_i - x_p)) / sum_p m_p S_ip.
 
@@ -24,7 +23,7 @@ LEAST_FREE = 0.25
 
 
 class Coupling(NamedTuple):
-    """Responses of the vertices of the start to impulses: the rows of B for the encounters.
+    """Rows of the coupling matrix B for the contact pairs.
 
     Attributes
     ----------
@@ -50,7 +49,7 @@ class Coupling(NamedTuple):
 
 @inner_kernel
 def _answer(column, entry, first, last, values, part):
-    """Sum of B_ij^2/m_j over a row's free vertices; 0 if nearly all of it is held."""
+    """Inverse mass of a contact vertex, sum_j B_ij^2/m_j; 0 if nearly all of the row is held."""
     found, gives, every = 0.0, 0.0, 0.0
     for k in range(first, last):
         square = entry[k, part] ** 2
@@ -86,7 +85,7 @@ def _value(before, i, q, way):
 
 @allocating_kernel
 def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, values):
-    """Find the rows of B for the encounters.
+    """Find the rows of B for the contact pairs.
 
     Parameters
     ----------
@@ -96,7 +95,7 @@ def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, value
         Theirs, at their present places and at those of the start.
     mirrors
         As of `copy_reference_vertices`.
-    contact_pairs : Encounters
+    contact_pairs : ContactPairs
         The pairs. In place of entries of `sums` they get the numbers of rows.
     sums : (m,) VERTEX_SUMS
         See `ContactVertices`.
@@ -105,7 +104,7 @@ def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, value
 
     Returns
     -------
-    Responses
+    Coupling
     """
     ends, at, at0 = contact_pairs.ends, now.at, before.at
     row_of = np.full(len(sums), -1, np.int64)

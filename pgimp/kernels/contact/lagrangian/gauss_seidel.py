@@ -101,9 +101,9 @@ def solve_impulses(contact, free, contact_pairs, coupling, values, sweeps, enoug
         Laws and scratch.
     free : Holding
         The empty one: what is held has no mobility.
-    contact_pairs : Encounters
+    contact_pairs : ContactPairs
         The pairs; their impulses are added up in `states`.
-    coupling : Responses
+    coupling : Coupling
         The response to impulses.
     values : (m,) REFERENCE_VERTEX
         The vertices of the start; their velocities are changed here.

@@ -1,4 +1,4 @@
-"""Encounters: groups of bodies, rigid bodies and walls that may act on each other where they are.
+"""Contact pairs: groups of bodies, rigid bodies and walls that may act on each other at a vertex.
 
 For bodies in the initial configuration, whose sums at the vertices are in
 `pgimp.kernels.contact.lagrangian.vertices`.
@@ -31,8 +31,8 @@ ENDS = np.dtype([
     ("rows", "i8", 2), ("bodies", "i8", 2), ("law", "i8"), ("vertex", "i8", 3)
 ], align=True)  # fmt: skip
 
-#: Cells from a body's particles, along the normal, at which a vertex still tells how the body's
-#: surface moves. Beyond it would hold not that, but how the body strains.
+#: Largest distance, in cells along the normal, between a vertex and the body's mass there. Farther
+#: vertices would respond to strain, not to the velocity of the surface.
 FARTHEST = 0.9
 
 
@@ -93,7 +93,7 @@ def _load(contact, a, row, cell):
 
 @inner_kernel
 def _is_far(frame, row, normal):
-    """Whether a vertex is too far from the particles of a group to tell how their surface moves.
+    """Whether a vertex is farther than `FARTHEST` from the centre of mass of a group there.
 
     `row` are the group's sums there, `normal` has that of the pair.
     """
@@ -191,7 +191,7 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
         Those that let go.
     contact_vertices : Present
         The groups' sums at the vertices.
-    contact_pairs : Encounters
+    contact_pairs : ContactPairs
         Filled with the pairs.
 
     Returns

@@ -54,7 +54,7 @@ def book_held(holding, field, vertices, ledger):
         Faces and constraints.
     field : Field
         As after `change_velocities`: what is held moves as prescribed.
-    vertices : StartVertices
+    vertices : ReferenceVertices
         Those of all ranks.
     ledger : Ledger
         Impulses grow by the shares, and work by these times the velocities there.

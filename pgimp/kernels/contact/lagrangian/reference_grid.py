@@ -138,7 +138,7 @@ def copy_reference_vertices(holding, field, table, supports, mirrors, seen, vert
         The walls that reflect, see `Mirror`; what is beyond has its image's sums.
     seen : Seen
         Vertices that have been copied are marked.
-    vertices : StartVertices
+    vertices : ReferenceVertices
         Filled; it must be large enough.
 
     Returns

@@ -1,4 +1,4 @@
-"""Rigid ends of encounters: bodies that move as prescribed, and those that impulses move.
+"""Rigid ends of contact pairs: prescribed bodies, and free ones, which impulses accelerate.
 
 A free body has the velocity T V at a vertex, T = [1, -[r]x], and answers an impulse J there by the
 change C T^t J of V, its velocity and angular velocity; C is the inverse of its mass matrix. All

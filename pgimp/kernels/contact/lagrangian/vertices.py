@@ -1,4 +1,4 @@
-"""Present places of bodies in the initial configuration, and their sums at the grid's vertices.
+"""Sums at contact vertices of bodies in the initial configuration, at their current positions.
 
 Their own grid is that of the start, without neighbours. Where they come near each other, a rigid
 body or a wall that lets go, the particles there are summed once more, at their present places, into

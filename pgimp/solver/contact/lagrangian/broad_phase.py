@@ -100,7 +100,7 @@ class BroadPhase:
             The particles.
         groups : (bodies,) int64
             The groups of bonded bodies.
-        rigid_bodies : Tools or ()
+        rigid_bodies : RigidBodies or ()
             The rigid bodies, in place.
         t : Step
             The step.

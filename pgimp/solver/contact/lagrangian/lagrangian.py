@@ -255,6 +255,6 @@ def unite(
 
 
 def nothing_held(holding: Holding) -> Holding:
-    """The holding for the law of contact: none, as held vertices have no mobility."""
+    """Conditions inside the solver: none, as constrained vertices have no inverse mass."""
     forcing = holding.forcing._replace(marked=(), clearances=())
     return holding._replace(faces=(), forcing=forcing)

@@ -47,7 +47,7 @@ class Near(NamedTuple):
         Room for the sums there.
     start : Supports
         The particles' supports at the start.
-    vertices : StartVertices
+    vertices : ReferenceVertices
         All of these, in the order of their keys.
     """
 
@@ -67,7 +67,7 @@ class NearParticles:
         The scene.
     comm : communicator
         Of all ranks.
-    rigid_bodies : Tools or ()
+    rigid_bodies : RigidBodies or ()
         The rigid bodies, in place.
     walls : SeparatingWalls
         The walls that let go.
@@ -139,7 +139,7 @@ class NearParticles:
         return Near(table, patches, contact_vertices, self.supports(table, False), vertices)
 
     def _shared(self, table: np.ndarray) -> tuple[np.ndarray, Patches, ContactVertices]:
-        """Those of some particles with shared vertices of this rank's share, and these vertices."""
+        """Particles on vertices of this rank that several groups share, and these vertices."""
         low, high = np.zeros(3, np.int64), np.zeros(3, np.int64)
         if len(table):
             first = table["first_vertex"]
@@ -226,7 +226,7 @@ def in_order(vertices: ReferenceVertices) -> ReferenceVertices:
 
 
 def plain(scene: Scene) -> Setting:
-    """The scene for kernels that take particles where they are, and need no materials."""
+    """Kernel scene with current positions, without materials."""
     return scene.setting.without_materials()._replace(frame=scene.frame)
 
 
