@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 import pytest
+from costs import Costs
 from hypothesis import settings
 from processes import clean_env, run
 
@@ -37,6 +38,11 @@ def pytest_addoption(parser):
     """Add the option of the fast tier."""
     words = "leave out what starts ranks, Slurm or ParaView, and the files that take long"
     parser.getgroup("pgimp").addoption("--fast", action="store_true", help=words)
+
+
+def pytest_configure(config):
+    """List what files of tests cost, at the end."""
+    config.pluginmanager.register(Costs(), "costs")
 
 
 def pytest_collection_modifyitems(config, items):

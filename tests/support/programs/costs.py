@@ -1,0 +1,81 @@
+"""What each file of tests costs: CPU time, also of the processes it starts, and compiled kernels.
+
+A plugin of pytest, for `tests/conftest.py`; the dearest files are listed at the end of a run.
+"""
+
+import resource
+from collections import Counter
+
+import pytest
+from numba.core import event
+
+#: Files that are listed.
+LISTED = 12
+
+
+class _Compiled(event.Listener):
+    """Counts the kernels that this process has compiled, but not what they call."""
+
+    def __init__(self):
+        self.count = self._depth = 0
+
+    def on_start(self, event):
+        """Begin to compile a function."""
+        self.count += self._depth == 0
+        self._depth += 1
+
+    def on_end(self, event):
+        """End that."""
+        self._depth -= 1
+
+
+def cpu():
+    """CPU seconds of this process, and of those that it has waited for."""
+    return sum(
+        used.ru_utime + used.ru_stime
+        for used in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    )
+
+
+class Costs:
+    """Measures tests in the workers, and adds up files where these report to."""
+
+    def __init__(self):
+        self._compiled = _Compiled()
+        event.register("numba:compile", self._compiled)
+        self._seconds, self._kernels = Counter(), Counter()
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item):
+        """Measure a test with its fixtures."""
+        begin, compiled = cpu(), self._compiled.count
+        item.user_properties.append(("before", (begin, compiled)))
+        return (yield)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self, item, call):
+        """Note what a test has cost so far."""
+        report = yield
+        if call.when == "teardown":
+            (begin, compiled) = dict(item.user_properties)["before"]
+            cost = cpu() - begin, self._compiled.count - compiled
+            report.user_properties.append(("cost", cost))
+        return report
+
+    def pytest_runtest_logreport(self, report):
+        """Add up a file's costs."""
+        if cost := dict(report.user_properties).get("cost"):
+            file = report.nodeid.partition("::")[0]
+            self._seconds[file] += cost[0]
+            self._kernels[file] += cost[1]
+
+    def pytest_terminal_summary(self, terminalreporter):
+        """List the dearest files."""
+        total, kernels = sum(self._seconds.values()), sum(self._kernels.values())
+        if total < 60.0:
+            return
+        terminalreporter.section(
+            f"{total / 60.0:.1f} minutes of CPU time, {kernels} kernels compiled in tests"
+        )
+        for file, seconds in self._seconds.most_common(LISTED):
+            terminalreporter.write_line(f"{seconds:6.0f} s {self._kernels[file]:4d}  {file}")
