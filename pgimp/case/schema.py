@@ -28,7 +28,7 @@ from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
 from pgimp.case.steps import AUTO, CourantStep
 from pgimp.case.time import Time
-from pgimp.physics.contact import ContactEntry
+from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.rigid import RigidBody

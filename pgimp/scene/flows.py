@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.grid.mirror import Mirror
-from pgimp.physics.contact import Pairs
+from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.faces import Face
 
 

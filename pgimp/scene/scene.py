@@ -16,7 +16,7 @@ from pgimp.kernels.grid.position_limits import GRAVITY
 from pgimp.kernels.order.order import cell_numbers
 from pgimp.kernels.sums.sums import SUMS
 from pgimp.mpi.communicator import Communicator
-from pgimp.physics.contact import Pairs
+from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.fields import EVERY
 from pgimp.physics.materials.base import LOSSES
 from pgimp.physics.materials.parameters.outside import parameters_of

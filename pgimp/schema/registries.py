@@ -142,7 +142,8 @@ class ByWord(Dispatch):
         content = plain(value)
         if name in type(value).model_fields:
             return content
-        return {name: content} if value != type(value)() and content else name
+        bare = not _required(type(value)) and value == type(value)()
+        return name if bare or not content else {name: content}
 
     def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """See `Dispatch`."""

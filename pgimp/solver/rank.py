@@ -123,7 +123,7 @@ class Rank:
         self.keeping = Keeping(scene, comm, self.free, slab.layers)
         outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)
         constraints = len(scene.loads.constraints)
-        contacts = len(scene.pairs.law) if scene.pairs else 0
+        contacts = len(scene.pairs.way) if scene.pairs else 0
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.faces), constraints, outflow, contacts,
             len(scene.rigid_bodies),

@@ -24,6 +24,7 @@ def source(tmp_path_factory):
         '"""Slightly compressible': "materials/fluid.py",
         '"""Quadratic B-splines': "shapes/quadratic_spline.py",
         '"""A rough wall': "boundaries/rough.py",
+        '"""Coulomb friction up': "contact/limited.py",
         '"""Damping by mass': "loads/damping.py",
     }.items():
         (physics / path).write_text(block_of(beginning))
@@ -32,6 +33,7 @@ def source(tmp_path_factory):
         "Fluid": physics / "materials/__init__.py",
         "QuadraticSpline": physics / "shapes/__init__.py",
         "Rough": physics / "boundaries/__init__.py",
+        "Limited": physics / "contact/__init__.py",
         "Damping": physics / "loads/__init__.py",
         "jacobian": physics / "fields.py",
         "centre of mass": source / "pgimp/solver/history/columns.py",
@@ -136,6 +138,32 @@ def test_boundary_condition_and_field(source):
     ]
     assert found[0] == pytest.approx(1.0, abs=1e-12)
     assert found[1] < 0.9
+
+
+#: A block with a base of 3 slides on a rigid plate for 2 s, under a weight of 9.
+ON_PLATE = """
+import pgimp
+
+bodies = {
+    "block": {"material": "soft", "region": {"box": {"min": [2.0, 1.0], "max": [5.0, 4.0]}},
+              "velocity": [2.0, 0.0]},
+    "plate": {"rigid": {}, "region": {"box": {"min": [-2.0, -2.0], "max": [14.0, 1.0]}}},
+}
+changes = {"bodies": bodies, "boundaries": {}, "gravity": [0.0, -1.0]}
+for law in ("friction", {"limited": {"limit": 1.0e9}}, {"limited": {"limit": 0.1}}):
+    changes["contact"] = [{"bodies": "all", "friction": 0.3, "law": law}]
+    sim = pgimp.Simulation("case.yaml", overrides=changes)
+    first = sim.diagnostics()["momentum-x"]
+    sim.advance()
+    print(repr(first - sim.diagnostics()["momentum-x"]))
+"""
+
+
+def test_law_of_contact(source):
+    """Below the limit it is friction, to the bit; above it the force is limit times area."""
+    friction, high, low = (float(line) for line in python(source, "-c", ON_PLATE).split())
+    assert high == friction == pytest.approx(0.3 * 9.0 * 2.0, rel=0.03)
+    assert low == pytest.approx(0.1 * 3.0 * 2.0, rel=0.03)  # the block leaves the plate at times
 
 
 #: Blocks that fly through empty space in 100 steps of 0.01.

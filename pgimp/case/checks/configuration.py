@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
-from pgimp.physics.contact import TIED, Pairs
+from pgimp.physics.contact.base import TIED
+from pgimp.physics.contact.pairs import Pairs
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
@@ -99,7 +100,7 @@ def _parted(
     parted = []
     for one, other in combinations(current, 2):
         number = abs(int(pairs.entry[names.index(one), names.index(other)]))
-        if number and pairs.law[number - 1] == TIED:
+        if number and pairs.way[number - 1] == TIED:
             old = root[other]
             root = {name: root[one] if end == old else end for name, end in root.items()}
         else:

@@ -12,7 +12,7 @@ import numpy as np
 
 from pgimp.jit.kernel import inner_kernel
 from pgimp.kernels.contact.select import VERTEX_RANGE
-from pgimp.physics.contact import Pairs
+from pgimp.physics.contact.pairs import Pairs
 
 #: Sweeps over the pairs of a vertex where one is not enough: where more than two fields meet, or
 #: where walls or constraints hold some of them.

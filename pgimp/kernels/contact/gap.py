@@ -10,7 +10,7 @@ from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel
 from pgimp.kernels.contact.data import clear_pair
-from pgimp.physics.contact import FRICTION
+from pgimp.physics.contact.base import UNILATERAL
 
 #: Least part of a vertex's neighbourhood that either body must fill: less gives no reliable gap, as
 #: strain changes it.
@@ -59,7 +59,7 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
                 continue
             row = states[found]
             clear_pair(row)
-            if contact.pairs.law[entry - 1] == FRICTION:
+            if contact.pairs.way[entry - 1] == UNILATERAL:
                 if b < count - rigid:
                     least = min(fields[a].mass, fields[b].mass)
                     if least < LEAST_MASS * (fields[a].mass + fields[b].mass):

@@ -4,11 +4,12 @@ from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.contact.data import fields_of, impulse_of
+from pgimp.kernels.contact.sliding import sliding_part
 from pgimp.kernels.grid.conditions import held_velocity
 from pgimp.kernels.grid.constraints import is_marked
 from pgimp.kernels.grid.faces import beyond_any, face_count
 from pgimp.kernels.rigid.bodies import move_freely
-from pgimp.physics.contact import TIED, sliding_part
+from pgimp.physics.contact.base import TIED
 
 #: Small and great changes of a velocity, relative to the greatest speed at a vertex: what is held
 #: moves with neither. Against a great one a wall that lets go, or friction, holds nothing.
@@ -142,7 +143,7 @@ def exchange(contact, holding, number, held, pair, last):
     if held:
         u = held_field_velocity(contact, holding, number, a, last)
         v = held_field_velocity(contact, holding, number, b, last)
-    tied = contact.pairs.law[entry] == TIED
+    tied = contact.pairs.way[entry] == TIED
     # A rigid body may overcome a wall that lets go, or its friction.
     rigid = first.mass == inf or second.mass == inf
     bilateral = tied or rigid
@@ -184,11 +185,11 @@ def exchange(contact, holding, number, held, pair, last):
     for d in range(3):
         stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most
         square += stick * stick
-    static, kinetic = contact.pairs.coefficient[entry, 0], contact.pairs.coefficient[entry, 1]
     length, pressed, cling = sqrt(square), max(row.normal_impulse, 0.0), row.shear_adhesion
     if row.normal_impulse < 0.0:
         cling *= sqrt(1.0 - (row.normal_impulse / row.adhesion) ** 2)
-    part = sliding_part(static, kinetic, cling, pressed, length)
+    stress = row.area * holding.forcing.dt
+    part = sliding_part(contact.pairs, entry, cling, pressed, stress, length)
     row.sticking = part
     for d in range(3):
         stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most

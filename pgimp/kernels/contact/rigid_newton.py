@@ -12,13 +12,14 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.data import fields_of
 from pgimp.kernels.contact.law import held_compliance
+from pgimp.kernels.contact.sliding import sliding_slope
 from pgimp.kernels.contact.vertex import contact_at_vertex
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.rigid.bodies import (
     lever,
     place_of,
 )
-from pgimp.physics.contact import TIED
+from pgimp.physics.contact.base import TIED
 
 #: Least impulse across the normal; squares of smaller ones underflow.
 NONE = 1e-120
@@ -50,7 +51,7 @@ def find_rigid_impulses(contact, faces, frame, field, forcing):
                     continue
                 count, pairs = contact_at_vertex(contact, holding, field, number, r, True)
                 for pair in range(pairs):
-                    _add(contact, rigid_bodies, frame, number, pair, count if pairs > 1 else 1, i)
+                    _add(contact, rigid_bodies, holding, number, pair, count if pairs > 1 else 1, i)
 
 
 @inner_kernel
@@ -76,7 +77,7 @@ def _some_free(rigid_bodies, D, number):
 
 
 @inner_kernel
-def _add(contact, rigid_bodies, frame, number, pair, count, plane):
+def _add(contact, rigid_bodies, holding, number, pair, count, plane):
     """Add the impulse on a pair's rigid body at a vertex, if it moves freely.
 
     `count` is the number of fields that may respond together.
@@ -98,9 +99,9 @@ def _add(contact, rigid_bodies, frame, number, pair, count, plane):
     n = (row.normal[0], row.normal[1], row.normal[2])
     s = (row.tangential_impulse[0], row.tangential_impulse[1], row.tangential_impulse[2])
     push, slip = row.normal_impulse, sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
-    tied = contact.pairs.law[contact.ends[pair].law - 1] == TIED
+    tied = contact.pairs.way[contact.ends[pair].law - 1] == TIED
     mobility = _mobility(contact, rigid_bodies, a, b, other, contact.fields[other].mass / mass)
-    along, across, drag, turn = _slopes(contact, pair, other, push, mobility)
+    along, across, drag, turn = _slopes(contact, pair, other, mobility, holding.forcing.dt)
     inverse = 1.0 / slip if slip > NONE else 0.0
     drag, turn = inverse * drag, inverse / slip * turn if slip > NONE else 0.0
     if rigid_bodies.motion[t].viscous_slip != 0.0:  # a bounded impulse as viscous: never overshoots
@@ -110,7 +111,7 @@ def _add(contact, rigid_bodies, frame, number, pair, count, plane):
     sign = -1.0 if rigid == a else 1.0
     answer, x, motion = (
         rigid_bodies.responses[plane, free],
-        place_of(frame, number),
+        place_of(holding.frame, number),
         rigid_bodies.motion[t],
     )
     arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
@@ -148,7 +149,7 @@ def _pulled(row, mobility):
 
 
 @inner_kernel
-def _slopes(contact, pair, other, push, mobility):
+def _slopes(contact, pair, other, mobility, dt):
     """Derivatives of the impulse on a rigid body by its velocity, with the sign turned.
 
     Returns that along the normal, that across it, that of the slip by the velocity along the
@@ -156,11 +157,12 @@ def _slopes(contact, pair, other, push, mobility):
     their impulse is the velocity over the mobility, by component.
     """
     entry, row = contact.ends[pair].law - 1, contact.pair_states[pair]
+    push = row.normal_impulse
     answer, most = 0.0, 0.0
     for d in range(3):
         answer += row.normal[d] ** 2 * mobility[d]
         most = max(most, mobility[d])
-    if contact.pairs.law[entry] == TIED or not (push != 0.0 or row.shear_adhesion > 0.0):
+    if contact.pairs.way[entry] == TIED or not (push != 0.0 or row.shear_adhesion > 0.0):
         return 0.0, 0.0, 0.0, 0.0
     held = answer > 0.0 and push != 0.0 and push > -row.adhesion  # else it pulls at its limit
     along, across = 1.0 / answer if held else 0.0, row.sticking / most
@@ -168,4 +170,5 @@ def _slopes(contact, pair, other, push, mobility):
         return along, across, 0.0, 0.0
     if push < 0.0:
         return along, across, 0.0, across
-    return along, across, contact.pairs.coefficient[entry, 1] * along, across
+    slope = sliding_slope(contact.pairs, entry, push, row.area * dt)
+    return along, across, slope * along, across

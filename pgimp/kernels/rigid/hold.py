@@ -7,12 +7,13 @@ velocity into the body becomes the body's, with friction, as in an inelastic imp
 the pair like those at the vertices, and booked like them. Of a cut particle the centroid counts.
 """
 
-from math import sqrt
+from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.contact.sliding import sliding_part
 from pgimp.kernels.data.ledger import (
     HEAT,
     IMPULSE,
@@ -27,7 +28,8 @@ from pgimp.kernels.rigid.bodies import (
     find_distance,
 )
 from pgimp.kernels.transfer.lane_io import take_row
-from pgimp.physics.contact import FRICTION, Pairs, sliding_part
+from pgimp.physics.contact.base import UNILATERAL
+from pgimp.physics.contact.pairs import Pairs
 
 #: Least part of a normal's square that no constraint prescribes: less holds nothing.
 LEAST_FREE = 0.1
@@ -243,9 +245,8 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
     across = sqrt(across)
     mass = m / (1.0 + _answer(keepers.yields[t], arm))  # never too much for all of them together
     part, law = 1.0, abs(entry) - 1
-    if pairs.law[law] == FRICTION:
-        static, kinetic = pairs.coefficient[law, 0], pairs.coefficient[law, 1]
-        part = sliding_part(static, kinetic, 0.0, -normal, across)
+    if pairs.way[law] == UNILATERAL:
+        part = sliding_part(pairs, law, 0.0, -normal, inf, across)
     booked, mine = ledger.contact[layer, law], ledger.rigid_bodies[layer, t]
     J, done, heat = (0.0, 0.0, 0.0), 0.0, 0.0
     for d in range(D):

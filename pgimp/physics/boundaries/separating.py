@@ -7,7 +7,7 @@ from pydantic import Field
 
 from pgimp.jit.kernel import kernel
 from pgimp.physics.boundaries.base import Boundary
-from pgimp.physics.contact import AnyFriction, coefficients, sliding_part
+from pgimp.physics.contact.friction import AnyFriction, coefficients, coulomb_part
 
 
 class SeparatingParameters(NamedTuple):
@@ -50,7 +50,7 @@ def _brake(face, v, gap_rate):
         return v
     x, y, z = (0.0 if k == 0 else v[0]), (0.0 if k == 1 else v[1]), (0.0 if k == 2 else v[2])
     speed = sqrt(x * x + y * y + z * z)
-    part = max(0.0, 1.0 - sliding_part(face.static, face.kinetic, 0.0, into, speed))
+    part = max(0.0, 1.0 - coulomb_part(face.static, face.kinetic, 0.0, into, speed))
     normal = gap_rate * face.side
     return (
         normal if k == 0 else part * x, normal if k == 1 else part * y,

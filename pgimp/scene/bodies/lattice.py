@@ -18,7 +18,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
 from pgimp.geometry.regions import Points
-from pgimp.physics.contact import sharing
+from pgimp.physics.contact.pairs import sharing
 from pgimp.scene.bodies.lattice_body import LEAST_FRACTION, LatticeBody
 from pgimp.scene.bodies.point_cloud import Cloud
 from pgimp.scene.bodies.volume_fractions import Ranges, VolumeFractions

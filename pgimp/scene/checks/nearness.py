@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.physics.contact import Pairs, sharing
+from pgimp.physics.contact.pairs import Pairs, sharing
 from pgimp.scene.checks.moving_boxes import (
     TOUCH,
     Box,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.variation import Variation
 from pgimp.physics.variation.randomfield import RandomVariation
 from pgimp.scene.checks.facts import BodyFacts, Findings
@@ -188,7 +189,7 @@ def _pressed(case: Case) -> set[str]:
     """Names of the bodies that may meet others under a law of friction."""
     names: set[str] = set()
     for entry in case.contact:
-        if entry.law == "friction":
+        if entry.law.way == UNILATERAL:
             names.update(case.bodies if entry.bodies == "all" else entry.bodies)
     return names
 

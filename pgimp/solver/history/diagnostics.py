@@ -92,7 +92,7 @@ def column_names(scene: Scene) -> list[str]:
         The scene of the run.
     """
     faces = len(scene.faces)
-    contact = np.zeros((len(scene.pairs.law) if scene.pairs else 0, BOOKED))
+    contact = np.zeros((len(scene.pairs.way) if scene.pairs else 0, BOOKED))
     rigid_bodies = np.zeros((len(scene.rigid_bodies), TOOLED))
     force = np.zeros(
         (faces + len(scene.loads.constraints) + len(contact) + 2 * len(rigid_bodies), 3)

@@ -187,7 +187,7 @@ def estimate(
     names, faces = len(scene.body_names), len(scene.faces)
     line = 8 * scene.sums * names
     plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.escapes)
-    plane_sums += 8 * BOOKED * len(scene.pairs.law) if scene.pairs else 0
+    plane_sums += 8 * BOOKED * len(scene.pairs.way) if scene.pairs else 0
     plane_sums += 8 * TOOLED * len(scene.rigid_bodies)
     # Of free bodies; their sums are over all planes, twice where ranks add them up.
     answers = RESPONSE.itemsize * sum(

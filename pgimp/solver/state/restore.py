@@ -122,7 +122,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
                 raise DamagedError("the rotation of a rigid body is none")
             found["free-bodies"] = states
         if state.last_line is not None:
-            rows = (len(scene.pairs.law) if scene.pairs else 0) + 2 * len(scene.rigid_bodies)
+            rows = (len(scene.pairs.way) if scene.pairs else 0) + 2 * len(scene.rigid_bodies)
             shape = (len(scene.faces) + len(scene.loads.constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import box, energy, field, finish, scene, start, stir, tracked
 
-from pgimp.physics.contact import ContactEntry, Pairs
+from pgimp.physics.contact.pairs import ContactEntry, Pairs
 from pgimp.solver.contact.multifield import MultifieldContact
 
 

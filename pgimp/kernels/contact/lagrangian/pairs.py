@@ -23,7 +23,7 @@ from pgimp.kernels.contact.lagrangian.vertices import (
 from pgimp.kernels.contact.vertex import load_rigid_bodies
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
-from pgimp.physics.contact import FRICTION
+from pgimp.physics.contact.base import UNILATERAL
 
 #: The ends of a pair: for either one the number of its entry in `ContactVertices`, later of its
 #: row in `Coupling`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
@@ -115,7 +115,7 @@ def _keep_pairs(contact, frame, sums, number, places, pairs, found, contact_pair
         far = False
         for side in range(2):
             a = contact.ends[k].fields[side]
-            if a < len(places) and contact.pairs.law[contact.ends[k].law - 1] == FRICTION:
+            if a < len(places) and contact.pairs.way[contact.ends[k].law - 1] == UNILATERAL:
                 far = far or _is_far(frame, sums[places[a]], contact.pair_states[k])
         if far:
             continue

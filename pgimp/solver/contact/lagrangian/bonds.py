@@ -6,7 +6,9 @@ import numpy as np
 
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
-from pgimp.physics.contact import FRICTION, TIED, Pairs, coefficients
+from pgimp.physics.contact.base import TIED, UNILATERAL
+from pgimp.physics.contact.friction import CoulombParameters, coefficients
+from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.scene import Scene
 
 
@@ -15,15 +17,20 @@ def with_walls(scene: Scene) -> Pairs:
     letting = [face for face in scene.faces if face.condition.approaches]
     names = [*scene.body_names, *scene.rigid_bodies.names]
     pairs = scene.pairs or Pairs.of((), names)
-    n, m, known = len(scene.body_names), len(names), len(pairs.law)
+    n, m, known = len(scene.body_names), len(names), len(pairs.way)
     entry = np.zeros((m + len(letting),) * 2, np.int64)
     entry[:m, :m] = pairs.entry
     entry[:n, m:] = known + 1 + np.arange(len(letting))
     given = [coefficients(face.condition.friction) for face in letting]
+    parameters = np.zeros((len(letting), pairs.parameters.shape[1]))
+    parameters[:, :2] = np.array(given, float).reshape(-1, 2)
+    coulomb = [type(kind) for kind in pairs.kinds].index(CoulombParameters)
     return Pairs(
         entry,
-        np.concatenate([pairs.law, np.full(len(letting), FRICTION)]),
-        np.concatenate([pairs.coefficient, np.array(given, float).reshape(-1, 2)]),
+        np.concatenate([pairs.way, np.full(len(letting), UNILATERAL)]),
+        pairs.kinds,
+        np.concatenate([pairs.kind, np.full(len(letting), coulomb)]),
+        np.concatenate([pairs.parameters, parameters]),
         np.concatenate([pairs.adhesion, np.zeros((len(letting), 3))]),
     )
 
@@ -58,7 +65,7 @@ def bonded(
     for a in range(n):
         for b in range(a + 1, n):
             entry = abs(int(pairs.entry[a, b]))
-            if not entry or pairs.law[entry - 1] != TIED or lagrangian[a] != lagrangian[b]:
+            if not entry or pairs.way[entry - 1] != TIED or lagrangian[a] != lagrangian[b]:
                 continue
             if touch[a, b] or not lagrangian[a]:
                 group[group == group[b]] = group[a]

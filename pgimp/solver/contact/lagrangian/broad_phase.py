@@ -12,7 +12,7 @@ from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.contact.lagrangian.broad_phase import Regions, find_near, mark_blocks
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.mpi.communicator import Communicator
-from pgimp.physics.contact import Pairs
+from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.bonds import acting

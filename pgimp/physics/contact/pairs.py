@@ -4,69 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, get_type_hints
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.jit.kernel import kernel
+from pgimp.physics.contact import LAWS
+from pgimp.physics.contact.base import IGNORE, TIED, UNILATERAL, ContactLaw
+from pgimp.physics.contact.friction import AnyFriction
 from pgimp.schema.base import Model, Name, Number
 from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import Problem, raise_problems
+from pgimp.schema.registries import ByWord, name_of
 
-#: Laws, as kernels number them.
-LAWS = ("ignore", "tied", "friction")
-IGNORE, TIED, FRICTION = range(3)
-
-Coefficient = Annotated[Number, Field(ge=0.0)]
 Strength = Annotated[Number, Field(ge=0.0)]
-
-
-class Friction(Model):
-    """Coulomb friction whose coefficient falls once surfaces slide."""
-
-    static: Coefficient = Field(description="coefficient until surfaces slide [1]")
-    kinetic: Coefficient = Field(description="coefficient while they do, at most the static [1]")
-
-    @model_validator(mode="after")
-    def _check_order(self) -> Friction:
-        if self.kinetic > self.static:
-            text = f"is above the static coefficient, {self.static:.15g}"
-            raise_problems("friction", [Problem(("kinetic",), text)])
-        return self
-
-
-AnyFriction = Annotated[
-    float | Friction,
-    Either("a coefficient or {static: ..., kinetic: ...}", {float: Coefficient, dict: Friction}),
-]
-
-
-@kernel
-def sliding_part(static, kinetic, cohesion, pressed, sticking):
-    """Part of the tangential impulse of sticking that Coulomb's law transmits; 1 where it sticks.
-
-    Parameters
-    ----------
-    static, kinetic : float
-        Coefficients of friction.
-    cohesion : float
-        Greatest tangential impulse without pressure.
-    pressed : float
-        The normal impulse, at least 0.
-    sticking : float
-        The tangential impulse that would stop all slip.
-    """
-    if sticking > static * pressed + cohesion:
-        return (kinetic * pressed + cohesion) / sticking
-    return 1.0
-
-
-def coefficients(friction: float | Friction) -> tuple[float, float]:
-    """Static and kinetic coefficient."""
-    if isinstance(friction, Friction):
-        return friction.static, friction.kinetic
-    return friction, friction
 
 
 class Adhesion(Model):
@@ -104,11 +55,8 @@ class ContactEntry(Model):
         description="names of the bodies, each pair of which this is for; all: every pair that "
         "no other entry names"
     )
-    law: Literal["friction", "tied", "ignore"] = Field(
-        default="friction",
-        description="friction: they cannot penetrate, slide under Coulomb's law, and part freely; "
-        "tied: they move as one body where they share vertices of the grid, from the beginning or "
-        "from when they meet; ignore: they pass through each other",
+    law: Annotated[ContactLaw, ByWord(lambda: LAWS, "law of contact")] = Field(
+        default="friction", validate_default=True, description="how they act on each other"
     )
     friction: AnyFriction = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
     adhesion: Adhesion | None = Field(
@@ -118,8 +66,9 @@ class ContactEntry(Model):
     @model_validator(mode="after")
     def _check(self) -> ContactEntry:
         for key, given in (("friction", self.friction != 0.0), ("adhesion", self.adhesion)):
-            if self.law != "friction" and given:
-                text = f"bodies that are under the law '{self.law}' have no {key}; leave it out"
+            if given and key not in self.law.keys:
+                name = name_of(self.law, LAWS)
+                text = f"bodies that are under the law '{name}' have no {key}; leave it out"
                 raise_problems("contact", [Problem((key,), text)])
         if isinstance(self.bodies, tuple) and len(set(self.bodies)) < max(2, len(self.bodies)):
             text = "expected the names of two bodies or more, each once"
@@ -144,17 +93,23 @@ class Pairs(NamedTuple):
     entry : (bodies, bodies) int64
         Number of the pair's entry, from 1, in the row of the body that has the smaller number;
         negative if the entry names the other one first. 0: bodies that pass through each other.
-    law : (entries + 1,) int64
-        `TIED` or `FRICTION`; the last one is for pairs without an entry, which are tied.
-    coefficient : (entries + 1, 2) float64
-        Static and kinetic coefficient of friction.
+    way : (entries + 1,) int64
+        `TIED` or `UNILATERAL`; the last one is for pairs without an entry, which are tied.
+    kinds : tuple of NamedTuple
+        Parameters of each registered unilateral law; only their types matter.
+    kind : (entries + 1,) int64
+        Which of them the law is.
+    parameters : (entries + 1, n) float64
+        Its parameters.
     adhesion : (entries + 1, 3) float64
         Normal and shear strength, and the gap up to which they hold; 0 where there is none.
     """
 
     entry: np.ndarray
-    law: np.ndarray
-    coefficient: np.ndarray
+    way: np.ndarray
+    kinds: tuple[Any, ...]
+    kind: np.ndarray
+    parameters: np.ndarray
     adhesion: np.ndarray
 
     @classmethod
@@ -170,18 +125,37 @@ class Pairs(NamedTuple):
             for first, second in each.pairs():
                 a, b = number[first], number[second]
                 entry[min(a, b), max(a, b)] = i if a < b else -i
-        law = np.array([*(LAWS.index(each.law) for each in entries), TIED], np.int64)
-        entry[law[np.abs(entry) - 1] == IGNORE] = 0
-        pairs = [coefficients(given.friction) for given in entries]
-        coefficient = np.array([*pairs, (0.0, 0.0)], float)
+        way = np.array([*(each.law.way for each in entries), TIED], np.int64)
+        entry[way[np.abs(entry) - 1] == IGNORE] = 0
+        kinds = [kind for kind in map(parameters_of, LAWS.values()) if kind]
+        kind, parameters = np.zeros(len(way), np.int64), np.zeros((len(way), _width(kinds)))
+        for i, each in enumerate(entries):
+            if each.law.way == UNILATERAL:
+                given = each.law.parameters(each)
+                kind[i] = kinds.index(type(given))
+                parameters[i, : len(given)] = given
         held = [each.adhesion for each in entries]
         adhesion = [(each.normal, each.shear, each.reach) if each else (0.0,) * 3 for each in held]
-        return cls(entry, law, coefficient, np.array([*adhesion, (0.0,) * 3], float))
+        examples = tuple(each(*(0.0,) * len(each._fields)) for each in kinds)
+        return cls(
+            entry, way, examples, kind, parameters, np.array([*adhesion, (0.0,) * 3], float)
+        )
 
     def ties(self, count: int) -> bool:
         """Whether of the first `count` bodies any are tied."""
         pairs = np.abs(self.entry[np.triu_indices(count, 1)])
-        return bool((self.law[pairs[pairs > 0] - 1] == TIED).any())
+        return bool((self.way[pairs[pairs > 0] - 1] == TIED).any())
+
+
+def parameters_of(law: type[ContactLaw]) -> Any:
+    """Return the type of a unilateral law's parameters; None of others."""
+    if law.way != UNILATERAL:
+        return None
+    return get_type_hints(law.parameters)["return"]
+
+
+def _width(kinds: Sequence[Any]) -> int:
+    return max(len(kind._fields) for kind in kinds)
 
 
 def sharing(case: Any) -> np.ndarray:

@@ -1,0 +1,77 @@
+"""The laws of contact as kernels call them, see `pgimp.physics.contact`."""
+
+from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.tuples import read
+
+
+def _part_of(law, cohesion, pressed, stress, sticking):
+    """Part of the tangential impulse of sticking that a law transmits."""
+
+
+@specialise(_part_of)
+def _part_by(law, cohesion, pressed, stress, sticking):
+    return law.instance_class.sliding_part
+
+
+def _slope_of(law, pressed, stress):
+    """Derivative of a law's tangential impulse by the normal one."""
+
+
+@specialise(_slope_of)
+def _slope_by(law, pressed, stress):
+    return law.instance_class.slope
+
+
+def _find_part(kinds, k, pairs, entry, load):
+    """The part by the law of an entry, one of `kinds`, numbered from `k`."""
+
+
+@specialise(_find_part)
+def _find_part_by(kinds, k, pairs, entry, load):
+    kind = kinds[0].instance_class
+
+    def of_kind(kinds, k, pairs, entry, load):
+        law = kind(*read(pairs.parameters, entry, 0, kinds[0]))
+        return _part_of(law, load[0], load[1], load[2], load[3])
+
+    def of_one(kinds, k, pairs, entry, load):
+        if pairs.kind[entry] == k:
+            law = kind(*read(pairs.parameters, entry, 0, kinds[0]))
+            return _part_of(law, load[0], load[1], load[2], load[3])
+        return _find_part(kinds[1:], k + 1, pairs, entry, load)
+
+    return of_one if len(kinds) > 1 else of_kind
+
+
+def _find_slope(kinds, k, pairs, entry, pressed, stress):
+    """The slope by the law of an entry, one of `kinds`, numbered from `k`."""
+
+
+@specialise(_find_slope)
+def _find_slope_by(kinds, k, pairs, entry, pressed, stress):
+    kind = kinds[0].instance_class
+
+    def of_kind(kinds, k, pairs, entry, pressed, stress):
+        return _slope_of(kind(*read(pairs.parameters, entry, 0, kinds[0])), pressed, stress)
+
+    def of_one(kinds, k, pairs, entry, pressed, stress):
+        if pairs.kind[entry] == k:
+            return _slope_of(kind(*read(pairs.parameters, entry, 0, kinds[0])), pressed, stress)
+        return _find_slope(kinds[1:], k + 1, pairs, entry, pressed, stress)
+
+    return of_one if len(kinds) > 1 else of_kind
+
+
+@inner_kernel
+def sliding_part(pairs, entry, cohesion, pressed, stress, sticking):
+    """Part of the tangential impulse of sticking that the law of an entry transmits.
+
+    See `pgimp.physics.contact.base.Sliding`.
+    """
+    return _find_part(pairs.kinds, 0, pairs, entry, (cohesion, pressed, stress, sticking))
+
+
+@inner_kernel
+def sliding_slope(pairs, entry, pressed, stress):
+    """Derivative of the tangential impulse by the normal one while surfaces slide."""
+    return _find_slope(pairs.kinds, 0, pairs, entry, pressed, stress)

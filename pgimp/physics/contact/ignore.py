@@ -1,0 +1,12 @@
+"""Bodies that do not feel each other."""
+
+from typing import ClassVar
+
+from pgimp.physics.contact.base import IGNORE, ContactLaw
+
+
+class Ignore(ContactLaw):
+    """They pass through each other."""
+
+    way: ClassVar[int] = IGNORE
+    keys: ClassVar[tuple[str, ...]] = ()
