@@ -74,6 +74,7 @@ for _ in range(1999):
     g2p()
     p.v[:] += 0.05 * ((p.x - x) / DT - p.v)
 solver.step(1999)
-for name, now in (("the solver", solver.diagnostics()), ("the change", hand.diagnostics())):
+for name, sim in (("the solver", solver), ("the change", hand)):
+    now = sim.diagnostics() or {}
     left = now["kinetic-energy"] + now["strain-energy"] - now["external-work"]
     print(f"{name} leaves {left:.0f} J")
