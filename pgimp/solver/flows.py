@@ -11,6 +11,7 @@ from pgimp.decomposition.halo import Halo
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.frame import Window
+from pgimp.kernels.grid.calming import Calming
 from pgimp.kernels.grid.filling import (
     Filling,
     FillingSums,
@@ -30,6 +31,9 @@ EVERY = 8
 #: at each crossing of cells: with 0.0025 waves half a cell high keep 0.32 of their height in ten
 #: periods, without 0.67. With 0.02 water that swings under a sudden gravity begins to slosh.
 SHIFT, RELAX = 0.02, 0.001
+
+#: Rate at which velocities that no vertex sees fade, over c/h: in some hundreds of steps.
+CALM = 0.002
 
 #: eps where nothing has a weight: what is closed in then keeps its pressure to some per cent.
 WEIGHTLESS = 0.01
@@ -52,7 +56,7 @@ class Flows:
         self.flows: SceneFlows = scene.flows
         self._known: Any = None
         self._halo: Halo | None = None
-        self.sums = FillingSums(most=self.flows.most)
+        self.sums = sums_of(self.flows)
         self._idle = idle(self.flows)
         self.shift = WEIGHTLESS if scene.case.gravity is None else SHIFT
 
@@ -86,13 +90,16 @@ class Flows:
             self._halo.finish(own)
         for wall in flows.walls:
             self.call(fold_filling, frame, own.field, wall)
-        self.call(find_filling, frame, own.field, flows.sides, rank.tools, flows.fills)
+        self.call(
+            find_filling, frame, own.field, flows.sides, rank.tools, flows.fills, self.sums.calming
+        )
         for wall in reversed(flows.walls):
             self.call(reflect_filling, frame, own.field, wall)
         rate = EVERY * t.dt * flows.rates
         return Filling(
             True, own.window, own.G, self.shift * rate, 1.0 - np.exp(-RELAX * rate),
             1.0 - np.exp(-self.shift * rate), flows.most, flows.gap,
+            Calming(flows.calms * (1.0 - np.exp(-CALM * rate))) if flows.calms.any() else (),
         )  # fmt: skip
 
     def _connect(self, grid: Grid) -> None:
@@ -105,8 +112,14 @@ class Flows:
         self._halo = Halo(self.comm, slab, grid.vertices - 1) if slab.neighbours else None
 
 
+def sums_of(flows: SceneFlows) -> FillingSums:
+    """The sums of the filling, and of the motion where bodies are calmed."""
+    return FillingSums(most=flows.most, calming=Calming(flows.calms) if flows.calms.any() else ())
+
+
 def idle(flows: SceneFlows) -> Filling:
     """The filling of a step that does not use it."""
     window = Window.over((0, 0, 0), (1, 1, 1), flows.fields)
     zero = np.zeros(len(flows.rates))
-    return Filling(False, window, np.zeros(8), zero, zero, zero, flows.most, flows.gap)
+    calming = sums_of(flows).calming
+    return Filling(False, window, np.zeros(8), zero, zero, zero, flows.most, flows.gap, calming)
