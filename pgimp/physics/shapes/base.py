@@ -24,9 +24,9 @@ class Shape(Model):
     ] = Field(
         default="auto",
         description="rate at which particles' velocities relax to the grid's: damps noise that "
-        "the grid cannot resolve, and slightly also motion that it can; 0: none; auto: those of "
-        "loose soil and grains in the current configuration alone, each body to its own motion, "
-        "at 0.002 of the rate at which waves cross a cell [1/time]",
+        "the grid cannot resolve, and slightly also motion that it can; 0: none; auto: of loose "
+        "soil and grains alone, in the current configuration, 0.002 c/h to the body's own motion, "
+        "with the speed of waves c and the least side h of a cell [1/time]",
     )
 
     affine: bool = Field(
