@@ -75,7 +75,7 @@ class SceneFlows:
         self.gap, self.most = gaps[material_of], most[material_of] * (self.rates > 0.0)
         grains = np.array([calms and entry.RESTS and not entry.LIQUID for entry in materials])
         self.calms = 1.0 * (grains[material_of] & (self.rates > 0.0))
-        self.fields = _apart(number[material_of], self.calms, pairs is not None)
+        self.fields = _apart(number, material_of, self.calms, pairs is not None)
         self.relaxes = bool(own.any())
         self.walls = [
             Mirror(face.axis, face.side, n, False, False)
@@ -97,10 +97,15 @@ def _gap_of(entry: Any, dimensions: int) -> int:
     return -1
 
 
-def _apart(fields: np.ndarray, calms: np.ndarray, meet: bool) -> tuple[int, ...]:
-    """Numbers of fields, from 0; bodies that are calmed have their own, at least if they `meet`."""
-    own = np.arange(1, len(fields) + 1) if meet else np.ones(len(fields))
-    keys = np.stack([fields, calms * own], axis=1)
+def _apart(
+    fields: np.ndarray, material_of: np.ndarray, calms: np.ndarray, meet: bool
+) -> tuple[int, ...]:
+    """Numbers of bodies' fields, from 0; what is calmed has one by material, or by body.
+
+    Those of a field are calmed at one rate: else they would not keep their momentum.
+    """
+    own = np.arange(len(material_of)) if meet else material_of
+    keys = np.stack([fields[material_of], calms * (own + 1)], axis=1)
     return tuple(int(i) for i in np.unique(keys, axis=0, return_inverse=True)[1].ravel())
 
 

@@ -126,6 +126,16 @@ def test_other_bodies_have_no_part_in_it():
     assert m @ found == pytest.approx(0.0, abs=1e-17)
 
 
+def test_sands_of_any_stiffness_keep_their_momentum():
+    """They are calmed at different rates, each for itself."""
+    bodies = {"below": block([2, 2], [6, 4]), "above": block([2, 4], [6, 6], "stiff")}
+    laws = {"sand": SAND, "stiff": SAND | {"young": 4.0e3}}
+    found, _, m, body = gains(blocks(bodies=bodies, materials=laws), noise)
+    for one in (0, 1):
+        assert abs(found[body == one]).max() > 1e-7
+        assert m[body == one] @ found[body == one] == pytest.approx(0.0, abs=1e-17)
+
+
 def test_sand_that_slides_on_sand_is_not_braked():
     """Where bodies meet each has its own motion; without contact they are one."""
     bodies = {"below": block([2, 2], [6, 4]), "above": block([2, 4], [6, 6])}

@@ -8,8 +8,9 @@ In loose soil and grains it is relaxed, at the rate CALM c/h, to the field of th
     w_v = sum_p m_p S_vp v_p/sum_p m_p S_vp,    v_p += part (sum_v S_vp w_v - v_p).
 
 Both are of the step's beginning. The sums are those of `filling`, every few steps, over the
-particles of one body alone: so walls, contact and other bodies have no part in it, momentum stays
-as it is, and what stands still relative to its neighbours stays so. With P the map of v to
+particles of one body alone (without contact, of all such bodies of a material): so walls, contact
+and other bodies have no part in it, and momentum stays as it is; angular momentum does inside, and
+is lost by surfaces that turn. With P the map of v to
 sum_v S_vp w_v, whose eigenvalues in the product of the masses are from 0 to 1, a mode loses energy
 at the rate 2 CALM (1 - P) c/h: none gains any, and long waves lose next to none. What is lost is
 dissipated energy, as all that a method loses.
