@@ -77,3 +77,14 @@ def _write(array, p, i, values):
         write(array, p, i + 1, values[1:])
 
     return write_all
+
+
+def plus_first(x, S):
+    """The sum of x and as many of S."""
+
+
+@specialise(plus_first)
+def _plus_first_of(x, S):
+    if len(x) == 1:
+        return lambda x, S: (x[0] + S[0],)
+    return lambda x, S: (x[0] + S[0], *plus_first(x[1:], S[1:]))

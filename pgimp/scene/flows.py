@@ -29,6 +29,8 @@ class SceneFlows:
         Sides of a cell.
     pairs : Pairs or None
         The laws of contact.
+    calms : bool
+        Whether velocities of soil that no vertex sees fade.
 
     Attributes
     ----------
@@ -40,9 +42,12 @@ class SceneFlows:
     most : (bodies,) float64
         The greatest J without voids, of bodies that flow and have no gap; 0 for others.
     fields : tuple of int
-        Number of each body's field of J: such bodies of a material share one.
+        Number of each body's field of J: such bodies of a material share one, but for those that
+        are calmed where there is contact, as neighbours may slide along each other.
     relaxes : bool
         Whether there are such bodies.
+    calms : (bodies,) float64
+        1 for bodies whose velocities are kept to what vertices see of them, 0 for others.
     walls : list of Mirror
         Faces that nothing can pass.
     sides : (6,) bool
@@ -53,7 +58,7 @@ class SceneFlows:
 
     def __init__(
         self, materials: Sequence[Any], material_of: np.ndarray, current: np.ndarray,
-        faces: Sequence[Face], cell: tuple[float, ...], pairs: Pairs | None,
+        faces: Sequence[Face], cell: tuple[float, ...], pairs: Pairs | None, calms: bool,
     ) -> None:  # fmt: skip
         speeds = np.array([entry.flow_speed for entry in materials])
         gaps = np.array([_gap_of(entry, len(cell)) for entry in materials])
@@ -68,7 +73,9 @@ class SceneFlows:
             self.rates[(passes[:bodies, :bodies] & current).any(axis=1)] = 0.0
             self.fills = ~passes[:bodies, bodies:][self.rates > 0.0].any(axis=0)
         self.gap, self.most = gaps[material_of], most[material_of] * (self.rates > 0.0)
-        self.fields = tuple(int(i) for i in number[material_of])
+        grains = np.array([calms and entry.RESTS and not entry.LIQUID for entry in materials])
+        self.calms = 1.0 * (grains[material_of] & (self.rates > 0.0))
+        self.fields = _apart(number, material_of, self.calms, pairs is not None)
         self.relaxes = bool(own.any())
         self.walls = [
             Mirror(face.axis, face.side, n, False, False)
@@ -90,10 +97,22 @@ def _gap_of(entry: Any, dimensions: int) -> int:
     return -1
 
 
+def _apart(
+    fields: np.ndarray, material_of: np.ndarray, calms: np.ndarray, meet: bool
+) -> tuple[int, ...]:
+    """Numbers of bodies' fields, from 0; what is calmed has one by material, or by body.
+
+    Those of a field are calmed at one rate: else they would not keep their momentum.
+    """
+    own = np.arange(len(material_of)) if meet else material_of
+    keys = np.stack([fields[material_of], calms * (own + 1)], axis=1)
+    return tuple(int(i) for i in np.unique(keys, axis=0, return_inverse=True)[1].ravel())
+
+
 def flows_of(
     materials: Sequence[Any], material_of: np.ndarray, current: np.ndarray,
-    faces: Sequence[Face], cell: tuple[float, ...], pairs: Pairs | None,
+    faces: Sequence[Face], cell: tuple[float, ...], pairs: Pairs | None, calms: bool,
 ) -> SceneFlows | None:  # fmt: skip
     """The bodies of a scene that flow; None if it has none."""
-    flows = SceneFlows(materials, material_of, current, faces, cell, pairs)
+    flows = SceneFlows(materials, material_of, current, faces, cell, pairs, calms)
     return flows if flows.rates.any() else None

@@ -68,7 +68,7 @@ class SceneLoads:
                 np.array([entry.quadratic if entry else 0.0 for entry in entries]),
                 float(min(case.grid.cell)),
             )
-        self.relaxation: Any = float(case.method.relaxation) or ()
+        self.relaxation: Any = case.method.rate or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
         self.affine: Any = 1.0 if case.method.affine else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # in 1D alike

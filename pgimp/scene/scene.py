@@ -169,7 +169,8 @@ class Scene:
         if case.contact or self.rigid_bodies or self.mixed:
             self.pairs = Pairs.of(case.contact, [*self.body_names, *self.rigid_bodies.names])
         self.flows = flows_of(
-            entries, self.material_of, ~self.lagrangian, self.faces, self.frame.cell, self.pairs
+            entries, self.material_of, ~self.lagrangian, self.faces, self.frame.cell, self.pairs,
+            case.method.relaxation == "auto",
         )
         self.states = States(used, self.materials, self.dimension)
         self.variations = Variations(case, used, self.materials, self.states.width)

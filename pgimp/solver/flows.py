@@ -7,6 +7,7 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.frame import Window
+from pgimp.kernels.grid.calming import Calming
 from pgimp.kernels.grid.filling import (
     Filling,
     FillingSums,
@@ -29,6 +30,9 @@ EVERY = 8
 #: periods, without 0.67. With 0.02 water that swings under a sudden gravity begins to slosh.
 SHIFT, RELAX = 0.02, 0.001
 
+#: Rate at which velocities that no vertex sees fade, over c/h: in some hundreds of steps.
+CALM = 0.002
+
 #: eps where nothing has a weight: what is closed in then keeps its pressure to some per cent.
 WEIGHTLESS = 0.01
 
@@ -48,7 +52,8 @@ class Flows:
         assert scene.flows is not None
         self.scene, self.comm, self.call = scene, comm, Bound()
         self.flows: SceneFlows = scene.flows
-        self._sums = VertexSums(scene, comm, FillingSums(most=self.flows.most))
+        self.sums = sums_of(self.flows)
+        self._sums = VertexSums(scene, comm, self.sums)
         self._idle = idle(self.flows)
         self.shift = WEIGHTLESS if scene.case.gravity is None else SHIFT
 
@@ -73,19 +78,26 @@ class Flows:
         own, frame, flows = self._sums.grid, self.scene.frame, self.flows
         for wall in flows.walls:
             self.call(fold_filling, frame, own.field, wall)
-        rigid_bodies = rank.contact.rigid_bodies
-        self.call(find_filling, frame, own.field, flows.sides, rigid_bodies, flows.fills)
+        rigid_bodies, calming = rank.contact.rigid_bodies, self.sums.calming
+        self.call(find_filling, frame, own.field, flows.sides, rigid_bodies, flows.fills, calming)
         for wall in reversed(flows.walls):
             self.call(reflect_filling, frame, own.field, wall)
         rate = EVERY * t.dt * flows.rates
         return Filling(
             True, own.window, own.G, self.shift * rate, 1.0 - np.exp(-RELAX * rate),
             1.0 - np.exp(-self.shift * rate), flows.most, flows.gap,
+            Calming(flows.calms * (1.0 - np.exp(-CALM * rate))) if flows.calms.any() else (),
         )  # fmt: skip
+
+
+def sums_of(flows: SceneFlows) -> FillingSums:
+    """The sums of the filling, and of the motion where bodies are calmed."""
+    return FillingSums(most=flows.most, calming=Calming(flows.calms) if flows.calms.any() else ())
 
 
 def idle(flows: SceneFlows) -> Filling:
     """The filling of a step that does not use it."""
     window = Window.over((0, 0, 0), (1, 1, 1), flows.fields)
     zero = np.zeros(len(flows.rates))
-    return Filling(False, window, np.zeros(8), zero, zero, zero, flows.most, flows.gap)
+    calming = sums_of(flows).calming
+    return Filling(False, window, np.zeros(8), zero, zero, zero, flows.most, flows.gap, calming)

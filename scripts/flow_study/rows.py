@@ -51,10 +51,10 @@ ROWS = (
     *(
         (words, None, (sand.rest, relaxation), place, (0.04, 0.02))
         for words, relaxation, place in (
-            ("that of mohr-coulomb at 2 s: kinetic energy over the greatest", 0.0, 0),
-            ("the same: mean distance from the middle [m]", 0.0, 1),
-            ("the same with relaxation: 3: kinetic energy", 3.0, 0),
-            ("the same with relaxation: 3: mean distance from the middle [m]", 3.0, 1),
+            ("that of mohr-coulomb at 2 s: kinetic energy over the greatest", "auto", 0),
+            ("the same: mean distance from the middle [m]", "auto", 1),
+            ("the same with relaxation: 0: kinetic energy", 0.0, 0),
+            ("the same with relaxation: 0: mean distance from the middle [m]", 0.0, 1),
         )
     ),
     *(

@@ -144,7 +144,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "method:\n"
         "  shape: gimp\n"
         "  particles_per_cell: [2]\n"
-        "  relaxation: 0.0\n"
+        "  relaxation: auto\n"
         "  affine: false\n"
         "  volumetric: pointwise\n"
         "  volume: tracked\n"

@@ -69,7 +69,7 @@ def test_a_stage_is_the_case_before_it_with_the_changes():
     assert (push.body, push.pressure) == ("block", 2.0) and third.tractions == {}
     assert second.constraints["grip"].region == first.constraints["grip"].region
     assert set(second.boundaries) == {"y-min"} and second.boundaries["y-min"].friction == 0.3
-    assert (first.method.relaxation, third.method.relaxation) == (0.0, 3.0)
+    assert (first.method.relaxation, third.method.relaxation) == ("auto", 3.0)
     assert (first.output.every, second.output.every) == (0.5, None)
     assert second.rigid_bodies == {} and [entry.bodies for entry in second.contact] == ["all"]
     assert (second.gravity, third.gravity) == ((0.0, -1.0), None)

@@ -36,6 +36,7 @@ from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.data.frame import Window
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
+from pgimp.kernels.grid.calming import find_motion
 from pgimp.kernels.grid.mirror import mirror_places, vertices_beyond
 from pgimp.kernels.rigid.fill import fill
 from pgimp.kernels.transfer.first_vertex import deformation
@@ -55,6 +56,8 @@ class FillingSums(NamedTuple):
 
     most : (bodies,) float64
         The greatest J without voids where J is relaxed; 0 for other bodies, which only fill.
+    calming : Calming or ()
+        See `pgimp.kernels.grid.calming`.
     """
 
     viscosity: tuple[()] = ()
@@ -66,6 +69,7 @@ class FillingSums(NamedTuple):
     mean: tuple[()] = ()
     around: tuple[()] = ()
     most: Any = ()
+    calming: Any = ()
 
 
 class Filling(NamedTuple):
@@ -89,6 +93,8 @@ class Filling(NamedTuple):
         See `FillingSums`.
     gap : (bodies,) int64
         Column of the state that has the gap of loose soil; -1 for other bodies.
+    calming : Calming or ()
+        Whose velocities are relaxed.
     """
 
     due: bool
@@ -99,6 +105,7 @@ class Filling(NamedTuple):
     closed: FloatArray
     most: FloatArray
     gap: IntArray
+    calming: Any = ()
 
 
 def filling_share(loads, frame, particles, p):
@@ -183,7 +190,7 @@ def fold_filling(frame, field, mirror):
 
 
 @kernel
-def find_filling(frame, field, walls, rigid_bodies, fills):
+def find_filling(frame, field, walls, rigid_bodies, fills, calming):
     """Turn the sums of `FillingSums` into EXCESS, FIELD and SURPLUS.
 
     Parameters
@@ -196,6 +203,8 @@ def find_filling(frame, field, walls, rigid_bodies, fills):
         The rigid bodies.
     fills : (rigid bodies,) bool
         Which of them fill as well.
+    calming : Calming or ()
+        As in the sums.
     """
     window, G, size = field.window, field.G, field_size(field.window)
     volume = 1.0
@@ -226,6 +235,7 @@ def find_filling(frame, field, walls, rigid_bodies, fills):
                         G[r + FIELD] = G[r + RATIO] / m if m > 0.0 else 1.0
                         G[r + EXCESS], G[r + SURPLUS] = max(surplus, 0.0), surplus
                         G[r + OVERLAP] = max(surplus, 0.0) / max(1.0 + surplus, 1.0)
+                find_motion(calming, field, i, first, field_count(window), size)
 
 
 @inner_kernel

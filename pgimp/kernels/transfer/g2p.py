@@ -101,7 +101,9 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             )  # fmt: skip
             m = materials_of(setting.material_of, particles.body, rows)
             L, F = deform(cells, setting, forcing, particles, batch, m, grad)  # (29)
-            x, F = refill(forcing, setting, field, particles, batch, (buffer, sums), (x, F), ledger)
+            x, F, v = refill(
+                forcing, setting, field, particles, batch, (buffer, sums), (x, F, v), ledger
+            )
             J = determinant(F)
             own = substitute_parameters(setting, particles, rows)
             sigma, state = update_stress(own, forcing, particles, rows, m, F, J, L)

@@ -4,6 +4,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.contact.volumes import summed_supports
 from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.grid.calming import motion_share
 from pgimp.kernels.grid.filling import FillingSums, ratio_arms
 from pgimp.kernels.loads.loads import scatter_loads, weight
 from pgimp.kernels.transfer.contribution import contribution
@@ -27,6 +28,17 @@ def _arms(loads, frame, particles, p):
     if loads.instance_class is FillingSums:
         return lambda loads, frame, particles, p: ratio_arms(loads, frame, particles, p)
     return lambda loads, frame, particles, p: affine_momentum(loads.affine, frame, particles, p)
+
+
+def second(loads, frame, particles, p):
+    """The second vector of which vertices get a part: weight of particle `p`, or (m, m v)."""
+
+
+@specialise(second)
+def _second(loads, frame, particles, p):
+    if loads.instance_class is FillingSums:
+        return lambda loads, frame, particles, p: motion_share(loads.calming, frame, particles, p)
+    return lambda loads, frame, particles, p: weight(loads.force, loads.walls, frame, particles, p)
 
 
 def sum_layer(setting, field, particles, loads, rows, span, number):
@@ -72,7 +84,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                 p = rows[k + j]
                 place = first_place(buffer, j)
                 A, S = contribution(loads, frame, particles, p, forces, j)
-                B = weight(loads.force, loads.walls, frame, particles, p)
+                B = second(loads, frame, particles, p)
                 C = arms(loads, frame, particles, p)
                 M = mean_force(loads, frame, particles, p)
                 share = Share(A, B, S, C, M)

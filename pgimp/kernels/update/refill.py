@@ -1,13 +1,14 @@
-"""Shift of particles to where there is room, gaps that close, and noise of J; see `filling`."""
+"""Shift of particles to where there is room, gaps that close, noise of J and v; see `filling`."""
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.functions import exp, power
 from pgimp.jit.kernel import specialise
-from pgimp.jit.tuples import scaled
+from pgimp.jit.tuples import plus_first, scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import lane, load, pack, store
 from pgimp.kernels.data.ledger import CARRIED, ROOM
 from pgimp.kernels.data.velocity_fields import field_of
+from pgimp.kernels.grid.calming import keep_gain, with_gains
 from pgimp.kernels.grid.filling import EXCESS, FIELD, OVERLAP, SURPLUS
 from pgimp.kernels.grid.position_limits import free_part
 from pgimp.kernels.transfer.first_vertex import deformation, is_initial
@@ -27,9 +28,12 @@ OVERFULL = 0.05
 #: The most of a cell that a particle is shifted at once, by direction.
 FARTHEST = 0.1
 
+#: Where velocities' gains are in the scratch, behind shifts.
+GAINS = 16
+
 
 def refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
-    """Shift four particles, close their gaps, and relax J.
+    """Shift four particles, close their gaps, relax J and calm them.
 
     Parameters
     ----------
@@ -39,13 +43,13 @@ def refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
     buffers : tuple
         The batch's supports, and scratch.
     moved : tuple
-        Positions and deformation gradients, tuples of D and D*D Vec4.
+        Positions, deformation gradients and velocities, tuples of D, D*D and D Vec4.
     ledger : Ledger
         Its work grows by gravity's; its volumes grow by the particles'.
 
     Returns
     -------
-    x, F
+    x, F, v
         The same after the shift.
     """
 
@@ -60,26 +64,29 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
     part = 1.0 / D
 
     def shifted(forcing, setting, field, particles, batch, buffers, moved, ledger):
-        (x, F), filling, gravity = moved, forcing.filling, forcing.gravity
+        (x, F, v), filling, gravity = moved, forcing.filling, forcing.gravity
         if not filling.due:
-            return x, F
+            return x, F, v
         buffer, scratch = buffers
         shape, frame, stride = setting.shape, setting.frame, filling.window.stride
         _find_corners(shape, frame, filling.window, particles, batch, buffer)
         for j in range(LANES):
             if j >= batch.size:  # the last one once more
                 store(scratch, 4 * j, load(scratch, 4 * j - 4))
+                store(scratch, GAINS + 4 * j, load(scratch, GAINS + 4 * j - 4))
                 continue
             p = batch.rows[j]
             body = particles.body[p]
             if not filling.shift[body] > 0.0:
                 store(scratch, 4 * j, pack(0.0, 0.0, 0.0, 1.0))
+                store(scratch, GAINS + 4 * j, pack(0.0, 0.0, 0.0, 0.0))
                 continue
             place = batch.layer * stride[0] + first_place(buffer, j)
             place += _to_field(shape, filling.window, field.window, particles, p)
-            U, _, slopes, _ = gather(
+            U, A, slopes, _ = gather(
                 shape, filling.G, Support(buffer, j), place, stride, frame.origin, ()
             )
+            keep_gain(filling.calming, frame, particles, p, A, scratch, GAINS + 4 * j)
             step = _steps(slopes, frame.cell, filling.shift[body])
             step = free_part(forcing.constraints, particles, p, step)
             J = determinant(deformation(frame, particles, p))
@@ -104,7 +111,7 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
             filled[CARRIED] += V
             filled[ROOM] += V * (1.0 - lane(U, OVERLAP))
         S = transpose(load(scratch, 0), load(scratch, 4), load(scratch, 8), load(scratch, 12))
-        return _plus(x, S), scaled(S[3], F)
+        return plus_first(x, S), scaled(S[3], F), with_gains(filling.calming, v, scratch, GAINS)
 
     return shifted
 
@@ -183,14 +190,3 @@ def _keep_slope_from(particles, p, d, slopes):
         _keep_slope(particles, p, d + 1, slopes[1:])
 
     return last if len(slopes) == 1 else more
-
-
-def _plus(x, S):
-    """The sum of x and as many of S."""
-
-
-@specialise(_plus)
-def _plus_of(x, S):
-    if len(x) == 1:
-        return lambda x, S: (x[0] + S[0],)
-    return lambda x, S: (x[0] + S[0], *_plus(x[1:], S[1:]))

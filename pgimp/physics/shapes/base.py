@@ -1,13 +1,14 @@
 """What the entries of all shapes have in common, and the kernels' view of a shape."""
 
 from abc import abstractmethod
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from pgimp.jit.kernel import exact, specialise
 from pgimp.physics.shapes.courant import LIMITS
 from pgimp.schema.base import Count, Model, NonNegative
+from pgimp.schema.dispatch import Either
 
 
 class Shape(Model):
@@ -17,10 +18,15 @@ class Shape(Model):
         description="particles per cell along each direction"
     )
 
-    relaxation: NonNegative = Field(
-        default=0.0,
+    relaxation: Annotated[
+        float | Literal["auto"],
+        Either("a rate from 0 on or auto", {float: NonNegative, str: Literal["auto"]}),
+    ] = Field(
+        default="auto",
         description="rate at which particles' velocities relax to the grid's: damps noise that "
-        "the grid cannot resolve, and slightly also motion that it can; 0: none [1/time]",
+        "the grid cannot resolve, and slightly also motion that it can; 0: none; auto: of loose "
+        "soil and grains alone, in the current configuration, 0.002 c/h to the body's own motion, "
+        "with the speed of waves c and the least side h of a cell [1/time]",
     )
 
     affine: bool = Field(
@@ -46,6 +52,11 @@ class Shape(Model):
     #: Courant number up to which free surfaces stay stable wherever they lie in their cells, up to
     #: four particles a cell and direction (``scripts/hard courant``), with pointwise volumes.
     stable_pointwise: ClassVar[float] = 0.45
+
+    @property
+    def rate(self) -> float:
+        """The rate at which all particles relax to the grid's velocity."""
+        return 0.0 if self.relaxation == "auto" else float(self.relaxation)
 
     @property
     def stable(self) -> float:

@@ -21,7 +21,7 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
 from pgimp.kernels.grid.constraints import apply_constraints
-from pgimp.kernels.grid.filling import FillingSums, find_filling, fold_filling, reflect_filling
+from pgimp.kernels.grid.filling import find_filling, fold_filling, reflect_filling
 from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.grid.momentum import WHOLE, update_momentum
 from pgimp.kernels.grid.wall_gap import find_clearances
@@ -43,7 +43,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.lagrangian import warmup as presentcalls
-from pgimp.solver.flows import idle
+from pgimp.solver.flows import idle, sums_of
 from pgimp.solver.time.clock import START
 from pgimp.solver.vertices import on_particles, on_vertices
 
@@ -54,20 +54,16 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
     assert flows is not None
     own = Grid(scene.frame, scene.vertices, grid.slab, fields=flows.fields)
     own.store(grid.base)
-    sums, rigid_bodies = FillingSums(most=flows.most), _tools(scene, grid)
+    sums, rigid_bodies = sums_of(flows), _tools(scene, grid)
+    yield 6.0, lambda: particles_to_grid(
+        scene.setting.without_materials(), own.field, p, sums, order, np.zeros((0, 3), np.int64), ()
+    )
     yield (
-        6.0,
-        lambda: particles_to_grid(
-            scene.setting.without_materials(),
-            own.field,
-            p,
-            sums,
-            order,
-            np.zeros((0, 3), np.int64),
-            (),
+        2.0,
+        lambda: find_filling(
+            scene.frame, own.field, flows.sides, rigid_bodies, flows.fills, sums.calming
         ),
     )
-    yield 2.0, lambda: find_filling(scene.frame, own.field, flows.sides, rigid_bodies, flows.fills)
     for wall in flows.walls[:1]:
         yield 0.5, partial(fold_filling, scene.frame, own.field, wall)
         yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)
