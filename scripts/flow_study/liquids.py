@@ -168,23 +168,27 @@ _ALL = (
     {"shape": "cpdi"}, {"shape": "bspline-quadratic"},
 )  # fmt: skip
 
+_WALLS = ({"wall": "mirror"}, {"affine": True, "wall": "mirror"})
+
 #: What is measured: its words, with which methods, in how many dimensions, and further arguments.
 ROWS = (
     ("still, 8 cells deep, 100 sqrt(D/g)", still, _ALL, (2, 3), ()),
-    ("sloshing, 16 cells deep, crests of a cell, 20 periods", slosh, _ALL[:3], (2,), ()),
-    ("dam break to 10 s, cells of 0.04 m", dam, _ALL[:2], (2,), (0.04,)),
-    ("the same, cells of 0.02 m", dam, _ALL[:2], (2,), (0.02,)),
-    ("a block floats (its draught), 4 cells wide", floating, _ALL[:2], (2,), ()),
-    ("the same, 8 cells wide", floating, _ALL[:1], (2,), (8.0,)),
+    (
+        "sloshing, 16 cells deep, crests of a cell, 20 periods", slosh, (*_ALL[:3], *_WALLS),
+        (2,), (),
+    ),
+    ("dam break to 10 s, cells of 0.04 m", dam, (*_ALL[:2], *_WALLS), (2,), (0.04,)),
+    ("the same, cells of 0.02 m", dam, (*_ALL[:2], _WALLS[0]), (2,), (0.02,)),
+    ("a block floats (its draught), 4 cells wide", floating, (*_ALL[:2], _WALLS[0]), (2,), ()),
+    ("the same, 8 cells wide", floating, (_ALL[0], _WALLS[0]), (2,), (8.0,)),
 )
 
 
 def words_of(method):
     """A method in words."""
     shape = method.get("shape", "gimp")
-    return ", ".join([shape, *(key for key in ("affine", "volumetric") if key in method)]).replace(
-        "volumetric", "mean"
-    )
+    said = {"affine": "affine", "volumetric": "mean", "wall": "wall: mirror"}
+    return ", ".join([shape, *(words for key, words in said.items() if key in method)])
 
 
 def lines_of(kept, store, only):

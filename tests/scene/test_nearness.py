@@ -126,6 +126,41 @@ def test_walls():
             assert not any("pulled away" in text for text in nearness.notes(case))
 
 
+def water(bodies, **law):
+    """Boxes in a plane, of water; two without velocities stand 1.5 cells apart."""
+    names = {}
+    for name, (low, high, velocity) in bodies.items():
+        box = {"min": [low, 0.0], "max": [high, 4.0]}
+        names[name] = {"material": "water", "region": {"box": box}, "velocity": [velocity, 0.0]}
+    return Case.model_validate(
+        {
+            "format": 1, "dimensions": 2,
+            "grid": {"size": [30.0, 6.0], "cell": [1.0, 1.0]},
+            "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+            "time": {"end": 30.0, "step": {"courant": 0.3}},
+            "materials": {"water": {"model": "newtonian", "bulk": 100.0, "density": 1.0} | law},
+            "bodies": names,
+            "boundaries": {"x-min": "slip", "y-min": "slip"},
+        }
+    )  # fmt: skip
+
+
+def test_liquids_flow_together_and_leave_walls():
+    """Two bodies of water that share vertices part without losing momentum: nothing bonds them."""
+    parting = water({"a": (5.0, 9.0, -0.1), "b": (10.0, 14.0, 0.1)})
+    assert not bonded(parting)[0]
+    sim = Simulation(parting, Serial())
+    sim.advance(5.0)
+    assert sim.diagnostics()["body.b.momentum-x"] == pytest.approx(1.6, rel=1e-9)
+    assert not said(water({"a": (5.0, 9.0, 0.0), "b": (14.0, 18.0, -0.5)}))
+    coming = {"a": (3.0, 7.0, -0.5)}
+    (text,) = nearness.notes(water(coming))
+    assert "feels it from" in text
+    assert "pulled away" not in text
+    (text,) = nearness.notes(water(coming, tension=True))
+    assert "pulled away" in text
+
+
 def plane(velocity, low=(1.0, 1.0), high=(3.0, 3.0)):
     box = {"min": [*low], "max": [*high]}
     return Case.model_validate(

@@ -1,4 +1,10 @@
-"""Shift of particles to where there is room, gaps that close, noise of J and v; see `filling`."""
+"""Shift of particles to where there is room, gaps that close, noise of J and v; see `filling`.
+
+A particle of spray that is alone carries spin, but no stretch. It has no shape that would bear
+one: its pressure holds its volume only, and acts more along one direction than along another, as
+vertices have more or less of its mass. Stretched by a along x and pressed by a along y it would
+gain da/dt up to a^2, until it is pressed to nothing.
+"""
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.functions import exp, power
@@ -24,6 +30,9 @@ FREE = 0.9
 #: phi - 1 from which voids of fluids close at their full rate. Closed in what is just full already,
 #: the rest would hold more space than it fills: a dam break would come to rest 5 % too high.
 OVERFULL = 0.05
+
+#: Part of a cell that fills round a particle that is alone, at most; no more than its volume, too.
+ALONE = 0.25
 
 #: The most of a cell that a particle is shifted at once, by direction.
 FARTHEST = 0.1
@@ -98,6 +107,7 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
                 lost = J * (1.0 - exp(-closed))
             else:
                 _keep_slope(particles, p, 0, slopes)
+                _keep_spin(forcing.loads.affine, frame, particles, p, lane(U, SURPLUS) + 1.0)
                 most = filling.most[body]
                 lost = filling.relaxed[body] * (J - lane(U, FIELD))
                 if J > most:
@@ -190,3 +200,26 @@ def _keep_slope_from(particles, p, d, slopes):
         _keep_slope(particles, p, d + 1, slopes[1:])
 
     return last if len(slopes) == 1 else more
+
+
+def _keep_spin(affine, frame, particles, p, filled):
+    """Leave particle `p` only the spin of its velocity gradient where it is alone."""
+
+
+@specialise(_keep_spin)
+def _keep_spin_if(affine, frame, particles, p, filled):
+    if hasattr(affine, "count"):  # ()
+        return lambda affine, frame, particles, p, filled: None
+
+    def keep(affine, frame, particles, p, filled):
+        D, cell, L = len(frame.cell), 1.0, particles.L
+        for d in range(D):
+            cell *= frame.cell[d]
+        if filled * cell < min(particles.V0[p], ALONE * cell):
+            for i in range(D):
+                L[p, i * D + i] = 0.0
+                for j in range(i):
+                    spin = 0.5 * (L[p, i * D + j] - L[p, j * D + i])
+                    L[p, i * D + j], L[p, j * D + i] = spin, -spin
+
+    return keep

@@ -3,7 +3,8 @@
 A particle shares vertices of the grid with everything within its reach. Between the surfaces of
 two bodies, whose outermost particles lie half a particle's spacing inside, that is
 2 (1 + d) - 1/n cells, with the half-width d of chi_p in cells and n particles a cell: 2 with boxes.
-From a wall it is half of that. Pairs of bodies with an entry of `contact` follow its law.
+From a wall it is half of that. Pairs of bodies with an entry of `contact` follow its law. Fluids,
+gases and grains flow together where they meet, and a wall holds back none without tension.
 """
 
 from __future__ import annotations
@@ -72,15 +73,21 @@ def notes(case: Case) -> list[str]:
 def meet(case: Case) -> bool:
     """Whether bodies may approach each other, or a wall, from a distance at the start."""
     boxes = moving_boxes(case, times := instants(case))
-    return bool(_pairs_that_meet(case, boxes, times) or [*_walls(case, boxes, at_once=False)])
+    pairs = _pairs_that_meet(case, boxes, times, sharing(case))
+    return bool(pairs or [*_walls(case, boxes, at_once=False)])
 
 
-def _pairs_that_meet(case: Case, boxes: list[Box], times: np.ndarray) -> str:
-    """Return names of bodies that are apart at the start, and come into each other's reach."""
+def _sticking(case: Case) -> np.ndarray:
+    """Which pairs of bodies stick together where they meet, as `sharing`: not two that flow."""
+    flows = np.array([case.materials[body.material].VOLUME_ONLY for body in case.bodies.values()])
+    return sharing(case) & ~(flows[:, None] & flows)
+
+
+def _pairs_that_meet(case: Case, boxes: list[Box], times: np.ndarray, shared: np.ndarray) -> str:
+    """Return names of `shared` pairs that are apart at the start, and come into reach."""
     cell, near = np.array(case.grid.cell), reach(case)
     low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
     met: list[tuple[float, str]] = []
-    shared = sharing(case)
     for i, a in enumerate(boxes):
         gap = np.maximum(low[i] - high[i + 1 :], low[i + 1 :] - high[i]) / cell
         step = np.abs(np.diff(gap, axis=1, append=gap[:, -1:]))
@@ -98,7 +105,7 @@ def _pairs_that_meet(case: Case, boxes: list[Box], times: np.ndarray) -> str:
 
 def _passing(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
     """Return what bodies in the initial configuration approach without contact."""
-    if names := _pairs_that_meet(case, boxes, times):
+    if names := _pairs_that_meet(case, boxes, times, sharing(case)):
         yield (
             f"bodies: {names} may meet, but in the initial configuration they do not feel each "
             "other, and pass through; with contact: [{bodies: all}] they meet, slide and part"
@@ -118,7 +125,7 @@ def _held(case: Case, boxes: list[Box]) -> Iterator[str]:
 
 def _pairs(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
     """Return which bodies are apart at the start, and come nearer, into each other's reach."""
-    if names := _pairs_that_meet(case, boxes, times):
+    if names := _pairs_that_meet(case, boxes, times, _sticking(case)):
         near = reach(case)
         yield (
             f"bodies: {names} may meet, and no entry of `contact` says how: they share one "
@@ -134,12 +141,14 @@ def _walls(case: Case, boxes: list[Box], at_once: bool) -> Iterator[str]:
     for face, condition, axis, side in faces_with_condition(case):
         if condition.approaches and case.method.chi != "point":
             continue
-        names = []
+        names, pulls = [], False
         for box in boxes:
             gap = clearance(case, axis, side, box.low[:, axis], box.high[:, axis])
             apart = gap[0] >= near[axis]
             if (TOUCH < gap[0] and not apart) if at_once else (apart and gap.min() < near[axis]):
                 names.append(f"'{box.name}'")
+                law = case.materials[case.bodies[box.name].material]
+                pulls |= not law.VOLUME_ONLY or getattr(law, "least", 0.0) < 0.0
         if names:
             more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
             does, feel, them = (
@@ -149,7 +158,8 @@ def _walls(case: Case, boxes: list[Box], at_once: bool) -> Iterator[str]:
             what = f"may come near the wall, and {feel} it from {far} away"
             if at_once:
                 what = f"{does} not touch the wall, but {feel} it from {far} away"
-            holds = "" if condition.releases else f"; the wall holds {them} when pulled away, too"
+            held = pulls and not condition.releases
+            holds = f"; the wall holds {them} when pulled away, too" if held else ""
             yield f"boundaries.{face}: {', '.join(names[:_NAMED])}{more} {what}{holds}"
 
 
@@ -198,7 +208,7 @@ def bonded(scene: Scene, lattice: Any, counts: np.ndarray) -> Iterator[str]:
     near = reach(case) + 1.0 / np.array(lattice.per_cell)
     lows, highs = (np.array([getattr(box, end)[0] for box in boxes]) for end in ("low", "high"))
     found: list[str] = []
-    shared = sharing(case)
+    shared = _sticking(case)
     for i, j in _close(lows, highs, near * cell):
         if len(found) > _NAMED:
             break
