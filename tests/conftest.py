@@ -18,18 +18,6 @@ from processes import clean_env, run
 settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
 
-#: Files that take longest, which begin first, so that no worker is left with one at the end. Those
-#: that mostly wait, for Slurm, signals and what was killed, come between those that keep a core
-#: busy: of three files at a time then one waits at most.
-LONG = ("ranks", "proofs", "paper", "slurm", "readme", "transfer", "signals", "shapes", "batch",
-        "exact_errors", "balance", "launch", "mesh", "cut", "overlap")  # fmt: skip
-
-#: Further files that the fast tier leaves out: long runs, set-up, and what compiles every time.
-SLOW = ("affine", "bad_input", "benchmark", "books", "commands", "compaction", "dam_break",
-        "docs", "doctor", "doctor_mpi", "external_material", "hard", "init",
-        "instructions", "invariance", "jit", "kernel_files", "maxwell", "memory",
-        "methods", "paraview", "physics", "registered_material", "run_script", "setup",
-        "stop", "study", "terminal", "tracked", "vibration", "wall_balance")  # fmt: skip
 #: Fixtures of what is started, as is in no test of the fast tier.
 STARTED = {"display", "mpirun", "pvpython"}
 
@@ -45,15 +33,21 @@ def pytest_configure(config):
     config.pluginmanager.register(Costs(), "costs")
 
 
+def seconds(item):
+    """CPU seconds that a test's file takes, by its mark `slow`; 0 without one."""
+    mark = item.get_closest_marker("slow")
+    return mark.args[0] if mark else 0
+
+
 def pytest_collection_modifyitems(config, items):
-    """Put the tests of `LONG` before the others; scripts/test hands out files in this order."""
-    places = {f"test_{name}": place for place, name in enumerate(LONG)}
-    items.sort(key=lambda item: places.get(item.path.stem, len(LONG)))
+    """Begin with files that take long, so that no worker is left with one at the end.
+
+    scripts/test hands out files in this order. Those that mostly wait, for Slurm, signals and what
+    was killed, have numbers between those that keep a core busy: of three at a time one waits.
+    """
+    items.sort(key=seconds, reverse=True)
     if config.option.fast:
-        slow = {f"test_{name}" for name in (*LONG, *SLOW)}
-        left_out = [
-            item for item in items if item.path.stem in slow or STARTED & {*item.fixturenames}
-        ]
+        left_out = [item for item in items if seconds(item) or STARTED & {*item.fixturenames}]
         items[:] = [item for item in items if item not in set(left_out)]
         config.hook.pytest_deselected(items=left_out)
 

@@ -115,14 +115,6 @@ def test_folders_of_tests_are_those_of_the_package():
         assert str(folder) in besides or (ROOT / folder).is_dir(), f"there is no pgimp/{folder}"
 
 
-def test_files_named_in_conftest_are_there():
-    """A file that is split or renamed would otherwise begin last, or be in the fast tier."""
-    there = {path.stem.removeprefix("test_") for path in Path(__file__).parent.rglob("test_*.py")}
-    for node in ast.walk(ast.parse((Path(__file__).parent / "conftest.py").read_text())):
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) in ("LONG", "SLOW"):
-            assert {*ast.literal_eval(node.value)} <= there
-
-
 def test_files_of_tests_have_different_names():
     """They are no packages: pytest knows each by its name alone, but for what a folder shares."""
     names = sorted(path.name for path in Path(__file__).parent.rglob("*.py"))

@@ -41,6 +41,8 @@ sys.argv[1:] = {words}
 signal.signal(signal.SIGINT, signal.{interrupt})
 import pgimp.__main__ as entry
 from pgimp import cli, signals
+
+pytestmark = pytest.mark.slow(210)
 numbers = signals.STOPPING
 print([int(signal.getsignal(number) is signals.note) for number in numbers])
 cli.main = lambda: 7

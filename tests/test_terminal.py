@@ -17,6 +17,8 @@ from pgimp import terminal
 from pgimp.cli import main
 from pgimp.running.log import Log
 
+pytestmark = pytest.mark.slow(30)
+
 PROBE = PROGRAMS / "stream_probe.py"
 STUDY = """
 format: 1

@@ -39,11 +39,11 @@ CASES = {
 def verify(name: str, seconds: float, cpu_time: bool) -> None:
     """Compare one case on the ranks of this run, and print what came out as JSON."""
     sys.path.insert(0, str(ROOT))
-    from pgimp.solver import simulation, step
+    from pgimp.solver import rank, simulation
     from pgimp.utilities.model import sample
 
     if cpu_time:
-        for module in (sample, simulation, step):
+        for module in (sample, simulation, rank):
             module.perf_counter = time.process_time
     from pgimp import load
     from pgimp.case.schema import Case

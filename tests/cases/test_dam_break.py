@@ -9,6 +9,8 @@ import pgimp
 from pgimp.cli import main
 from pgimp.physics.materials import registry
 
+pytestmark = pytest.mark.slow(30)
+
 CASES = Path(__file__).resolve().parents[2] / "cases"
 CASE, FLUID = CASES / "fluid/dam-break.yaml", CASES / "fluid.py"
 COARSER = {"grid.cell": [0.1, 0.1], "time.end": 2.0, "time.step": 0.002}

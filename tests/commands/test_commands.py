@@ -5,6 +5,8 @@ import re
 
 import pytest
 
+pytestmark = pytest.mark.slow(30)
+
 COLUMN = """
 format: 1
 title: Column

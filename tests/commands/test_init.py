@@ -22,6 +22,8 @@ from pgimp.scene.scene import Scene, count_particles
 from pgimp.utilities.reference.jsonschema import json_schema, study_schema
 from pgimp.utilities.study.plan import read_plan
 
+pytestmark = pytest.mark.slow(30)
+
 ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / "cases"
 NAMES = [str(path.relative_to(CASES).with_suffix("")) for path in CASES.rglob("*.yaml")]

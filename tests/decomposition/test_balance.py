@@ -141,6 +141,8 @@ from pgimp.mpi.comm import world
 from pgimp.mpi.node import cores
 from pgimp.solver.simulation import Simulation
 
+pytestmark = pytest.mark.slow(150)
+
 if sys.argv[1] == "one":
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
 sim = Simulation(pgimp.load(sys.argv[2]), world())

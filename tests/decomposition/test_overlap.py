@@ -13,6 +13,8 @@ from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import UsageError
 
+pytestmark = pytest.mark.slow(90)
+
 PROBE = PROGRAMS / "overlap_probe.py"
 FACES = {"x-min": "fixed", "x-max": "fixed", "y-min": "slip", "y-max": "slip"}
 

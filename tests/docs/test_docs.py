@@ -6,7 +6,10 @@ import shutil
 import sys
 from pathlib import Path
 
+import pytest
 from processes import run
+
+pytestmark = pytest.mark.slow(30)
 
 ROOT = Path(__file__).resolve().parents[2]
 

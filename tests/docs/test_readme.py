@@ -29,6 +29,8 @@ from pgimp.case.reader import read_case
 from pgimp.jit import algebra
 from pgimp.utilities.study.plan import read_plan
 
+pytestmark = pytest.mark.slow(240)
+
 SHORT = "--set time.end=0.004 --set output.every=null --quiet"
 INSTEAD = {
     "pgimp study cases/studies/compaction.yaml": "pgimp study cases/studies/compaction.yaml --list",

@@ -29,6 +29,8 @@ from pgimp.physics.shapes.mpm import MpmParameters
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Carried, Particles
 
+pytestmark = pytest.mark.slow(30)
+
 p = Particles.empty(1, Carried(1))
 p.x[0, 0] = 2.5
 frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)

@@ -118,6 +118,8 @@ WRITE = """
 import sys
 from pathlib import Path
 from pgimp.jit.compiled.cache import Store, messages
+
+pytestmark = pytest.mark.slow(30)
 store, first = Store(Path(sys.argv[1])), int(sys.argv[2])
 print("begins", flush=True)
 for turn in range(int(sys.argv[3])):

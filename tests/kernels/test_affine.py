@@ -6,6 +6,8 @@ from scenes import box, energy, field, finish, scene, start
 
 from pgimp.kernels.transfer.p2g import particles_to_grid
 
+pytestmark = pytest.mark.slow(30)
+
 SHAPES = ["mpm", "gimp", "finite-gimp", "cpdi-corners", "fuzzy-constant"]
 
 

@@ -17,6 +17,8 @@ from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, ORIGIN, close, copied,
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.physics.boundaries import BOUNDARIES
 
+pytestmark = pytest.mark.slow(225)
+
 EVERY = pytest.mark.parametrize(
     ("name", "D"), [(name, D) for name in KINDS for D in (1, 2, 3)]
 )  # fmt: skip

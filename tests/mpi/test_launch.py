@@ -145,6 +145,8 @@ FAILING = """
 import sys
 from pgimp.errors import CaseError, RunError
 from pgimp.mpi.comm import abort_on_error, world
+
+pytestmark = pytest.mark.slow(135)
 comm = world()
 with abort_on_error(comm):
     {statement}

@@ -6,6 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import box, field, finish, scene, start, stir, wall
 
+pytestmark = pytest.mark.slow(30)
+
 MOVING = wall(0.2, [[0.0, 0.0], [0.1, 0.3], [0.2, 0.3]])
 #: One of each kind, in one order, for which the momentum update is compiled once.
 WALLS = {"x-min": MOVING, "x-max": "slip", "y-min": "separating", "y-max": "fixed"}

@@ -7,6 +7,8 @@ import pytest
 from paper_column import LENGTH, RATE, YOUNG, column
 from scenes import field, start
 
+pytestmark = pytest.mark.slow(30)
+
 
 @cache
 def compact(cell, per_cell, shape, volume="tracked", times=(0.5,), step=1e-4):

@@ -7,6 +7,8 @@ import pytest
 from scenes import box, field, finish, scene, start
 from turning_disk import CENTRE, RATE, disk, spin
 
+pytestmark = pytest.mark.slow(30)
+
 
 def test_a_rotation_starts_as_asked_in_the_plane():
     sim = start(disk(8, 1.0, 0.004))

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scenes import SOFT, box, energy, field, finish, scene, start, stir, take_over
 
+pytestmark = pytest.mark.slow(30)
+
 #: Of a body whose boxes end in the middle of cells: there no vertex is light. One that is below
 #: 1e-12 of a particle stands still, by the method's own rule, and its force is lost.
 LOW, HIGH, CELL = [1.75, 1.75, 1.75], [5.25, 4.25, 3.25], 0.5

@@ -25,6 +25,8 @@ import scene_features  # noqa: E402
 import scene_shrink  # noqa: E402
 from scene_bodies import REGIONS  # noqa: E402
 
+pytestmark = pytest.mark.slow(285)
+
 
 def prove(*words, timeout=600):
     job = run([sys.executable, str(PROOFS), *words], timeout)
@@ -143,9 +145,9 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import bounds
 import numpy as np
-from pgimp.kernels.contact.lagrangian.hash_table import number_keys, room_for
+from pgimp.kernels.contact.lagrangian.hash_table import insert_keys, empty_table
 
-number_keys(np.arange(1, 3), room_for(4)[:, :1])
+insert_keys(np.arange(1, 3), empty_table(4)[:, :1])
 """
 
 

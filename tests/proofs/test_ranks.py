@@ -14,6 +14,8 @@ from scenes import write_case
 import pgimp
 from pgimp.decomposition.slabs import cut
 
+pytestmark = pytest.mark.slow(300)
+
 #: With five there are slabs at both ends, slabs between two others, empty ones, the thinnest there
 #: are, and ranks that own none: see the tests of the scenes.
 RANKS = (1, 3, 5)
@@ -25,10 +27,27 @@ RESUMED = {(3, 2): 0.2, (5, 4): 0.5}
 #: ranks, nor who reads which part of it on the scene: each scene goes on in one of the two ways,
 #: and in each way some of every dimension, some with mirrors, and some that lose particles.
 GO_ON = {
-    (3, 2): ("line_leaves", "line_slows", "plane_gimp", "plane_fuzzy", "affine", "loaded",
-             "narrow"),
-    (5, 4): ("line_mpm", "plane_leaves", "meeting", "staged", "flowing", "plane_mirror",
-                "space_finite", "narrow", "initial", "varied"),
+    (3, 2): (
+        "line_leaves",
+        "line_slows",
+        "plane_gimp",
+        "plane_fuzzy",
+        "affine",
+        "loaded",
+        "narrow",
+    ),
+    (5, 4): (
+        "line_mpm",
+        "plane_leaves",
+        "meeting",
+        "staged",
+        "flowing",
+        "plane_mirror",
+        "space_finite",
+        "narrow",
+        "initial",
+        "varied",
+    ),
 }
 #: Scenes that run on three ranks too: those that go on from there, and those that tests look at.
 #: Five ranks have all kinds of slabs that three have.

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scenes import SOFT, box, field, scene, start
 
+pytestmark = pytest.mark.slow(30)
+
 #: Of both kinds of bar: E = 100, rho = 1.
 SPEED, LENGTH = 10.0, 1.0
 

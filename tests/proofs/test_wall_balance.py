@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scenes import box, energy, field, finish, scene, start, stir, take_over, tracked, wall
 
+pytestmark = pytest.mark.slow(30)
+
 SHAPES = ("gimp", "mpm", "fuzzy-nearest")
 CELLS = {"cells": [16, 12], "cell": 0.5}
 

@@ -18,6 +18,8 @@ from pgimp.running.running import _request
 from pgimp.running.stop import Held, Stop, clock, slurm_seconds_left, wall_time
 from pgimp.solver.reduction import Request
 
+pytestmark = pytest.mark.slow(30)
+
 
 @pytest.fixture(autouse=True)
 def usual(monkeypatch):

@@ -16,6 +16,8 @@ from pgimp.geometry.measure import TangledError, measure
 from pgimp.scene.bodies import lattice_body as latticebody
 from pgimp.scene.bodies.lattice_body import LatticeBody
 
+pytestmark = pytest.mark.slow(105)
+
 # -- boxes: exact wherever they lie
 
 NUMBER = st.floats(0.05, 0.95).map(lambda x: round(x, 6))

@@ -12,6 +12,8 @@ from processes import run
 from pgimp.case.reader import read_case
 from pgimp.errors import CaseError
 
+pytestmark = pytest.mark.slow(30)
+
 PROOFS = Path(__file__).resolve().parents[2] / "scripts" / "proofs"
 BOMB = "l0: &l0 lol\n" + "".join(
     f"l{i}: &l{i} [{', '.join([f'*l{i - 1}'] * 9)}]\n" for i in range(1, 12)

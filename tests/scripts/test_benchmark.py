@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from processes import PROGRAMS
 
+pytestmark = pytest.mark.slow(30)
+
 BENCHMARKS = Path(__file__).resolve().parents[2] / "scripts/benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 

@@ -17,6 +17,8 @@ import rows  # noqa: E402
 import table  # noqa: E402
 from runs import BOUND, CASES, begin, watch  # noqa: E402
 
+pytestmark = pytest.mark.slow(30)
+
 NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
 
 #: Shorter and coarser, as the same physics.

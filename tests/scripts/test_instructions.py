@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow(30)
+
 PROGRAM = Path(__file__).resolve().parents[2] / "scripts/benchmarks/instructions.py"
 
 #: gimp, neo-Hookean, random positions, compiled for AVX2. In 2D, where the same lines are compiled

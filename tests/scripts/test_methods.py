@@ -15,6 +15,8 @@ import method_measures  # noqa: E402
 import method_table  # noqa: E402
 import timoshenko  # noqa: E402
 
+pytestmark = pytest.mark.slow(30)
+
 
 def test_a_slender_beam_swings_as_eulers():
     """1.8751 is the first root of cos k cosh k = -1; shear matters by (height/length)^2."""

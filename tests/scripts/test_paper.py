@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 from processes import run
 
+pytestmark = pytest.mark.slow(270)
+
 ROOT = Path(__file__).resolve().parents[2]
 FIGURES = [f"fig{n:02}" for n in range(4, 12)] + [f"fig{n:02}-fuzzy" for n in range(4, 11)]
 WEIGHTS = {10000: 0.5, 12000: 0.6, 30000: 1.5, 40000: 2.0}

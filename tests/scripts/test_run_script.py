@@ -6,6 +6,8 @@ import pytest
 from machines import ROOT
 from setuptools import find_packages
 
+pytestmark = pytest.mark.slow(30)
+
 
 def test_run_starts_two_ranks_or_as_many_as_asked(ready):
     pgimp = ready.root / ".venv/bin/pgimp"

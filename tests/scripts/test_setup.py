@@ -7,6 +7,8 @@ import subprocess
 import pytest
 from machines import PROGRAM, PYTHON, ROOT, SCRIPTS
 
+pytestmark = pytest.mark.slow(30)
+
 APT_GET = r"""#!/usr/bin/env bash
 echo "apt-get $*" >>"$LOG"
 [[ "$*" = *install* ]] || exit 0

@@ -22,6 +22,8 @@ from pgimp.scene.bodies import extent
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.start import memory
 
+pytestmark = pytest.mark.slow(30)
+
 GB = 10**9
 WALLS = {"x-min": "fixed", "x-max": "fixed", "y-min": "slip", "y-max": "slip"}
 

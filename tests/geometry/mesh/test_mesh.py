@@ -13,6 +13,8 @@ from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
 
+pytestmark = pytest.mark.slow(120)
+
 ROOT = Path(__file__).resolve().parents[3]
 
 

@@ -18,6 +18,8 @@ from pgimp.physics.fields import FIELDS
 from pgimp.running.frames import Frames
 from pgimp.utilities.plot.units import kind_of_field, unit
 
+pytestmark = pytest.mark.slow(30)
+
 COUNT, GONE = 23, ((), (), range(9, 14))
 COUNTS = [COUNT - len(gone) for gone in GONE]
 

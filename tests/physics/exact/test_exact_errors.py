@@ -12,6 +12,8 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.solver.history.columns import HISTORY
 
+pytestmark = pytest.mark.slow(165)
+
 NAMES = [
     f"error.{name}-{norm}"
     for name in ("displacement", "velocity", "stress")

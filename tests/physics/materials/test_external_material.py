@@ -26,6 +26,8 @@ from pgimp.physics.materials.parameters.outside import parameters_of
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Carried, Particles
 
+pytestmark = pytest.mark.slow(30)
+
 def ask():
     law = parameters_of(MATERIALS["law"](model="law", density=1.0), 1)
     frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)

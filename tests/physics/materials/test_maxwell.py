@@ -12,6 +12,8 @@ import pgimp
 from pgimp.physics.materials import MATERIALS, registry
 from pgimp.physics.materials.parameters.outside import parameters_of
 
+pytestmark = pytest.mark.slow(30)
+
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "docs" / "materials.md").read_text(encoding="utf-8")
 

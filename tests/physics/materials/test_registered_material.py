@@ -18,6 +18,8 @@ from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.physics.materials import NeoHookean, registry
 from pgimp.physics.materials.parameters.outside import parameters_of
 
+pytestmark = pytest.mark.slow(30)
+
 CASES = Path(__file__).resolve().parents[3] / "cases"
 #: Components of a stress in 1D, 2D and 3D.
 COUNTS = (3, 4, 6)

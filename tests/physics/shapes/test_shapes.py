@@ -20,6 +20,8 @@ from pgimp.kernels.transfer.supports import SUPPORT_SIZE
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.base import weights
 
+pytestmark = pytest.mark.slow(195)
+
 ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.25), (5, 4, 3)
 
 CASES = [

@@ -9,6 +9,8 @@ from scenes import box, field, finish, scene, start
 from turning_disk import CENTRE, disk, spin
 from turning_disk import RATE as TURN
 
+pytestmark = pytest.mark.slow(30)
+
 CELLS = {"cells": [16, 12], "cell": 0.5}
 
 

@@ -9,8 +9,8 @@ from collections import Counter
 import pytest
 from numba.core import event
 
-#: Files that are listed.
-LISTED = 12
+#: Files that are listed; CPU seconds, cold, from which one has to be marked as slow.
+LISTED, LONG = 12, 60.0
 
 
 class _Compiled(event.Listener):
@@ -44,6 +44,7 @@ class Costs:
         self._compiled = _Compiled()
         event.register("numba:compile", self._compiled)
         self._seconds, self._kernels = Counter(), Counter()
+        self._marked: set[str] = set()
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item):
@@ -64,8 +65,10 @@ class Costs:
 
     def pytest_runtest_logreport(self, report):
         """Add up a file's costs."""
+        file = report.nodeid.partition("::")[0]
+        if "slow" in report.keywords:
+            self._marked.add(file)
         if cost := dict(report.user_properties).get("cost"):
-            file = report.nodeid.partition("::")[0]
             self._seconds[file] += cost[0]
             self._kernels[file] += cost[1]
 
@@ -77,5 +80,10 @@ class Costs:
         terminalreporter.section(
             f"{total / 60.0:.1f} minutes of CPU time, {kernels} kernels compiled in tests"
         )
+        unmarked = [file for file in self._seconds if file not in self._marked]
+        for file in unmarked:
+            if self._seconds[file] > LONG:
+                text = f"{file} takes {self._seconds[file]:.0f} s, and has no pytest.mark.slow"
+                terminalreporter.write_line(text, yellow=True)
         for file, seconds in self._seconds.most_common(LISTED):
             terminalreporter.write_line(f"{seconds:6.0f} s {self._kernels[file]:4d}  {file}")

@@ -10,6 +10,8 @@ from two_blocks import CASE
 
 from pgimp.cli import main
 
+pytestmark = pytest.mark.slow(180)
+
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):

@@ -22,6 +22,8 @@ SHARED = {"OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_mpi_yield_when
 # In place of a run: waits for a signal the first time, is done the second.
 STAND_IN = """#!/usr/bin/env python3
 import os, signal, sys, time
+
+pytestmark = pytest.mark.slow(255)
 [folder] = [word[len("--output="):] for word in sys.argv if word.startswith("--output=")]
 came = []
 signal.signal(signal.SIGUSR1, lambda *_: came.append(1))

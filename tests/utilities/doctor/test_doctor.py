@@ -19,6 +19,8 @@ import ctypes, sys
 folder = sys.path.pop(next(i for i, path in enumerate(sys.path) if path == {folder!r}))
 del sys.modules["h5py"]
 import h5py
+
+pytestmark = pytest.mark.slow(30)
 real = h5py.File
 class Locking(real):
     def __init__(self, *args, **options):

@@ -9,6 +9,8 @@ from doctor_findings import OPEN_MPI, only
 from pgimp.cli import main
 from pgimp.utilities.doctor import mpi, probe
 
+pytestmark = pytest.mark.slow(30)
+
 # As MPICH's: it refuses Open MPI's options, and its ranks are strangers to Open MPI's library.
 OTHER_MPIRUN = """#!/bin/bash
 [ "$1" != --version ] || { echo "HYDRA build details:"; echo "    Version:  4.0.2"; exit; }
@@ -33,7 +35,6 @@ def programs(tmp_path, monkeypatch):
         return folder / name
 
     return add
-
 
 
 def test_mpirun_of_another_mpi(programs, tmp_path, capsys):

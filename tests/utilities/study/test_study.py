@@ -20,6 +20,8 @@ from pgimp.utilities.study import runs
 from pgimp.utilities.study.plan import read_plan
 from pgimp.utilities.study.runs import perform
 
+pytestmark = pytest.mark.slow(30)
+
 
 def rows(folder):
     with open(folder / "study.csv", encoding="utf-8", newline="") as stream:
