@@ -43,7 +43,8 @@ class SceneFlows:
         The greatest J without voids, of bodies that flow and have no gap; 0 for others.
     fields : tuple of int
         Number of each body's field of J: such bodies of a material share one, but for those that
-        are calmed where there is contact, as neighbours may slide along each other.
+        are calmed where there is contact, as neighbours may slide along each other; see
+        `fields_of`.
     relaxes : bool
         Whether there are such bodies.
     calms : (bodies,) float64
@@ -75,7 +76,9 @@ class SceneFlows:
         self.gap, self.most = gaps[material_of], most[material_of] * (self.rates > 0.0)
         grains = np.array([calms and entry.RESTS and not entry.LIQUID for entry in materials])
         self.calms = 1.0 * (grains[material_of] & (self.rates > 0.0))
-        self.fields = _apart(number, material_of, self.calms, pairs is not None)
+        self._of_materials = number[material_of]
+        apart = np.arange(len(material_of)) if pairs is not None else material_of
+        self.fields = self.fields_of(apart)
         self.relaxes = bool(own.any())
         self.walls = [
             Mirror(face.axis, face.side, n, False, False)
@@ -86,6 +89,14 @@ class SceneFlows:
         for wall in self.walls:
             self.sides[2 * wall.axis + (wall.side > 0)] = True
 
+    def fields_of(self, apart: Sequence[int] | np.ndarray) -> tuple[int, ...]:
+        """Numbers of the bodies' fields, where calmed ones of different numbers `apart` differ.
+
+        Bodies of one field are calmed at one rate: else they would not keep their momentum.
+        """
+        keys = np.stack([self._of_materials, self.calms * (np.array(apart) + 1)], axis=1)
+        return tuple(int(i) for i in np.unique(keys, axis=0, return_inverse=True)[1].ravel())
+
 
 def _gap_of(entry: Any, dimensions: int) -> int:
     """Column of a material's state that has the gap by which it has opened; -1 for others."""
@@ -95,18 +106,6 @@ def _gap_of(entry: Any, dimensions: int) -> int:
             return before
         before += state.width(dimensions)
     return -1
-
-
-def _apart(
-    fields: np.ndarray, material_of: np.ndarray, calms: np.ndarray, meet: bool
-) -> tuple[int, ...]:
-    """Numbers of bodies' fields, from 0; what is calmed has one by material, or by body.
-
-    Those of a field are calmed at one rate: else they would not keep their momentum.
-    """
-    own = np.arange(len(material_of)) if meet else material_of
-    keys = np.stack([fields[material_of], calms * (own + 1)], axis=1)
-    return tuple(int(i) for i in np.unique(keys, axis=0, return_inverse=True)[1].ravel())
 
 
 def flows_of(

@@ -73,9 +73,12 @@ class Flows:
             return self._idle
         grid, particles = rank.grid, rank.particles
         rank.ledger.filled.fill(0.0)
-        self._sums.fit(grid, self.flows.fields)
+        # Bodies of one velocity field cannot meet: so hundreds of bodies need a few fields.
+        contact, flows = rank.contact, self.flows
+        fields = flows.fields_of(contact.fields) if contact.at_vertices else flows.fields
+        self._sums.fit(grid, fields)
         self._sums.add(particles, order, np.arange(grid.planes))
-        own, frame, flows = self._sums.grid, self.scene.frame, self.flows
+        own, frame = self._sums.grid, self.scene.frame
         for wall in flows.walls:
             self.call(fold_filling, frame, own.field, wall)
         rigid_bodies, calming = rank.contact.rigid_bodies, self.sums.calming
