@@ -28,6 +28,7 @@ FLOORS = (
 )
 FLOOR = {name: floor for floor, names in enumerate(FLOORS) for name in names}
 ROOT = Path(pgimp.__file__).parent
+SCRIPTS = Path(__file__).parents[1] / "scripts"
 MODULES = sorted(path.relative_to(ROOT) for path in ROOT.rglob("*.py"))
 
 
@@ -58,8 +59,8 @@ def test_every_folder_has_a_floor():
 
 def test_folders_can_be_seen_at_a_glance():
     """Sixteen files at most, and what each folder of kernels and of the solver is for."""
-    tests = Path(__file__).parent
-    for folder in (ROOT, tests, *(each for root in (ROOT, tests) for each in root.rglob("*"))):
+    roots = ROOT, Path(__file__).parent, SCRIPTS
+    for folder in (*roots, *(each for root in roots for each in root.rglob("*"))):
         files = [path for path in folder.glob("*.py") if path.stem != "__init__"]
         assert len(files) <= 16, f"{folder} has {len(files)} files"
         if ROOT not in folder.parents:

@@ -18,7 +18,7 @@ from statistics import median
 
 import numpy as np
 from report import ROOT
-from workers import environment
+from workers.processes import environment
 
 from pgimp.decomposition.slabs import cut
 

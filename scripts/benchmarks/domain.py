@@ -4,7 +4,7 @@ from statistics import median
 
 from blocks import PAD, block
 from report import error, number, origin, write
-from workers import Worker, launch
+from workers.processes import Worker, launch
 
 from pgimp.solver.simulation import RESORT
 
@@ -29,7 +29,7 @@ def main(folder, quick):
     rounds, steps = (3, 4) if quick else (12, RESORT // 2)
     rows = []
     for cells in sizes:
-        workers = {factor: Worker(launch(1, ["pgimp_worker.py"])) for factor in (1, FACTOR)}
+        workers = {factor: Worker(launch(1, ["workers/pgimp_worker.py"])) for factor in (1, FACTOR)}
         try:
             memory = {}
             for factor, worker in workers.items():

@@ -14,7 +14,7 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter
 
-from workers import environment, launch
+from workers.processes import environment, launch
 
 import pgimp
 from pgimp.mpi.comm import world

@@ -9,7 +9,7 @@ from blocks import block, create
 from messages import counting, sent
 from picture import plt, save
 from report import count, error, number, origin, spread, write
-from workers import Worker, environment, launch, wait
+from workers.processes import Worker, environment, launch, wait
 
 from pgimp.solver.simulation import RESORT
 
@@ -33,7 +33,7 @@ def timings(quick):
         for name, cells in blocks.items()
         for kind, ranks in (("strong", 1), ("apart", 2), ("strong", 2), ("weak", 2))
     ]
-    one, second, two = (Worker(launch(ranks, ["pgimp_worker.py"])) for ranks in (1, 1, 2))
+    one, second, two = (Worker(launch(ranks, ["workers/pgimp_worker.py"])) for ranks in (1, 1, 2))
     teams = {("strong", 1): [one], ("apart", 2): [one, second]}
     try:
         for name, kind, ranks, cells in jobs:

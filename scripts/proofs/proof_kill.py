@@ -8,7 +8,7 @@ import time
 from collections import Counter
 from statistics import median
 
-from jobs import CASE, MEET, SHORT, Job, come_to, differences, scratch, unreadable, whole
+from proofs.jobs import CASE, MEET, SHORT, Job, come_to, differences, scratch, unreadable, whole
 
 
 def main(words):

@@ -7,7 +7,7 @@ import signal
 import time
 from collections import Counter
 
-from jobs import CASE, MEET, SHORT, Job, come_to, differences, scratch, unreadable, whole
+from proofs.jobs import CASE, MEET, SHORT, Job, come_to, differences, scratch, unreadable, whole
 
 from pgimp.running.checkpoints import present
 

@@ -164,9 +164,9 @@ def test_options_in_the_head_of_a_script_are_read_by_it(path):
     text = path.read_text(encoding="utf-8")
     said = head(f"scripts/{path.name}")
     body = text.partition("\nset -e")[2]
-    for started in re.findall(r"\$root/(scripts/\w+)(?:\.py|/\w+\.py)?\"", body):
-        folder = ROOT / started
-        body += "".join(p.read_text() for p in folder.glob("*.py")) if folder.is_dir() else ""
+    for started, study in re.findall(r"\$root/(scripts/\w+)(?:\.py|/\w+\.py)?\" ?(\w*)", body):
+        folder = ROOT / started / study
+        body += "".join(p.read_text() for p in folder.rglob("*.py")) if folder.is_dir() else ""
     if path.name == "test":
         body += (ROOT / "tests" / "conftest.py").read_text()
     if not (lines := re.findall(r"^ +scripts/.*", said, re.MULTILINE)):

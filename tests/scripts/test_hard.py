@@ -1,21 +1,16 @@
 """The hard cases: every file runs and stays stable; the tables of docs/hard-cases.md, in short."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
+from studies.hard import courant, rows, table
+from studies.hard.runs import BOUND, CASES, begin, watch
 
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.courant import LIMITS
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts" / "hard_cases"))
-
-import courant  # noqa: E402
-import rows  # noqa: E402
-import table  # noqa: E402
-from runs import BOUND, CASES, begin, watch  # noqa: E402
 
 NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
 
