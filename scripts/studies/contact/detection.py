@@ -16,11 +16,14 @@ Nothing moves: bodies touch in a point or along a face, so that the exact gap is
 
 import re
 from functools import partial
-from math import cos, pi, radians, sin
+from math import cos, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 from studies.contact import gap
+from studies.contact.touches import balls, corner, edge, flat
+from studies.harness import table
+from studies.scenes import box
 
 import pgimp
 from pgimp.kernels.contact.data import LEAST_FILLED
@@ -31,150 +34,8 @@ from pgimp.physics.shapes.gimp import GimpParameters
 PER_CELL = 2
 #: Vertices around the point of contact that are looked at, along each direction.
 REACH = 3
-#: Points of a surface's quadrature on the length of a cell, by dimension.
-FINE = {2: 400, 3: 24}
 #: Power of the flatness c, and least part of a body's surface that is across the normal, of 1.3.
 FLATTER, ACROSS = 20, 0.05
-
-
-class Surface(NamedTuple):
-    """Points of a quadrature, their outward normals and areas."""
-
-    points: np.ndarray
-    normals: np.ndarray
-    areas: np.ndarray
-
-
-class Touch(NamedTuple):
-    """Two bodies that touch.
-
-    Attributes
-    ----------
-    regions : (region, region)
-        Of the bodies.
-    surfaces : (Surface, Surface)
-        Theirs, near where they touch.
-    middle, normal : (D,) float64
-        Where that is, and the normal there, from the first to the second.
-    distance : callable
-        Gap, along the normal, at distances (n, D) from the middle.
-    """
-
-    regions: tuple
-    surfaces: tuple
-    middle: np.ndarray
-    normal: np.ndarray
-    distance: object
-
-
-def _across(normal):
-    """Directions across a normal, (D - 1, D)."""
-    return np.linalg.svd(normal[None])[2][1:]
-
-
-def _lattice(dimensions, half):
-    """Places in the middle of equal parts of [-half, half], (n, D - 1), and the size of one."""
-    count = round(2 * half * FINE[dimensions])
-    s = (np.arange(count) + 0.5) / count * 2.0 * half - half
-    places = np.stack(np.meshgrid(*[s] * (dimensions - 1), indexing="ij"), axis=-1)
-    return places.reshape(-1, dimensions - 1), (2.0 * half / count) ** (dimensions - 1)
-
-
-def _middle(dimensions, shift):
-    return np.full(dimensions, 0.5 * gap.CELLS[dimensions]) + shift
-
-
-def flat(dimensions, way, shift):
-    """Flat faces across the direction `way`."""
-    way = np.asarray(way) / np.linalg.norm(way)
-    middle, tangents = _middle(dimensions, shift), _across(way)
-    places, area = _lattice(dimensions, 5.0)
-    points = middle + places @ tangents
-
-    def block(side):
-        planes = [(middle, -side * way), (middle + side * 4.0 * way, side * way)]
-        planes += [(middle + s * 4.0 * t, s * t) for t in tangents for s in (-1.0, 1.0)]
-        return {"intersection": [
-            {"half-space": {"point": p.tolist(), "normal": n.tolist()}} for p, n in planes
-        ]}  # fmt: skip
-
-    keep = (np.abs(places) < 4.0).all(axis=1)
-    surfaces = tuple(
-        Surface(points[keep], np.tile(side * way, (keep.sum(), 1)), np.full(keep.sum(), area))
-        for side in (1.0, -1.0)
-    )
-    return Touch((block(-1.0), block(1.0)), surfaces, middle, way, lambda x: np.zeros(len(x)))
-
-
-def balls(dimensions, radius, way, shift):
-    """Disks or balls of a radius that touch along `way`."""
-    way = np.asarray(way) / np.linalg.norm(way)
-    middle, tangents = _middle(dimensions, shift), _across(way)
-    places, area = _lattice(dimensions, min(4.0, 0.9 * radius))
-    square = (places**2).sum(axis=1)
-    places, square = places[square < (0.9 * radius) ** 2], square[square < (0.9 * radius) ** 2]
-    deep = radius - np.sqrt(radius**2 - square)
-    regions, surfaces = [], []
-    for side in (-1.0, 1.0):
-        centre = middle + side * radius * way
-        points = middle + places @ tangents + side * deep[:, None] * way
-        normals = (points - centre) / radius
-        ball = {"ball": {"centre": centre.tolist(), "radius": radius}}
-        near = {"box": {"min": (middle - 7.0).tolist(), "max": (middle + 7.0).tolist()}}
-        regions.append({"intersection": [ball, near]})
-        surfaces.append(Surface(points, normals, area / np.abs(normals @ way)))
-
-    def distance(x):
-        s = np.minimum(((x - (x @ way)[:, None] * way) ** 2).sum(axis=1), radius**2)
-        return 2.0 * (radius - np.sqrt(radius**2 - s))
-
-    return Touch(tuple(regions), tuple(surfaces), middle, way, distance)
-
-
-def _plane(middle):
-    """A body whose upper face is at a place."""
-    low, high = middle - np.array([10.0, 8.0]), middle + np.array([10.0, 0.0])
-    return {"box": {"min": low.tolist(), "max": high.tolist()}}
-
-
-def corner(angle, shift):
-    """The corner of a square, turned by `angle`, that stands on a plane."""
-    c, s = cos(radians(angle)), sin(radians(angle))
-    middle, half = _middle(2, shift), 4.0
-    edges = np.array([[c, s], [-s, c]])
-    square = gap.turned(middle + half * edges.sum(axis=0), [half, half], angle)
-    plane = _plane(middle)
-    u = (np.arange(round(6.0 * FINE[2])) + 0.5) / FINE[2]
-    area = np.full(len(u), 1.0 / FINE[2])
-    legs = [
-        Surface(middle + u[:, None] * edges[d], np.tile(-edges[1 - d], (len(u), 1)), area)
-        for d in range(2)
-    ]
-    places, area = _lattice(2, 6.0)
-    floor = Surface(middle + places * [1.0, 0.0], np.tile([0.0, 1.0], (len(places), 1)),
-                    np.full(len(places), area))  # fmt: skip
-    tip = Surface(*(np.concatenate(parts) for parts in zip(*legs, strict=True)))
-
-    def distance(x):
-        return np.where(x[:, 0] > 0.0, x[:, 0] * s / max(c, 1e-9), -x[:, 0] * c / max(s, 1e-9))
-
-    return Touch((plane, square), (floor, tip), middle, np.array([0.0, 1.0]), distance)
-
-
-def edge(shift):
-    """The lower edge of a block that lies on a plane."""
-    middle = _middle(2, shift)
-    block = {"box": {"min": middle.tolist(), "max": (middle + 8.0).tolist()}}
-    plane = _plane(middle)
-    u = (np.arange(round(6.0 * FINE[2])) + 0.5) / FINE[2]
-    area = np.full(2 * len(u), 1.0 / FINE[2])
-    points = middle + np.concatenate([u[:, None] * [1.0, 0.0], u[:, None] * [0.0, 1.0]])
-    normals = np.repeat([[0.0, -1.0], [-1.0, 0.0]], len(u), axis=0)
-    places, part = _lattice(2, 6.0)
-    floor = Surface(middle + places * [1.0, 0.0], np.tile([0.0, 1.0], (len(places), 1)),
-                    np.full(len(places), part))  # fmt: skip
-    return Touch((plane, block), (floor, Surface(points, normals, area)), middle,
-                 np.array([0.0, 1.0]), lambda x: np.zeros(len(x)))  # fmt: skip
 
 
 def _weights(x, way=0.0):
@@ -230,10 +91,9 @@ def _bodies(make, shift, lattices):
     for number, lattice in enumerate(lattices):
         there = make(shift + lattice)
         D = len(there.middle)
-        other = {"box": {"min": [0.0] * D, "max": [1.0] * D}}
-        core = pgimp.Simulation(
-            gap.stiff({"a": there.regions[number], "b": other}, np.zeros(D))
-        ).core
+        other = box([0.0] * D, [1.0] * D)
+        pair = gap.stiff({"a": there.regions[number], "b": other}, np.zeros(D))
+        core = pgimp.Simulation(pair).core
         rows, p = core.live(), core.particles
         rows = rows[p.body[rows] == 0]
         A, K = _surface_sums(p.x[rows], there.surfaces[number])
@@ -372,28 +232,28 @@ def _way(angle, dimensions=2):
 def rows(quick=False):
     """Rows of the table: what touches, and what each way finds of it."""
     rng = np.random.default_rng(3)
-    table = {}
+    touching = {}
     for angle in (0.0, 20.0, 45.0):
-        table[f"flat faces at {angle:.0f} degrees, 2D"] = [partial(flat, 2, _way(angle))] * 12
+        touching[f"flat faces at {angle:.0f} degrees, 2D"] = [partial(flat, 2, _way(angle))] * 12
     for radius in (5.0, 10.0):
-        table[f"disks, R = {radius:.0f} cells"] = [
+        touching[f"disks, R = {radius:.0f} cells"] = [
             partial(balls, 2, radius, _way(30.0 * k)) for k in range(12)
         ]
     for angle in (45.0, 20.0):
-        table[f"a square's corner at {angle:.0f} degrees on a plane"] = [
+        touching[f"a square's corner at {angle:.0f} degrees on a plane"] = [
             partial(corner, angle)
         ] * 12
-    table["the edge of a block that lies on a plane"] = [edge] * 12
+    touching["the edge of a block that lies on a plane"] = [edge] * 12
     for name, way in (
         ("along an axis", [1.0, 0.0, 0.0]), ("at 30 degrees", _way(30.0, 3)),
         ("along a diagonal", [1.0, 1.0, 1.0]),
     ):  # fmt: skip
-        table[f"flat faces {name}, 3D"] = [partial(flat, 3, way)] * 4
+        touching[f"flat faces {name}, 3D"] = [partial(flat, 3, way)] * 4
     for radius in (5.0, 10.0):
-        table[f"balls, R = {radius:.0f} cells"] = [
+        touching[f"balls, R = {radius:.0f} cells"] = [
             partial(balls, 3, radius, [*_way(25.0 * k), 0.4 * k]) for k in range(6)
         ]
-    for what, makers in table.items():
+    for what, makers in touching.items():
         found = {}
         for make in makers[: 2 if quick else None]:
             D = 3 if what.endswith("3D") or what.startswith("balls") else 2
@@ -407,15 +267,14 @@ def rows(quick=False):
 def text(quick=False):
     """The table of both ways."""
     ways = {"surfaces": "surface vectors", "plain": "volume fractions", "built": "as built"}
-    lines = [
-        "| what touches | " + " | ".join(ways.values())
-        + " | gap: surface vectors | volume fractions | normal: surface vectors "
-        "| volume fractions |",
-        "|---" * 8 + "|",
-    ]
+    titles = (
+        "what touches", *ways.values(), "gap: surface vectors", "volume fractions",
+        "normal: surface vectors", "volume fractions",
+    )  # fmt: skip
+    lines = []
     for what, found in rows(quick):
         first = [f"{min(found[w].first):.3f} to {max(found[w].first):.3f}" for w in ways]
         gaps = [f"{np.sqrt(np.mean(found[w].gaps)):.3f}" for w in ("surfaces", "plain")]
         angles = [f"{np.sqrt(np.mean(found[w].angles)):.1f}" for w in ("surfaces", "plain")]
-        lines.append(f"| {what} | {' | '.join([*first, *gaps, *angles])} |")
-    return re.sub(r"-(0\.0+)\b", r"\1", "\n".join(lines)) + "\n"
+        lines.append((what, *first, *gaps, *angles))
+    return re.sub(r"-(0\.0+)\b", r"\1", table(titles, lines))

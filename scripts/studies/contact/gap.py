@@ -3,6 +3,8 @@
 from math import cos, radians, sin
 
 import numpy as np
+from studies.contact.motion import case_of
+from studies.scenes import ball, box
 
 import pgimp
 
@@ -14,26 +16,14 @@ CELLS = {2: 48, 3: 20}
 
 def stiff(bodies, way):
     """Case of stiff bodies in cells of 1, of which `a` moves along `way`; with a contact of two."""
-    D = len(way)
-    return {
-        "format": 1,
-        "dimensions": D,
-        "grid": {"size": [float(CELLS[D])] * D, "cell": [1.0] * D},
-        "method": {"shape": "gimp", "particles_per_cell": [2] * D},
-        "time": {"end": 2000.0, "step": 1.0},
-        "materials": {
-            "solid": {"model": "neo-hookean", "young": 0.02, "poisson": 0.0, "density": 1.0}
-        },
-        "bodies": {
-            name: {
-                "material": "solid",
-                "region": region,
-                "velocity": (SPEED * way * (name == "a")).tolist(),
-            }
-            for name, region in bodies.items()
-        },
-        "contact": [{"bodies": list(bodies)}] if len(bodies) > 1 else [],
+    solid = {"model": "neo-hookean", "young": 0.02, "poisson": 0.0, "density": 1.0}
+    moving = {
+        name: (region, (SPEED * way * (name == "a")).tolist()) for name, region in bodies.items()
     }
+    return case_of(
+        moving, [CELLS[len(way)]] * len(way), 1.0, 2000.0, solid, time={"step": 1.0},
+        contact=[{"bodies": list(bodies)}] if len(bodies) > 1 else [],
+    )  # fmt: skip
 
 
 def _direction(dimensions, angle):
@@ -83,13 +73,12 @@ def balls(dimensions, radius, angle, shift):
     way, gap = _direction(dimensions, angle), 0.6 + 0.5 * ((7.0 * shift) % 1.0)
     middle = np.full(dimensions, 0.5 * CELLS[dimensions]) + shift
 
-    def ball(side):
+    def cap(side):
         centre = middle + side * (radius + 0.5 * gap) * way
-        whole = {"ball": {"centre": centre.tolist(), "radius": radius}}
-        near = {"box": {"min": (middle - 7.0).tolist(), "max": (middle + 7.0).tolist()}}
+        whole, near = ball(centre, radius), box(middle - 7.0, middle + 7.0)
         return whole if dimensions == 2 else {"intersection": [whole, near]}
 
-    return _first(stiff({"a": ball(-1.0), "b": ball(1.0)}, way), gap)
+    return _first(stiff({"a": cap(-1.0), "b": cap(1.0)}, way), gap)
 
 
 def _rigid(case, name):
@@ -104,7 +93,7 @@ def hole(rigid, radius, angle, shift, clearance):
     """Gap of a disk that moves in a round hole of a thick ring; one of the two is rigid."""
     middle = 0.5 * CELLS[2] + shift * np.array([1.0, 0.37])
     disk, wide, ring = (
-        {"ball": {"centre": middle.tolist(), "radius": r}}
+        ball(middle, r)
         for r in (radius, radius + clearance, radius + clearance + 4.0)
     )
     bodies = {"a": disk, "b": {"difference": [ring, wide]}}
@@ -116,7 +105,7 @@ def plane(radius, angle, shift):
     way, gap = _direction(2, angle), 0.6 + 0.5 * ((7.0 * shift) % 1.0)
     middle = np.full(2, 0.5 * CELLS[2]) + shift
     bodies = {
-        "a": {"ball": {"centre": (middle - (radius + gap) * way).tolist(), "radius": radius}},
+        "a": ball(middle - (radius + gap) * way, radius),
         "b": turned(middle + 3.0 * way, [3.0, 5.0], angle),
     }
     return _first(_rigid(stiff(bodies, way), "a"), gap)
@@ -129,7 +118,7 @@ def corner(angle, shift):
     up = np.array([0.0, gap + half * (cos(radians(angle)) + sin(radians(angle)))])
     bodies = {
         "a": turned(middle + up, [half, half], angle),
-        "b": {"box": {"min": [5.0, 6.0], "max": [25.0, float(middle[1])]}},
+        "b": box([5.0, 6.0], [25.0, middle[1]]),
     }
     return _first(stiff(bodies, way), gap)
 

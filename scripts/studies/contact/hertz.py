@@ -8,6 +8,9 @@ from math import pi, sqrt
 import numpy as np
 from ruamel.yaml import YAML
 from studies.contact import motion
+from studies.contact.problems import impact
+from studies.harness import CASES
+from studies.scenes import ball, box
 
 import pgimp
 from pgimp.solver.state.grid_state import active_grid
@@ -43,19 +46,18 @@ def cylinders(cells):
         centre = middle + side * (RADIUS + 0.5 * gap)
         ends = sorted((middle, centre))
         half = [
-            {"ball": {"centre": [0.0, centre], "radius": RADIUS}},
-            motion.box([0.0, ends[0]], [size[0], ends[1]]),
+            ball([0.0, centre], RADIUS),
+            box([0.0, ends[0]], [size[0], ends[1]]),
         ]
         bodies[name] = ({"intersection": half}, [0.0, 0.0])
         ends = sorted((centre - side * h, centre + side * h))
-        face = motion.box([0.0, ends[0]], [size[0], ends[1]])
+        face = box([0.0, ends[0]], [size[0], ends[1]])
         constraints[name] = {"body": name, "region": face, "velocity": [0.0, -side * SPEED]}
     case = motion.case_of(
-        bodies, size, h, 1.0 / SPEED, constraints=constraints, boundaries={"x-min": "slip"},
+        bodies, size, h, 1.0 / SPEED, motion.SOLID | {"young": YOUNG, "poisson": POISSON},
+        constraints=constraints, boundaries={"x-min": "slip"}, courant=0.4,
         contact=[{"bodies": ["low", "high"]}],
     )  # fmt: skip
-    case["time"]["step"] = {"courant": 0.4}
-    case["materials"]["solid"] = motion.SOLID | {"young": YOUNG, "poisson": POISSON}
     force = 0.25 * pi * STIFFNESS * WIDTH**2 / RADIUS
     simulation, pushed = pgimp.Simulation(case), 0.0
     while pushed < 0.5 * force:  # of the half
@@ -76,8 +78,8 @@ def balls(cell):
     Time from one per cent of the greatest force to one per cent, greatest force, the circle's
     radius by the second moment of the pressure, pressure in its middle, and the energy lost.
     """
-    force, span, radius, top, greatest = 72.276, 0.041312, 0.1, 119.1e3, 0.01702
-    case = YAML(typ="safe").load(motion.ROOT / "cases" / "hertz.yaml")
+    force, radius, top, greatest = 72.276, 0.1, 119.1e3, 0.01702
+    case = YAML(typ="safe").load(CASES / "hertz.yaml")
     del case["boundaries"]["z-min"], case["output"]
     case["grid"]["cell"] = [cell] * 3
     side, (middle, gap) = 0.12, (0.24, 0.01)
@@ -87,9 +89,8 @@ def balls(cell):
             "material": "rubber",
             "velocity": [0.0, 0.0, -0.2 * way],
             "region": {"intersection": [
-                {"ball": {"centre": [0.0, 0.0, middle + way * (radius + 0.5 * gap)],
-                          "radius": radius}},
-                motion.box([0.0, 0.0, 0.0], case["grid"]["size"]),
+                ball([0.0, 0.0, middle + way * (radius + 0.5 * gap)], radius),
+                box([0.0, 0.0, 0.0], case["grid"]["size"]),
             ]},
         }
         for name, way in (("low", -1.0), ("high", 1.0))
@@ -105,13 +106,8 @@ def balls(cell):
             most = push
             if push > 0.9:
                 pressed = _columns(simulation, 2)
-    time = np.array([line["time"] - 0.5 * line["dt"] for line in lines])
-    push = 4.0 * np.abs([line["contact.low+high-z"] for line in lines]) / force
-    on = np.flatnonzero(push > 0.01)
-    begin = np.interp(0.01, push[on[0] - 1 : on[0] + 1], time[on[0] - 1 : on[0] + 1])
-    end = np.interp(-0.01, -push[on[-1] : on[-1] + 2], time[on[-1] : on[-1] + 2])
+    span, most, lost = impact(first, lines, "contact.low+high-z")
     places, found = pressed
     wide = sqrt(2.5 * (found * (places**2).sum(axis=1)).sum() / found.sum())
     middle = found[(places**2).sum(axis=1).argmin()] / (0.25 * cell**2)
-    lost = 1.0 - motion.energy(lines[-1]) / motion.energy(first)
-    return (end - begin) / span, most, wide / greatest, middle / top, lost
+    return span, most, wide / greatest, middle / top, lost

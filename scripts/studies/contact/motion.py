@@ -1,37 +1,31 @@
 """How bodies that meet move: against exact solutions, on cells of one size and of half of it."""
 
-from math import cos, inf, radians, sin
-from pathlib import Path
-from time import process_time
+from math import cos, radians, sin
 
 import numpy as np
+from studies import scenes
+from studies.harness import CASES
+from studies.scenes import a_line, ball, box, by_turns, column, looked
 
 import pgimp
 
-ROOT = Path(__file__).resolve().parents[3]
 SOLID = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
+#: Along each direction of the blocks whose steps are timed, by dimension.
+CELLS = {2: 120, 3: 20}
 
 
-def case_of(bodies, size, cell, end, **parts):
-    """A case of soft bodies."""
-    D = len(size)
-    return {
-        "format": 1,
-        "dimensions": D,
-        "grid": {"size": size, "cell": [cell] * D},
-        "method": {"shape": "gimp", "particles_per_cell": [2] * D},
-        "time": {"end": end, "step": {"courant": 0.3}},
-        "materials": {"solid": dict(SOLID)},
-        "bodies": {
-            name: {"material": "solid", "region": region, "velocity": velocity}
-            for name, (region, velocity) in bodies.items()
-        },
-    } | parts
+def case_of(bodies, size, cell, end, solid=SOLID, **parts):
+    """A case of soft bodies, whose regions and velocities are given by name."""
+    entries = {
+        name: {"material": "solid", "region": region, "velocity": velocity}
+        for name, (region, velocity) in bodies.items()
+    }
+    return scenes.case_of(size, cell, {"solid": solid}, entries, end, **parts)
 
 
-def box(low, high):
-    """Entry of a region."""
-    return {"box": {"min": low, "max": high}}
+def slope_of(angle):
+    """Sine and cosine of an angle in degrees."""
+    return sin(radians(angle)), cos(radians(angle))
 
 
 def run(case, overrides=()):
@@ -53,9 +47,8 @@ def bars(cell):
         "a": (box([2.0], [12.0]), [0.05]),
         "b": (box([12.0 + 0.5 * cell], [22.0 + 0.5 * cell]), [-0.05]),
     }
-    case = case_of(bodies, [25.0], cell, 7.0, contact=[{"bodies": "all"}])
-    case["materials"]["solid"] = {"model": "linear-1d", "young": 100.0, "density": 1.0}
-    first, last = run(case)
+    solid = {"model": "linear-1d", "young": 100.0, "density": 1.0}
+    first, last = run(case_of(bodies, [25.0], cell, 7.0, solid, contact=[{"bodies": "all"}]))
     return (
         -last["body.a.momentum-x"] / first["body.a.momentum-x"],
         1.0 - energy(last) / energy(first),
@@ -64,7 +57,7 @@ def bars(cell):
 
 def disks(cell):
     """Sulsky's disks: energy lost when they have parted."""
-    first, last = run(ROOT / "cases" / "disks.yaml", {"grid.cell": [cell, cell]})
+    first, last = run(CASES / "disks.yaml", {"grid.cell": [cell, cell]})
     return 1.0 - energy(last) / energy(first)
 
 
@@ -120,7 +113,7 @@ def leaving(configuration, cell):
     for D in (2, 3):
         away = [0.3, *[0.0] * (D - 2), -1.0]
         bodies = {
-            "ball": ({"ball": {"centre": [1.43] * (D - 1) + [1.67], "radius": 1.0}}, [0.0] * D),
+            "ball": (ball([1.43] * (D - 1) + [1.67], 1.0), [0.0] * D),
             "plate": (box([0.23] * (D - 1) + [0.37], [2.63] * (D - 1) + [0.67]), away),
         }
         for friction in (0.0, 0.5):
@@ -143,25 +136,12 @@ def incline(cell, angle=24.0, friction=0.3, law="friction"):
     The velocity is fitted by a line, as the block vibrates: at the beginning the weight sets in at
     once.
     """
-    g = 10.0
-    slope = (sin(radians(angle)), cos(radians(angle)))
-    bodies = {
-        "slab": (box([0.0, 0.0], [9.0, 0.5]), [0.0, 0.0]),
-        "block": (box([0.5, 0.5], [1.5, 1.0]), [0.0, 0.0]),
-    }
-    entry = {"bodies": ["slab", "block"], "law": law}
-    case = case_of(
-        bodies, [9.0, 1.6], cell, 2.2, gravity=[g * slope[0], -g * slope[1]],
-        boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
-        contact=[entry | ({"friction": friction} if law == "friction" else {})],
-    )  # fmt: skip
-    case["materials"]["solid"] = SOLID | {"young": 1e4, "density": 10.0}
-    simulation = pgimp.Simulation(case)
+    g, slope = 10.0, slope_of(angle)
+    gravity = [g * slope[0], -g * slope[1]]
+    entry = {"law": law} | ({"friction": friction} if law == "friction" else {})
+    simulation = pgimp.Simulation(_on_a_slab(9.0, cell, gravity, entry))
     first = simulation.diagnostics()
-    lines = []
-    for time in np.arange(0.6, 2.2001, 0.01):
-        simulation.advance(min(time, 2.2))
-        lines.append(simulation.diagnostics())
+    lines, _, _ = looked(simulation, np.arange(0.6, 2.2001, 0.01), a_line)
     begin, end = lines[0], lines[-1]
     rows = np.array([(line["time"], line["body.block.momentum-x"] / 5.0) for line in lines])
     exact = g * (slope[0] - friction * slope[1])
@@ -180,36 +160,39 @@ def sticking(cell, angle=24.0, friction=0.7):
 
     What both do, bending and shear of slab and block, is no slip.
     """
-    g = 10.0
-    slope = (sin(radians(angle)), cos(radians(angle)))
-    ways = []
-    for entry in ({"friction": friction}, {"law": "tied"}):
-        bodies = {
-            "slab": (box([0.0, 0.0], [3.0, 0.5]), [0.0, 0.0]),
-            "block": (box([0.5, 0.5], [1.5, 1.0]), [0.0, 0.0]),
-        }
-        ramp = {"table": [[0.0, [0.0, 0.0]], [0.5, [g * slope[0], -g * slope[1]]]]}
-        case = case_of(
-            bodies, [3.0, 1.6], cell, 2.2, gravity=ramp,
-            boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
-            contact=[{"bodies": ["slab", "block"], **entry}],
-        )  # fmt: skip
-        case["materials"]["solid"] = SOLID | {"young": 1e4, "density": 10.0}
-        simulation = pgimp.Simulation(case)
-        way = []
-        for time in np.arange(0.1, 2.2001, 0.1):
-            simulation.advance(min(time, 2.2))
-            way.append(simulation.diagnostics()["body.block.centre-x"])
-        ways.append(np.array(way))
-    return np.abs(ways[0] - ways[1]).max() / cell
+    g, slope = 10.0, slope_of(angle)
+    ramp = {"table": [[0.0, [0.0, 0.0]], [0.5, [g * slope[0], -g * slope[1]]]]}
+    cases = [
+        _on_a_slab(3.0, cell, ramp, entry) for entry in ({"friction": friction}, {"law": "tied"})
+    ]
+    return apart(cases, np.arange(0.1, 2.2001, 0.1)) / cell
+
+
+def _on_a_slab(length, cell, gravity, law):
+    """A block on a held slab, with a law of contact."""
+    bodies = {
+        "slab": (box([0.0, 0.0], [length, 0.5]), [0.0, 0.0]),
+        "block": (box([0.5, 0.5], [1.5, 1.0]), [0.0, 0.0]),
+    }
+    return case_of(
+        bodies, [length, 1.6], cell, 2.2, SOLID | {"young": 1e4, "density": 10.0}, gravity=gravity,
+        boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
+        contact=[{"bodies": ["slab", "block"], **law}],
+    )  # fmt: skip
+
+
+def apart(cases, times):
+    """Greatest difference between where the block is along x in two cases."""
+    one, other = (looked(case, times, column("body.block.centre-x"))[0] for case in cases)
+    return np.abs(np.array(one) - np.array(other)).max()
 
 
 def cost(apart, dimensions, rounds=5):
     """Time of a step with contact over that without, by turns; bodies touch unless `apart`.
 
-    Blocks of 120 cells along each direction, 20 in 3D: in touch in about 5 layers.
+    Blocks of `CELLS` along each direction: in touch in about 5 layers.
     """
-    cells = {2: 120, 3: 20}[dimensions]
+    cells = CELLS[dimensions]
     high = [cells + 2.0] * dimensions
     low = [2.0] * dimensions
     gap = 20.0 if apart else 0.0
@@ -224,23 +207,18 @@ def cost(apart, dimensions, rounds=5):
         pgimp.Simulation(case_of(bodies, size, 1.0, 1e9, contact=contact))
         for contact in ([], [{"bodies": "all", "friction": 0.3}])
     ]
-    return by_turns(simulations, rounds, 8)
+    return ratio(simulations, rounds, 8)
 
 
-def by_turns(simulations, rounds, steps):
+def ratio(simulations, rounds, steps):
     """CPU time of steps of the second of two simulations over that of the first: the least of each.
 
     Other work on the machine makes some longer, and none shorter.
     """
-    least = [inf, inf]
     for simulation in simulations:
         simulation.step(3)
-    for _ in range(rounds):
-        for which, simulation in enumerate(simulations):
-            began = process_time()
-            simulation.step(steps)
-            least[which] = min(least[which], process_time() - began)
-    return least[1] / least[0]
+    first, second = by_turns(simulations, rounds, steps).min(axis=0)
+    return second / first
 
 
 def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
@@ -253,7 +231,7 @@ def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
     places = [[*np.unravel_index(k % layer, columns), k // layer] for k in range(count)]
     bodies = {
         f"grain{k}": (
-            {"ball": {"centre": [6.0 + pitch * float(x) for x in place], "radius": radius}},
+            ball([6.0 + pitch * x for x in place], radius),
             [0.5 * sin(7.0 * k), *[0.0] * (D - 1)],
         )
         for k, place in enumerate(places)
@@ -262,21 +240,17 @@ def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
     simulations = []
     for contact in ([{"bodies": "all", "friction": 0.3}], []):
         case = case_of(
-            bodies, size, 1.0, 1e3, gravity=[0.0] * (D - 1) + [-gravity],
+            bodies, size, 1.0, 1e3, SOLID | {"young": 1e3}, gravity=[0.0] * (D - 1) + [-gravity],
             boundaries={
                 f"{axis}-{end}": "separating"
                 for axis in "xyz"[:D] for end in ("min", "max")[: 1 + (axis != "xyz"[D - 1])]
             },
             contact=contact,
         )  # fmt: skip
-        case["materials"]["solid"] = SOLID | {"young": 1e3}
         simulations.append(pgimp.Simulation(case))
         simulations[-1].step(3)
     times, fields = np.zeros(2), 0
     for _ in range(steps // 20):
-        for which, simulation in enumerate(simulations):  # by turns, as other work comes and goes
-            began = process_time()
-            simulation.step(20)
-            times[which] += process_time() - began
+        times += by_turns(simulations, 1, 20)[0]
         fields = max(fields, 1 + max(simulations[0].core.rank.meetings.fields))
     return times[0] / times[1], fields

@@ -5,6 +5,8 @@ from math import cos, radians, sin, sqrt
 
 import numpy as np
 from studies.contact import motion
+from studies.harness import CASES
+from studies.scenes import a_line, ball, box, history, looked
 
 import pgimp
 
@@ -21,20 +23,15 @@ def rods(cells):
     wave, cell = sqrt(young / density), length / cells
     middle = 1.2 * length
     bodies = {
-        "a": (motion.box([middle - gap - length], [middle - gap]), [speed]),
-        "b": (motion.box([middle + gap], [middle + gap + length]), [-speed]),
+        "a": (box([middle - gap - length], [middle - gap]), [speed]),
+        "b": (box([middle + gap], [middle + gap + length]), [-speed]),
     }
     touch, apart = gap / speed, gap / speed + 2.0 * length / wave
-    case = motion.case_of(
-        bodies, [2.4 * length], cell, 1.2 * apart, contact=[{"bodies": ["a", "b"]}]
-    )
-    case["materials"]["solid"] = {"model": "linear-1d", "young": young, "density": density}
-    simulation = pgimp.Simulation(case)
-    first = simulation.diagnostics()
-    lines = []
-    while not simulation.finished:
-        simulation.step(1)
-        lines.append(simulation.diagnostics())
+    simulation = pgimp.Simulation(motion.case_of(
+        bodies, [2.4 * length], cell, 1.2 * apart, contact=[{"bodies": ["a", "b"]}],
+        solid={"model": "linear-1d", "young": young, "density": density},
+    ))  # fmt: skip
+    first, lines = simulation.diagnostics(), history(simulation)
     time = np.array([line["time"] for line in lines])
     force = -np.array([line["contact.a+b-x"] for line in lines])
     pressed = np.flatnonzero(force > 0.5 * density * wave * speed)
@@ -56,30 +53,27 @@ def friction_block(cell):
     young = 9.0 * bulk * shear / (3.0 * bulk + shear)
     low, high = [10.0, 10.0], [50.0, 25.0]
     bodies = {
-        "plane": (motion.box([0.0, 0.0], [65.0, 10.0]), [0.0, 0.0]),
-        "block": (motion.box(low, high), [0.0, 0.0]),
+        "plane": (box([0.0, 0.0], [65.0, 10.0]), [0.0, 0.0]),
+        "block": (box(low, high), [0.0, 0.0]),
     }
 
     def pressed(face, length):
         rows = [[0.0, 0.0], [ramp, load / (thickness * length)]]
         return {"body": "block", "face": face, "pressure": {"table": rows}}
 
+    solid = {
+        "model": "neo-hookean", "young": young, "density": 1.0e-3,
+        "poisson": (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear),
+    }  # fmt: skip
     case = motion.case_of(
-        bodies, [65.0, 30.0], cell, 1.0,
+        bodies, [65.0, 30.0], cell, 1.0, solid,
         boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
         contact=[{"bodies": ["plane", "block"], "friction": friction}],
         tractions={"top": pressed("y-max", 40.0), "left": pressed("x-min", 15.0)},
     )  # fmt: skip
-    case["materials"]["solid"] = {
-        "model": "neo-hookean", "young": young, "density": 1.0e-3,
-        "poisson": (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear),
-    }  # fmt: skip
-    simulation = pgimp.Simulation(case)
-    rows = []
-    for time in np.arange(0.15, 1.0001, 0.01):
-        simulation.advance(min(time, 1.0))
-        line = simulation.diagnostics()
-        rows.append((line["time"], line["body.block.momentum-x"] * thickness / mass))
+    lines, _, _ = looked(case, np.arange(0.15, 1.0001, 0.01), a_line)
+    rows = [(line["time"], line["body.block.momentum-x"] * thickness / mass) for line in lines]
+    line = lines[-1]
     acceleration = np.polyfit(*np.transpose(rows), 1)[0]
     law = line["contact.plane+block.tangential-impulse"] / friction
     exact = load * (1.0 - friction) / mass
@@ -95,18 +89,16 @@ def corner(cell):
     """
     g, side, ramp = (sin(radians(25.0)), cos(radians(25.0))), 2.0, 4.0
     bodies = {
-        "inner": (motion.box([0.0, 0.0], [side, side]), [0.0, 0.0]),
-        "beside": (motion.box([side, 0.0], [2.0 * side, side]), [0.0, 0.0]),
-        "above": (motion.box([0.0, side], [side, 2.0 * side]), [0.0, 0.0]),
+        "inner": (box([0.0, 0.0], [side, side]), [0.0, 0.0]),
+        "beside": (box([side, 0.0], [2.0 * side, side]), [0.0, 0.0]),
+        "above": (box([0.0, side], [side, 2.0 * side]), [0.0, 0.0]),
     }
     case = motion.case_of(
-        bodies, [6.0, 6.0], cell, 12.0,
+        bodies, [6.0, 6.0], cell, 12.0, motion.SOLID | {"young": 1e3}, method={"relaxation": 1.0},
         gravity={"table": [[0.0, [0.0, 0.0]], [ramp, [-a for a in g]]]},
         boundaries={"x-min": "separating", "y-min": "separating"},
         contact=[{"bodies": [*pair]} for pair in combinations(bodies, 2)],
     )  # fmt: skip
-    case["materials"]["solid"] = motion.SOLID | {"young": 1e3}
-    case["method"]["relaxation"] = 1.0
     simulation = pgimp.Simulation(case)
     simulation.advance(ramp + 0.1)
     lines, impulse = [simulation.diagnostics()], np.zeros(2)
@@ -139,35 +131,32 @@ def disks(cell):
     speed = 0.005 * wave
     centre = 12.0 + np.array([0.0, 2.0 * radius + 1.0 * cell])
     bodies = {
-        name: ({"ball": {"centre": [x, 12.0], "radius": radius}}, [v, 0.0])
+        name: (ball([x, 12.0], radius), [v, 0.0])
         for name, x, v in zip("ab", centre.tolist(), (speed, -speed), strict=True)
     }
     end = (0.5 * cell + 2.0) / speed
-    case = motion.case_of(bodies, [46.0, 24.0], cell, end, contact=[{"bodies": "all"}])
-    case["materials"]["solid"] = {
-        "model": "neo-hookean", "young": young, "poisson": poisson, "density": density,
-    }  # fmt: skip
+    solid = {"model": "neo-hookean", "young": young, "poisson": poisson, "density": density}
+    case = motion.case_of(bodies, [46.0, 24.0], cell, end, solid, contact=[{"bodies": "all"}])
     first, last = motion.run(case)
     return 1.0 - motion.energy(last) / motion.energy(first), (
         -last["body.a.momentum-x"] / first["body.a.momentum-x"]
     )
 
 
-def ball(cell):
+def rubber_ball(cell):
     """cases/hertz.yaml: time on the wall and greatest force over Hertz's, and the energy lost.
 
     The time is that from one per cent of the greatest force to one per cent of it.
     """
+    simulation = pgimp.Simulation(CASES / "hertz.yaml", overrides={"grid.cell": [cell] * 3})
+    return impact(simulation.diagnostics(), history(simulation), "reaction.z-min-z")
+
+
+def impact(first, lines, name):
+    """Of a quarter of a ball of cases/hertz.yaml whose force is in a column; see `rubber_ball`."""
     force, span = 72.276, 0.041312
-    path = motion.ROOT / "cases" / "hertz.yaml"
-    simulation = pgimp.Simulation(path, overrides={"grid.cell": [cell] * 3})
-    first = simulation.diagnostics()
-    lines = []
-    while not simulation.finished:
-        simulation.step()
-        lines.append(simulation.diagnostics())
     time = np.array([line["time"] - 0.5 * line["dt"] for line in lines])
-    push = 4.0 * np.array([line["reaction.z-min-z"] for line in lines]) / force
+    push = 4.0 * np.abs([line[name] for line in lines]) / force
     on = np.flatnonzero(push > 0.01)
     begin = np.interp(0.01, push[on[0] - 1 : on[0] + 1], time[on[0] - 1 : on[0] + 1])
     end = np.interp(-0.01, -push[on[-1] : on[-1] + 2], time[on[-1] : on[-1] + 2])
@@ -190,14 +179,11 @@ def pressed(cell):
     steps = np.linspace(0.0, 1.0, 101)
     speed = 0.3 * size[1] * 0.5 * np.pi * np.sin(np.pi * steps) / (0.8 * end)
     table = [[0.8 * end * s, [0.0, -v]] for s, v in zip(steps, speed, strict=True)]
-    bodies = {
-        "block": (motion.box(low, [low[0] + size[0], top]), [0.0, 0.0]),
-    }
+    bodies = {"block": (box(low, [low[0] + size[0], top]), [0.0, 0.0])}
     case = motion.case_of(bodies, [64.0, 32.0], cell, end, contact=[{"bodies": "all"}])
     rigid = {"punch": (top, top + 4.0, {"velocity": {"table": table}}), "die": (1.0, low[1], {})}
     for name, (y0, y1, how) in rigid.items():
-        region = {"box": {"min": [-8.0, y0], "max": [72.0, y1]}}
-        case["bodies"][name] = {"rigid": how, "region": region}
+        case["bodies"][name] = {"rigid": how, "region": box([-8.0, y0], [72.0, y1])}
     simulation = pgimp.Simulation(case)
     force = []
     while not simulation.finished:

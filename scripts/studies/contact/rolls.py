@@ -4,6 +4,7 @@ from math import cos, radians, sin
 
 import numpy as np
 from studies.contact import motion
+from studies.scenes import ball, box, looked
 
 import pgimp
 from pgimp.kernels.data.ledger import Ledger
@@ -29,10 +30,10 @@ def _floor(case, floor, friction, size):
         case["boundaries"] = {f"{'xyz'[D - 1]}-min": {"separating": {"friction": friction}}}
         return
     if floor == "rigid":
-        far = motion.box([-1.0] * D, [*[s + 1.0 for s in size[:-1]], FLOOR])
+        far = box([-1.0] * D, [*[s + 1.0 for s in size[:-1]], FLOOR])
         case["bodies"]["floor"] = {"rigid": {}, "region": far}
     else:
-        case["bodies"]["floor"] = {"material": "solid", "region": motion.box(low, high)}
+        case["bodies"]["floor"] = {"material": "solid", "region": box(low, high)}
         case["boundaries"] = {f"{'xyz'[D - 1]}-min": "fixed", "x-min": "slip", "x-max": "slip"}
     case["contact"] = [{"bodies": ["floor", "wheel"], "friction": friction}]
 
@@ -66,20 +67,17 @@ def slope(dimensions, cell, angle, friction, floor, young=None):
     low = 0.0 if floor == "wall" else FLOOR
     size = [np.ceil(2.6 + way), *[2.8] * (D - 2), low + 2.2]
     centre = [1.3, *[1.4] * (D - 2), low + 1.0]
-    bodies = {"wheel": ({"ball": {"centre": centre, "radius": 1.0}}, [0.0] * D)}
+    bodies = {"wheel": (ball(centre, 1.0), [0.0] * D)}
     size = [round(float(n) / cell) * cell for n in size]
     weight = [g * s, *[0.0] * (D - 2), -g * c]
     gravity = {"table": [[0.0, [0.0] * D], [RAMP, weight]]}
-    case = motion.case_of(bodies, size, cell, times[1], gravity=gravity)
+    solid = motion.SOLID | {"young": young or (1000.0 if D == 2 else 300.0)}
+    case = motion.case_of(
+        bodies, size, cell, times[1], solid,
+        gravity=gravity, method={"affine": True}, output={"fields": ["velocity", "mass"]},
+    )  # fmt: skip
     _floor(case, floor, friction, size)
-    case["materials"]["solid"] = motion.SOLID | {"young": young or (1000.0 if D == 2 else 300.0)}
-    case["method"]["affine"] = True
-    case["output"] = {"fields": ["velocity", "mass"]}
-    simulation = pgimp.Simulation(case)
-    found = []
-    for time in np.linspace(*times, 61):
-        simulation.advance(time)
-        found.append((simulation.time, *_motion_of(simulation, D)))
+    found, _, _ = looked(case, np.linspace(*times, 61), lambda sim: (sim.time, *_motion_of(sim, D)))
     time, velocity, spin = np.transpose(found)
     return tuple(
         np.polyfit(time, values, 1)[0] / one
@@ -142,13 +140,13 @@ def collision(dimensions, cell, affine=False):
     D = dimensions
     low, high = [1.5] * D, [4.5] * D
     bodies = {
-        "a": (motion.box(low, high), [2.0, 0.7, -0.3][:D]),
-        "b": (motion.box([5.0, *[2.5] * (D - 1)], [8.0, *[5.5] * (D - 1)]), [-1.0, 0.1, 0.4][:D]),
+        "a": (box(low, high), [2.0, 0.7, -0.3][:D]),
+        "b": (box([5.0, *[2.5] * (D - 1)], [8.0, *[5.5] * (D - 1)]), [-1.0, 0.1, 0.4][:D]),
     }
     case = motion.case_of(
-        bodies, [10.0, 8.0, 8.0][:D], cell, 1.0, contact=[{"bodies": "all", "friction": 0.5}]
-    )
-    case["method"]["affine"] = affine
+        bodies, [10.0, 8.0, 8.0][:D], cell, 1.0, contact=[{"bodies": "all", "friction": 0.5}],
+        method={"affine": affine},
+    )  # fmt: skip
     simulation = pgimp.Simulation(case)
     first = simulation.diagnostics()
     scale, worst = 3.0**D * 2.1, 0.0

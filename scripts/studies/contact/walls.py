@@ -4,6 +4,7 @@ from math import cos, radians, sin
 
 import numpy as np
 from studies.contact import gap, motion
+from studies.scenes import a_line, ball, box, looked
 
 import pgimp
 
@@ -31,7 +32,7 @@ def first(region, dimensions, distance):
 
 def _ball(dimensions, radius, shift):
     centre = [12.0 + shift] * (dimensions - 1) + [1.0 + radius]
-    return first({"ball": {"centre": centre, "radius": radius}}, dimensions, 1.0)
+    return first(ball(centre, radius), dimensions, 1.0)
 
 
 def _corner(angle, shift):
@@ -45,12 +46,10 @@ def gaps(quick):
     shifts = np.random.default_rng(2).random(2 if quick else 6)
     found = {
         "a box on the particles' lattice and a wall": [
-            first({"box": {"min": [4.0, low], "max": [8.0, low + 3.0]}}, 2, low)
-            for low in (0.5, 1.0)
+            first(box([4.0, low], [8.0, low + 3.0]), 2, low) for low in (0.5, 1.0)
         ],
         "a box anywhere and a wall": [
-            first({"box": {"min": [4.0, 0.5 + s], "max": [8.0, 3.0 + s]}}, 2, 0.5 + s)
-            for s in shifts
+            first(box([4.0, 0.5 + s], [8.0, 3.0 + s]), 2, 0.5 + s) for s in shifts
         ],
     }
     for radius in (5.0,) if quick else (5.0, 10.0):
@@ -67,12 +66,11 @@ def gaps(quick):
 
 def bar(cell):
     """A bar of a length of 10 hits a wall: rebound, energy lost, time in touch over the exact."""
-    case = motion.case_of(
-        {"a": (motion.box([0.5 * cell], [10.0 + 0.5 * cell]), [-0.05])}, [15.0], cell, 7.0,
+    solid = {"model": "linear-1d", "young": 100.0, "density": 1.0}
+    first_line, last = motion.run(motion.case_of(
+        {"a": (box([0.5 * cell], [10.0 + 0.5 * cell]), [-0.05])}, [15.0], cell, 7.0, solid,
         boundaries={"x-min": "separating"},
-    )  # fmt: skip
-    case["materials"]["solid"] = {"model": "linear-1d", "young": 100.0, "density": 1.0}
-    first_line, last = motion.run(case)
+    ))  # fmt: skip
     return (
         -last["momentum-x"] / first_line["momentum-x"],
         1.0 - motion.energy(last) / motion.energy(first_line),
@@ -84,19 +82,10 @@ def incline(cell, angle=24.0, friction=0.3):
 
     With `friction` enough to stick the first is the way that it slips.
     """
-    g, slope = 1.0, (sin(radians(angle)), cos(radians(angle)))
-    case = motion.case_of(
-        {"block": (motion.box([2.0, 0.0], [8.0, 2.0]), [0.0, 0.0])}, [30.0, 5.0], cell, 6.0,
-        gravity=[g * slope[0], -g * slope[1]],
-        boundaries={"y-min": {"separating": {"friction": friction}}},
-    )  # fmt: skip
-    case["materials"]["solid"] = motion.SOLID | {"young": 1e3}
-    simulation = pgimp.Simulation(case)
-    lines = [simulation.diagnostics()]
-    for time in (1.0, 6.0):
-        simulation.advance(time)
-        lines.append(simulation.diagnostics())
-    start, begin, end = lines
+    g, slope = 1.0, motion.slope_of(angle)
+    gravity = [g * slope[0], -g * slope[1]]
+    case = _on_a_wall(30.0, cell, gravity, {"separating": {"friction": friction}})
+    (start, begin, end), _, _ = looked(case, (0.0, 1.0, 6.0), a_line)
     sunk = (end["body.block.centre-y"] - start["body.block.centre-y"]) / cell
     exact = g * (slope[0] - friction * slope[1])
     if exact <= 0.0:
@@ -110,53 +99,53 @@ def sticking(cell, angle=24.0, friction=0.6):
 
     The wall that holds does so from the beginning; shear of the block is in both.
     """
-    slope, ways = (sin(radians(angle)), cos(radians(angle))), []
-    for condition in ({"separating": {"friction": friction}}, "fixed"):
-        ramp = {"table": [[0.0, [0.0, 0.0]], [1.0, [slope[0], -slope[1]]]]}
-        case = motion.case_of(
-            {"block": (motion.box([2.0, 0.0], [8.0, 2.0]), [0.0, 0.0])}, [12.0, 5.0], cell, 6.0,
-            gravity=ramp, boundaries={"y-min": condition},
-        )  # fmt: skip
-        case["materials"]["solid"] = motion.SOLID | {"young": 1e3}
-        simulation = pgimp.Simulation(case)
-        way = []
-        for time in np.arange(0.25, 6.001, 0.25):
-            simulation.advance(min(time, 6.0))
-            way.append(simulation.diagnostics()["body.block.centre-x"])
-        ways.append(np.array(way))
-    return np.abs(ways[0] - ways[1]).max() / cell
+    slope = motion.slope_of(angle)
+    ramp = {"table": [[0.0, [0.0, 0.0]], [1.0, [slope[0], -slope[1]]]]}
+    cases = [
+        _on_a_wall(12.0, cell, ramp, condition)
+        for condition in ({"separating": {"friction": friction}}, "fixed")
+    ]
+    return motion.apart(cases, np.arange(0.25, 6.001, 0.25)) / cell
+
+
+def _on_a_wall(length, cell, gravity, condition):
+    """A block on the wall y-min."""
+    return motion.case_of(
+        {"block": (box([2.0, 0.0], [8.0, 2.0]), [0.0, 0.0])}, [length, 5.0], cell, 6.0,
+        motion.SOLID | {"young": 1e3}, gravity=gravity, boundaries={"y-min": condition},
+    )  # fmt: skip
 
 
 def cost(dimensions, rounds):
     """Time of a step of a block on a separating floor over that on one that holds it."""
-    cells = {2: 120, 3: 20}[dimensions]
+    cells = motion.CELLS[dimensions]
     low, high = [2.0] * (dimensions - 1) + [0.0], [cells + 2.0] * (dimensions - 1) + [float(cells)]
     face = f"{'xyz'[dimensions - 1]}-min"
     simulations = [
         pgimp.Simulation(
             motion.case_of(
-                {"a": (motion.box(low, high), [0.0] * dimensions)}, [cells + 4.0] * dimensions, 1.0,
+                {"a": (box(low, high), [0.0] * dimensions)}, [cells + 4.0] * dimensions, 1.0,
                 1e9, boundaries={face: condition},
             )
         )
         for condition in ("slip", "separating")
     ]
-    return motion.by_turns(simulations, rounds, 16)
+    return motion.ratio(simulations, rounds, 16)
 
 
 def rigid_cost(dimensions, rounds):
     """Time of a step of a block on a rigid body over that on a floor that holds it."""
-    D, cells = dimensions, {2: 120, 3: 20}[dimensions]
+    D, cells = dimensions, motion.CELLS[dimensions]
     low, high = [2.0] * (D - 1) + [4.0], [cells + 2.0] * (D - 1) + [cells + 4.0]
     size = [cells + 4.0] * (D - 1) + [cells + 8.0]
-    bodies = {"a": (motion.box(low, high), [0.0] * D)}
+    bodies = {"a": (box(low, high), [0.0] * D)}
     gravity = [0.0] * (D - 1) + [-0.001]
     held = motion.case_of(bodies, size, 1.0, 1e9, gravity=gravity)
     ends = [*low[:-1], 0.0], [*high[:-1], float(cells)]
-    held["bodies"]["a"]["region"] = motion.box(*ends)
+    held["bodies"]["a"]["region"] = box(*ends)
     held["boundaries"] = {f"{'xyz'[D - 1]}-min": "slip"}
     lying = motion.case_of(bodies, size, 1.0, 1e9, gravity=gravity)
-    floor = motion.box([-2.0] * D, [cells + 8.0] * (D - 1) + [4.0])
+    floor = box([-2.0] * D, [cells + 8.0] * (D - 1) + [4.0])
     lying["bodies"]["floor"] = {"rigid": {}, "region": floor}
     lying["contact"] = [{"bodies": "all", "friction": 0.3}]
-    return motion.by_turns([pgimp.Simulation(held), pgimp.Simulation(lying)], rounds, 16)
+    return motion.ratio([pgimp.Simulation(held), pgimp.Simulation(lying)], rounds, 16)

@@ -1,23 +1,12 @@
 """Measures the initial configuration beside the current one; see scripts/initial."""
 
 import argparse
-import json
-import os
-import subprocess
-import sys
-from datetime import date
-from importlib.metadata import version
-from pathlib import Path
 from time import process_time
 
+from studies.harness import Kept, chosen, key, origin, out, put
 from studies.initial import meetings
 from studies.initial.keeping import cube, order, ringing, speed, spin, stretch, vortex
 
-from pgimp.io.rundir.runinfo import cpu
-
-ROOT = Path(__file__).resolve().parents[3]
-OUT = ROOT / "initial.out"
-PAGES = ROOT / "scripts" / "pages"
 BOTH = ("current", "initial")
 WHAT = ("ringing", "spin", "stretch", "vortex", "cube", "contact", "speed")
 CELLS = (0.1, 0.05, 0.025)
@@ -53,8 +42,8 @@ def jobs():
         for even in (True, False):
             every["stretch", shape, even] = (stretch, (shape, even))
     for one in BOTH:
-        for name, (_, _, arguments) in meetings.PROBLEMS.items():
-            for fine in range(len(arguments)):
+        for name, problem in meetings.PROBLEMS.items():
+            for fine in range(len(problem.arguments)):
                 every["contact", one, name, fine] = (meetings.meeting, (one, name, fine))
     for D in (2, 3):
         for kind in KINDS:
@@ -62,21 +51,10 @@ def jobs():
     return every
 
 
-def key(name):
-    """A name as a key of the JSON file."""
-    return "/".join(map(str, name))
-
-
-def origin():
-    """Machine, versions and date."""
-    versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
-    return f"{cpu()} ({os.cpu_count()} cores), {versions}, {date.today()}"
-
-
 def contacts(kept):
     """The table of docs/contact.md."""
-    found = meetings.table(lambda *name: kept.get(key(("contact", *name))), BOTH)
-    return f"{found}\n\nMeasured on one core of {kept['origin']}.\n"
+    note = f"Measured on one core of {kept['origin']}."
+    return meetings.table(lambda *name: kept.get(key(("contact", *name))), BOTH, note)
 
 
 def text(kept):
@@ -148,21 +126,15 @@ def main():
     parser.add_argument("words", nargs="*", metavar="WHAT", help=", ".join(WHAT))
     parser.add_argument("--redraw", action="store_true", help="tables from what is there")
     options = parser.parse_args()
-    if wrong := set(options.words) - set(WHAT):
-        parser.error(f"there is no {', '.join(sorted(wrong))}; there are {', '.join(WHAT)}")
-    OUT.mkdir(exist_ok=True)
-    store = OUT / "initial.json"
-    kept = json.loads(store.read_text()) if store.exists() else {}
+    words = chosen(parser, options.words, WHAT) or WHAT
+    kept = Kept(out("initial") / "initial.json")
     for name, (function, arguments) in ({} if options.redraw else jobs()).items():
-        if options.words and name[0] not in options.words:
+        if name[0] not in words:
             continue
         began = process_time()
-        kept[key(name)] = function(*arguments)
-        print(f"initial: {key(name)}: {kept[key(name)]}, {process_time() - began:.0f} s",
-              flush=True)  # fmt: skip
+        found = function(*arguments)
+        print(f"initial: {key(name)}: {found}, {process_time() - began:.0f} s", flush=True)
         kept["origin"] = origin()
-        store.write_text(json.dumps(kept, indent=1))
-    (PAGES / "tables" / "initial.md").write_text(text(kept), encoding="utf-8")
-    (PAGES / "tables" / "initial-contact.md").write_text(contacts(kept), encoding="utf-8")
-    subprocess.run([sys.executable, str(PAGES)], check=True)
+        kept.add(name, found)
+    put({"initial": text(kept), "initial-contact": contacts(kept)})
     print(text(kept))

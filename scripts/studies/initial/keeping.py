@@ -2,15 +2,13 @@
 
 from itertools import pairwise
 from math import cos, cosh, log, pi, sin, sinh, sqrt
-from statistics import median
-from time import process_time
 
 import numpy as np
+from studies.scenes import ball, by_id, by_turns, case_of, core, filled, finished
 
 import pgimp
 from pgimp.errors import RunError
 from pgimp.mpi.comm import Serial
-from pgimp.solver.simulation import Simulation
 from pgimp.utilities.model.block import Block, block_case
 
 #: A steel-like ratio, and waves at 1.16 sqrt(E/rho).
@@ -31,25 +29,10 @@ CUBE = 0.0882
 
 def simulation(size, cell, body, time, configuration, method=None, density=DENSITY, **changes):
     """A neo-Hookean body of two particles a cell and direction."""
-    D = len(size)
-    case = {
-        "format": 1,
-        "dimensions": D,
-        "grid": {"size": size, "cell": [cell] * D},
-        "method": {"shape": "gimp", "particles_per_cell": [2] * D} | (method or {}),
-        "time": time,
-        "materials": {
-            "jelly": {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON,
-                      "density": density}
-        },
-        "bodies": {"body": {"material": "jelly", "configuration": configuration} | body},
-    }  # fmt: skip
-    return Simulation(pgimp.load(case | changes), Serial())
-
-
-def box(low, high):
-    """A region."""
-    return {"region": {"box": {"min": list(low), "max": list(high)}}}
+    jelly = {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": density}
+    bodies = {"body": {"material": "jelly", "configuration": configuration} | body}
+    changes |= {"time": time, "method": method or {}}
+    return core(case_of(size, cell, {"jelly": jelly}, bodies, time["end"], **changes))
 
 
 def _mode(x):
@@ -73,7 +56,7 @@ def ringing(configuration, affine, courant, cells=16, periods=(10, 50), shape="g
     dt = PERIOD / LOOKS / each
     looks = int(max(periods) * LOOKS * 1.08)
     y = 3.0 * h + 0.5 * HEIGHT
-    body = box([0.0, 3.0 * h], [LENGTH, 3.0 * h + HEIGHT])
+    body = filled([0.0, 3.0 * h], [LENGTH, 3.0 * h + HEIGHT])
     sim = simulation(
         [LENGTH + 4.0 * h, HEIGHT + 8.0 * h], h, body, {"end": dt * each * looks, "step": dt},
         configuration, {"shape": shape, "affine": affine}, boundaries={"x-min": "fixed"},
@@ -85,14 +68,13 @@ def ringing(configuration, affine, courant, cells=16, periods=(10, 50), shape="g
     p.v[rows, 1] = speed * mode
     if affine:
         p.L[rows, 1], p.L[rows, 2] = -speed * slope, speed * slope
-    by_id = np.empty(len(rows))
-    by_id[p.id[rows]] = mode
+    mode = by_id(sim, mode)
     motion = []
     for _ in range(looks):
         for _ in range(each):
             sim.advance()
         p, rows = sim.particles, sim.live()
-        motion.append(float((p.m[rows] * p.v[rows, 1]) @ by_id[p.id[rows]]))
+        motion.append(float((p.m[rows] * p.v[rows, 1]) @ mode[p.id[rows]]))
     q, window = np.array(motion), int(1.05 * LOOKS)
     peaks = np.abs(q[: len(q) // window * window]).reshape(-1, window).max(axis=1)
     rising = np.flatnonzero((q[:-1] < 0.0) & (q[1:] >= 0.0))
@@ -107,12 +89,11 @@ def ringing(configuration, affine, courant, cells=16, periods=(10, 50), shape="g
 def spin(configuration, affine, cells=8, courant=0.4):
     """Part of its angular momentum that a square loses in 3.2 turns."""
     motion = {"rotation": {"about": [1.5, 1.5], "rate": 1.0}}
-    body = box([1.0, 1.0], [2.0, 2.0]) | {"velocity": motion}
+    body = filled([1.0, 1.0], [2.0, 2.0]) | {"velocity": motion}
     sim = simulation([3.0, 3.0], 1.0 / cells, body, {"end": 20.0, "step": {"courant": courant}},
                      configuration, {"affine": affine}, density=1550.0)  # fmt: skip
     first = sim.diagnostics()["angular-momentum-z"]
-    while not sim.finished:
-        sim.advance()
+    finished(sim)
     return {"lost": 1.0 - sim.diagnostics()["angular-momentum-z"] / first, "steps": sim.step}
 
 
@@ -124,25 +105,18 @@ def stretch(shape, even):
     speed = 5.0
     grips = {"left": (49.0, 50.0, -speed), "right": (90.0, 91.0, speed)}
     held = {
-        name: {"body": "body", "velocity": [v]} | box([a], [b])
+        name: {"body": "body", "velocity": [v]} | filled([a], [b])
         for name, (a, b, v) in grips.items()
     }
-    case = {
-        "format": 1,
-        "dimensions": 1,
-        "grid": {"size": [140.0], "cell": [1.0]},
-        "method": {"shape": shape, "particles_per_cell": [2]},
-        "time": {"end": 16.0, "step": {"courant": 0.3}},
-        "materials": {"bar": {"model": "linear-1d", "young": 1.0e6, "density": 1.0}},
-        "bodies": {"body": {"material": "bar", "configuration": "initial"} | box([49.0], [91.0])},
-        "constraints": held,
-    }
-    sim = Simulation(pgimp.load(case), Serial())
+    sim = core(case_of(
+        [140.0], 1.0, {"bar": {"model": "linear-1d", "young": 1.0e6, "density": 1.0}},
+        {"body": {"material": "bar", "configuration": "initial"} | filled([49.0], [91.0])}, 16.0,
+        method={"shape": shape}, constraints=held,
+    ))  # fmt: skip
     p, rows = sim.particles, sim.live()
     if even:
         p.v[rows, 0] = np.clip((p.x[rows, 0] - 70.0) / 20.0, -1.0, 1.0) * speed
-    while not sim.finished:
-        sim.advance()
+    finished(sim)
     free = rows[p.constraint[rows, 0] == 0]
     F, s = p.F[free, 0], p.sigma[free, 0]
     return {"F": float(np.abs(F - 5.0).max()), "force": float(np.abs(s / 4.0e6 - 1.0).max())}
@@ -150,25 +124,15 @@ def stretch(shape, even):
 
 def vortex(configuration, amplitude, cell, shape="gimp", affine=False):
     """Greatest error of the displacement over time, root mean square, and when it stopped."""
-    balls = [{"ball": {"centre": [0.0, 0.0], "radius": r}} for r in (1.25, 0.75)]
-    case = {
-        "format": 1,
-        "dimensions": 2,
-        "grid": {"origin": [-1.3, -1.3], "size": [2.6, 2.6], "cell": [cell, cell]},
-        "method": {"shape": shape, "particles_per_cell": [2, 2], "affine": affine},
-        "time": {"end": 1.0, "step": 4.0e-3 * cell / 0.05},
-        "materials": {
-            "jelly": {"model": "neo-hookean", "young": 1000.0, "poisson": 0.3, "density": 1000.0}
-        },
-        "bodies": {
-            "ring": {"material": "jelly", "configuration": configuration,
-                     "region": {"difference": balls}}
-        },
-        "exact": {"generalized-vortex": {"amplitude": amplitude, "period": 2.0}},
-    }  # fmt: skip
-    steps = round(1.0 / case["time"]["step"])
-    case["time"]["step"] = 1.0 / steps
-    sim = Simulation(pgimp.load(case), Serial())
+    jelly = {"model": "neo-hookean", "young": 1000.0, "poisson": 0.3, "density": 1000.0}
+    region = {"difference": [ball([0.0, 0.0], r) for r in (1.25, 0.75)]}
+    ring = {"material": "jelly", "configuration": configuration, "region": region}
+    steps = round(1.0 / (4.0e-3 * cell / 0.05))
+    sim = core(case_of(
+        [2.6, 2.6], cell, {"jelly": jelly}, {"ring": ring}, 1.0, grid={"origin": [-1.3, -1.3]},
+        method={"shape": shape, "affine": affine}, time={"step": 1.0 / steps},
+        exact={"generalized-vortex": {"amplitude": amplitude, "period": 2.0}},
+    ))  # fmt: skip
     found, stopped = {}, None
     try:
         for part in (1, 2):
@@ -191,7 +155,7 @@ def cube(configuration, D, cells, shape="gimp"):
     gravity = [0.0] * D
     gravity[-1] = -1000.0
     face = f"{'xyz'[D - 1]}-max"
-    sim = simulation(size, 1.0 / cells, box(low, [a + side for a in low]),
+    sim = simulation(size, 1.0 / cells, filled(low, [a + side for a in low]),
                      {"end": 0.25, "step": {"courant": 0.3}}, configuration,
                      {"shape": shape}, density=1050.0,
                      gravity=gravity, boundaries={face: "slip"})  # fmt: skip
@@ -236,29 +200,23 @@ def speed(D, kind, rounds=15, steps=12):
         body = case["bodies"]["block"]
         body["configuration"] = configuration
         if D == 2:
-            body |= box([4.0 * h] * 2, [260.0 * h] * 2) | {"velocity": body["velocity"][:2]}
+            body |= filled([4.0 * h] * 2, [260.0 * h] * 2) | {"velocity": body["velocity"][:2]}
         if kind == "moving":
             dt = case["time"]["step"] = 1.5 * case["time"]["step"]  # a Courant number of 0.3
             case["time"]["end"] = 10**6 * dt
             pace = 0.05 * 0.3 * case["grid"]["cell"][0] / dt
             body["velocity"] = [pace] * D
-        sim = (Block if kind == "random" else Simulation)(pgimp.load(case), Serial())
+        sim = Block(pgimp.load(case), Serial()) if kind == "random" else core(case)
         for _ in range(22 if kind == "moving" else 0):
             sim.advance()
         sims[configuration] = sim
-    spent = {name: [] for name in sims}
-    for _ in range(rounds):
-        for name, sim in sims.items():
-            began = process_time()
-            for _ in range(steps):
-                sim.advance()
-            spent[name].append((process_time() - began) / steps)
-    ratios = [a / b for a, b in zip(spent["current"][1:], spent["initial"][1:], strict=True)]
-    count = sims["initial"].count
+    current, initial = by_turns(sims.values(), rounds, steps)[1:].T
+    count = sims["initial"].count / 1e6
     return {
-        "ratio": median(ratios),
+        "ratio": float(np.median(current / initial)),
         "million particle-steps/s": {
-            name: count / median(times[1:]) / 1e6 for name, times in spent.items()
+            "current": float(count / np.median(current)),
+            "initial": float(count / np.median(initial)),
         },
     }
 

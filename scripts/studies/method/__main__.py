@@ -1,15 +1,13 @@
 """Measures every method on small bodies and writes docs/methods.md; see scripts/methods."""
 
 import argparse
-import json
 from itertools import product
 from time import process_time
 
+from studies.harness import Kept, chosen, origin, out, put, write_csv
 from studies.method.bodies import SHAPES
 from studies.method.measures import COURANTS, bending, bounced, compressed, costs, turned, waves
-from studies.method.table import ROOT, added, origin, put_into_docs, text, write_csv
-
-OUT = ROOT / "methods.out"
+from studies.method.table import added, text
 
 #: The method that costs are relative to.
 PLAIN = ("gimp", False, 2)
@@ -31,12 +29,9 @@ def main():
     parser.add_argument("--redraw", action="store_true", help="tables from what is there")
     parser.add_argument("--only", default="", metavar="SHAPE,..", help="the others stay")
     options = parser.parse_args()
-    only = tuple(filter(None, options.only.split(",")))
-    for name in only:
-        if name not in SHAPES:
-            parser.error(f"there is no {name}; there are {', '.join(SHAPES)}")
-    OUT.mkdir(exist_ok=True)
-    store = OUT / ("some.json" if only else "methods.json")
+    only = chosen(parser, options.only, SHAPES)
+    store = out("methods") / ("some.json" if only else "methods.json")
+    kept = Kept(store)
     if not options.redraw:
         # What costs are relative to is always there.
         methods = [(s, a, n) for n, s, a in product((2, 1), only or SHAPES, (False, True))]
@@ -52,11 +47,10 @@ def main():
             found = costs([*dict.fromkeys([PLAIN, *methods])], D)
             for record, method in zip(records, methods, strict=True):
                 record |= {f"cost {D}": found[method], f"plain {D}": found[PLAIN]}
-        store.write_text(json.dumps({"origin": origin(), "records": records}, indent=1))
-    kept = json.loads(store.read_text())
+        kept |= {"origin": origin(), "records": records}
+        kept.save()
     write_csv(kept["records"], store.with_suffix(".csv"))
     write = added if only else text
     found = write(kept["records"], kept["origin"])
-    store.with_suffix(".md").write_text(found, encoding="utf-8")
-    put_into_docs(found)
+    put({"methods": found}, store.with_suffix(".md"))
     print(found)

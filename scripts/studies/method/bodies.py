@@ -10,10 +10,7 @@ from math import pi, sin
 
 import numpy as np
 from studies.method.timoshenko import slowest
-
-import pgimp
-from pgimp.mpi.comm import Serial
-from pgimp.solver.simulation import Simulation
+from studies.scenes import by_id, case_of, core, filled
 
 SHAPES = (
     "mpm", "gimp", "finite-gimp", "cpdi", "fuzzy-nearest", "fuzzy-constant",
@@ -43,25 +40,12 @@ def simulation(method, size, body, end, courant=0.3, cell=1.0, poisson=0.0, **ch
         Other keys of the case.
     """
     shape, affine, per_cell = method
-    D = len(size)
-    case = {
-        "format": 1,
-        "dimensions": D,
-        "grid": {"size": list(map(float, size)), "cell": [cell] * D},
-        "method": {"shape": shape, "affine": affine, "particles_per_cell": [per_cell] * D},
-        "time": {"end": float(end), "step": {"courant": courant}},
-        "materials": {
-            "elastic": {"model": "neo-hookean", "young": 1.0, "poisson": poisson, "density": 1.0}
-        },
-        "bodies": {"body": {"material": "elastic"} | body},
-        "boundaries": {"x-min": "fixed", "y-min": "separating"},
-    }
-    return Simulation(pgimp.load(case | changes), Serial())
-
-
-def box(low, high):
-    """A region."""
-    return {"region": {"box": {"min": list(map(float, low)), "max": list(map(float, high))}}}
+    elastic = {"model": "neo-hookean", "young": 1.0, "poisson": poisson, "density": 1.0}
+    return core(case_of(
+        size, cell, {"elastic": elastic}, {"body": {"material": "elastic"} | body}, end, courant,
+        per_cell, method={"shape": shape, "affine": affine},
+        **({"boundaries": {"x-min": "fixed", "y-min": "separating"}} | changes),
+    ))  # fmt: skip
 
 
 def cantilever(method, D, courant=0.3, length=6 * HEIGHT, amplitude=0.2):
@@ -77,7 +61,7 @@ def cantilever(method, D, courant=0.3, length=6 * HEIGHT, amplitude=0.2):
     """
     rate, nodes, deflection, rotation = slowest(length, HEIGHT)
     low = 4.0 if D == 2 else 4.0 + OFF
-    body = box([0.0, low, low][:D], [length, low + HEIGHT, low + HEIGHT][:D])
+    body = filled([0.0, low, low][:D], [length, low + HEIGHT, low + HEIGHT][:D])
     sim = simulation(method, [length + 4, 13, 13][:D], body, 3.6 * pi / rate, courant)
     p, rows = sim.particles, sim.live()
     x, y = p.x[rows, 0], p.x[rows, 1] - (low + 0.5 * HEIGHT)
@@ -89,31 +73,27 @@ def cantilever(method, D, courant=0.3, length=6 * HEIGHT, amplitude=0.2):
         L[rows, 1, 0] = amplitude * rate * np.interp(x, nodes, np.gradient(deflection, nodes))
         L[rows, 0, 1] = -amplitude * rate * turn
         L[rows, 0, 0] = -amplitude * rate * y * np.interp(x, nodes, np.gradient(rotation, nodes))
-    by_id = np.empty(len(rows))
-    by_id[p.id[rows]] = shape
-    return sim, by_id, rate
+    return sim, by_id(sim, shape), rate
 
 
 def wave(method, courant=0.3, cells=10, waves=2, amplitude=1e-3):
     """A standing wave between two walls, in 2D; as `cantilever`."""
     length, k = cells * waves, 2.0 * pi / cells
     walls = {"x-min": "fixed", "x-max": "fixed", "y-min": "separating"}
-    body = box([0, 4], [length, 4 + HEIGHT])
+    body = filled([0, 4], [length, 4 + HEIGHT])
     sim = simulation(method, [length, 12], body, 6.0 * cells, courant, boundaries=walls)
     p, rows = sim.particles, sim.live()
     shape = np.sin(k * p.x[rows, 0])
     p.v[rows, 0] = amplitude * shape
     if method[1]:
         p.L[rows, 0] = amplitude * k * np.cos(k * p.x[rows, 0])
-    by_id = np.empty(len(rows))
-    by_id[p.id[rows]] = shape
-    return sim, by_id, k
+    return sim, by_id(sim, shape), k
 
 
 def bounce(method, D, speed=0.1):
     """A block with Poisson's ratio 0.3 that flies at the wall y-min from 2.5 cells above."""
     low = [4.0 + OFF, 2.5, 4.0 + OFF][:D]
-    body = box(low, [x + HEIGHT for x in low]) | {"velocity": [0.0, -speed, 0.0][:D]}
+    body = filled(low, [x + HEIGHT for x in low]) | {"velocity": [0.0, -speed, 0.0][:D]}
     return simulation(method, [13, 16, 13][:D], body, 300.0, poisson=0.3)
 
 
@@ -122,7 +102,7 @@ def spin(method, D, courant=0.3, edge_speed=0.05):
     rate = edge_speed / (0.5 * HEIGHT)
     axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
     turn = {"about": [6.0] * D, "rate": rate if D == 2 else (rate * axis).tolist()}
-    body = box([4.0] * D, [8.0] * D) | {"velocity": {"rotation": turn}}
+    body = filled([4.0] * D, [8.0] * D) | {"velocity": {"rotation": turn}}
     return simulation(method, [12] * D, body, 2.0 * pi / rate, courant)
 
 
@@ -141,17 +121,15 @@ def column(method, cell):
             for s in np.linspace(0.0, 1.0, 41).tolist()]  # fmt: skip
     width = 2 * cell
     sim = simulation(
-        method, [width, COLUMN + 2.0], box([0, 0], [width, COLUMN]), RAMP + 40.0, cell=cell,
+        method, [width, COLUMN + 2.0], filled([0, 0], [width, COLUMN]), RAMP + 40.0, cell=cell,
         gravity={"table": rows}, boundaries={wall: "slip" for wall in ("x-min", "x-max", "y-min")},
     )  # fmt: skip
-    p, live = sim.particles, sim.live()
-    exact = np.empty(len(live))
-    exact[p.id[live]] = -WEIGHT * (1.0 - p.x[live, 1] / COLUMN)
-    return sim, exact
+    exact = -WEIGHT * (1.0 - sim.particles.x[sim.live(), 1] / COLUMN)
+    return sim, by_id(sim, exact)
 
 
 def large(method, D):
     """A large block that drifts, to take the time of."""
     n = 64 if D == 2 else 18
-    body = box([4.0] * D, [4.0 + n] * D) | {"velocity": [0.01] * D}
+    body = filled([4.0] * D, [4.0 + n] * D) | {"velocity": [0.01] * D}
     return simulation(method, [n + 8] * D, body, 1e4)

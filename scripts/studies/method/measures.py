@@ -2,10 +2,10 @@
 
 from itertools import pairwise
 from math import pi
-from time import process_time
 
 import numpy as np
 from studies.method.bodies import bounce, cantilever, column, large, spin, wave
+from studies.scenes import by_turns, finished
 
 from pgimp.errors import RunError
 
@@ -113,17 +113,16 @@ def turned(method, D, courants=COURANTS):
         sim = spin(method, D, courant)
         first = np.array([sim.diagnostics()[name] for name in names])
         result[f"spin {courant}"] = None
-        if _finished(sim):
+        if _came_to_the_end(sim):
             last = np.array([sim.diagnostics()[name] for name in names])
             result[f"spin {courant}"] = float(1.0 - last @ first / (first @ first))
     return result
 
 
-def _finished(sim):
+def _came_to_the_end(sim):
     """Run to the end; whether it came there."""
     try:
-        while not sim.finished:
-            sim.advance()
+        finished(sim)
     except RunError:
         return False
     return True
@@ -135,7 +134,7 @@ def compressed(method):
     for cell in COLUMN_CELLS:
         sim, exact = column(method, cell)
         result[f"column {cell}"] = None
-        if not _finished(sim):
+        if not _came_to_the_end(sim):
             continue
         p, rows = sim.particles, sim.live()
         difference = np.abs(p.sigma[rows, 1] - exact[p.id[rows]])
@@ -145,12 +144,5 @@ def compressed(method):
 
 def costs(methods, D, rounds=4, steps=12):
     """CPU seconds of a step of a large block by method: the least of rounds taken by turns."""
-    sims = {method: large(method, D) for method in methods}
-    least = dict.fromkeys(methods, np.inf)
-    for _ in range(rounds):
-        for method, sim in sims.items():
-            began = process_time()
-            for _ in range(steps):
-                sim.advance()
-            least[method] = min(least[method], (process_time() - began) / steps)
-    return least
+    least = by_turns([large(method, D) for method in methods], rounds, steps).min(axis=0)
+    return dict(zip(methods, least.tolist(), strict=True))

@@ -1,27 +1,10 @@
 """The tables of docs/methods.md from what was measured."""
 
-import csv
-import os
-import subprocess
-import sys
-from datetime import date
-from importlib.metadata import version
-from pathlib import Path
-
+from studies import harness
 from studies.method.measures import COLUMN_CELLS, COURANTS
 
-from pgimp.io.rundir.runinfo import cpu
-
-ROOT = Path(__file__).resolve().parents[3]
-#: What scripts/pages writes pages from, and the tables of this script among it.
-PAGES = ROOT / "scripts" / "pages"
-TABLES = PAGES / "tables" / "methods.md"
-
-
-def origin():
-    """Machine, versions and date."""
-    versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
-    return f"{cpu()} ({os.cpu_count()} cores), {versions}, {date.today()}"
+#: The tables of this script.
+TABLES = harness.TABLES / "methods.md"
 
 
 def number(value, sign=False):
@@ -88,9 +71,7 @@ def losses(records):
 
 def table(columns, records):
     """Markdown."""
-    lines = ["| " + " | ".join(columns) + " |", "|---" * len(columns) + "|"]
-    lines += ["| " + " | ".join(word(r) for word in columns.values()) + " |" for r in records]
-    return "\n".join([*lines, ""])
+    return harness.table(columns, ([word(r) for word in columns.values()] for r in records))
 
 
 def text(records, machine):
@@ -117,18 +98,3 @@ def added(records, machine):
     said = [line for line in parts[3].splitlines() if not line.startswith(head)]
     parts[3] = "\n".join([*said, note]) + "\n"
     return "\n\n".join(parts)
-
-
-def put_into_docs(text):
-    """Write docs/methods.md with these tables."""
-    TABLES.write_text(text, encoding="utf-8")
-    subprocess.run([sys.executable, str(PAGES)], check=True)
-
-
-def write_csv(records, path):
-    """All numbers as they are."""
-    keys = list(dict.fromkeys(key for record in records for key in record))
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, keys)
-        writer.writeheader()
-        writer.writerows(records)
