@@ -117,7 +117,7 @@ def test_largest_stable_courant_number(shape, per_cell, low, high):
 
 def test_chosen_steps_follow_the_table():
     """``courant: auto`` knows what the page shows; in 3D and between numbers of particles, too."""
-    text = (table.PAGES / "tables" / "courant.md").read_text(encoding="utf-8")
+    text = (table.TABLES / "courant.md").read_text(encoding="utf-8")
     assert table.limits_of(text) == LIMITS
 
     def limit(dimensions, per_cell, shape="gimp", **parts):

@@ -5,27 +5,7 @@ reduced integration, Malkus and Hughes 1978), so that they do not lock.
 """
 
 import numpy as np
-
-#: Gauss's points and weights on [-1, 1].
-FULL = np.polynomial.legendre.leggauss(3)
-REDUCED = np.polynomial.legendre.leggauss(2)
-
-
-def _lagrange(s):
-    """Quadratic functions on [-1, 1] and their derivatives."""
-    values = np.array([0.5 * s * (s - 1.0), 1.0 - s * s, 0.5 * s * (s + 1.0)])
-    return values, np.array([s - 0.5, -2.0 * s, s + 0.5])
-
-
-def _points(rule, hx, hy):
-    """Strains of the 18 displacements, area and functions at each point of an element."""
-    for s, ws in zip(*rule, strict=True):
-        for t, wt in zip(*rule, strict=True):
-            (a, da), (b, db) = _lagrange(s), _lagrange(t)
-            B = np.zeros((3, 18))
-            B[0, 0::2] = B[2, 1::2] = np.outer(da, b).ravel() * 2.0 / hx
-            B[1, 1::2] = B[2, 0::2] = np.outer(a, db).ravel() * 2.0 / hy
-            yield B, ws * wt * hx * hy / 4.0, np.outer(a, b).ravel()
+from studies.elements import Mesh
 
 
 def mean_deflection(young, poisson, length, height, traction, elements):
@@ -36,32 +16,23 @@ def mean_deflection(young, poisson, length, height, traction, elements):
     elements : (int, int)
         Along the beam and across it.
     """
-    nx, ny = elements
-    hx, hy = length / nx, height / ny
+    mesh = Mesh(length, height, elements)
     mu = young / (2.0 * (1.0 + poisson))
     lam = 2.0 * mu * poisson / (1.0 - 2.0 * poisson)
-    shear, mean = np.zeros((18, 18)), np.zeros(9)
-    volume = np.zeros((18, 18))
+    stiffness, mean = np.zeros((18, 18)), np.zeros(9)
     C = mu * np.diag([2.0, 2.0, 1.0])
-    for B, area, functions in _points(FULL, hx, hy):
-        shear += area * B.T @ C @ B
+    for B, functions, area in mesh.points(3):
+        stiffness += area * B.T @ C @ B
         mean += area * functions
-    for B, area, _ in _points(REDUCED, hx, hy):
+    for B, _, area in mesh.points(2):
         trace = B[0] + B[1]
-        volume += lam * area * np.outer(trace, trace)
-    stiffness = shear + volume
-    rows = 2 * ny + 1
-    nodes = (2 * nx + 1) * rows
-    K, average, force = np.zeros((2 * nodes, 2 * nodes)), np.zeros(2 * nodes), np.zeros(2 * nodes)
-    for i in range(nx):
-        for j in range(ny):
-            node = [(2 * i + p) * rows + 2 * j + q for p in range(3) for q in range(3)]
-            at = np.array([2 * n + d for n in node for d in range(2)])
-            K[np.ix_(at, at)] += stiffness
-            average[at[1::2]] += mean
-            if i == nx - 1:
-                force[at[[13, 15, 17]]] += traction * hy * np.array([1.0, 4.0, 1.0]) / 6.0
-    u = np.zeros(2 * nodes)
-    free = np.arange(2 * rows, 2 * nodes)
-    u[free] = np.linalg.solve(K[np.ix_(free, free)], force[free])
+        stiffness += lam * area * np.outer(trace, trace)
+    average, force = np.zeros(2 * mesh.nodes), np.zeros(2 * mesh.nodes)
+    for i, at in mesh.displacements():
+        average[at[1::2]] += mean
+        if i == elements[0] - 1:
+            end = traction * mesh.size[1] * np.array([1.0, 4.0, 1.0]) / 6.0
+            force[at[[13, 15, 17]]] += end
+    u = np.zeros(2 * mesh.nodes)
+    u[mesh.free] = np.linalg.solve(mesh.matrix(stiffness), force[mesh.free])
     return float(average @ u) / (length * height)

@@ -6,19 +6,15 @@ block that drifts, by turns in one process. Run as ``scripts/hard corners``: wri
 the table of docs/methods.md, scripts/pages/tables/corners.md.
 """
 
-from pathlib import Path
-from time import process_time
-
 import numpy as np
 from studies.hard.courant import limits
+from studies.harness import CASES, Table, put
 from studies.method.bodies import large, spin
+from studies.pareto.large_bodies import turned
+from studies.scenes import by_id, by_turns, core, finished
 
-import pgimp
 from pgimp.errors import RunError
-from pgimp.mpi.comm import Serial
-from pgimp.solver.simulation import Simulation
 
-ROOT = Path(__file__).resolve().parents[3]
 SHAPES = ("gimp", "finite-gimp", "cpdi", "cpdi-corners")
 RADIUS = 1.0  # mean one of the ring, in metres
 
@@ -32,17 +28,13 @@ def vortex(method, cells, amplitude):
         Mean square of the displacement's error over the greatest displacement; mean |J - 1|.
     """
     cell = 0.5 / cells
-    case = pgimp.load(
-        ROOT / "cases" / "vortex.yaml", {
-            "grid.cell": [cell, cell], "grid.size": [3.0, 3.0], "grid.origin": [-1.5, -1.5],
-            "time.step": 0.08 * cell, "method.shape": method[0], "method.affine": method[1],
-            "exact.generalized-vortex.amplitude": amplitude,
-        },
-    )  # fmt: skip
-    sim = Simulation(case, Serial())
-    p, live = sim.particles, sim.live()
-    start = np.empty((len(live), 2))
-    start[p.id[live]] = p.x[live]
+    sim = core(CASES / "vortex.yaml", {
+        "grid.cell": [cell, cell], "grid.size": [3.0, 3.0], "grid.origin": [-1.5, -1.5],
+        "time.step": 0.08 * cell, "method.shape": method[0], "method.affine": method[1],
+        "exact.generalized-vortex.amplitude": amplitude,
+    })  # fmt: skip
+    p = sim.particles
+    start = by_id(sim, p.x[sim.live()])
     try:
         for _ in range(round(0.5 / (0.08 * cell))):
             sim.advance()
@@ -50,11 +42,8 @@ def vortex(method, cells, amplitude):
         return None
     live = sim.live()
     X, x, V = start[p.id[live]], p.x[live], p.V0[live]
-    s = (np.hypot(*X.T) - RADIUS) / 0.5
-    angle = amplitude * np.where(np.abs(s) < 0.5, (1.0 - 4.0 * s * s) ** 2, 0.0)
-    c, q = np.cos(angle), np.sin(angle)
-    exact = np.stack([c * X[:, 0] - q * X[:, 1], q * X[:, 0] + c * X[:, 1]], axis=1)
-    error = np.sqrt(np.average(((x - exact) ** 2).sum(axis=1), weights=V)) / (amplitude * RADIUS)
+    off = ((x - turned(X, amplitude)) ** 2).sum(axis=1)
+    error = np.sqrt(np.average(off, weights=V)) / (amplitude * RADIUS)
     J = np.linalg.det(p.F[live].reshape(-1, 2, 2))
     return float(error), float(np.average(np.abs(J - 1.0), weights=V))
 
@@ -72,47 +61,32 @@ def lost(method, D):
         return (p.m[live, None] * np.cross(r, v)).sum(axis=0) @ axis
 
     first = angular()
-    while sim.time < sim.scene.case.time.end:
-        sim.advance()
+    finished(sim)
     return 1.0 - angular() / first
 
 
 def costs(methods, D, rounds=5, steps=20):
     """CPU time of a step over that of the first method, by turns: the least of rounds."""
-    sims = [large(method, D) for method in methods]
-    least = [np.inf] * len(sims)
-    for _ in range(rounds + 1):
-        for i, sim in enumerate(sims):
-            began = process_time()
-            for _ in range(steps):
-                sim.advance()
-            least[i] = min(least[i], process_time() - began)
-    return [one / least[0] for one in least]
+    least = by_turns([large(method, D) for method in methods], rounds + 1, steps).min(axis=0)
+    return least / least[0]
 
 
 def main():
     """Measure, and write the table."""
-    lines = ["| | " + " | ".join(SHAPES) + " |", "|---" * (len(SHAPES) + 1) + "|"]
-
-    def add(title, texts):
-        lines.append(f"| {title} | " + " | ".join(texts) + " |")
-        print(lines[-1], flush=True)
-
+    table = Table("", *SHAPES)
     for affine in (False, True):
         methods, more = [(shape, affine, 2) for shape in SHAPES], ", affine" if affine else ""
         for amplitude in (0.15, 0.5, 1.0):
             for cells in (8, 16, 32):
                 found = [vortex(method, cells, amplitude) for method in methods]
-                add(f"vortex, angle {amplitude:g}, {cells} cells{more}",
-                    ["stopped" if one is None else f"{one[0]:.1e} ({one[1]:.1e})"
-                     for one in found])  # fmt: skip
+                errors = ("stopped" if one is None else f"{one[0]:.1e} ({one[1]:.1e})"
+                          for one in found)  # fmt: skip
+                table.add(f"vortex, angle {amplitude:g}, {cells} cells{more}", *errors)
         for D in (2, 3):
-            add(f"spin lost in a turn, {D}D{more}", [f"{lost(m, D):.2g}" for m in methods])
+            table.add(f"spin lost in a turn, {D}D{more}", *(f"{lost(m, D):.2g}" for m in methods))
         for D in (2, 3):
-            add(f"time of a step, {D}D{more}", [f"{t:.2f}" for t in costs(methods, D)])
+            table.add(f"time of a step, {D}D{more}", *(f"{t:.2f}" for t in costs(methods, D)))
         for D in (2, 3):
-            add(f"largest Courant number, {D}D{more}", [
-                f"{limits({'shape': shape, 'affine': affine}, D, 2, 2000, 0.02)[0]:.2f}"
-                for shape in SHAPES])  # fmt: skip
-    table = ROOT / "scripts" / "pages" / "tables" / "corners.md"
-    table.write_text("\n".join(lines) + "\n", encoding="utf-8")
+            found = (limits({"shape": s, "affine": affine}, D, 2, 2000, 0.02)[0] for s in SHAPES)
+            table.add(f"largest Courant number, {D}D{more}", *(f"{one:.2f}" for one in found))
+    put({"corners": table.text()})

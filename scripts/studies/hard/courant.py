@@ -8,12 +8,10 @@ random velocities, so that everything is linear. A Courant number, of the code's
 """
 
 import numpy as np
+from studies.scenes import case_of, core, filled
 
-from pgimp.case.schema import Case
 from pgimp.errors import RunError
-from pgimp.mpi.comm import Serial
 from pgimp.solver.clock import FixedClock
-from pgimp.solver.simulation import Simulation
 
 BAR = {"model": "linear-1d", "young": 1.0, "density": 1.0}
 SOLID = {"model": "neo-hookean", "young": 1.0, "density": 1.0}
@@ -32,31 +30,19 @@ def free_bodies(method, dimension, per_cell, count=None, poisson=0.3, room=0.0):
     """
     length, pitch, most = BODIES[dimension]
     count = count or most
+    across = dimension - 1
     bodies = {
-        f"b{k}": {
-            "material": "solid",
-            "region": {
-                "box": {
-                    "min": [2.0 + k * pitch] + [2.0] * (dimension - 1),
-                    "max": [2.0 + k * pitch + length] + [2.0 + length] * (dimension - 1),
-                }
-            },
-        }
+        f"b{k}": {"material": "solid"} | filled(
+            [2.0 + k * pitch] + [2.0] * across,
+            [2.0 + k * pitch + length] + [2.0 + length] * across,
+        )
         for k in range(count)
-    }
-    case = {
-        "format": 1,
-        "dimensions": dimension,
-        "grid": {
-            "size": [pitch * count + 4.0 + np.ceil(room)] + [length + 6.0] * (dimension - 1),
-            "cell": [1.0] * dimension,
-        },
-        "method": method | {"particles_per_cell": [per_cell] * dimension},
-        "time": {"end": 1e6, "step": 0.02},
-        "materials": {"solid": BAR if dimension == 1 else SOLID | {"poisson": poisson}},
-        "bodies": bodies,
-    }
-    return Simulation(Case.model_validate(case), Serial())
+    }  # fmt: skip
+    return core(case_of(
+        [pitch * count + 4.0 + np.ceil(room)] + [length + 6.0] * across, 1.0,
+        {"solid": BAR if dimension == 1 else SOLID | {"poisson": poisson}}, bodies, 1e6,
+        per_cell=per_cell, method=method, time={"step": 0.02},
+    ))  # fmt: skip
 
 
 def shaken(method, dimension, per_cell, speed=0.0, room=0.0, poisson=0.3):

@@ -10,24 +10,11 @@ frozen energy is that of what is left.
 from math import sqrt
 
 import numpy as np
-from studies.hard.runs import ROOT
+from studies.harness import Table, put
+from studies.scenes import ball, box, by_id, core, finished
 
-import pgimp
 from pgimp.errors import RunError
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
-from pgimp.mpi.comm import Serial
-from pgimp.solver.simulation import Simulation
-
-
-def box(low, high):
-    """A region."""
-    return {"box": {"min": low, "max": high}}
-
-
-def ball(centre, radius):
-    """A region."""
-    return {"ball": {"centre": centre, "radius": radius}}
-
 
 #: A ball that flies at a plate which yields by some cells.
 STEEL = {
@@ -158,15 +145,12 @@ def frozen(scene, shape, affine, per_cell, configuration):
     }  # fmt: skip
     bodies = scene["bodies"].items()
     case["bodies"] = {name: body | {"configuration": configuration} for name, body in bodies}
-    case = pgimp.load(case)
-    sim = Simulation(case, Serial())
-    p, live = sim.particles, sim.live()
-    places = np.empty((len(live), 2))
-    places[p.id[live]] = p.x[live]
+    sim = core(case)
+    case, p, live = sim.scene.case, sim.particles, sim.live()
+    places = by_id(sim, p.x[live])
     rows = live[p.body[live] == 0]
     first = 0.5 * (p.m[rows] * (p.v[rows] ** 2).sum(axis=1)).sum()
-    while not sim.finished:
-        sim.advance()
+    finished(sim)
     live = sim.live()
     rows = live[p.body[live] == 0]
     x, F = p.x[rows], p.F[rows].reshape(-1, 2, 2)
@@ -186,7 +170,7 @@ def frozen(scene, shape, affine, per_cell, configuration):
 
 def main():
     """Measure, and write the table."""
-    lines = [f"| method | {' | '.join(SCENES)} |", "|---" * (len(SCENES) + 1) + "|"]
+    table = Table("method", *SCENES)
     for method in METHODS:
         shape, affine, per_cell, configuration = method
         title = f"{shape}{', affine' * affine}, {per_cell} a cell"
@@ -198,9 +182,5 @@ def main():
             except RunError as fault:
                 found.append("stopped")
                 print(fault)
-        lines.append(
-            f"| {title}{', initial' * (configuration != 'current')} | {' | '.join(found)} |"
-        )
-        print(lines[-1], flush=True)
-    table = ROOT / "scripts" / "pages" / "tables" / "frozen.md"
-    table.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        table.add(title + ", initial" * (configuration != "current"), *found)
+    put({"frozen": table.text()})

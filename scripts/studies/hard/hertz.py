@@ -12,18 +12,13 @@ on one core.
 """
 
 import argparse
-from datetime import date
-from importlib.metadata import version
 from math import pi, sqrt
 from time import perf_counter
 
 import numpy as np
-from studies.hard.table import put_into_docs
+from studies.harness import origin, put, table
+from studies.scenes import ball, box, case_of, core
 
-import pgimp
-from pgimp.io.rundir.runinfo import cpu
-from pgimp.mpi.comm import Serial
-from pgimp.solver.simulation import Simulation
 from pgimp.solver.state.grid_state import active_grid
 
 YOUNG, POISSON, RADIUS = 1.0, 0.3, 1.0
@@ -45,26 +40,16 @@ def scene(cells, shape, per_cell):
     middle, height = (across + 4) * h, 1.5 * h + RADIUS
     top = height - 1.0 * h
     wide = 2.0 * middle
-    ball = {"ball": {"center": [middle, height], "radius": RADIUS}}
-    lower = {"box": {"min": [0.0, 0.0], "max": [wide, height]}}
-    upper = {"box": {"min": [0.0, top], "max": [wide, height + h]}}
-    return {
-        "format": 1,
-        "dimensions": 2,
-        "grid": {"size": [wide, (across + 6) * h], "cell": [h, h]},
-        "method": {"shape": shape, "particles_per_cell": [per_cell] * 2},
-        "time": {"end": 1.0 / SPEED, "step": {"courant": 0.4}},
-        "materials": {
-            "rubber": {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": 1.0}
-        },
-        "bodies": {
-            "half": {"material": "rubber", "region": {"intersection": [ball, lower]},
-                     "surface": "cut"},
-        },
-        "constraints": {"top": {"body": "half", "region": upper, "velocity": [0.0, -SPEED]}},
-        "boundaries": {"y-min": "separating"},
-        "output": {"fields": ["velocity"]},
-    }  # fmt: skip
+    half = {"intersection": [ball([middle, height], RADIUS), box([0.0, 0.0], [wide, height])]}
+    upper = box([0.0, top], [wide, height + h])
+    rubber = {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": 1.0}
+    return case_of(
+        [wide, (across + 6) * h], h, {"rubber": rubber},
+        {"half": {"material": "rubber", "region": half, "surface": "cut"}}, 1.0 / SPEED, 0.4,
+        per_cell, method={"shape": shape}, boundaries={"y-min": "separating"},
+        constraints={"top": {"body": "half", "region": upper, "velocity": [0.0, -SPEED]}},
+        output={"fields": ["velocity"]},
+    )  # fmt: skip
 
 
 def pressures(sim):
@@ -80,7 +65,7 @@ def pressures(sim):
 def pressed(cells, shape, per_cell):
     """Row of the table for a half-width of `cells`."""
     began = perf_counter()
-    sim = Simulation(pgimp.load(scene(cells, shape, per_cell)), Serial())
+    sim = core(scene(cells, shape, per_cell))
     h = sim.scene.frame.cell[0]
     x, p = pressures(sim)
     while p.sum() * h < FORCE:
@@ -98,9 +83,9 @@ def pressed(cells, shape, per_cell):
     middle = p[np.abs(x).argmin()] / p0
     top = p.argmax()
     return (
-        f"| {cells} | {per_cell} x {per_cell} | {sim.count:,} | {half / a:.2f} "
-        f"| {equal / a:.2f} | {middle:.2f} | {p[top] / p0:.2f} at {abs(x[top]) / a:.2f} a |"
-    )
+        cells, f"{per_cell} x {per_cell}", f"{sim.count:,}", f"{half / a:.2f}", f"{equal / a:.2f}",
+        f"{middle:.2f}", f"{p[top] / p0:.2f} at {abs(x[top]) / a:.2f} a",
+    )  # fmt: skip
 
 
 def main():
@@ -116,22 +101,16 @@ def main():
     )
     parser.add_argument("--docs", action="store_true", help="write the page too")
     options = parser.parse_args()
-    versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
-    lines = [
-        "| cells in a | particles a cell | particles | half-width, over a "
-        "| from the moment, over a "
-        "| pressure in the middle, over p0 | greatest pressure, over p0 |",
-        "|---" * 7 + "|",
-        *(
-            pressed(cells, options.shape, per_cell)
-            for per_cell in options.per_cell
-            for cells in options.cells
-        ),
-        "",
-        f"Measured with `{options.shape}` on one core of {cpu()}, {versions}, {date.today()}.",
-        "",
+    titles = (
+        "cells in a", "particles a cell", "particles", "half-width, over a",
+        "from the moment, over a", "pressure in the middle, over p0",
+        "greatest pressure, over p0",
+    )  # fmt: skip
+    rows = [
+        pressed(cells, options.shape, per_cell)
+        for per_cell in options.per_cell
+        for cells in options.cells
     ]
-    text = "\n".join(lines)
+    text = table(titles, rows, f"Measured with `{options.shape}` on one core of {origin()}.")
     print(text)
-    if options.docs:
-        put_into_docs([("hertz", text)])
+    put({"hertz": text}, page=options.docs)

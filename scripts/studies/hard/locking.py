@@ -2,6 +2,7 @@
 
 from studies.hard.rows import deflection
 from studies.hard.runs import begin, watch
+from studies.harness import table
 
 from pgimp.solver.window import open_window
 
@@ -51,7 +52,7 @@ def locked(method, poisson, cells, offset):
 def locking_table(records):
     """Least and greatest error over the offsets, by method; columns are materials and cells."""
     titles = [f"{poisson:g}, {cells} cells" for poisson, cells in KINDS]
-    lines = ["| method | " + " | ".join(titles) + " |", "|---" * (len(KINDS) + 1) + "|"]
+    lines = []
     for method in METHODS:
         cells = []
         for kind in KINDS:
@@ -65,5 +66,5 @@ def locking_table(records):
             elif found:
                 text = f"{100.0 * min(found):+.1f} to {100.0 * max(found):+.1f}"
             cells.append(text)
-        lines.append(f"| {method} | " + " | ".join(cells) + " |")
-    return "\n".join([*lines, ""])
+        lines.append((method, *cells))
+    return table(("method", *titles), lines)

@@ -4,13 +4,11 @@ Run as ``scripts/hard modes``: the cantilever of scripts/initial, 16 by 4 cells,
 its first mode; writes the table of docs/methods.md, scripts/pages/tables/modes.md.
 """
 
-from pathlib import Path
-
+from studies.harness import Table, put
 from studies.initial.keeping import ringing
 
 from pgimp.errors import CaseError, RunError
 
-ROOT = Path(__file__).resolve().parents[3]
 SHAPES = (
     "mpm", "gimp", "finite-gimp", "cpdi", "cpdi-corners", "fuzzy-nearest", "fuzzy-constant",
     "bspline-quadratic", "bspline-cubic",
@@ -32,14 +30,9 @@ def left(configuration, shape, affine, courant):
 def main():
     """Measure, and write the table."""
     columns = [(one, courant) for one in ("current", "initial") for courant in COURANTS]
-    lines = [
-        f"| method | {' | '.join(f'{one}, {courant:g}' for one, courant in columns)} |",
-        "|---" * (len(columns) + 1) + "|",
-    ]
+    table = Table("method", *(f"{one}, {courant:g}" for one, courant in columns))
     for shape in SHAPES:
         for affine in (False, True):
             found = [left(one, shape, affine, courant) for one, courant in columns]
-            lines.append(f"| {shape}{', affine' * affine} | {' | '.join(found)} |")
-            print(lines[-1], flush=True)
-    table = ROOT / "scripts" / "pages" / "tables" / "modes.md"
-    table.write_text("\n".join(lines) + "\n", encoding="utf-8")
+            table.add(shape + ", affine" * affine, *found)
+    put({"modes": table.text()})

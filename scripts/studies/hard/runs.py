@@ -1,19 +1,16 @@
 """One run of a case in this process, watched for whether it finishes and for its energy."""
 
 import json
-from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
+from studies import harness
+from studies.scenes import core
 
-import pgimp
 from pgimp.errors import RunError
-from pgimp.mpi.comm import Serial
-from pgimp.solver.simulation import Simulation
 
-ROOT = Path(__file__).resolve().parents[3]
-CASES = ROOT / "cases" / "hard"
+CASES = harness.CASES / "hard"
 
 #: A run is stable if it finishes and its energy never grows by more than this part of the most.
 BOUND = 0.05
@@ -46,7 +43,7 @@ def words(changes):
 
 def begin(name, changes):
     """The simulation of cases/hard/NAME.yaml with some changes, on one rank."""
-    return Simulation(pgimp.load(CASES / f"{name}.yaml", words(changes)), Serial())
+    return core(CASES / f"{name}.yaml", words(changes))
 
 
 def watch(sim, lines=LINES, each=None):

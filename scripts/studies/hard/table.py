@@ -1,15 +1,7 @@
 """The tables of docs/hard-cases.md and hard.md, from the records of the runs."""
 
-import csv
-import subprocess
-import sys
-from pathlib import Path
-
 from studies.hard.rows import METHODS
-from studies.hard.runs import ROOT
-
-#: What scripts/pages writes pages from.
-PAGES = ROOT / "scripts" / "pages"
+from studies.harness import ROOT, TABLES, table
 
 
 def entry(record):
@@ -31,11 +23,8 @@ def cases_table(records):
     rows = list(dict.fromkeys(record["case"] for record in records))
     found = {(record["case"], record["method"]): record for record in records}
     methods = [m for m in METHODS if any(key[1] == m for key in found)]
-    lines = ["| case | " + " | ".join(methods) + " |", "|---" * (len(methods) + 1) + "|"]
-    for row in rows:
-        cells = [entry(found.get((row, method))) for method in methods]
-        lines.append(f"| {row} | " + " | ".join(cells) + " |")
-    return "\n".join([*lines, ""])
+    lines = [(row, *(entry(found.get((row, method))) for method in methods)) for row in rows]
+    return table(("case", *methods), lines)
 
 
 def courant_table(points):
@@ -43,14 +32,12 @@ def courant_table(points):
     kinds = list(dict.fromkeys((p["dimension"], p["per_cell"]) for p in points))
     found = {(p["method"], p["dimension"], p["per_cell"]): p["all"] for p in points}
     titles = [f"{d}D, {n} a cell" for d, n in kinds]
-    lines = ["| shape | " + " | ".join(titles) + " |", "|---" * (len(kinds) + 1) + "|"]
+    lines = []
     for method in dict.fromkeys(p["method"] for p in points):
         limits = [found.get((method, *kind)) for kind in kinds]
-        cells = [
-            "" if x is None else "at least 1" if x >= 1.0 else f"{x:.2f}" for x in limits
-        ]
-        lines.append(f"| {method} | " + " | ".join(cells) + " |")
-    return "\n".join([*lines, ""])
+        cells = ("" if x is None else "at least 1" if x >= 1.0 else f"{x:.2f}" for x in limits)
+        lines.append((method, *cells))
+    return table(("shape", *titles), lines)
 
 
 def moving_table(points):
@@ -58,11 +45,9 @@ def moving_table(points):
     speeds = list(dict.fromkeys(p["speed"] for p in points))
     found = {(p["method"], p["speed"]): p["waves"] for p in points}
     titles = ["at rest" if v == 0.0 else f"{v:g} c" for v in speeds]
-    lines = ["| shape | " + " | ".join(titles) + " |", "|---" * (len(speeds) + 1) + "|"]
-    for method in dict.fromkeys(p["method"] for p in points):
-        cells = [f"{found[method, v]:.2f}" for v in speeds]
-        lines.append(f"| {method} | " + " | ".join(cells) + " |")
-    return "\n".join([*lines, ""])
+    methods = dict.fromkeys(p["method"] for p in points)
+    lines = [(method, *(f"{found[method, v]:.2f}" for v in speeds)) for method in methods]
+    return table(("shape", *titles), lines)
 
 
 def _cells(text):
@@ -75,7 +60,7 @@ def _cells(text):
 
 def merged(name, text):
     """The table of the docs with rows and columns of another one added, or in their place."""
-    path = PAGES / "tables" / f"{name}.md"
+    path = TABLES / f"{name}.md"
     if not path.exists():
         return text
     (old, cells), (new, more) = _cells(path.read_text(encoding="utf-8")), _cells(text)
@@ -86,10 +71,8 @@ def merged(name, text):
         titles = [titles[0], *(m for m in METHODS if m in titles)]
     for row, values in more.items():
         cells[row] = cells.get(row, {}) | {title: cell for title, cell in values.items() if cell}
-    lines = ["| " + " | ".join(titles) + " |", "|---" * len(titles) + "|"]
-    for row, values in cells.items():
-        lines.append("| " + " | ".join([row, *(values.get(t, "") for t in titles[1:])]) + " |")
-    return "\n".join([*lines, ""])
+    lines = [(row, *(values.get(t, "") for t in titles[1:])) for row, values in cells.items()]
+    return table(titles, lines)
 
 
 def limits_of(text):
@@ -118,20 +101,3 @@ def write_limits(text, path=ROOT / "pgimp" / "physics" / "shapes" / "courant.py"
         lines += [f"        {D}: {limits!r}," for D, limits in by.items()]
         lines.append("    },")
     path.write_text("\n".join([head + lines[0], *lines[1:], "}", ""]), encoding="utf-8")
-
-
-def put_into_docs(texts):
-    """Write docs/hard-cases.md with these tables, (name, text) each; others stay."""
-    for name, text in texts:
-        (PAGES / "tables" / f"{name}.md").write_text(text, encoding="utf-8")
-        if name == "courant":
-            write_limits(text)
-    subprocess.run([sys.executable, str(PAGES)], check=True)
-
-
-def write_csv(records, path: Path):
-    """Write all records as they are."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, fieldnames=list(records[0]))
-        writer.writeheader()
-        writer.writerows(records)

@@ -6,14 +6,14 @@ writes the table of docs/methods.md, scripts/pages/tables/turns.md.
 """
 
 from math import pi, sqrt
-from pathlib import Path
 
 import numpy as np
-from studies.method.bodies import box, simulation
+from studies.harness import Table, put
+from studies.method.bodies import simulation
+from studies.scenes import filled
 
 from pgimp.errors import RunError
 
-ROOT = Path(__file__).resolve().parents[3]
 SHAPES = (
     "gimp", "finite-gimp", "cpdi", "cpdi-corners", "fuzzy-nearest", "fuzzy-constant",
     "bspline-quadratic", "bspline-cubic",
@@ -34,7 +34,7 @@ def changes(shape, configuration, cells, speed):
     """Relative changes of spin and energy after each of `TURNS`; None from where it has torn."""
     rate = 2.0 * speed * WAVE / cells
     low, middle = 0.5 * cells, float(cells)
-    body = box([low, low], [low + cells, low + cells])
+    body = filled([low, low], [low + cells, low + cells])
     body |= {
         "velocity": {"rotation": {"about": [middle, middle], "rate": rate}},
         "configuration": configuration,
@@ -71,12 +71,9 @@ def text(found):
 
 def main():
     """Measure, and write the table."""
-    titles = [f"{cells} cells, {speed:g} c" for cells, speed in BLOCKS]
-    lines = [f"| method | {' | '.join(titles)} |", "|---" * (len(titles) + 1) + "|"]
+    table = Table("method", *(f"{cells} cells, {speed:g} c" for cells, speed in BLOCKS))
     for shape, configuration in METHODS:
         found = [text(changes(shape, configuration, *block)) for block in BLOCKS]
         initial = ", initial" * (configuration == "initial")
-        lines.append(f"| {shape}, affine{initial} | {' | '.join(found)} |")
-        print(lines[-1], flush=True)
-    table = ROOT / "scripts" / "pages" / "tables" / "turns.md"
-    table.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        table.add(f"{shape}, affine{initial}", *found)
+    put({"turns": table.text()})

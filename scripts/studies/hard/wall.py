@@ -5,11 +5,9 @@ its foot is compressed by 4 %; deviations of the stress from (42), as parts of W
 """
 
 import numpy as np
-from studies.hard.runs import ROOT, field
-
-import pgimp
-from pgimp.mpi.comm import Serial
-from pgimp.solver.simulation import Simulation
+from studies.hard.runs import field
+from studies.harness import CASES
+from studies.scenes import core, finished
 
 SHAPES = ("gimp", "finite-gimp", "cpdi", "bspline-quadratic", "bspline-cubic")
 YOUNG, LENGTH, WEIGHT = 1.0e6, 50.0, 40000.0
@@ -24,10 +22,7 @@ def column(shape, wall):
         Of the tip, how far it stands too high, over the length.
     """
     method = f"method={{shape: {shape}, particles_per_cell: [2], wall: {wall}}}"
-    case = pgimp.load(ROOT / "cases" / "compaction.yaml", [method, "output.every=null"])
-    sim = Simulation(case, Serial())
-    while not sim.finished:
-        sim.advance()
+    sim = finished(core(CASES / "compaction.yaml", [method, "output.every=null"]))
     b = -WEIGHT / LENGTH
     length = LENGTH + b * LENGTH**2 / (2.0 * YOUNG)
     x, stress = field(sim, "x")[:, 0], field(sim, "sigma")[:, 0]
