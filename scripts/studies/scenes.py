@@ -83,7 +83,7 @@ def a_line(sim: pgimp.Simulation) -> dict[str, float]:
     return sim.diagnostics()
 
 
-def column(name: str) -> Callable:
+def reading(name: str) -> Callable:
     """What looks at a column of the history."""
     return lambda sim: sim.diagnostics()[name]
 

@@ -5,7 +5,7 @@ from math import cos, radians, sin
 import numpy as np
 from studies import scenes
 from studies.harness import CASES
-from studies.scenes import a_line, ball, box, by_turns, column, looked
+from studies.scenes import a_line, ball, box, by_turns, looked, reading
 
 import pgimp
 
@@ -183,7 +183,7 @@ def _on_a_slab(length, cell, gravity, law):
 
 def apart(cases, times):
     """Greatest difference between where the block is along x in two cases."""
-    one, other = (looked(case, times, column("body.block.centre-x"))[0] for case in cases)
+    one, other = (looked(case, times, reading("body.block.centre-x"))[0] for case in cases)
     return np.abs(np.array(one) - np.array(other)).max()
 
 

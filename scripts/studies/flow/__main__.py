@@ -1,25 +1,15 @@
 """Measures soils, fluids and gases and writes the table of their page; see scripts/flows."""
 
 import argparse
-import json
-import os
-import subprocess
-import sys
-from datetime import date
-from importlib.metadata import version
-from time import process_time
 from typing import Literal, NamedTuple
 
 import numpy as np
-from studies.flow import problems
 from studies.flow.rows import ROWS
+from studies.harness import TABLES, Kept, Table, origin, out, put, table
+from studies.scenes import by_turns, case_of, filled
 
 import pgimp
-from pgimp.io.rundir.runinfo import cpu
 from pgimp.physics.materials import Material
-
-PAGES = problems.ROOT / "scripts" / "pages"
-OUT = problems.OUT
 
 _SOIL = {"young": 1.0e3, "poisson": 0.3, "cohesion": 1.0, "friction-angle": 30.0}
 
@@ -81,35 +71,21 @@ LAWS = {
 def _block(law, name, cells):
     """A block in 3D that flies through the cells."""
     entry = {"model": name.split()[0], "density": 1.0} | law
-    method = {"volumetric": "mean"} if "mean" in name else {}
-    body = {"box": {"min": [4.0] * 3, "max": [4.0 + cells] * 3}}
-    return pgimp.Simulation({
-        "format": 1,
-        "dimensions": 3,
-        "grid": {"size": [cells + 8.0] * 3, "cell": [1.0] * 3},
-        "method": {"shape": "gimp", "particles_per_cell": [2] * 3} | method,
-        "time": {"end": 10.0, "step": 1.0e-3},
-        "materials": {"law": entry},
-        "bodies": {"block": {"material": "law", "region": body, "velocity": [3.0, 1.0, 0.5]}},
-    })  # fmt: skip
+    body = {"material": "law", "velocity": [3.0, 1.0, 0.5]}
+    body |= filled([4.0] * 3, [4.0 + cells] * 3)
+    return pgimp.Simulation(case_of(
+        [cells + 8.0] * 3, 1.0, {"law": entry}, {"block": body}, 10.0, time={"step": 1.0e-3},
+        method={"volumetric": "mean"} if "mean" in name else {},
+    ))  # fmt: skip
 
 
 def _costs(cells, rounds):
     """Particle-steps/s of each material in 3D, and over neo-Hookean: medians of turns."""
-    sims = {name: _block(law, name, cells) for name, law in LAWS.items()}
-    spent = {name: [] for name in LAWS}
-    for _ in range(rounds):
-        for name, sim in sims.items():
-            began = process_time()
-            sim.step(4)
-            spent[name].append(process_time() - began)
-    first = np.array(spent["neo-hookean"][1:])
-    rows = []
-    for name, times in spent.items():
-        own = np.array(times[1:])
-        speed = 4.0 * len(sims[name].particles["id"]) / np.median(own)
-        rows.append((name, speed / 1e6, float(np.median(first / own))))
-    return rows
+    sims = [_block(law, name, cells) for name, law in LAWS.items()]
+    spent = by_turns(sims, rounds, 4)[1:]
+    speeds = len(sims[0].particles["id"]) / np.median(spent, axis=0) / 1e6
+    parts = np.median(spent[:, :1] / spent, axis=0)
+    return list(zip(LAWS, speeds.tolist(), parts.tolist(), strict=True))
 
 
 def _cells_of(value, reference):
@@ -134,33 +110,31 @@ def _problems(kept, quick, only="", standing=()):
 
     Rows whose function is not `only`, if that is given, are taken from the lines `standing`.
     """
-    standing, head = _standing(standing), ""
-    lines = ["| problem | reference | measured (error), two cell sizes | million "
-             "particle-steps/s |", "|---|---|---|---|"]  # fmt: skip
+    known, standing, head = kept.setdefault("problems", {}), _standing(standing), ""
+    shown = Table("problem", "reference", "measured (error), two cell sizes",
+                  "million particle-steps/s")  # fmt: skip
     for words, reference, (function, *rest), place, cells in ROWS:
         head = head if words.startswith("the same") else words
         if only and only != function.__name__:
-            if (head, words) in standing:
-                lines.append(standing[head, words])
+            shown.lines += [standing[head, words]] * ((head, words) in standing)
             continue
         found = []
         for cell in cells[: 1 if quick else 2]:
             key = " ".join(map(str, (function.__name__, *rest, cell)))
-            if key not in kept:
-                kept[key] = function(cell, *rest)
-            found.append(kept[key])
+            if key not in known:
+                known[key] = function(cell, *rest)
+                kept.save()
+            found.append(known[key])
         values = ", ".join(_cells_of(each[0][place], reference) for each in found)
         speeds = ", ".join(f"{each[1] / 1e6:.1f}" for each in found if each[1])
-        shown = "" if reference is None else f"{reference:g}"
-        lines.append(f"| {words} | {shown} | {values} | {speeds} |")
-        print(lines[-1], flush=True)
-        yield lines
+        shown.add(words, "" if reference is None else f"{reference:g}", values, speeds)
+    return shown
 
 
 def _costs_table(rows, cells):
-    lines = [f"What the materials cost: a block of {8 * cells**3:,} particles, 3D, gimp, one core.",
-             "", "| material | million particle-steps/s | over neo-hookean |", "|---|---|---|"]
-    return lines + [f"| {name} | {speed:.1f} | {part:.2f} |" for name, speed, part in rows]
+    head = f"What the materials cost: a block of {8 * cells**3:,} particles, 3D, gimp, one core."
+    rows = [(name, f"{speed:.1f}", f"{part:.2f}") for name, speed, part in rows]
+    return f"{head}\n\n{table(('material', 'million particle-steps/s', 'over neo-hookean'), rows)}"
 
 
 def main():
@@ -170,40 +144,28 @@ def main():
     parser.add_argument("--quick", action="store_true", help="coarse cells alone; writes no page")
     parser.add_argument("--only", choices=sorted({row[2][0].__name__ for row in ROWS}))
     options = parser.parse_args()
-    OUT.mkdir(exist_ok=True)
     if options.only:
         _replace(options.only)
         return
-    store = OUT / ("quick.json" if options.quick else "flows.json")
-    kept = json.loads(store.read_text()) if store.exists() else {}
+    kept = Kept(out("flows") / ("quick.json" if options.quick else "flows.json"))
     words = options.words or ["problems", "costs"]
-    for word in words:
-        kept[word] = {} if word == "problems" else []
-    versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
-    kept["origin"] = f"{cpu()} ({os.cpu_count()} cores), {versions}, {date.today()}"
-    lines = []
-    for lines in _problems(kept.setdefault("problems", {}), options.quick):
-        store.write_text(json.dumps(kept, indent=1))
+    kept |= {word: {} for word in words} | {"origin": origin()}
+    text = _problems(kept, options.quick).text()
     cells = 8 if options.quick else 16
     if "costs" in words:
-        kept["costs"] = _costs(cells, 3 if options.quick else 9)
-        store.write_text(json.dumps(kept, indent=1))
+        kept.add("costs", _costs(cells, 3 if options.quick else 9))
     if kept.get("costs"):
-        lines += ["", *_costs_table(kept["costs"], cells)]
-    lines += ["", f"By `scripts/flows`: {kept['origin']}. Speeds are per second of CPU time of one "
-              "rank."]  # fmt: skip
-    _write("\n".join(lines) + "\n", options.quick)
+        text += "\n" + _costs_table(kept["costs"], cells)
+    note = f"By `scripts/flows`: {kept['origin']}. Speeds are per second of CPU time of one rank."
+    _write(f"{text}\n{note}\n", options.quick)
 
 
 def _replace(only):
     """Measure the problems of one function anew, and leave the rest of the table."""
-    table, rest = (PAGES / "tables" / "soils-and-fluids.md").read_text("utf-8").split("\n\n", 1)
-    *_, lines = _problems({}, False, only, table.splitlines())
-    _write("\n".join(lines) + "\n\n" + rest, False)
+    known, rest = (TABLES / "soils-and-fluids.md").read_text("utf-8").split("\n\n", 1)
+    found = _problems(Kept(out("flows") / "only.json", new=True), False, only, known.splitlines())
+    _write(f"{found.text()}\n{rest}", False)
 
 
 def _write(text, quick):
-    (OUT / "flows.md").write_text(text, encoding="utf-8")
-    if not quick:
-        (PAGES / "tables" / "soils-and-fluids.md").write_text(text, encoding="utf-8")
-        subprocess.run([sys.executable, PAGES], check=True)
+    put({"soils-and-fluids": text}, out("flows") / "flows.md", not quick)

@@ -1,22 +1,11 @@
 """Measures liquids over long times, and writes their table; see scripts/flows."""
 
 import argparse
-import json
-import os
-import subprocess
-import sys
-from datetime import date
-from importlib.metadata import version
-from time import process_time
 
 import numpy as np
 from studies.flow import problems
-
-import pgimp
-from pgimp.io.rundir.runinfo import cpu
-
-PAGES = problems.ROOT / "scripts" / "pages"
-OUT = problems.ROOT / "flows.out"
+from studies.harness import Kept, Table, origin, out, put
+from studies.scenes import box, case_of, filled, looked
 
 #: Depth of still and of sloshing water, in cells; sound at ten times sqrt(g depth).
 DEPTH = 8.0
@@ -33,28 +22,16 @@ def tank(size, depth, method, dimensions=2, bulk=800.0):
     top = [*size[:-1], depth]
     sides = {f"{axis}-{end}": "slip" for axis in "xyz"[:dimensions] for end in ("min", "max")}
     sides.pop(f"{'xyz'[dimensions - 1]}-max")
-    box = {"box": {"min": [0.0] * dimensions, "max": top}}
-    return {
-        "format": 1,
-        "dimensions": dimensions,
-        "grid": {"size": size, "cell": [1.0] * dimensions},
-        "method": {"shape": "gimp", "particles_per_cell": [2] * dimensions} | method,
-        "time": {"end": 1.0e6, "step": {"courant": 0.3}},
-        "materials": {"water": {"model": "newtonian", "bulk": bulk, "density": 1.0}},
-        "bodies": {"water": {"material": "water", "region": box}},
-        "gravity": [0.0] * (dimensions - 1) + [-1.0],
-        "boundaries": sides,
-    }
+    return case_of(
+        size, 1.0, {"water": {"model": "newtonian", "bulk": bulk, "density": 1.0}},
+        {"water": {"material": "water"} | filled([0.0] * dimensions, top)}, 1.0e6, method=method,
+        gravity=[0.0] * (dimensions - 1) + [-1.0], boundaries=sides,
+    )  # fmt: skip
 
 
 def run(case, end, look, every):
     """Run to `end`; what `look` sees at times `every` apart, and particle-steps per CPU second."""
-    sim = pgimp.Simulation(case)
-    began, count, seen = process_time(), len(sim.particles["id"]), []
-    for time in np.arange(every, end + 0.5 * every, every):
-        sim.advance(time)
-        seen.append(look(sim))
-    return seen, count * sim.steps / (process_time() - began)
+    return looked(case, np.arange(every, end + 0.5 * every, every), look)[:2]
 
 
 def compressed(depth, bulk):
@@ -143,11 +120,9 @@ def floating(method, dimensions, wide=4.0):
     across, depth, bulk = 4.0 * wide, 2.0 * wide, 600.0 * wide
     case = tank([across, across], depth, method, 2, bulk)
     begin = depth - 0.25 * wide
-    box = {"min": [1.5 * wide, begin], "max": [2.5 * wide, begin + wide]}
-    case["bodies"]["water"]["region"] = {
-        "difference": [{"box": {"min": [0.0, 0.0], "max": [across, depth]}}, {"box": box}]
-    }
-    case["bodies"]["block"] = {"rigid": {"density": 0.5}, "region": {"box": box}}
+    block = box([1.5 * wide, begin], [2.5 * wide, begin + wide])
+    case["bodies"]["water"]["region"] = {"difference": [box([0.0, 0.0], [across, depth]), block]}
+    case["bodies"]["block"] = {"rigid": {"density": 0.5}, "region": block}
     case["contact"] = [{"bodies": ["water", "block"]}]
     case["method"]["relaxation"] = 0.1
     water, unit = across * depth - 0.25 * wide * wide, depth**0.5
@@ -187,31 +162,25 @@ def words_of(method):
     )
 
 
-def lines_of(kept, store, only):
-    """Lines of the table; what `kept` has is not measured again."""
-    lines = [
-        "| water | D | method | level | pressure noise | frequency | million particle-steps/s |",
-        "|---|---|---|---|---|---|---|",
-    ]
+def table(kept, only):
+    """The table; what `kept` has is not measured again."""
+    found = Table(
+        "water", "D", "method", "level", "pressure noise", "frequency", "million particle-steps/s"
+    )
     for words, function, methods, every, rest in ROWS:
         if only and function.__name__ not in only:
             continue
         for dimensions in every:
             for method in methods:
                 key = " ".join(map(str, (function.__name__, dimensions, words_of(method), *rest)))
-                if key not in kept:
-                    kept[key] = function(method, dimensions, *rest)
-                    store.write_text(json.dumps(kept, indent=1))
-                level, noise, frequency, speed = kept[key]
-                cells = [
-                    words, str(dimensions), words_of(method), f"{100.0 * level:+.2f} %",
+                level, noise, frequency, speed = kept.of(key, function, method, dimensions, *rest)
+                found.add(
+                    words, dimensions, words_of(method), f"{100.0 * level:+.2f} %",
                     "" if noise is None else f"{100.0 * noise:.2f} %",
                     "" if frequency is None else f"{100.0 * frequency:+.2f} %",
                     f"{speed / 1e6:.1f}",
-                ]  # fmt: skip
-                lines.append(f"| {' | '.join(cells)} |")
-                print(lines[-1], flush=True)
-    return lines
+                )  # fmt: skip
+    return found
 
 
 def main():
@@ -220,15 +189,6 @@ def main():
     parser.add_argument("only", nargs="*", help="still, slosh, dam, floating: then no page")
     parser.add_argument("--new", action="store_true", help="measure all of it again")
     options = parser.parse_args()
-    OUT.mkdir(exist_ok=True)
-    store = OUT / "liquids.json"
-    kept = json.loads(store.read_text()) if store.exists() and not options.new else {}
-    lines = lines_of(kept, store, options.only)
-    versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
-    lines += ["", f"By `scripts/flows liquids`: {cpu()} ({os.cpu_count()} cores), {versions}, "
-              f"{date.today()}."]  # fmt: skip
-    text = "\n".join(lines) + "\n"
-    (OUT / "liquids.md").write_text(text, encoding="utf-8")
-    if not options.only:
-        (PAGES / "tables" / "liquids.md").write_text(text, encoding="utf-8")
-        subprocess.run([sys.executable, PAGES], check=True)
+    kept = Kept(out("flows") / "liquids.json", options.new)
+    text = table(kept, options.only).text(f"By `scripts/flows liquids`: {origin()}.")
+    put({"liquids": text}, out("flows") / "liquids.md", not options.only)

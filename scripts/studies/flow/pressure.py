@@ -1,22 +1,12 @@
 """Measures the pressure on the far wall of the dam break, and draws it; see scripts/flows."""
 
 import argparse
-import json
-import os
-import subprocess
-import sys
-from datetime import date
-from importlib.metadata import version
 
 import numpy as np
 from drawing.common import BLUE, GREY, ORANGE, plt, save
 from numpy.lib.stride_tricks import sliding_window_view
 from studies.flow import problems
-
-from pgimp.io.rundir.runinfo import cpu
-
-PAGES = problems.ROOT / "scripts" / "pages"
-OUT = problems.ROOT / "flows.out"
+from studies.harness import Kept, Table, origin, out, put
 
 #: Height of the column, the tank's length in whole cells of 0.04 m, and the column's volume.
 H, LENGTH, VOLUME = 0.6, 3.24, 0.72
@@ -172,16 +162,14 @@ def draw(runs):
     save(figure, "dam-break-pressure")
 
 
-def row(words, cell, found, steps, speed):
+def row(words, cell, f, steps, speed):
     """A line of the table."""
-    f = found
-    cells = [
+    return (
         words, f"{1e3 * cell:.0f}", f"{f['front']:.3f}", f"{f['impact']:.1f}",
         f"{f['jet']:.2f}", f"{f['noise']:.2f}", f"{100.0 * f['fast']:.0f} %",
         f"{100.0 * f['force']:.0f} %, {f['tone']:.0f} Hz", f"{f['back']:.2f} at {f['when']:.2f} s",
         f"{100.0 * f['rest']:+.1f} %", f"{f['still']:.3f}", f"{steps:,}", f"{speed / 1e6:.1f}",
-    ]  # fmt: skip
-    return f"| {' | '.join(cells)} |"
+    )  # fmt: skip
 
 
 def main():
@@ -189,33 +177,23 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/flows pressure")
     parser.add_argument("--new", action="store_true", help="measure all of it again")
     options = parser.parse_args()
-    OUT.mkdir(exist_ok=True)
-    store = OUT / "pressure.json"
-    kept = json.loads(store.read_text()) if store.exists() and not options.new else {}
-    lines = [
-        "| dam-break | cells [mm] | front at the wall [s] | first peak | under the jet | noise "
-        "| of it above 120 Hz | noise of the force, half of it below | second peak, of the mean "
-        "| error near rest | noise near rest | steps | million particle-steps/s |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
-    ]
+    kept = Kept(out("flows") / "pressure.json", options.new)
+    table = Table(
+        "dam-break", "cells [mm]", "front at the wall [s]", "first peak", "under the jet", "noise",
+        "of it above 120 Hz", "noise of the force, half of it below", "second peak, of the mean",
+        "error near rest", "noise near rest", "steps", "million particle-steps/s",
+    )  # fmt: skip
     shown = []
     for number, (words, cell, changes) in enumerate(ROWS):
-        key, series = f"{words} {cell}", OUT / f"pressure-{number}.npy"
+        key, series = f"{words} {cell}", out("flows") / f"pressure-{number}.npy"
         if key not in kept or not series.exists():
             found, steps, speed = record(cell, changes)
             np.save(series, found)
-            kept[key] = steps, speed
-            store.write_text(json.dumps(kept, indent=1))
+            kept.add(key, (steps, speed))
         found = np.load(series)
         if not changes:
             shown.append((cell, found))
-        lines.append(row(words, cell, figures(found), *kept[key]))
-        print(lines[-1], flush=True)
+        table.add(*row(words, cell, figures(found), *kept[key]))
     draw(shown)
-    versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
-    lines += ["", f"By `scripts/flows pressure`: {cpu()} ({os.cpu_count()} cores), {versions}, "
-              f"{date.today()}."]  # fmt: skip
-    text = "\n".join(lines) + "\n"
-    (OUT / "pressure.md").write_text(text, encoding="utf-8")
-    (PAGES / "tables" / "pressure.md").write_text(text, encoding="utf-8")
-    subprocess.run([sys.executable, PAGES], check=True)
+    text = table.text(f"By `scripts/flows pressure`: {origin()}.")
+    put({"pressure": text}, out("flows") / "pressure.md")

@@ -1,15 +1,14 @@
 """Flows with a known result, on cells of a given size: what is measured, and the speed."""
 
 from math import exp, pi
-from pathlib import Path
 from time import process_time
 
 import numpy as np
+from studies.harness import CASES
+from studies.scenes import box, case_of, filled, looked, reading
 
 import pgimp
 
-ROOT = Path(__file__).resolve().parents[3]
-OUT = ROOT / "flows.out"
 G = 9.81
 
 
@@ -18,7 +17,7 @@ def done(case, look=None, every=10, **changes):
 
     `look`, if given, sees the simulation after `every` steps, and ends it when it returns true.
     """
-    entry = pgimp.load(ROOT / f"cases/{case}.yaml", changes) if isinstance(case, str) else case
+    entry = pgimp.load(CASES / f"{case}.yaml", changes) if isinstance(case, str) else case
     sim, spent = pgimp.Simulation(entry), 0.0
     count = len(sim.particles["id"])
     while not sim.finished:
@@ -70,7 +69,7 @@ def tube(cell, name):
 
 def channel(cell, model):
     """Velocity in the middle over the exact one, and of a plug its half-width."""
-    entry = pgimp.load(ROOT / "cases/channel.yaml").materials["mud"].model_dump(by_alias=True)
+    entry = pgimp.load(CASES / "channel.yaml").materials["mud"].model_dump(by_alias=True)
     if model == "newtonian":
         for key in ("yield-stress", "shear"):
             del entry[key]
@@ -106,20 +105,12 @@ def parabola(x, t, half=0.05, mu=24.76136, density=1000.0):
 def hydrostatic(cell):
     """Water at rest: pressure against depth, root mean square of the error over the greatest."""
     law = {"model": "newtonian", "bulk": 2.0e5, "density": 1000.0, "shear-viscosity": 20.0}
-    case = {
-        "format": 1,
-        "dimensions": 2,
-        "grid": {"size": [0.4, 0.4], "cell": [cell, cell]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2], "volumetric": "mean"},
-        "time": {"end": 1.0, "step": {"courant": 0.3}},
-        "materials": {"water": law},
-        "bodies": {
-            "pool": {"material": "water", "region": {"box": {"min": [0, 0], "max": [0.4, 0.2]}}}
-        },
-        "gravity": {"table": [[0.0, [0.0, 0.0]], [0.4, [0.0, -G]]]},
-        "boundaries": {"x-min": "slip", "x-max": "slip", "y-min": "slip"},
-    }
-    sim, speed = done(case)
+    pool = {"material": "water"} | filled([0.0, 0.0], [0.4, 0.2])
+    sim, speed = done(case_of(
+        [0.4, 0.4], cell, {"water": law}, {"pool": pool}, 1.0, method={"volumetric": "mean"},
+        gravity={"table": [[0.0, [0.0, 0.0]], [0.4, [0.0, -G]]]},
+        boundaries={"x-min": "slip", "x-max": "slip", "y-min": "slip"},
+    ))  # fmt: skip
     y, p = sim.particles["position"][:, 1], -sim.particles["stress"][:, :3].mean(axis=1)
     top = y.max() + 0.25 * cell
     off = p - 1000.0 * G * (top - y)
@@ -194,12 +185,8 @@ def footing(cell, volumetric):
         "bodies.strip.region.box.max": [half, 3.0],
         "bodies.strip.rigid.velocity.table": [[0.0, [0.0, 0.0]], [0.1, [0.0, -0.4 * cell]]],
     }  # fmt: skip
-    sim = pgimp.Simulation(pgimp.load(ROOT / "cases/footing.yaml", changes))
-    began, count, forces = process_time(), len(sim.particles["id"]), []
-    for time in np.linspace(0.35, 0.5, 31):
-        sim.advance(time)
-        forces.append(sim.diagnostics()["tool.strip.force-y"])
-    speed = count * sim.steps / (process_time() - began)
+    times, force = np.linspace(0.35, 0.5, 31), reading("tool.strip.force-y")
+    forces, speed, _ = looked(CASES / "footing.yaml", times, force, changes)
     return (float(np.mean(forces[1:])) / (half * 1.0e4),), speed
 
 
@@ -213,30 +200,17 @@ def rankine(cell, way, dilation=30.0):
         "model": "mohr-coulomb", "young": 1.0e4, "poisson": 0.3, "density": 1.0,
         "cohesion": 0.0, "friction-angle": 30.0, "dilation-angle": dilation,
     }  # fmt: skip
-    case = {
-        "format": 1,
-        "dimensions": 2,
-        "grid": {"size": [2.4, 1.2], "cell": [cell, cell]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2], "volumetric": "mean"},
-        "time": {"end": 2.0, "step": {"courant": 0.3}},
-        "materials": {"sand": law},
-        "bodies": {
-            "fill": {"material": "sand", "region": {"box": {"min": [0, 0], "max": [2.0, 1.0]}}},
-            "wall": {
-                "rigid": {"velocity": {"table": [[0.5, [0.0, 0.0]], [0.6, [way, 0.0]]]}},
-                "region": {"box": {"min": [2.0, -0.5], "max": [2.8, 2.0]}},
-            },
-        },
-        "contact": [{"bodies": ["fill", "wall"]}],
-        "gravity": {"table": [[0.0, [0.0, 0.0]], [0.5, [0.0, -1.0]]]},
-        "boundaries": {"x-min": "slip", "y-min": "slip"},
+    recedes = {"velocity": {"table": [[0.5, [0.0, 0.0]], [0.6, [way, 0.0]]]}}
+    bodies = {
+        "fill": {"material": "sand", "region": box([0.0, 0.0], [2.0, 1.0])},
+        "wall": {"rigid": recedes, "region": box([2.0, -0.5], [2.8, 2.0])},
     }
-    sim = pgimp.Simulation(case)
-    began, count, thrusts = process_time(), len(sim.particles["id"]), []
-    for time in np.linspace(1.5, 2.0, 51):
-        sim.advance(time)
-        thrusts.append(sim.diagnostics()["tool.wall.force-x"])
-    speed = count * sim.steps / (process_time() - began)
+    case = case_of(
+        [2.4, 1.2], cell, {"sand": law}, bodies, 2.0, method={"volumetric": "mean"},
+        gravity={"table": [[0.0, [0.0, 0.0]], [0.5, [0.0, -1.0]]]},
+        contact=[{"bodies": ["fill", "wall"]}], boundaries={"x-min": "slip", "y-min": "slip"},
+    )  # fmt: skip
+    thrusts, speed, _ = looked(case, np.linspace(1.5, 2.0, 51), reading("tool.wall.force-x"))
     return (float(np.mean(thrusts[1:])) / 0.5,), speed
 
 

@@ -1,12 +1,10 @@
 """Dry sand that collapses, slides and leans on a wall: see `problems`."""
 
-from time import process_time
-
 import meshio
 import numpy as np
-from studies.flow.problems import OUT, G, done
-
-import pgimp
+from studies.flow.problems import G, done
+from studies.harness import out
+from studies.scenes import ball, box, case_of, filled, looked, reading
 
 #: Sand that shears at tan = 0.6, its repose of 31 degrees: phi is the arc sine.
 LOOSE = {
@@ -26,20 +24,12 @@ def heap(cell, ratio, volumetric="pointwise", shape="gimp", floor=None):
     runs ahead. Filling is mass in a box within what has run out, over density and area.
     """
     law = LOOSE | {"young": 1.0e6 * ratio}
-    case = {
-        "format": 1,
-        "dimensions": 2,
-        "grid": {"size": [2.2 + 1.6 * ratio, ratio + 0.2], "cell": [cell, cell]},
-        "method": {"shape": shape, "particles_per_cell": [2, 2], "volumetric": volumetric},
-        "time": {"end": 6.0 * np.sqrt(ratio / G), "step": {"courant": 0.3}},
-        "materials": {"sand": law},
-        "bodies": {
-            "column": {"material": "sand", "region": {"box": {"min": [0, 0], "max": [1, ratio]}}}
-        },
-        "gravity": [0.0, -G],
-        "boundaries": {"x-min": "slip", "x-max": "slip", "y-min": floor or ROUGH},
-    }
-    sim, speed = done(case)
+    column = {"material": "sand"} | filled([0.0, 0.0], [1.0, ratio])
+    sim, speed = done(case_of(
+        [2.2 + 1.6 * ratio, ratio + 0.2], cell, {"sand": law}, {"column": column},
+        6.0 * np.sqrt(ratio / G), method={"shape": shape, "volumetric": volumetric},
+        gravity=[0.0, -G], boundaries={"x-min": "slip", "x-max": "slip", "y-min": floor or ROUGH},
+    ))  # fmt: skip
     x, y = sim.particles["position"][:, :2].T
     area, half = cell**2 / 4.0, 0.25 * cell
     places = np.arange(0.05, x.max() + 0.1, 0.005)
@@ -54,26 +44,18 @@ def heap(cell, ratio, volumetric="pointwise", shape="gimp", floor=None):
 
 def brake(cell, shape, floor=None):
     """Deceleration over g of the middle of a layer of sand, 1 m deep, on a floor."""
-    layer = {"box": {"min": [2.0, 0.0], "max": [14.0, 1.0]}}
-    case = {
-        "format": 1,
-        "dimensions": 2,
-        "grid": {"size": [22.0, 1.6], "cell": [cell, cell]},
-        "method": {"shape": shape, "particles_per_cell": [2, 2]},
-        "time": {"end": 0.6, "step": {"courant": 0.3}},
-        "materials": {"sand": LOOSE | {"young": 1.0e7}},
-        "bodies": {"layer": {"material": "sand", "region": layer, "velocity": [6.0, 0.0]}},
-        "gravity": [0.0, -G],
-        "boundaries": {"y-min": floor or ROUGH},
-    }
-    sim = pgimp.Simulation(case)
-    began, speeds = process_time(), []
-    middle = np.abs(sim.particles["position"][:, 0] - 8.0) < 1.5
-    for time in (0.1, 0.6):
-        sim.advance(time)
-        speeds.append(float(sim.particles["velocity"][middle, 0].mean()))
-    speed = len(middle) * sim.steps / (process_time() - began)
-    return ((speeds[0] - speeds[1]) / (0.5 * G),), speed
+    layer = {"material": "sand", "velocity": [6.0, 0.0]} | filled([2.0, 0.0], [14.0, 1.0])
+    case = case_of(
+        [22.0, 1.6], cell, {"sand": LOOSE | {"young": 1.0e7}}, {"layer": layer}, 0.6,
+        method={"shape": shape}, gravity=[0.0, -G], boundaries={"y-min": floor or ROUGH},
+    )  # fmt: skip
+
+    def look(sim):
+        return sim.particles["position"][:, 0], sim.particles["velocity"][:, 0]
+
+    ((start, _), (_, fast), (_, slow)), speed, _ = looked(case, (0.0, 0.1, 0.6), look)
+    middle = np.abs(start - 8.0) < 1.5
+    return (float(fast[middle].mean() - slow[middle].mean()) / (0.5 * G),), speed
 
 
 def rest(cell, relaxation):
@@ -102,35 +84,30 @@ def slide(cell, material, surface):
     low = np.tan(np.radians(33.0))
     normal = [np.sin(np.radians(33.0)), np.cos(np.radians(33.0)), 0.0]
     centre = [10.0 + 5.02 * normal[0], 34.0 - 2.0 * low + 5.02 * normal[1], 12.0]
-    ends = {"min": [-5.0, -40.0, -5.0], "max": [70.0, 60.0, 30.0]}
     region = {"intersection": [
-        {"half-space": {"point": [8.0, 34.0, 12.0], "normal": normal}}, {"box": ends},
+        {"half-space": {"point": [8.0, 34.0, 12.0], "normal": normal}},
+        box([-5.0, -40.0, -5.0], [70.0, 60.0, 30.0]),
     ]}  # fmt: skip
     if surface == "terrain":
-        OUT.mkdir(exist_ok=True)
-        _write_terrain(OUT / "terrain.stl", low)
-        region, centre[1] = {"mesh": {"file": str(OUT / "terrain.stl")}}, centre[1] + 1.0
+        file = out("flows") / "terrain.stl"
+        _write_terrain(file, low)
+        region, centre[1] = {"mesh": {"file": str(file)}}, centre[1] + 1.0
     laws = {
         "sand": {"model": "drucker-prager", "young": 1.0e7, "poisson": 0.3, "density": 1600.0,
                  "friction-angle": 25.0, "cohesion": 0.0},
         "water": {"model": "newtonian", "density": 1000.0, "bulk": 4.0e7, "shear-viscosity": 0.001},
     }  # fmt: skip
     faces = [f"{axis}-{end}" for axis in "xyz" for end in ("min", "max")]
-    case = {
-        "format": 1,
-        "dimensions": 3,
-        "grid": {"size": [64.0, 44.0, 24.0], "cell": [cell] * 3},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2, 2]},
-        "time": {"end": 2.5, "step": {"courant": 0.4}},
-        "materials": {"one": laws[material]},
-        "bodies": {
-            "ball": {"material": "one", "region": {"ball": {"centre": centre, "radius": 5.0}}},
-            "slope": {"rigid": {}, "region": region},
-        },
-        "gravity": [0.0, -G, 0.0],
-        "boundaries": dict.fromkeys(faces, "slip"),
-        "contact": [{"bodies": ["ball", "slope"], "friction": 0.3 if material == "sand" else 0.0}],
+    bodies = {
+        "ball": {"material": "one", "region": ball(centre, 5.0)},
+        "slope": {"rigid": {}, "region": region},
     }
+    friction = 0.3 if material == "sand" else 0.0
+    case = case_of(
+        [64.0, 44.0, 24.0], cell, {"one": laws[material]}, bodies, 2.5, 0.4,
+        gravity=[0.0, -G, 0.0], boundaries=dict.fromkeys(faces, "slip"),
+        contact=[{"bodies": ["ball", "slope"], "friction": friction}],
+    )  # fmt: skip
     inside = [0]
     sim, speed = done(
         case, lambda sim: inside.append(sim.diagnostics()["tool.slope.inside"]) or False
@@ -170,28 +147,15 @@ def retained(cell, volumetric):
         "cohesion": 0.0, "friction-angle": 33.0,
     }  # fmt: skip
     recedes = {"table": [[0.0, 0.0], [0.5, 0.0], [0.6, -0.002]]}
-    case = {
-        "format": 1,
-        "dimensions": 2,
-        "grid": {"size": [2.0, 1.2], "cell": [cell, cell]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2], "volumetric": volumetric},
-        "time": {"end": 2.0, "step": {"courant": 0.3}},
-        "materials": {"sand": law},
-        "bodies": {
-            "fill": {"material": "sand", "region": {"box": {"min": [0, 0], "max": [2.0, 1.0]}}}
-        },
-        "gravity": {"table": [[0.0, [0.0, 0.0]], [0.5, [0.0, -1.0]]]},
-        "boundaries": {
-            "x-min": {"velocity": [recedes, None]}, "x-max": "slip", "y-min": "fixed",
-        },
-    }  # fmt: skip
-    sim = pgimp.Simulation(case)
-    began, thrusts = process_time(), []
-    for time in np.linspace(1.5, 2.0, 21):
-        sim.advance(time)
-        thrusts.append(sim.diagnostics()["reaction.x-min-x"])
+    case = case_of(
+        [2.0, 1.2], cell, {"sand": law},
+        {"fill": {"material": "sand"} | filled([0.0, 0.0], [2.0, 1.0])}, 2.0,
+        method={"volumetric": volumetric},
+        gravity={"table": [[0.0, [0.0, 0.0]], [0.5, [0.0, -1.0]]]},
+        boundaries={"x-min": {"velocity": [recedes, None]}, "x-max": "slip", "y-min": "fixed"},
+    )  # fmt: skip
+    thrusts, speed, sim = looked(case, np.linspace(1.5, 2.0, 21), reading("reaction.x-min-x"))
     places, p = sim.particles["position"][:, :2], -sim.particles["stress"][:, :3].mean(axis=1)
-    speed = len(p) * sim.steps / (process_time() - began)
     _, of, count = np.unique(places // cell, axis=0, return_inverse=True, return_counts=True)
     of = of.ravel()
     off = (p - (np.bincount(of, p) / count)[of])[places[:, 0] < 0.6]

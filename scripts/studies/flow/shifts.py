@@ -3,22 +3,14 @@
 Both runs go on by turns in one process, so that a slow machine slows both; see scripts/flows.
 """
 
-import os
-import subprocess
-import sys
-from datetime import date
-from importlib.metadata import version
 from time import process_time
 from unittest.mock import patch
 
 import numpy as np
 from studies.flow import problems
+from studies.harness import CASES, Table, origin, out, put
 
 import pgimp
-from pgimp.io.rundir.runinfo import cpu
-
-PAGES = problems.ROOT / "scripts" / "pages"
-OUT = problems.ROOT / "flows.out"
 
 #: The tank in whole cells of 0.04 m, and the height of the centre of water at rest in it.
 LENGTH = 3.24
@@ -31,7 +23,7 @@ TURN, LATE = 100, 9.0
 def simulation(cell, shifts):
     """The dam break, to 10 s, with or without shifts."""
     changes = {"grid.cell": [cell, cell], "grid.size": [LENGTH, 2.4], "time.end": 10.0}
-    entry = pgimp.load(problems.ROOT / "cases/dam-break.yaml", changes)
+    entry = pgimp.load(CASES / "dam-break.yaml", changes)
     if shifts:
         return pgimp.Simulation(entry)
     with patch("pgimp.scene.scene.flows_of", lambda *words, **names: None):
@@ -75,23 +67,16 @@ def measured(cell):
 
 def main():
     """Measure, and write flows.out/shifts.md and docs/soils-and-fluids.md."""
-    OUT.mkdir(exist_ok=True)
-    lines = [
-        "| dam break to 10 s, cells of | a step without, with shifts [ms] | ratio, by turns "
-        "| steps without, with | level without, with |",
-        "|---|---|---|---|---|",
-    ]
+    table = Table(
+        "dam break to 10 s, cells of", "a step without, with shifts [ms]", "ratio, by turns",
+        "steps without, with", "level without, with",
+    )  # fmt: skip
     for cell in (0.04, 0.02):
         plain, shifted, ratio, first, second, low, kept = measured(cell)
-        lines.append(
-            f"| {1e3 * cell:.0f} mm | {1e3 * plain:.3f}, {1e3 * shifted:.3f} | {ratio:.2f} "
-            f"| {first:,}, {second:,} | {100.0 * low:+.1f} %, {100.0 * kept:+.1f} % |"
-        )
-        print(lines[-1], flush=True)
-    versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
-    lines += ["", f"By `scripts/flows shifts`, medians of CPU times of turns of {TURN} steps, one "
-              f"rank: {cpu()} ({os.cpu_count()} cores), {versions}, {date.today()}."]  # fmt: skip
-    text = "\n".join(lines) + "\n"
-    (OUT / "shifts.md").write_text(text, encoding="utf-8")
-    (PAGES / "tables" / "shifts.md").write_text(text, encoding="utf-8")
-    subprocess.run([sys.executable, PAGES], check=True)
+        table.add(
+            f"{1e3 * cell:.0f} mm", f"{1e3 * plain:.3f}, {1e3 * shifted:.3f}", f"{ratio:.2f}",
+            f"{first:,}, {second:,}", f"{100.0 * low:+.1f} %, {100.0 * kept:+.1f} %",
+        )  # fmt: skip
+    note = f"medians of CPU times of turns of {TURN} steps, one rank: {origin()}."
+    text = table.text(f"By `scripts/flows shifts`, {note}")
+    put({"shifts": text}, out("flows") / "shifts.md")
