@@ -1,23 +1,14 @@
 """Measures metals against exact results and writes their tables; see scripts/materials."""
 
 import argparse
-import os
-import subprocess
-import sys
-from datetime import date
-from importlib.metadata import version
-from pathlib import Path
-from statistics import median
-from time import process_time
 
+import numpy as np
+from studies.harness import origin, out, put, table
 from studies.material import metals
+from studies.scenes import by_turns, case_of, filled
 
 import pgimp
-from pgimp.io.rundir.runinfo import cpu
 
-ROOT = Path(__file__).resolve().parents[3]
-PAGES = ROOT / "scripts" / "pages"
-OUT = ROOT / "materials.out"
 ROUNDS, STEPS = 9, 6
 
 
@@ -94,42 +85,20 @@ def costs():
         "johnson-cook": cook,
         "johnson-cook with damage and mie-gruneisen": cook | eos | {"damage": {"d1": 5.0}},
     }  # fmt: skip
-    cores = {name: pgimp.Simulation(block(soft | entry)) for name, entry in materials.items()}
-    count = len(cores["hooke"].particles["id"])
-    times = {name: [] for name in cores}
-    for core in cores.values():
-        core.step(3)
-    for _ in range(ROUNDS):
-        for name, core in cores.items():
-            start = process_time()
-            core.step(STEPS)
-            times[name].append((process_time() - start) / STEPS)
-    base = median(times["neo-hookean"])
-    for name, each in times.items():
-        yield [name, speed(count / median(each)), f"{base / median(each):.2f}"]
+    sims = [pgimp.Simulation(block(soft | entry)) for entry in materials.values()]
+    count = len(sims[0].particles["id"])
+    for sim in sims:
+        sim.step(3)
+    times = np.median(by_turns(sims, ROUNDS, STEPS), axis=0)
+    for name, time in zip(materials, times, strict=True):
+        yield [name, speed(count / time), f"{times[0] / time:.2f}"]
 
 
 def block(material):
     """A block of 64,000 particles that turns and is strained beyond yield."""
     motion = {"rotation": {"about": [0.6] * 3, "rate": [0.0, 0.0, 0.4]}}
-    return {
-        "format": 1,
-        "dimensions": 3,
-        "grid": {"size": [1.2] * 3, "cell": [0.05] * 3},
-        "method": {"shape": "gimp", "particles_per_cell": [2] * 3},
-        "time": {"end": 1.0, "step": 1e-4},
-        "materials": {"m": material},
-        "bodies": {
-            "b": {"material": "m", "region": {"box": {"min": [0.1] * 3, "max": [1.1] * 3}},
-                  "velocity": motion}
-        },
-    }  # fmt: skip
-
-
-def table(head, rows):
-    """Markdown of a table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "".join(f"| {' | '.join(map(str, line))} |\n" for line in lines)
+    body = {"material": "m", "velocity": motion} | filled([0.1] * 3, [1.1] * 3)
+    return case_of([1.2] * 3, 0.05, {"m": material}, {"b": body}, 1.0, time={"step": 1e-4})
 
 
 def main():
@@ -144,18 +113,9 @@ def main():
         ),
         "metal-paths": table(["path", "exact", "measured"], rows_of_paths()),
         "metal-costs": table(
-            ["material", "particle-steps/s", "over those of neo-hookean"], costs()
+            ["material", "particle-steps/s", "over those of neo-hookean"], costs(),
+            f"Measured on one core of {origin()}.",
         ),
     }  # fmt: skip
-    note = (
-        f"Measured on {date.today():%d %B %Y} with pgimp {version('pgimp')} and Numba "
-        f"{version('numba')} on one core of {cpu() or 'a machine'} ({os.cpu_count()} cores)."
-    )
-    tables["metal-costs"] += f"\n{note}\n"
-    OUT.mkdir(exist_ok=True)
-    (OUT / "metals.md").write_text("\n".join(tables.values()), encoding="utf-8")
     print("\n".join(tables.values()))
-    if not arguments.quick:
-        for name, text in tables.items():
-            (PAGES / "tables" / f"{name}.md").write_text(text, encoding="utf-8")
-        subprocess.run([sys.executable, PAGES], check=True)
+    put(tables, out("materials") / "metals.md", not arguments.quick)

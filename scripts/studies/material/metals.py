@@ -1,13 +1,12 @@
 """Metals against exact results: paths, waves, shocks, heat, and a cylinder thrown at a wall."""
 
-from pathlib import Path
-from time import process_time
 
 import numpy as np
+from studies.harness import CASES
+from studies.scenes import box, case_of, filled, looked
 
 import pgimp
 
-ROOT = Path(__file__).resolve().parents[3]
 STEEL = {
     "model": "von-mises", "young": 200e9, "poisson": 0.3, "density": 7850.0, "yield-stress": 400e6,
 }  # fmt: skip
@@ -30,10 +29,8 @@ TAYLOR = {
 
 def finished(case):
     """A simulation at its end, and its particle-steps per second of CPU time."""
-    simulation = pgimp.Simulation(case)
-    count, start = len(simulation.particles["id"]), process_time()
-    simulation.advance()
-    return simulation, count * simulation.steps / (process_time() - start)
+    _, rate, simulation = looked(case, (np.inf,), lambda sim: None)
+    return simulation, rate
 
 
 def paths():
@@ -67,19 +64,14 @@ def heating(steps):
 def plates_case(material, half, speed, cells, end):
     """Two plates of some thickness that fly at each other."""
     domain, cell = 2.5 * half, half / cells
-    return {
-        "format": 1,
-        "dimensions": 1,
-        "grid": {"origin": [-0.5 * domain], "size": [domain], "cell": [cell]},
-        "method": {"shape": "finite-gimp", "particles_per_cell": [2]},
-        "time": {"end": end, "step": {"courant": 0.2}},
-        "materials": {"metal": material},
-        "bodies": {
-            name: {"material": "metal", "region": {"box": {"min": [low], "max": [low + half]}},
-                   "velocity": [-speed if low == 0.0 else speed]}
-            for name, low in (("left", -half), ("right", 0.0))
-        },
-    }  # fmt: skip
+    bodies = {
+        name: {"material": "metal", "velocity": [way]} | filled([low], [low + half])
+        for name, low, way in (("left", -half, speed), ("right", 0.0, -speed))
+    }
+    return case_of(
+        [domain], cell, {"metal": material}, bodies, end, 0.2, grid={"origin": [-0.5 * domain]},
+        method={"shape": "finite-gimp"},
+    )  # fmt: skip
 
 
 def profile(simulation, cells):
@@ -140,21 +132,13 @@ def taylor_case(cells, **method):
     wide = np.ceil(8.2e-3 / cell) * cell
     size = [float(np.ceil(33.0e-3 / cell) * cell), float(wide), float(wide)]
     bar = {"cylinder": {"from": [0.0] * 3, "to": [length, 0.0, 0.0], "radius": radius}}
-    quarter = {"box": {"min": [0.0] * 3, "max": [length, radius, radius]}}
-    return {
-        "format": 1,
-        "dimensions": 3,
-        "grid": {"origin": [0.0] * 3, "size": size, "cell": [cell] * 3},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2, 2], "volumetric": "mean",
-                   "affine": True} | method,
-        "time": {"end": 80e-6, "step": {"courant": 0.3}},
-        "materials": {"copper": TAYLOR},
-        "bodies": {
-            "bar": {"material": "copper", "region": {"intersection": [bar, quarter]},
-                    "velocity": [-227.0, 0.0, 0.0]},
-        },
-        "boundaries": {"x-min": "slip", "y-min": "slip", "z-min": "slip"},
-    }  # fmt: skip
+    quarter = box([0.0] * 3, [length, radius, radius])
+    body = {"region": {"intersection": [bar, quarter]}, "velocity": [-227.0, 0.0, 0.0]}
+    return case_of(
+        size, cell, {"copper": TAYLOR}, {"bar": {"material": "copper"} | body}, 80e-6,
+        method={"volumetric": "mean", "affine": True} | method,
+        boundaries={"x-min": "slip", "y-min": "slip", "z-min": "slip"},
+    )  # fmt: skip
 
 
 def taylor(cells, **method):
@@ -178,17 +162,17 @@ def tube(cells):
     last fifth of the time. The radii are those of the area by which the bore has grown.
     """
     changes = {"grid.cell": [1.0 / cells] * 2}
-    simulation = pgimp.Simulation(ROOT / "cases/thick-tube.yaml", None, changes)
-    particles, began = simulation.particles, process_time()
+    simulation = pgimp.Simulation(CASES / "thick-tube.yaml", None, changes)
+    particles = simulation.particles
     place = particles["position"]
     start, deep = np.hypot(*place.T), place[:, 1] > 0.6
     tube = particles["body"] == 0
     inside = ~tube & (start < 0.8) & deep
-    found = []
-    for time in np.linspace(2.0, 2.5, 26):
-        simulation.advance(time)
+
+    def over_exact(simulation):
         grown = np.mean(np.hypot(*particles["position"][tube].T) ** 2 - start[tube] ** 2)
         exact = np.log((4.0 + grown) / (1.0 + grown)) / np.sqrt(3.0)
-        pressure = -particles["stress"][inside, :3].mean()
-        found.append(pressure / exact)
-    return np.mean(found), len(tube) * simulation.steps / (process_time() - began)
+        return -particles["stress"][inside, :3].mean() / exact
+
+    found, rate, _ = looked(simulation, np.linspace(2.0, 2.5, 26), over_exact)
+    return np.mean(found), rate

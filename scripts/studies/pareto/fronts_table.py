@@ -1,5 +1,6 @@
 """The tables of docs/error-against-cost.md: the fronts, and what an error costs by method."""
 
+from studies.harness import table
 from studies.pareto.front import front, price, usable
 
 #: Prices up to so many times the least are those of good methods.
@@ -32,8 +33,7 @@ def by_method(records, problem):
 
 def fronts(records, problems):
     """A line a problem: who is on the front of pgimp, from cheap to accurate, and the peer."""
-    lines = ["| problem | front of pgimp: method, cells, error, CPU time | Taichi's MLS-MPM |",
-             "|---|---|---|"]  # fmt: skip
+    lines = []
     for problem in problems:
         mine = [r for r in records if r["problem"] == problem.name]
         best = front([r for r in mine if not r.get("peer")])
@@ -44,8 +44,9 @@ def fronts(records, problems):
         shown = "; ".join(_run(run, run["method"] + ", ") for run in told)
         peers = [r for r in mine if r.get("peer") and "float32" not in r["method"]]
         other = "; ".join(_run(r) for r in peers) or "cannot: bodies on one grid stick"
-        lines.append(f"| {problem.title} | {shown} | {other} |")
-    return "\n".join(lines)
+        lines.append((problem.title, shown, other))
+    titles = "problem", "front of pgimp: method, cells, error, CPU time", "Taichi's MLS-MPM"
+    return table(titles, lines)
 
 
 def _run(record, before=""):
@@ -59,16 +60,15 @@ def prices(records, problems):
     ladders = {problem.name: by_method(records, problem) for problem in problems}
     names = list(dict.fromkeys(r["method"] for r in records))
     names.sort(key=lambda name: name.startswith("Taichi"))  # stable: they come last
-    heads = [f"{p.title}, {100.0 * p.target:g} %" for p in problems]
-    lines = ["| method | " + " | ".join(heads) + " |", "|---" * (len(heads) + 1) + "|"]
-    least = {}
+    lines, least = [], {}
     for p in problems:
         costs = [price(runs, p.target) for runs in ladders[p.name].values()]
         least[p.name] = min(filter(None, costs), default=None)
     for name in names:
         cells = [_price(p, ladders[p.name].get(name), least[p.name]) for p in problems]
-        lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        lines.append((name, *cells))
+    heads = [f"{p.title}, {100.0 * p.target:g} %" for p in problems]
+    return table(("method", *heads), lines)
 
 
 def _price(problem, runs, least):

@@ -2,16 +2,15 @@
 
 from functools import cache
 from math import pi, sin
-from pathlib import Path
 
 import numpy as np
 from ruamel.yaml import YAML
+from studies.harness import CASES
 from studies.pareto.candidates import Method
 from studies.pareto.problem_base import Problem, body_case, rms
+from studies.scenes import ball, finished
 
 from pgimp.solver.state.grid_state import active_grid
-
-CASES = Path(__file__).resolve().parents[3] / "cases"
 
 
 def turned(X, amplitude):
@@ -35,7 +34,7 @@ class Vortex(Problem):
     def case(self, method, n):
         """The case."""
         h, k = 0.5 / n, round(3.0 * n) + 2
-        balls = [{"ball": {"centre": [0.0, 0.0], "radius": r}} for r in (1.25, 0.75)]
+        balls = [ball([0.0, 0.0], r) for r in (1.25, 0.75)]
         case = body_case(self, method, [2 * k, 2 * k], h, {"difference": balls}, self.end)
         case["grid"]["origin"] = [-k * h, -k * h]
         case["materials"]["elastic"] |= {"young": 1000.0, "density": 1000.0}
@@ -72,7 +71,7 @@ class Impact(Problem):
 
     def case(self, method, n):
         """The case."""
-        region = {"ball": {"centre": self.centre(n), "radius": 0.5}}
+        region = ball(self.centre(n), 0.5)
         case = body_case(self, method, [n + 9, round(1.6 * n)], 1.0 / n, region, self.end)
         case["bodies"]["body"]["velocity"] = [0.0, -self.speed]
         return case
@@ -102,8 +101,7 @@ class Impact(Problem):
     def reference(self):
         """Coefficients on fine cells."""
         sim, X = self.begin(self.finest, self.fine)
-        while not sim.finished:
-            sim.advance()
+        finished(sim)
         p, rows = sim.particles, sim.live()
         return self.coefficients(self.fine, X[p.id[rows]], p.v[rows], p.m[rows])
 

@@ -9,10 +9,7 @@ surfaces show in one of them only, and may be of either sign. The error is the r
 from abc import ABC, abstractmethod
 
 import numpy as np
-
-import pgimp
-from pgimp.mpi.comm import Serial
-from pgimp.solver.simulation import Simulation
+from studies.scenes import by_id, case_of, core
 
 #: Places of a box on the grid, in cells.
 PLACES = (0.0, 0.3)
@@ -71,10 +68,9 @@ class Problem(ABC):
 
     def begin(self, method, n):
         """Simulation, and the particles' first places by id."""
-        sim = Simulation(pgimp.load(self.case(method, n)), Serial())
+        sim = core(self.case(method, n))
         p, rows = sim.particles, sim.live()
-        X = np.empty((len(rows), self.D))
-        X[p.id[rows]] = p.x[rows]
+        X = by_id(sim, p.x[rows])
         start = self.start(X, n)
         if start is not None:
             v, L = start
@@ -99,7 +95,7 @@ class Problem(ABC):
         return self.error(n, X[ids], p.x[rows], p.v[rows], p.m[rows])
 
 
-def body_case(problem, method, size, h, region, end, **changes):
+def body_case(problem, method, size, h, region, end):
     """A case of one elastic body.
 
     Parameters
@@ -109,36 +105,17 @@ def body_case(problem, method, size, h, region, end, **changes):
     h : float
         Edge of a cell.
     """
-    D = problem.D
-    case = {
-        "format": 1,
-        "dimensions": D,
-        "grid": {"size": [float(round(s)) * h for s in size[:D]], "cell": [h] * D},
-        "method": {
-            "shape": method.shape,
-            "affine": method.affine,
-            "particles_per_cell": [method.per_cell] * D,
-        },
-        "time": {"end": float(end), "step": {"courant": method.courant}},
-        "materials": {
-            "elastic": {"model": "neo-hookean", "young": 1.0, "poisson": problem.poisson,
-                        "density": 1.0}
-        },
-        "bodies": {
-            "body": {
-                "material": "elastic",
-                "configuration": "initial" if method.initial else "current",
-                "region": region,
-            }
-        },
-        "boundaries": dict(problem.walls),
-    }  # fmt: skip
-    return case | changes
-
-
-def box(low, high):
-    """A region."""
-    return {"box": {"min": list(map(float, low)), "max": list(map(float, high))}}
+    elastic = {"model": "neo-hookean", "young": 1.0, "poisson": problem.poisson, "density": 1.0}
+    body = {
+        "material": "elastic",
+        "configuration": "initial" if method.initial else "current",
+        "region": region,
+    }
+    return case_of(
+        [float(round(s)) * h for s in size[: problem.D]], h, {"elastic": elastic}, {"body": body},
+        end, method.courant, method.per_cell, boundaries=dict(problem.walls),
+        method={"shape": method.shape, "affine": method.affine},
+    )  # fmt: skip
 
 
 def rms(difference, exact, m):

@@ -4,7 +4,8 @@ from math import cos, hypot, pi, sin
 
 import numpy as np
 from studies.pareto.beam_mode import beam
-from studies.pareto.problem_base import Problem, body_case, box, rms
+from studies.pareto.problem_base import Problem, body_case, rms
+from studies.scenes import box
 
 #: Of all, so that they share their kernels; only the beam touches one.
 WALLS = (("x-min", "fixed"), ("y-min", "separating"))
