@@ -142,3 +142,19 @@ def test_no_kernel_takes_more_than_eight_arguments():
                 if count > 8 or own.vararg or own.kwarg:
                     many.append(f"{path.relative_to(ROOT)}:{node.lineno}: {count}")
     assert not many, "\n".join(many)
+
+
+def test_no_script_is_longer_than_three_hundred_lines():
+    long = {path.name: count for path in SCRIPTS.rglob("*.py")
+            if (count := len(path.read_text().splitlines())) > 300}  # fmt: skip
+    assert not long
+
+
+def test_what_studies_share_knows_no_study():
+    """And no study starts another one, but by functions that it imports from its modules."""
+    for path in (SCRIPTS / "studies").rglob("*.py"):
+        shared = path.parent.name == "studies"
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module.startswith("studies."):
+                assert not shared, f"{path.name} imports {node.module}"
+                assert not node.module.endswith("__main__"), f"{path.name} imports {node.module}"

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from blocks import DENSITY, GRAVITY, PAD, YOUNG, block, create, lame, start_velocity, step_of
 from picture import plt, save
-from report import error, markdown, number, origin, spread, write
+from report import ERRORS, markdown, number, origin, spread, write
 from workers.processes import HERE, Worker, environment, launch
 from workers.taichi_python import taichi_python
 
@@ -95,9 +95,7 @@ def main(folder, quick, prototype=None):
         "scene": lambda row: f"{row['dimension']}D, {row['cores']} core" + "s" * (row["cores"] > 1),
         "code": lambda row: f"{row['code']}, {row['kind']}",
         "million particle-steps/s": lambda row: spread(row["speeds"]),
-        "error of velocity": lambda row: error(row["velocity"]),
-        "error of stress": lambda row: error(row["stress"]),
-    }
+    } | ERRORS
     shares = ratios(rows)
     note = f"{markdown(RATIOS, shares)}\n\n" if shares else ""
     note += (

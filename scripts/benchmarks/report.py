@@ -12,19 +12,16 @@ from statistics import median
 import llvmlite.binding
 from clock import VARIABLE
 
+from pgimp.io.rundir.runinfo import cpu
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def cpu():
+def machine():
     """Model of the CPU and number of cores."""
-    model = platform.machine()
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            model = line.partition(":")[2].strip()
-            break
     features = llvmlite.binding.get_host_cpu_features()
     wide = next((name for name in ("avx512f", "avx2", "avx") if features.get(name)), "no AVX")
-    return f"{model} ({os.cpu_count()} cores, {wide})"
+    return f"{cpu() or platform.machine()} ({os.cpu_count()} cores, {wide})"
 
 
 def mpi():
@@ -54,7 +51,7 @@ def origin(**others):
     versions += [f"LLVM {llvm}", mpi(), f"Python {platform.python_version()}"]
     versions += [f"{name} {number}" for name, number in others.items()]
     shared = ", CPU time instead of wall time" if os.environ.get(VARIABLE) else ""
-    return f"{cpu()}, {', '.join(versions)}, {date.today()}{shared}"
+    return f"{machine()}, {', '.join(versions)}, {date.today()}{shared}"
 
 
 def installed(package):
@@ -83,6 +80,13 @@ def count(value):
 def error(value):
     """Format an error."""
     return "" if value is None else f"{value:.0e}"
+
+
+#: Columns of the errors against the exact motion.
+ERRORS = {
+    "error of velocity": lambda row: error(row["velocity"]),
+    "error of stress": lambda row: error(row["stress"]),
+}
 
 
 def markdown(columns, rows):

@@ -119,6 +119,10 @@ class Table:
         self.lines.append(_line(cells))
         print(self.lines[-1], flush=True)
 
+    def keep(self, *cells: Any) -> None:
+        """Add a line that is not new."""
+        self.lines.append(_line(cells))
+
     def text(self, note: str = "") -> str:
         """All of it, and a note below."""
         return "\n".join([*self.lines, *(("", note) if note else ()), ""])
@@ -133,6 +137,22 @@ def table(titles: Iterable[Any], rows: Iterable[Iterable[Any]], note: str = "") 
     found = Table(*titles)
     found.lines += map(_line, rows)
     return found.text(note)
+
+
+def standing(name: str, mark: str = "") -> dict[tuple[str, str], list[str]]:
+    """Further cells of the table that there is, by the first cells of two lines.
+
+    These are the line itself and the one that it is "the same" as, or itself again. A `mark` at the
+    end of a first cell does not count.
+    """
+    found, head, path = {}, "", TABLES / f"{name}.md"
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        if line.startswith("| "):
+            words, *cells = line[2:-2].split(" | ")
+            words = words.removesuffix(mark)
+            head = head if words.startswith("the same") else words
+            found[head, words] = cells
+    return found
 
 
 def put(texts: Mapping[str, str], whole: Path | None = None, page: bool = True) -> None:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from proofs import thread_ranks
+from proofs.thread_messages import DesertedError
 
 from pgimp.errors import CaseError, PgimpError
 
@@ -132,9 +133,9 @@ def run(case, folder, ranks, resume=False, stop_at=None):
     errors = [each for each in results if isinstance(each, BaseException)]
     if not errors:
         return Outcome(str(results[0].info["state"]))
-    first = [each for each in errors if not isinstance(each, thread_ranks.DesertedError)][:1]
+    first = [each for each in errors if not isinstance(each, DesertedError)][:1]
     worst = [each for each in errors if not isinstance(each, PgimpError)]
-    worst = [each for each in worst if not isinstance(each, thread_ranks.DesertedError)][:1]
+    worst = [each for each in worst if not isinstance(each, DesertedError)][:1]
     if worst:
         return Outcome("crashed", "".join(traceback.format_exception(worst[0])))
     if len({str(each) for each in results}) > 1:

@@ -6,15 +6,18 @@ from pathlib import Path
 
 from studies.contact import detection, gap, motion, walls
 from studies.contact.rows import PROBLEMS, jobs, values
-from studies.harness import TABLES, Kept, key, origin, out, perform, put, table
+from studies.harness import Kept, key, origin, out, perform, put, standing, table
 
 #: What marks rows that were measured earlier than the others.
 EARLIER = " \\*"
 
 
 def _motions(kept):
-    """The table of the movements: lines of what is not kept are those of the table there is."""
-    known, head = _known(), ""
+    """The table of the movements.
+
+    Lines of what is not kept are those of the table there is, marked: they were not measured now.
+    """
+    known, head = standing("contact-motion", EARLIER), ""
     rows = []
     for name, problem in PROBLEMS.items():
         for row in problem.rows:
@@ -22,25 +25,9 @@ def _motions(kept):
             found = values(row, name, kept)
             if found:
                 rows.append((row.words, row.exact, *(*found, "", "")[:2]))
-            elif (head, row.words) in known:
-                rows.append(known[head, row.words])
+            elif any(known.get((head, row.words), ())[1:]):
+                rows.append((row.words + EARLIER, *known[head, row.words]))
     return table(("test", "exact", "measured", "on half the cells"), rows)
-
-
-def _known():
-    """Lines of the table that there is, by the row that they belong to and what they say.
-
-    They are marked: it was not now that they were measured.
-    """
-    lines, head = {}, ""
-    path = TABLES / "contact-motion.md"
-    for line in path.read_text(encoding="utf-8").splitlines()[2:] if path.exists() else ():
-        if line.startswith("| ") and not line.endswith("|  |  |"):
-            what, *rest = line[2:-2].split(" | ")
-            what = what.removesuffix(EARLIER)
-            head = head if what.startswith("the same") else what
-            lines[head, what] = (what + EARLIER, *rest)
-    return lines
 
 
 def _gaps(rows):
@@ -83,10 +70,9 @@ def _heaps(quick):
 
 def _known_heaps():
     """Those of the table that there is, marked."""
-    for line in (TABLES / "contact-costs.md").read_text(encoding="utf-8").splitlines():
-        what, *rest = line.removeprefix("| ").removesuffix(" |").split(" | ")
-        if what.endswith(("into a heap", f"into a heap{EARLIER}")):
-            yield what.removesuffix(EARLIER) + EARLIER, *rest
+    for (_, what), rest in standing("contact-costs", EARLIER).items():
+        if what.endswith("into a heap"):
+            yield what + EARLIER, *rest
 
 
 def main():

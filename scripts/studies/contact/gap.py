@@ -42,14 +42,14 @@ def turned(middle, half, angle):
     return {"intersection": planes}
 
 
-def _first(case, gap):
-    """Gap that is left before the step in which bodies first exchange an impulse."""
+def felt(case, gap, column="contact.a+b.normal-impulse", least=0.0):
+    """Gap that is left before the step in which bodies first feel each other, or a wall."""
     simulation = pgimp.Simulation(case)
     while not simulation.finished:
         simulation.step()
-        if simulation.diagnostics()["contact.a+b.normal-impulse"] > 0.0:
+        if abs(simulation.diagnostics()[column]) > least:
             return gap - SPEED * (simulation.steps - 1)
-    raise RuntimeError("the bodies never met")
+    raise RuntimeError("they never met")
 
 
 def flat(dimensions, angle, shift):
@@ -65,7 +65,7 @@ def flat(dimensions, angle, shift):
         "a": turned(middle - (3.0 + 0.5 * gap) * way, half, angle),
         "b": turned(middle + (3.0 + 0.5 * gap) * way, half, angle),
     }
-    return _first(stiff(bodies, way), gap)
+    return felt(stiff(bodies, way), gap)
 
 
 def balls(dimensions, radius, angle, shift):
@@ -78,7 +78,7 @@ def balls(dimensions, radius, angle, shift):
         whole, near = ball(centre, radius), box(middle - 7.0, middle + 7.0)
         return whole if dimensions == 2 else {"intersection": [whole, near]}
 
-    return _first(stiff({"a": cap(-1.0), "b": cap(1.0)}, way), gap)
+    return felt(stiff({"a": cap(-1.0), "b": cap(1.0)}, way), gap)
 
 
 def _rigid(case, name):
@@ -97,7 +97,7 @@ def hole(rigid, radius, angle, shift, clearance):
         for r in (radius, radius + clearance, radius + clearance + 4.0)
     )
     bodies = {"a": disk, "b": {"difference": [ring, wide]}}
-    return _first(_rigid(stiff(bodies, _direction(2, angle)), rigid), clearance)
+    return felt(_rigid(stiff(bodies, _direction(2, angle)), rigid), clearance)
 
 
 def plane(radius, angle, shift):
@@ -108,7 +108,7 @@ def plane(radius, angle, shift):
         "a": ball(middle - (radius + gap) * way, radius),
         "b": turned(middle + 3.0 * way, [3.0, 5.0], angle),
     }
-    return _first(_rigid(stiff(bodies, way), "a"), gap)
+    return felt(_rigid(stiff(bodies, way), "a"), gap)
 
 
 def corner(angle, shift):
@@ -120,7 +120,7 @@ def corner(angle, shift):
         "a": turned(middle + up, [half, half], angle),
         "b": box([5.0, 6.0], [25.0, middle[1]]),
     }
-    return _first(stiff(bodies, way), gap)
+    return felt(stiff(bodies, way), gap)
 
 
 def rows(quick):

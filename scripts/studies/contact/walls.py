@@ -9,25 +9,13 @@ from studies.scenes import a_line, ball, box, looked
 import pgimp
 
 
-def _case(region, way, cells=24):
-    """Case of a stiff body in cells of 1 that moves along `way` towards y-min or z-min."""
-    case = gap.stiff({"a": region}, way)
-    face = f"{'xyz'[len(way) - 1]}-min"
-    case["grid"]["size"] = [float(cells)] * len(way)
-    return case | {"boundaries": {face: "separating"}}, f"reaction.{face}-{face[0]}"
-
-
 def first(region, dimensions, distance):
-    """Gap that is left before the step in which a body first feels the wall."""
-    way = np.zeros(dimensions)
-    way[-1] = -1.0
-    case, name = _case(region, way)
-    simulation = pgimp.Simulation(case)
-    while not simulation.finished:
-        simulation.step()
-        if abs(simulation.diagnostics()[name]) > 1e-14:
-            return distance - gap.SPEED * (simulation.steps - 1)
-    raise RuntimeError("the body never met the wall")
+    """Gap that is left before the step in which a stiff body first feels y-min, or in 3D z-min."""
+    face = f"{'xyz'[dimensions - 1]}-min"
+    case = gap.stiff({"a": region}, -np.eye(dimensions)[-1])
+    case["grid"]["size"] = [24.0] * dimensions
+    case["boundaries"] = {face: "separating"}
+    return gap.felt(case, distance, f"reaction.{face}-{face[0]}", 1e-14)
 
 
 def _ball(dimensions, radius, shift):

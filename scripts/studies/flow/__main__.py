@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from studies.flow.rows import ROWS
-from studies.harness import TABLES, Kept, Table, origin, out, put, table
+from studies.harness import TABLES, Kept, Table, origin, out, put, standing, table
 from studies.scenes import by_turns, case_of, filled
 
 import pgimp
@@ -95,28 +95,19 @@ def _cells_of(value, reference):
     return text
 
 
-def _standing(lines):
-    """Lines of a table by their words, and those of the row that they are like."""
-    found, head = {}, ""
-    for line in lines:
-        words = line.split(" | ")[0].removeprefix("| ")
-        head = head if words.startswith("the same") else words
-        found[head, words] = line
-    return found
+def _problems(kept, quick, only=""):
+    """The table of problems; what `kept` has is not measured again.
 
-
-def _problems(kept, quick, only="", standing=()):
-    """Lines of the table of problems; what `kept` has is not measured again.
-
-    Rows whose function is not `only`, if that is given, are taken from the lines `standing`.
+    Rows whose function is not `only`, if that is given, are those of the table that there is.
     """
-    known, standing, head = kept.setdefault("problems", {}), _standing(standing), ""
+    known, there, head = kept.setdefault("problems", {}), standing("soils-and-fluids"), ""
     shown = Table("problem", "reference", "measured (error), two cell sizes",
                   "million particle-steps/s")  # fmt: skip
     for words, reference, (function, *rest), place, cells in ROWS:
         head = head if words.startswith("the same") else words
         if only and only != function.__name__:
-            shown.lines += [standing[head, words]] * ((head, words) in standing)
+            if (head, words) in there:
+                shown.keep(words, *there[head, words])
             continue
         found = []
         for cell in cells[: 1 if quick else 2]:
@@ -162,8 +153,8 @@ def main():
 
 def _replace(only):
     """Measure the problems of one function anew, and leave the rest of the table."""
-    known, rest = (TABLES / "soils-and-fluids.md").read_text("utf-8").split("\n\n", 1)
-    found = _problems(Kept(out("flows") / "only.json", new=True), False, only, known.splitlines())
+    _, rest = (TABLES / "soils-and-fluids.md").read_text("utf-8").split("\n\n", 1)
+    found = _problems(Kept(out("flows") / "only.json", new=True), False, only)
     _write(f"{found.text()}\n{rest}", False)
 
 

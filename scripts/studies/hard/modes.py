@@ -6,13 +6,10 @@ its first mode; writes the table of docs/methods.md, scripts/pages/tables/modes.
 
 from studies.harness import Table, put
 from studies.initial.keeping import ringing
+from studies.pareto.candidates import SHAPES
 
 from pgimp.errors import CaseError, RunError
 
-SHAPES = (
-    "mpm", "gimp", "finite-gimp", "cpdi", "cpdi-corners", "fuzzy-nearest", "fuzzy-constant",
-    "bspline-quadratic", "bspline-cubic",
-)  # fmt: skip
 COURANTS = (0.3, 0.1, 0.03)
 
 

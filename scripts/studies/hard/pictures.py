@@ -7,7 +7,8 @@ from studies.hard.rows import METHODS
 from studies.hard.runs import begin, field, watch
 
 SIGNED = plt.get_cmap("coolwarm", 64)  # few enough colours for a palette to have them all
-COLOURS = dict(zip(METHODS, (GREY, BLUE, RED, GREEN, ORANGE), strict=True))
+#: The first of the methods.
+COLOURS = dict(zip(METHODS, (GREY, BLUE, RED, GREEN, ORANGE), strict=False))
 
 
 def draw():
@@ -33,10 +34,9 @@ def stretch():
     """Force of the constraint over the stretch, and where particles are when the bars tear."""
     figure, (force, bars) = plt.subplots(1, 2, figsize=(9, 3.6), width_ratios=(1.0, 1.2))
     times = (0.8, 2.0, 4.0)
-    for place, (method, changes) in enumerate(METHODS.items()):
-        frames, run = kept_at("stretch", changes, times, "x")
+    for place, (method, colour) in enumerate(COLOURS.items()):
+        frames, run = kept_at("stretch", METHODS[method], times, "x")
         time, pull = run.lines["time"], run.lines["constraint.right-x"]
-        colour = COLOURS[method]
         force.plot(1.0 + 0.25 * time, pull / 1e6, color=colour, lw=1.2, label=method)
         for k, shown in enumerate((0, 1, 2)):
             if len(frames) > shown:
@@ -50,8 +50,8 @@ def stretch():
     force.set(xlabel="length of the gauge over the first", ylabel="force / E", ylim=(-0.3, 2.1))
     force.legend(fontsize=8)
     bars.set(xlabel="position of the particles\nat 1.2, 1.5 and 2 times the length, from above")
-    bars.set_ylim(-len(METHODS) + 0.1, 0.4)
-    bars.set_yticks([-place - 0.15 for place in range(len(METHODS))], list(METHODS))
+    bars.set_ylim(-len(COLOURS) + 0.1, 0.4)
+    bars.set_yticks([-place - 0.15 for place in range(len(COLOURS))], list(COLOURS))
     bars.grid(False)
     save(figure, "hard-stretch")
 

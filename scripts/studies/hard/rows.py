@@ -11,17 +11,12 @@ import numpy as np
 from studies.hard.cantilever import mean_deflection
 from studies.hard.courant import energies, free_bodies
 from studies.hard.runs import BOUND, Watched, begin, field, watch
+from studies.method.bodies import SHAPES
 
 from pgimp.errors import RunError
 from pgimp.solver.clock import FixedClock
 
-METHODS = {
-    name: {"method.shape": name}
-    for name in (
-        "mpm", "gimp", "finite-gimp", "cpdi", "fuzzy-nearest", "fuzzy-constant",
-        "bspline-quadratic", "bspline-cubic",
-    )
-}  # fmt: skip
+METHODS = {name: {"method.shape": name} for name in SHAPES}
 
 #: The bar that is pulled has torn when it bears less than this part of what it should.
 TORN = 0.5

@@ -10,15 +10,12 @@ from math import pi, sqrt
 import numpy as np
 from studies.harness import Table, put
 from studies.method.bodies import simulation
+from studies.pareto.candidates import SHAPES
 from studies.scenes import filled
 
 from pgimp.errors import RunError
 
-SHAPES = (
-    "gimp", "finite-gimp", "cpdi", "cpdi-corners", "fuzzy-nearest", "fuzzy-constant",
-    "bspline-quadratic", "bspline-cubic",
-)  # fmt: skip
-METHODS = [*((shape, "current") for shape in SHAPES), ("gimp", "initial")]
+METHODS = [*((shape, "current") for shape in SHAPES if shape != "mpm"), ("gimp", "initial")]
 #: Cells across, and speed of the edges over that of waves.
 BLOCKS = ((6, 0.05), (6, 0.2), (12, 0.2))
 TURNS = (5, 20, 50)
