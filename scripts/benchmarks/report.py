@@ -89,11 +89,15 @@ ERRORS = {
 }
 
 
+def table(titles, rows):
+    """A table of texts and numbers."""
+    lines = [f"| {' | '.join(titles)} |", "|---" * len(titles) + "|"]
+    return "\n".join([*lines, *(f"| {' | '.join(map(str, row))} |" for row in rows)])
+
+
 def markdown(columns, rows):
     """A table: `columns` maps its titles to functions that word a row's cell."""
-    lines = ["| " + " | ".join(columns) + " |", "|---" * len(columns) + "|"]
-    lines += ["| " + " | ".join(word(row) for word in columns.values()) + " |" for row in rows]
-    return "\n".join(lines)
+    return table(columns, ([word(row) for word in columns.values()] for row in rows))
 
 
 def write(folder, name, title, columns, rows, note):

@@ -80,12 +80,12 @@ def by_id(sim: Simulation, values: np.ndarray) -> np.ndarray:
 
 def a_line(sim: pgimp.Simulation) -> dict[str, float]:
     """The line of the history as it is now."""
-    return sim.diagnostics()
+    return sim.diagnostics() or {}
 
 
 def reading(name: str) -> Callable:
     """What looks at a column of the history."""
-    return lambda sim: sim.diagnostics()[name]
+    return lambda sim: a_line(sim)[name]
 
 
 def looked(case: Any, times: Iterable[float], look: Callable, overrides: Any = ()) -> tuple:
@@ -103,7 +103,7 @@ def history(sim: pgimp.Simulation) -> list[dict[str, float]]:
     lines = []
     while not sim.finished:
         sim.step()
-        lines.append(sim.diagnostics())
+        lines.append(a_line(sim))
     return lines
 
 
