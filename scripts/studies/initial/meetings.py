@@ -69,7 +69,7 @@ def meeting(configuration, name, fine):
 
 
 def table(of, configurations, note):
-    """The table of docs/contact.md; `of` gives what is kept of (configuration, name, fine)."""
+    """The table of bodies that meet; `of` gives a (configuration, name, fine)."""
     heads = [text for one in configurations for text in (one, f"{one}, on half the cells")]
     lines = []
     for name, problem in PROBLEMS.items():
