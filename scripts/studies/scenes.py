@@ -26,7 +26,7 @@ def ball(centre: Iterable[float], radius: float) -> dict[str, Any]:
     return {"ball": {"centre": [*map(float, centre)], "radius": float(radius)}}
 
 
-def case_of(size, cell, materials, bodies, end, courant=0.3, per_cell=2, **parts):
+def case_of(size, cell, materials, bodies, end, *, courant=0.3, per_cell=2, **parts):
     """A case with boxes (gimp) on cubic cells.
 
     Parameters

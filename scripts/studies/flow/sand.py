@@ -104,7 +104,7 @@ def slide(cell, material, surface):
     }
     friction = 0.3 if material == "sand" else 0.0
     case = case_of(
-        [64.0, 44.0, 24.0], cell, {"one": laws[material]}, bodies, 2.5, 0.4,
+        [64.0, 44.0, 24.0], cell, {"one": laws[material]}, bodies, 2.5, courant=0.4,
         gravity=[0.0, -G, 0.0], boundaries=dict.fromkeys(faces, "slip"),
         contact=[{"bodies": ["ball", "slope"], "friction": friction}],
     )  # fmt: skip

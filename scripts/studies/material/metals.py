@@ -69,8 +69,8 @@ def plates_case(material, half, speed, cells, end):
         for name, low, way in (("left", -half, speed), ("right", 0.0, -speed))
     }
     return case_of(
-        [domain], cell, {"metal": material}, bodies, end, 0.2, grid={"origin": [-0.5 * domain]},
-        method={"shape": "finite-gimp"},
+        [domain], cell, {"metal": material}, bodies, end, courant=0.2,
+        grid={"origin": [-0.5 * domain]}, method={"shape": "finite-gimp"},
     )  # fmt: skip
 
 

@@ -42,8 +42,8 @@ def simulation(method, size, body, end, courant=0.3, cell=1.0, poisson=0.0, **ch
     shape, affine, per_cell = method
     elastic = {"model": "neo-hookean", "young": 1.0, "poisson": poisson, "density": 1.0}
     return core(case_of(
-        size, cell, {"elastic": elastic}, {"body": {"material": "elastic"} | body}, end, courant,
-        per_cell, method={"shape": shape, "affine": affine},
+        size, cell, {"elastic": elastic}, {"body": {"material": "elastic"} | body}, end,
+        courant=courant, per_cell=per_cell, method={"shape": shape, "affine": affine},
         **({"boundaries": {"x-min": "fixed", "y-min": "separating"}} | changes),
     ))  # fmt: skip
 
