@@ -28,6 +28,7 @@ FLOORS = (
 )
 FLOOR = {name: floor for floor, names in enumerate(FLOORS) for name in names}
 ROOT = Path(pgimp.__file__).parent
+SCRIPTS = Path(__file__).parents[1] / "scripts"
 MODULES = sorted(path.relative_to(ROOT) for path in ROOT.rglob("*.py"))
 
 
@@ -58,8 +59,8 @@ def test_every_folder_has_a_floor():
 
 def test_folders_can_be_seen_at_a_glance():
     """Sixteen files at most, and what each folder of kernels and of the solver is for."""
-    tests = Path(__file__).parent
-    for folder in (ROOT, tests, *(each for root in (ROOT, tests) for each in root.rglob("*"))):
+    roots = ROOT, Path(__file__).parent, SCRIPTS
+    for folder in (*roots, *(each for root in roots for each in root.rglob("*"))):
         files = [path for path in folder.glob("*.py") if path.stem != "__init__"]
         assert len(files) <= 16, f"{folder} has {len(files)} files"
         if ROOT not in folder.parents:
@@ -133,3 +134,19 @@ def test_no_kernel_takes_more_than_eight_arguments():
                 if count > 8 or own.vararg or own.kwarg:
                     many.append(f"{path.relative_to(ROOT)}:{node.lineno}: {count}")
     assert not many, "\n".join(many)
+
+
+def test_no_script_is_longer_than_three_hundred_lines():
+    long = {path.name: count for path in SCRIPTS.rglob("*.py")
+            if (count := len(path.read_text().splitlines())) > 300}  # fmt: skip
+    assert not long
+
+
+def test_what_studies_share_knows_no_study():
+    """And no study starts another one, but by functions that it imports from its modules."""
+    for path in (SCRIPTS / "studies").rglob("*.py"):
+        shared = path.parent.name == "studies"
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module.startswith("studies."):
+                assert not shared, f"{path.name} imports {node.module}"
+                assert not node.module.endswith("__main__"), f"{path.name} imports {node.module}"

@@ -17,8 +17,8 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
-from report import ROOT
-from workers import environment
+from report import ROOT, table
+from workers.processes import environment
 
 from pgimp.decomposition.slabs import cut
 
@@ -102,14 +102,6 @@ def still(folder, quick):
         yield name, steps, " ".join(map(str, moves)), f"{median(ratios):.3f}"
 
 
-def table(heads, rows):
-    """Print a table."""
-    print("| " + " | ".join(heads) + " |\n" + "|---" * len(heads) + "|")
-    for row in rows:
-        print("| " + " | ".join(map(str, row)) + " |", flush=True)
-    print()
-
-
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--quick", action="store_true", help="small scenes: no figures to keep")
@@ -118,6 +110,6 @@ if __name__ == "__main__":
         folder = Path(name)
         heads = ("scene", "particles", "ranks", "balance", "moves")
         excess = ("mean, %", "95 of 100, %", "most, %", "least possible, %", "mean of time, %")
-        table((*heads, *excess), moving(folder, quick))
+        print(table((*heads, *excess), moving(folder, quick)), flush=True)
         heads = ("case", "steps", "moves in each run", "speed with balance over that without")
-        table(heads, still(folder, quick))
+        print(f"\n{table(heads, still(folder, quick))}\n")

@@ -198,3 +198,11 @@ class Timed:
         """Median of the million particle-steps/s of a phase alone; None if it takes no time."""
         spent = median(one[name] for one in self.phases)
         return self.sim.count * self.steps / spent / 1e6 if spent > 0.0 else None
+
+    def result(self, **more):
+        """What a table says of it: particles, speeds, `more`, and errors; collective."""
+        velocity, stress = errors(self.sim)
+        return {
+            "particles": self.sim.count, "speed": median(self.speeds), "speeds": self.speeds,
+            **more, "velocity": velocity, "stress": stress,
+        }  # fmt: skip

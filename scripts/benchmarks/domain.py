@@ -3,8 +3,8 @@
 from statistics import median
 
 from blocks import PAD, block
-from report import error, number, origin, write
-from workers import Worker, launch
+from report import ERRORS, number, origin, write
+from workers.processes import Worker, launch
 
 from pgimp.solver.simulation import RESORT
 
@@ -29,7 +29,7 @@ def main(folder, quick):
     rounds, steps = (3, 4) if quick else (12, RESORT // 2)
     rows = []
     for cells in sizes:
-        workers = {factor: Worker(launch(1, ["pgimp_worker.py"])) for factor in (1, FACTOR)}
+        workers = {factor: Worker(launch(1, ["workers/pgimp_worker.py"])) for factor in (1, FACTOR)}
         try:
             memory = {}
             for factor, worker in workers.items():
@@ -68,9 +68,7 @@ def main(folder, quick):
         "time": lambda row: number(row["time"], 3),
         "memory [MB]": lambda row: number(row["memory"] / 1e6),
         "memory": lambda row: number(row["memory ratio"], 3),
-        "error of velocity": lambda row: error(row["velocity"]),
-        "error of stress": lambda row: error(row["stress"]),
-    }
+    } | ERRORS
     note = (
         f"Time and memory over those in the smaller domain; at most {LIMIT} is wanted. Medians of "
         f"{rounds} rounds of {steps} steps by turns, on one core; memory is the peak (VmHWM) of "

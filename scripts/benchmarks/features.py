@@ -2,10 +2,10 @@
 
 from statistics import median
 
-from blocks import COURANT, GRAVITY, MATERIALS, PAD, SPEED, Timed, block, create, errors
+from blocks import COURANT, GRAVITY, MATERIALS, PAD, SPEED, Timed, block, create
 from kernels import compile_all
 from picture import plt, save
-from report import count, error, number, origin, spread, write
+from report import ERRORS, count, number, origin, spread, write
 
 from pgimp.solver.simulation import RESORT
 
@@ -107,27 +107,13 @@ def main(folder, quick):
         shape = name.partition(", ")[0]
         plain = timed[f"{shape}, plain"]
         shares = [a / b for a, b in zip(one.speeds, plain.speeds, strict=True)]
-        velocity, stress = errors(one.sim)
-        rows.append(
-            {
-                "scene": name,
-                "particles": one.sim.count,
-                "speed": median(one.speeds),
-                "speeds": one.speeds,
-                "share": median(shares),
-                "shares": shares,
-                "velocity": velocity,
-                "stress": stress,
-            }
-        )
+        rows.append({"scene": name, **one.result(share=median(shares), shares=shares)})
     columns = {
         "scene": lambda row: row["scene"],
         "particles": lambda row: count(row["particles"]),
         "million particle-steps/s": lambda row: spread(row["speeds"]),
         "over the plain one": lambda row: number(row["share"], 2),
-        "error of velocity": lambda row: error(row["velocity"]),
-        "error of stress": lambda row: error(row["stress"]),
-    }
+    } | ERRORS
     note = (
         f"A {len(cells)}D block in free fall at random positions on one core, plain and with one "
         "feature each that does not disturb its motion (a traction of nothing, a wall along which "

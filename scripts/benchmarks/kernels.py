@@ -2,11 +2,10 @@
 
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from statistics import median
 
-from blocks import MATERIALS, PHASES, Timed, block, create, errors
+from blocks import MATERIALS, PHASES, Timed, block, create
 from picture import plt, save
-from report import count, error, number, origin, spread, write
+from report import ERRORS, count, number, origin, spread, write
 
 from pgimp.physics.shapes import SHAPES
 from pgimp.solver.simulation import RESORT
@@ -61,7 +60,6 @@ def main(folder, quick):
             one.round()
     rows = []
     for (D, shape, material, per_cell, random), one in zip(todo, timed, strict=True):
-        velocity, stress = errors(one.sim)
         rows.append(
             {
                 "dimension": D,
@@ -69,12 +67,7 @@ def main(folder, quick):
                 "material": material,
                 "particles per cell": per_cell**D,
                 "positions": "random" if random else "lattice",
-                "particles": one.sim.count,
-                "speed": median(one.speeds),
-                "speeds": one.speeds,
-                **{name: one.phase_speed(name) for name in PHASES},
-                "velocity": velocity,
-                "stress": stress,
+                **one.result(**{name: one.phase_speed(name) for name in PHASES}),
             }
         )
     columns = {
@@ -87,9 +80,7 @@ def main(folder, quick):
         "grid": lambda row: number(row["grid"], 0),
         "G2P": lambda row: number(row["G2P"]),
         "order": lambda row: number(row["order"], 0),
-        "error of velocity": lambda row: error(row["velocity"]),
-        "error of stress": lambda row: error(row["stress"]),
-    }
+    } | ERRORS
     note = (
         "Million particle-steps/s of blocks in free fall on one core: whole steps, median (least "
         f"to greatest) of {rounds} rounds of {steps} steps, all scenes by turns; and each phase "

@@ -14,7 +14,8 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter
 
-from workers import environment, launch
+from report import table
+from workers.processes import environment, launch
 
 import pgimp
 from pgimp.mpi.comm import world
@@ -145,12 +146,6 @@ def measure(folder, quick=False, ranks=(1, 2)):
                 raise SystemExit(f"benchmark: {name} on {n} ranks failed:\n{done.stderr}")
             found[name, n] = json.loads(done.stdout.splitlines()[-1])
     return found
-
-
-def table(head, rows):
-    """Lay out a Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
 
 
 def report(found):

@@ -13,28 +13,13 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from blocks import DENSITY, GRAVITY, PAD, YOUNG, block, create, lame, start_velocity, step_of
 from picture import plt, save
-from report import ROOT, error, markdown, number, origin, spread, write
-from workers import Worker, environment, launch
+from report import ERRORS, markdown, number, origin, spread, write
+from workers.processes import HERE, Worker, environment, launch
+from workers.taichi_python import taichi_python
 
 from pgimp.solver.simulation import RESORT
 
-VENV = ROOT / ".venv-taichi"
-TAICHI = "taichi==1.7.4"
 METHODS = ("gimp", "mls-mpm")
-
-
-def taichi_python():
-    """The interpreter of an environment that has Taichi, made at the first time; None without."""
-    python = VENV / "bin/python"
-    if not python.exists() or subprocess.run([python, "-c", "import taichi"],
-                                             capture_output=True).returncode:  # fmt: skip
-        print(f"benchmark: installing {TAICHI} into {VENV.name}", flush=True)
-        made = subprocess.run([sys.executable, "-m", "venv", "--clear", str(VENV)])
-        words = [python, "-m", "pip", "-q", "--disable-pip-version-check", "install", TAICHI]
-        if made.returncode or subprocess.run([*words, "numpy"]).returncode:
-            print("benchmark: there is no Taichi for this Python; going on without", flush=True)
-            return None
-    return str(python)
 
 
 def prototype_speed(path):
@@ -54,9 +39,9 @@ def main(folder, quick, prototype=None):
     python = None if quick else taichi_python()
     rows, makers, speeds_of_prototype, versions = [], [], [], {}
     with TemporaryDirectory() as made:
-        workers = {("pgimp", n): Worker(launch(n, ["pgimp_worker.py"])) for n in (1, 2)}
+        workers = {("pgimp", n): Worker(launch(n, ["workers/pgimp_worker.py"])) for n in (1, 2)}
         if python:
-            script = str(Path(__file__).with_name("taichi_worker.py"))
+            script = str(HERE / "workers" / "taichi_worker.py")
             for threads in (1, 2):
                 workers["Taichi", threads] = Worker([python, script, str(threads)])
             versions["Taichi"] = workers["Taichi", 1].ask(do="version")["version"]
@@ -110,9 +95,7 @@ def main(folder, quick, prototype=None):
         "scene": lambda row: f"{row['dimension']}D, {row['cores']} core" + "s" * (row["cores"] > 1),
         "code": lambda row: f"{row['code']}, {row['kind']}",
         "million particle-steps/s": lambda row: spread(row["speeds"]),
-        "error of velocity": lambda row: error(row["velocity"]),
-        "error of stress": lambda row: error(row["stress"]),
-    }
+    } | ERRORS
     shares = ratios(rows)
     note = f"{markdown(RATIOS, shares)}\n\n" if shares else ""
     note += (

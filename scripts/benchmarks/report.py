@@ -12,19 +12,16 @@ from statistics import median
 import llvmlite.binding
 from clock import VARIABLE
 
+from pgimp.io.rundir.runinfo import cpu
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def cpu():
+def machine():
     """Model of the CPU and number of cores."""
-    model = platform.machine()
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            model = line.partition(":")[2].strip()
-            break
     features = llvmlite.binding.get_host_cpu_features()
     wide = next((name for name in ("avx512f", "avx2", "avx") if features.get(name)), "no AVX")
-    return f"{model} ({os.cpu_count()} cores, {wide})"
+    return f"{cpu() or platform.machine()} ({os.cpu_count()} cores, {wide})"
 
 
 def mpi():
@@ -54,7 +51,7 @@ def origin(**others):
     versions += [f"LLVM {llvm}", mpi(), f"Python {platform.python_version()}"]
     versions += [f"{name} {number}" for name, number in others.items()]
     shared = ", CPU time instead of wall time" if os.environ.get(VARIABLE) else ""
-    return f"{cpu()}, {', '.join(versions)}, {date.today()}{shared}"
+    return f"{machine()}, {', '.join(versions)}, {date.today()}{shared}"
 
 
 def installed(package):
@@ -85,11 +82,22 @@ def error(value):
     return "" if value is None else f"{value:.0e}"
 
 
+#: Columns of the errors against the exact motion.
+ERRORS = {
+    "error of velocity": lambda row: error(row["velocity"]),
+    "error of stress": lambda row: error(row["stress"]),
+}
+
+
+def table(titles, rows):
+    """A table of texts and numbers."""
+    lines = [f"| {' | '.join(titles)} |", "|---" * len(titles) + "|"]
+    return "\n".join([*lines, *(f"| {' | '.join(map(str, row))} |" for row in rows)])
+
+
 def markdown(columns, rows):
     """A table: `columns` maps its titles to functions that word a row's cell."""
-    lines = ["| " + " | ".join(columns) + " |", "|---" * len(columns) + "|"]
-    lines += ["| " + " | ".join(word(row) for word in columns.values()) + " |" for row in rows]
-    return "\n".join(lines)
+    return table(columns, ([word(row) for word in columns.values()] for row in rows))
 
 
 def write(folder, name, title, columns, rows, note):

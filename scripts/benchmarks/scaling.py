@@ -8,8 +8,8 @@ from statistics import median
 from blocks import block, create
 from messages import counting, sent
 from picture import plt, save
-from report import count, error, number, origin, spread, write
-from workers import Worker, environment, launch, wait
+from report import ERRORS, count, number, origin, spread, write
+from workers.processes import Worker, environment, launch, wait
 
 from pgimp.solver.simulation import RESORT
 
@@ -33,7 +33,7 @@ def timings(quick):
         for name, cells in blocks.items()
         for kind, ranks in (("strong", 1), ("apart", 2), ("strong", 2), ("weak", 2))
     ]
-    one, second, two = (Worker(launch(ranks, ["pgimp_worker.py"])) for ranks in (1, 1, 2))
+    one, second, two = (Worker(launch(ranks, ["workers/pgimp_worker.py"])) for ranks in (1, 1, 2))
     teams = {("strong", 1): [one], ("apart", 2): [one, second]}
     try:
         for name, kind, ranks, cells in jobs:
@@ -143,9 +143,7 @@ def main(folder, quick):
         "million particle-steps/s": lambda row: spread(row["speeds"]),
         "over one rank": lambda row: number(row["gain"], 2),
         "efficiency": lambda row: f"{100 * row['efficiency']:.0f} %",
-        "error of velocity": lambda row: error(row["velocity"]),
-        "error of stress": lambda row: error(row["stress"]),
-    }
+    } | ERRORS
     note = (
         "Blocks in free fall, gimp, neo-Hookean, random positions: strong, the same block on all "
         "ranks; weak, one that is longer by as much; apart, two runs of one rank beside each "

@@ -2,12 +2,10 @@
 
 import json
 import os
-import platform
 import subprocess
 import sys
 from datetime import date
 from importlib.metadata import version
-from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
@@ -17,6 +15,7 @@ from matplotlib.ticker import NullLocator
 
 import pgimp
 from pgimp.errors import RunError
+from pgimp.io.rundir.runinfo import cpu
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
@@ -103,13 +102,8 @@ def front(points, cost):
 
 def origin():
     """Machine, versions and date of a measurement."""
-    cpu = platform.machine()
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            cpu = line.partition(":")[2].strip()
-            break
     versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
-    return f"one core of {cpu} ({os.cpu_count()} cores), {versions}, {date.today()}"
+    return f"one core of {cpu()} ({os.cpu_count()} cores), {versions}, {date.today()}"
 
 
 def error_and_cost(redraw):

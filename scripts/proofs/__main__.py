@@ -2,11 +2,13 @@
 
 import importlib
 import sys
+from pathlib import Path
 
 PROOFS = ("kill", "signals", "cases", "checkpoints", "long", "liquids", "scenes", "bits")
 
 if __name__ == "__main__":
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
     name = sys.argv[1]
     if name not in PROOFS:
         sys.exit(f"scripts/faults: there is no proof {name}; there are {', '.join(PROOFS)}")
-    sys.exit(importlib.import_module(f"proof_{name}").main(sys.argv[2:]))
+    sys.exit(importlib.import_module(f"proofs.proof_{name}").main(sys.argv[2:]))

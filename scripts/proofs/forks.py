@@ -13,7 +13,8 @@ from typing import NamedTuple
 import pgimp.cli
 from pgimp.mpi.comm import quiet_mpi
 
-HERE = Path(__file__).parent
+#: Where programs find these modules.
+SCRIPTS = Path(__file__).resolve().parents[1]
 
 #: Seconds after which a run is considered hung.
 PATIENCE = 90.0

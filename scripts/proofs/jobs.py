@@ -1,5 +1,6 @@
 """Runs under mpirun that are disturbed, and what must be true of all that they leave."""
 
+import argparse
 import os
 import shutil
 import signal
@@ -167,6 +168,41 @@ def whole(folder, name, words, ranks=1, tcp=False):
     if status != 0:
         sys.exit(f"the undisturbed run failed with status {status}:\n{job.said}")
     return pgimp.open(folder / name)
+
+
+def options_of(name, runs, words):
+    """What the words of a proof with disturbed runs say."""
+    parser = argparse.ArgumentParser(prog=f"scripts/faults {name}")
+    parser.add_argument("--runs", type=int, default=runs)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--tcp", action="store_true")
+    parser.add_argument("--short", action="store_true", help="fewer steps, at most 3 ranks")
+    parser.add_argument("--contact", action="store_true", help="bodies that meet, up to 7 ranks")
+    return parser.parse_args(words)
+
+
+def undisturbed(folder, options):
+    """Results of the case that is to be disturbed; seconds of a run on two ranks, compiled."""
+    text = SHORT if options.short else MEET if options.contact else CASE
+    (folder / "blocks.yaml").write_text(text)
+    began = time.monotonic()
+    reference = whole(folder, "whole", ["blocks.yaml", "--quiet"])
+    again = time.monotonic()
+    whole(folder, "again", ["blocks.yaml", "--quiet"], 2, options.tcp)
+    length = time.monotonic() - again
+    print(f"an undisturbed run takes {length:.1f} s, with compilation {again - began:.1f} s")
+    return reference, length
+
+
+def resumed(name, ranks, folder, options, reference):
+    """Resume a run; lines that it says, and how it is not what it should be, "" if it is."""
+    job = Job(ranks, ["blocks.yaml", "-o", name, "--resume"], folder, options.tcp)
+    status, _ = job.wait()
+    lines = job.said.splitlines()
+    wrong = differences(reference.path, folder / name) if status == 0 else []
+    if status == 0 and not wrong:
+        return lines, ""
+    return lines, f", resumed on {ranks}: status {status}, {wrong}, {lines[-5:]}"
 
 
 def unreadable(directory):

@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from jobs import environment
+from proofs.jobs import environment
 
 ROOT = Path(__file__).resolve().parents[2]
 RANKS = (1, 3, 5)

@@ -11,10 +11,10 @@ from collections import Counter, defaultdict
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 
-import forks
-from harmful import TRACE
-from jobs import environment, scratch
-from mutants import KINDS, Mutator
+from proofs import forks
+from proofs.harmful import TRACE
+from proofs.jobs import environment, scratch
+from proofs.mutants import KINDS, Mutator
 
 #: One mutant in this number is run in a process of its own, and by two ranks under mpirun.
 ALONE, RANKS = 25, 40
@@ -117,8 +117,8 @@ def process(words, folder, ranks=1):
     program = [
         sys.executable,
         "-c",
-        f"import sys; sys.path.insert(0, {str(ROOT)!r}); import "
-        "forks; forks.shorten(); from pgimp.cli import main; sys.exit(main())",
+        f"import sys; sys.path.insert(0, {str(forks.SCRIPTS)!r}); "
+        "from proofs import forks; forks.shorten(); from pgimp.cli import main; sys.exit(main())",
         *words,
     ]
     if ranks > 1:
@@ -135,6 +135,3 @@ def process(words, folder, ranks=1):
             status = None
         said.seek(0)
         return forks.Result(status, said.read(), time.monotonic() - began, 0.0)
-
-
-ROOT = forks.HERE

@@ -14,7 +14,7 @@ from collections import Counter
 from statistics import median
 
 import numpy as np
-from jobs import SHORT, differences, scratch
+from proofs.jobs import SHORT, differences, scratch
 
 import pgimp
 from pgimp import cli

@@ -1,6 +1,5 @@
 """A rank killed -9 at a random moment, then --resume on other ranks: the same bits, every time."""
 
-import argparse
 import os
 import random
 import signal
@@ -8,31 +7,16 @@ import time
 from collections import Counter
 from statistics import median
 
-from jobs import CASE, MEET, SHORT, Job, come_to, differences, scratch, unreadable, whole
+from proofs.jobs import Job, come_to, options_of, resumed, scratch, undisturbed, unreadable
 
 
 def main(words):
     """Kill as many runs as asked for; print what became of them."""
-    parser = argparse.ArgumentParser(prog="scripts/faults kill")
-    parser.add_argument("--runs", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--tcp", action="store_true")
-    parser.add_argument("--short", action="store_true", help="fewer steps, at most 3 ranks")
-    parser.add_argument("--contact", action="store_true", help="bodies that meet, up to 7 ranks")
-    options = parser.parse_args(words)
+    options = options_of("kill", 100, words)
     chance = random.Random(options.seed)
-    moments, statuses, resumed, delays, same = Counter(), Counter(), Counter(), [], 0
+    moments, statuses, begun, delays, same = Counter(), Counter(), Counter(), [], 0
     with scratch("kill") as (folder, failures):
-        (folder / "blocks.yaml").write_text(
-            SHORT if options.short else MEET if options.contact else CASE
-        )
-        began = time.monotonic()
-        reference = whole(folder, "whole", ["blocks.yaml", "--quiet"])
-        # Compiled now; so this is how long a run takes.
-        again = time.monotonic()
-        whole(folder, "again", ["blocks.yaml", "--quiet"], 2, options.tcp)
-        length = time.monotonic() - again
-        print(f"an undisturbed run takes {length:.1f} s, with compilation {again - began:.1f} s")
+        reference, length = undisturbed(folder, options)
         number = -1
         while sum(moments.values()) < options.runs:
             number += 1
@@ -65,19 +49,12 @@ def main(words):
             if (folder / name).exists():
                 failures += [f"{note}: {wrong}" for wrong in unreadable(folder / name)]
             others = chance.choice((1, 2, 3, 3 if options.short else 7 if options.contact else 4))
-            job = Job(others, ["blocks.yaml", "-o", name, "--resume"], folder, options.tcp)
-            status, _ = job.wait()
-            lines = job.said.splitlines()
+            lines, wrong = resumed(name, others, folder, options, reference)
             at = [line for line in lines if line.startswith(("resuming", "no checkpoint"))]
-            resumed["from a checkpoint" if at and "resuming" in at[0] else "afresh"] += 1
-            wrong = differences(reference.path, folder / name) if status == 0 else []
-            if status != 0 or wrong:
-                failures.append(
-                    f"{note}, resumed on {others}: status {status}, {wrong}, {lines[-5:]}"
-                )
-            else:
-                same += 1
-        report(options, moments, statuses, resumed, delays, same)
+            begun["from a checkpoint" if at and "resuming" in at[0] else "afresh"] += 1
+            failures += [note + wrong] * bool(wrong)
+            same += not wrong
+        report(options, moments, statuses, begun, delays, same)
     return 1 if failures else 0
 
 
@@ -110,13 +87,13 @@ def stage(directory):
     return "in between, no checkpoint yet"
 
 
-def report(options, moments, statuses, resumed, delays, same):
+def report(options, moments, statuses, begun, delays, same):
     """Print the figures."""
     by = ", by TCP" if options.tcp else ""
     most = 7 if options.contact else 4
     print(f"{options.runs} runs on 2 to {most} ranks{by}, one killed -9, resumed on 1 to {most}:")
     print(f"  same bits as the undisturbed run: {same} of {options.runs}")
     print("  killed: " + ", ".join(f"{count} {what}" for what, count in moments.most_common()))
-    print(f"  resumed: {dict(resumed)}; status of the killed jobs: {dict(statuses)}")
+    print(f"  resumed: {dict(begun)}; status of the killed jobs: {dict(statuses)}")
     spread = f"median {median(delays):.1f} s, most {max(delays):.1f} s"
     print(f"  from the kill to the end of the job: {spread}")

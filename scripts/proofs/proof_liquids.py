@@ -5,6 +5,7 @@ import json
 import random
 
 import numpy as np
+from studies.scenes import box, case_of
 
 import pgimp
 
@@ -57,27 +58,19 @@ def tank(rng):
     elif not law["shear-viscosity"]:
         del law["shear-viscosity"]
     pushed = [rng.uniform(-0.3, 0.3) * depth**0.5 for _ in range(up)]
-    region = {"box": {"min": [0.0] * D, "max": [*size, depth]}}
+    region = box([0.0] * D, [*size, depth])
     bodies = {"liquid": {"material": "liquid", "region": region, "velocity": [*pushed, 0.0]}}
-    case = {
-        "format": 1,
-        "dimensions": D,
-        "grid": {"size": [*size, 3.0 * depth], "cell": [1.0] * D},
-        "method": method,
-        "time": {"end": 1.0e6, "step": {"courant": 0.3}},
-        "materials": {"liquid": law},
-        "bodies": bodies,
-        "gravity": [0.0] * up + [-1.0],
-        "boundaries": {
-            f"{axis}-{end}": "slip" for axis in "xyz"[:D] for end in ("min", "max")
-        },
-    }  # fmt: skip
+    case = case_of(
+        [*size, 3.0 * depth], 1.0, {"liquid": law}, bodies, 1.0e6, method=method,
+        gravity=[0.0] * up + [-1.0],
+        boundaries={f"{axis}-{end}": "slip" for axis in "xyz"[:D] for end in ("min", "max")},
+    )  # fmt: skip
     within = rng.choice((None, None, "stone", "float"))
     if within:
         side = min(3.0, 0.5 * size[0])
         low = [0.5 * (wide - side) for wide in size]
         low.append(0.0 if within == "stone" else depth - 0.5 * side)
-        block = {"box": {"min": low, "max": [x + side for x in low]}}
+        block = box(low, [x + side for x in low])
         rigid = {"velocity": None} if within == "stone" else {"density": rng.uniform(0.3, 0.7)}
         case["bodies"][within] = {"rigid": rigid, "region": block}
         bodies["liquid"]["region"] = {"difference": [region, block]}

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from jobs import Job, scratch
+from proofs.jobs import Job, scratch
 
 import pgimp
 

@@ -12,12 +12,12 @@ import shutil
 import time
 from collections import Counter
 
-import bounds
-import scene_books
-import scene_runs
-import scene_shrink
-from jobs import Job, scratch
-from scene_features import FEATURES, make
+from proofs import bounds
+from proofs.jobs import Job, scratch
+from proofs.scenes import books as scene_books
+from proofs.scenes import runs as scene_runs
+from proofs.scenes import shrink as scene_shrink
+from proofs.scenes.features import FEATURES, make
 
 import pgimp
 from pgimp.errors import PgimpError

@@ -1,13 +1,12 @@
 """Signals to mpirun and to ranks at random moments: status, checkpoint, the same bits after it."""
 
-import argparse
 import os
 import random
 import signal
 import time
 from collections import Counter
 
-from jobs import CASE, MEET, SHORT, Job, come_to, differences, scratch, unreadable, whole
+from proofs.jobs import Job, come_to, options_of, resumed, scratch, undisturbed, unreadable
 
 from pgimp.running.checkpoints import present
 
@@ -40,24 +39,11 @@ sys.exit(main())
 
 def main(words):
     """Send as many signals as asked for; print what became of the runs."""
-    parser = argparse.ArgumentParser(prog="scripts/faults signals")
-    parser.add_argument("--runs", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--tcp", action="store_true")
-    parser.add_argument("--short", action="store_true", help="fewer steps, at most 3 ranks")
-    parser.add_argument("--contact", action="store_true", help="bodies that meet, up to 7 ranks")
-    options = parser.parse_args(words)
+    options = options_of("signals", 60, words)
     chance = random.Random(options.seed)
     with scratch("signals") as (folder, failures):
-        (folder / "blocks.yaml").write_text(
-            SHORT if options.short else MEET if options.contact else CASE
-        )
         (folder / "slow.py").write_text(SLOW)
-        reference = whole(folder, "whole", ["blocks.yaml", "--quiet"])
-        again = time.monotonic()
-        whole(folder, "again", ["blocks.yaml", "--quiet"], 2, options.tcp)
-        length = time.monotonic() - again
-        print(f"an undisturbed run on 2 ranks takes {length:.1f} s")
+        reference, length = undisturbed(folder, options)
         table, number = {kind: Counter() for kind in KINDS}, 0
         while (done := sum(sum(row.values()) for row in table.values())) < options.runs:
             # A kind until it has come off: one that came too late is tried again.
@@ -119,11 +105,8 @@ def strike(name, kind, slow, chance, length, folder, options, failures, referenc
     if directory.exists():
         failures += [f"{note}: {wrong}" for wrong in unreadable(directory)]
     others = chance.choice((1, 2, 3) if options.short else (1, 2, 3, 7 if options.contact else 4))
-    job = Job(others, ["blocks.yaml", "-o", name, "--resume"], folder, options.tcp)
-    status, _ = job.wait()
-    wrong = differences(reference.path, directory) if status == 0 else []
-    if status != 0 or wrong:
-        last = job.said.splitlines()[-5:]
-        failures.append(f"{note}, resumed on {others}: status {status}, {wrong}, {last}")
+    _, wrong = resumed(name, others, folder, options, reference)
+    if wrong:
+        failures.append(note + wrong)
         return f"{what}, not the same bits"
     return f"{what}, same bits"

@@ -6,24 +6,15 @@ which ranks disagree is an outcome like any other, and does no harm to the proce
 """
 
 import pickle
-import queue
 import sys
 import threading
 import time
 from types import SimpleNamespace
 
 import numpy as np
+from proofs.thread_messages import Message, Reduction, Request, World
 
 from pgimp.mpi.comm import quiet_mpi
-
-#: Seconds that a rank waits for another: the first one may have to compile.
-PATIENCE = 300.0
-#: Seconds that ranks still wait for others after one has failed, which may fail alike.
-GRACE = 3.0
-
-
-class DesertedError(Exception):
-    """A rank has waited for another that will never come."""
 
 
 def prepare():
@@ -44,85 +35,6 @@ def prepare():
     mpi4py.MPI = sys.modules["mpi4py.MPI"] = constants
 
 
-class _World:
-    """What the ranks of one run share: the messages on their way, and whether a rank has failed."""
-
-    def __init__(self):
-        self._boxes, self._lock = {}, threading.Lock()
-        self.failed = None
-
-    def box(self, *key):
-        with self._lock:
-            return self._boxes.setdefault(key, queue.SimpleQueue())
-
-    def forget(self):
-        """Drop what nobody has received: communicators are kept until the process ends."""
-        self._boxes.clear()
-
-    def take(self, box):
-        """Wait for a message."""
-        end = time.monotonic() + PATIENCE
-        while True:
-            try:
-                return box.get(timeout=0.2)
-            except queue.Empty:
-                now = time.monotonic()
-                if now > end or (self.failed is not None and now > self.failed + GRACE):
-                    raise DesertedError("waits for a rank that has ended") from None
-
-
-class _Request:
-    """A message of an array, sent or received as often as it is started."""
-
-    def __init__(self, world, box, array, receives):
-        self._world, self._box, self._array, self._receives = world, box, array, receives
-        self._active = False
-
-    def Start(self):
-        if self._active:
-            raise RuntimeError("a request is started before its last message has arrived")
-        self._active = True
-        if not self._receives:
-            self._box.put(self._array.copy())
-
-    def Test(self):
-        return False
-
-    def Wait(self):
-        if self._receives and self._active:
-            message = self._world.take(self._box)
-            if message.size > self._array.size:
-                raise RuntimeError("a message is longer than its receiver's room")
-            self._array.reshape(-1)[: message.size] = message.reshape(-1)
-        self._active = False
-
-    def Free(self):
-        self._box = None
-
-
-class _Message:
-    """A value that is received."""
-
-    def __init__(self, world, box):
-        self._world, self._box = world, box
-
-    def test(self):
-        """Whether it has come, and the value."""
-        if self._box.empty() and self._world.failed is None:
-            return False, None
-        return True, pickle.loads(self._world.take(self._box))
-
-
-class _Reduction:
-    """The greatest of all ranks' numbers, once all have said theirs."""
-
-    def __init__(self, comm, result):
-        self._comm, self._result = comm, result
-
-    def Wait(self):
-        self._result[:] = np.max(self._comm.collect("reduction"), axis=0)
-
-
 class Comm:
     """One rank's communicator.
 
@@ -130,7 +42,7 @@ class Comm:
     ----------
     rank, size : int
         Its number, and how many there are.
-    world : _World
+    world : World
         The same for all of them.
     name : str
         Tells communicators of the same ranks apart.
@@ -192,7 +104,7 @@ class Comm:
 
     def irecv(self, source, tag=0):
         """Begin to receive a value."""
-        return _Message(self.world, self._box(source, self.rank, tag))
+        return Message(self.world, self._box(source, self.rank, tag))
 
     def Iprobe(self, source, tag=0):
         """Whether a message has come: none does from ranks that end, whose failures are known."""
@@ -206,11 +118,11 @@ class Comm:
 
     def Send_init(self, array, to, tag=0):
         """Make a request that sends."""
-        return _Request(self.world, self._box(self.rank, to, tag), array, False)
+        return Request(self.world, self._box(self.rank, to, tag), array, False)
 
     def Recv_init(self, array, source, tag=0):
         """Make a request that receives."""
-        return _Request(self.world, self._box(source, self.rank, tag), array, True)
+        return Request(self.world, self._box(source, self.rank, tag), array, True)
 
     def Isend(self, array, to, tag=0):
         """Begin to send."""
@@ -255,7 +167,7 @@ class Comm:
     def Iallreduce(self, mine, every, _):
         """Begin to find the greatest."""
         self.spread("reduction", [mine.copy()] * self.size)
-        return _Reduction(self, every)
+        return Reduction(self, every)
 
     # -- communicators
 
@@ -287,7 +199,7 @@ def together(size, task):
     list
         What it returned, or the exception that it raised, by rank.
     """
-    world, results = _World(), [None] * size
+    world, results = World(), [None] * size
 
     def work(rank):
         try:

@@ -159,14 +159,14 @@ def test_options_named_alone_exist():
 @pytest.mark.parametrize("path", sorted((ROOT / "scripts").iterdir()), ids=lambda path: path.name)
 def test_options_in_the_head_of_a_script_are_read_by_it(path):
     """In its own lines, or in the programs that it starts."""
-    if path.is_dir():
+    if path.is_dir() or path.suffix:
         return
     text = path.read_text(encoding="utf-8")
     said = head(f"scripts/{path.name}")
     body = text.partition("\nset -e")[2]
-    for started in re.findall(r"\$root/(scripts/\w+)(?:\.py|/\w+\.py)?\"", body):
-        folder = ROOT / started
-        body += "".join(p.read_text() for p in folder.glob("*.py")) if folder.is_dir() else ""
+    for started, study in re.findall(r"\$root/(scripts/\w+)(?:\.py|/\w+\.py)?\" ?(\w*)", body):
+        folder = ROOT / started / study
+        body += "".join(p.read_text() for p in folder.rglob("*.py")) if folder.is_dir() else ""
     if path.name == "test":
         body += (ROOT / "tests" / "conftest.py").read_text()
     if not (lines := re.findall(r"^ +scripts/.*", said, re.MULTILINE)):

@@ -9,6 +9,11 @@ import numpy as np
 import pytest
 from outside_materials import SOFTENING, registered
 from processes import run
+from proofs import proof_scenes
+from proofs.scenes import books as scene_books
+from proofs.scenes import features as scene_features
+from proofs.scenes import shrink as scene_shrink
+from proofs.scenes.bodies import REGIONS
 from scenes import box, scene, start, wall
 
 import pgimp
@@ -17,13 +22,6 @@ from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 PROOFS = Path(__file__).resolve().parents[2] / "scripts" / "proofs"
-sys.path.insert(0, str(PROOFS))
-
-import proof_scenes  # noqa: E402
-import scene_books  # noqa: E402
-import scene_features  # noqa: E402
-import scene_shrink  # noqa: E402
-from scene_bodies import REGIONS  # noqa: E402
 
 pytestmark = pytest.mark.slow(285)
 
@@ -115,7 +113,7 @@ FLIPPED = """
 import json, random, sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
-import scene_features, scene_runs
+from proofs.scenes import features as scene_features, runs as scene_runs
 scene_runs.prepare()
 from pgimp.decomposition import redistribute
 
@@ -134,7 +132,7 @@ print(scene_runs.compare(Path("case.yaml"), Path("runs"), random.Random(3), 30))
 
 @pytest.mark.parametrize("how", ["flipped", "sound"])
 def test_one_bit_of_one_particle_that_changes_rank_is_noticed(tmp_path, how):
-    job = run([sys.executable, "-c", FLIPPED, str(PROOFS), how], 300, cwd=tmp_path)
+    job = run([sys.executable, "-c", FLIPPED, str(PROOFS.parent), how], 300, cwd=tmp_path)
     assert job.returncode == 0, job.stderr
     assert ("bits: frames, history.csv" in job.stdout) == (how == "flipped"), job.stdout
     assert "kind='done'" in job.stdout
@@ -143,7 +141,7 @@ def test_one_bit_of_one_particle_that_changes_rank_is_noticed(tmp_path, how):
 PAST = """
 import sys
 sys.path.insert(0, sys.argv[1])
-import bounds
+from proofs import bounds
 import numpy as np
 from pgimp.kernels.contact.lagrangian.hash_table import insert_keys, empty_table
 
@@ -153,7 +151,7 @@ insert_keys(np.arange(1, 3), empty_table(4)[:, :1])
 
 def test_an_index_past_the_end_is_noticed_with_bounds(tmp_path):
     env = {"FAULTS_BOUNDS": "1", "XDG_CACHE_HOME": str(tmp_path)}
-    job = run([sys.executable, "-c", PAST, str(PROOFS)], env=env)
+    job = run([sys.executable, "-c", PAST, str(PROOFS.parent)], env=env)
     assert "IndexError" in job.stderr and list(tmp_path.glob("pgimp-bounds/kernels-*/*"))
 
 

@@ -57,7 +57,7 @@ def test_unknown_part_is_named(python):
 
 
 def test_taichi_is_imported_only_where_it_runs(python):
-    words = "import sys; sys.modules['taichi'] = None; import taichi_kernels, taichi_worker, peers"
+    words = "import sys; sys.modules['taichi'] = None; import workers.taichi_worker, peers"
     done = python(["-c", words], env={"PYTHONPATH": str(BENCHMARKS)})
     assert done.returncode == 0, done.stderr
 

@@ -1,23 +1,15 @@
 """The study of contact: what it measures, in short, and that the page shows all of it."""
 
-import sys
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from studies.contact import detection, gap, motion, problems, rolls, walls
+
+from pgimp.kernels.grid.wall_gap import CLOSED
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "scripts" / "contact_study"))
-
-import detection  # noqa: E402
-import gap  # noqa: E402
-import motion  # noqa: E402
-import problems  # noqa: E402
-import rolls  # noqa: E402
-import walls  # noqa: E402
-
-from pgimp.kernels.grid.wall_gap import CLOSED  # noqa: E402
 
 
 def test_gaps_of_flat_and_round_bodies():

@@ -1,21 +1,16 @@
 """The hard cases: every file runs and stays stable; the tables of docs/hard-cases.md, in short."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
+from studies.hard import courant, rows, table
+from studies.hard.runs import BOUND, CASES, begin, watch
 
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.courant import LIMITS
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts" / "hard_cases"))
-
-import courant  # noqa: E402
-import rows  # noqa: E402
-import table  # noqa: E402
-from runs import BOUND, CASES, begin, watch  # noqa: E402
 
 pytestmark = pytest.mark.slow(30)
 
@@ -124,7 +119,7 @@ def test_largest_stable_courant_number(shape, per_cell, low, high):
 
 def test_chosen_steps_follow_the_table():
     """``courant: auto`` knows what the page shows; in 3D and between numbers of particles, too."""
-    text = (table.PAGES / "tables" / "courant.md").read_text(encoding="utf-8")
+    text = (table.TABLES / "courant.md").read_text(encoding="utf-8")
     assert table.limits_of(text) == LIMITS
 
     def limit(dimensions, per_cell, shape="gimp", **parts):

@@ -1,19 +1,11 @@
 """scripts/methods: its reference beam, and that docs/methods.md has what it measures."""
 
 import re
-import sys
 from math import cos, cosh, sin, sinh, sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts" / "method_scenes"))
-
-import method_measures  # noqa: E402
-import method_table  # noqa: E402
-import timoshenko  # noqa: E402
+from studies.method import measures, table, timoshenko
 
 pytestmark = pytest.mark.slow(30)
 
@@ -37,7 +29,7 @@ def test_the_beams_reference_has_converged():
 
 def printed(method):
     """Cells of a method's line in the first table of docs/methods.md, by title."""
-    text = method_table.TABLES.read_text(encoding="utf-8")  # a test holds the page to it
+    text = table.TABLES.read_text(encoding="utf-8")  # a test holds the page to it
     (titles, line) = (re.search(rf"^\| {name} \|.*$", text, re.M)[0] for name in ("method", method))
     return dict(zip(titles.split(" | "), line.split(" | "), strict=True))
 
@@ -47,12 +39,12 @@ def test_the_page_has_what_is_measured(affine):
     """In 2D, to the digits printed; what rounds otherwise on another CPU is far smaller."""
     cells = printed(f"gimp{', affine' * affine}, 2 a cell")
     method = ("gimp", affine, 2)
-    bending = method_measures.bending(method, 2, method_measures.COURANTS[:1])
-    spin = method_measures.turned(method, 2, method_measures.COURANTS[:1])
+    bending = measures.bending(method, 2, measures.COURANTS[:1])
+    spin = measures.turned(method, 2, measures.COURANTS[:1])
     for title, value, sign in (
         ("bending", bending["frequency"], True),
         ("swing", bending["swing 0.3"], False),
-        ("bounce", method_measures.bounced(method, 2)["bounce"], False),
+        ("bounce", measures.bounced(method, 2)["bounce"], False),
         ("spin", spin["spin 0.3"], False),
     ):
-        assert cells[title].partition(",")[0] == method_table.number(value, sign), title
+        assert cells[title].partition(",")[0] == table.number(value, sign), title

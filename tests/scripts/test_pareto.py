@@ -1,21 +1,18 @@
 """scripts/pareto: its references, fronts and prices, a short ladder, and that the page shows it."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from studies.method import timoshenko
+from studies.pareto.beam_mode import Mode, beam
+from studies.pareto.candidates import METHODS, Method
+from studies.pareto.front import front, price
+from studies.pareto.ladders import ladder, once
+from studies.pareto.large_bodies import Hertz, Impact, Vortex
+from studies.pareto.small_bodies import Bending, Spinning, Waves
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "scripts" / name) for name in ("pareto_study", "method_scenes")]
-
-import timoshenko  # noqa: E402
-from beam_mode import Mode, beam  # noqa: E402
-from candidates import METHODS, Method  # noqa: E402
-from front import front, price  # noqa: E402
-from ladders import ladder, once  # noqa: E402
-from large_bodies import Hertz, Impact, Vortex  # noqa: E402
-from small_bodies import Bending, Spinning, Waves  # noqa: E402
 
 
 def test_the_beams_mode():

@@ -1,0 +1,252 @@
+"""The generator of random scenes: a table of features, each of which adds itself to a case.
+
+To add one, say a load: write a function ``(rng, scene) -> None`` that changes ``scene.case``, the
+dictionary of a case file (and ``scene.files``, files by name, if the case names any), and returns
+without a change where it does not fit. Then add a line to `FEATURES`: its name, the function, the
+part of scenes that get it, and whether it changes what Numba compiles (another type or number of
+parameters). What is compiled is chosen once for a group of scenes, as compiling takes longer than
+running: such a feature is in all scenes of a group or in none, and where it draws what is compiled
+it uses ``rng.kind``, which draws the same for all of them. Everything else is drawn from `rng`.
+Features come in the order of the table: the domain first, then what lies in it. Here are those of
+the domain and the method; a new kind of region goes into `bodies.REGIONS`, a new material into
+`materials.MATERIALS`.
+"""
+
+import random
+from typing import NamedTuple
+
+from proofs.scenes.bodies import add_bodies, number, vector
+from proofs.scenes.configurations import both, initial
+from proofs.scenes.contact import contact, free, rigid_bodies
+from proofs.scenes.loads import components, constraint, gravity, traction
+from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
+from proofs.scenes.output import checkpoints, frames, grid_frames, history, probes, small_files
+from proofs.scenes.stages import stages
+
+SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
+WALLS = ("fixed", "slip", "separating", "moving")
+
+
+class Chance(random.Random):
+    """The numbers of a feature in a scene; those of `kind` are the same for all of a group.
+
+    Each feature has its own, so that one that is added or changed leaves the others as they were.
+    """
+
+    def __init__(self, seed, number, group, feature):
+        super().__init__(f"{seed} scene {number} {feature}")
+        self.kind = random.Random(f"{seed} group {group} {feature}")
+
+
+class Scene:
+    """A case that is being made up, and the files that it names."""
+
+    def __init__(self):
+        self.case, self.files, self.corners = {}, {}, {}
+        self.states = ()
+
+    @property
+    def faces(self):
+        """Names of the domain's faces."""
+        return [f"{axis}-{end}" for axis in "xyz"[: self.dimension] for end in ("min", "max")]
+
+
+def domain(rng, scene):
+    """Long along x, so that many ranks have work; cells of any size, an origin anywhere."""
+    D = scene.dimension = rng.kind.choice((1, 2, 2, 3, 3, 3))
+    scene.cells = [rng.randint(8, 26), rng.randint(4, 8), rng.randint(3, 6)][:D]
+    scene.cell = [rng.choice((1.0, 1.0, 0.5, 0.3))] * D
+    if rng.random() < 0.4:
+        scene.cell = [number(rng, 0.7, 1.3) for _ in range(D)]
+    size = [n * h for n, h in zip(scene.cells, scene.cell, strict=True)]
+    origin = [0.0] * D if rng.random() < 0.6 else vector(rng, D, 5.0)
+    scene.case |= {
+        "format": 1,
+        "dimensions": D,
+        "grid": {"origin": origin, "size": size, "cell": scene.cell},
+        "materials": {},
+        "bodies": {},
+        "boundaries": {},
+        "output": {},
+    }
+
+
+def method(rng, scene):
+    """One of the shapes with its options."""
+    shape = rng.kind.choice(SHAPES)
+    scene.per_cell = [rng.choice((1, 2, 2, 3) if scene.dimension < 3 else (1, 1, 2))
+                      for _ in scene.cells]  # fmt: skip
+    entry = {"shape": shape, "particles_per_cell": scene.per_cell}
+    if shape in ("mpm", "gimp") and rng.kind.random() < 0.3:
+        entry["volume"] = "initial"
+    if shape.startswith("fuzzy"):
+        entry |= {"size": rng.kind.choice(("tracked", "fixed"))}
+        entry |= {"wall": rng.kind.choice(("mirror", "mirror", "ghost"))}
+    scene.case["method"] = entry
+
+
+def splines(rng, scene):
+    """B-splines in place of another shape."""
+    method = {"shape": rng.kind.choice(("bspline-quadratic", "bspline-cubic"))}
+    scene.case["method"] = method | {"particles_per_cell": scene.per_cell}
+    if rng.kind.random() < 0.3:
+        scene.case["method"]["wall"] = "ghost"
+
+
+def corners(rng, scene):
+    """Parallelograms in place of another shape."""
+    scene.case["method"] = {"shape": "cpdi-corners", "particles_per_cell": scene.per_cell}
+
+
+def mirrors(rng, scene):
+    """Walls reflect what boxes carry beyond them."""
+    if scene.case["method"]["shape"] in ("gimp", "finite-gimp", "cpdi", "cpdi-corners"):
+        scene.case["method"]["wall"] = "mirror"
+
+
+def courant(rng, scene):
+    """Pgimp chooses the Courant number, and watches the energy."""
+    scene.case["time"]["step"] = {"courant": "auto"}
+    scene.case["time"]["end"] = 3.0 * scene.end
+
+
+def long(rng, scene):
+    """Courant control, and twelve times as many steps, so that vibrations might gain energy."""
+    if not isinstance(scene.case["time"]["step"], dict):
+        scene.case["time"]["step"] = {"courant": number(rng, 0.15, 0.35)}
+    scene.case["time"]["end"] = 12.0 * scene.end
+
+
+def affine(rng, scene):
+    """Particles carry their velocity gradient."""
+    scene.case["method"]["affine"] = True
+
+
+def mean(rng, scene):
+    """Cells have one rate of dilatation each; where particles are boxes."""
+    if scene.case["method"]["shape"] in ("gimp", "finite-gimp", "cpdi"):
+        scene.case["method"]["volumetric"] = "mean"
+
+
+def relaxation(rng, scene):
+    """Particles' velocities relax towards the grid's."""
+    scene.case["method"]["relaxation"] = number(rng, 0.5, 20.0)
+
+
+def time(rng, scene):
+    """Fixed steps, or Courant control; 20 to 60 of them."""
+    steps, courant = rng.randint(20, 60), number(rng, 0.08, 0.35)
+    step = float(f"{courant * min(scene.cell) / (1.2 * scene.speed):.3g}")
+    scene.steps, scene.end = steps, round(steps * step, 12)
+    scene.case["time"] = {"end": scene.end, "step": step}
+    if rng.random() < 0.35:
+        scene.case["time"]["step"] = {"courant": courant}
+
+
+def walls(rng, scene):
+    """Conditions on some faces."""
+    for face in scene.faces:
+        kind = rng.kind.choice(WALLS) if rng.kind.random() < 0.45 else None
+        if kind == "moving":
+            most = 0.05 * scene.speed
+            velocity = components(rng, scene, most)
+            if rng.random() < 0.9:  # else it may let particles through, or pull them out
+                inwards = number(rng, 0.0, most) * (1.0 if face.endswith("min") else -1.0)
+                velocity["xyz".index(face[0])] = inwards if rng.random() < 0.5 else 0.0
+            kind = {"velocity": velocity}
+        if kind:
+            scene.case["boundaries"][face] = kind
+
+
+def rough(rng, scene):
+    """Separating walls have friction."""
+    for face, kind in scene.case["boundaries"].items():
+        if kind == "separating":
+            most = number(rng, 0.05, 1.0)
+            friction = most if rng.random() < 0.6 else {"static": most, "kinetic": 0.5 * most}
+            scene.case["boundaries"][face] = {"separating": {"friction": friction}}
+
+
+def escape(rng, scene):
+    """Most faces that are open let particles out; one that does not may end the run."""
+    open_faces = [face for face in scene.faces if face not in scene.case["boundaries"]]
+    ways = {face: "remove" if rng.random() < 0.97 else "stop" for face in open_faces}
+    scene.case["escape"] = ways
+
+
+class Feature(NamedTuple):
+    """A line of the table: see the head of this file."""
+
+    name: str
+    add: object
+    share: float = 1.0
+    compiled: bool = False
+
+
+FEATURES = (
+    Feature("domain", domain),
+    Feature("method", method),
+    Feature("B-splines", splines, 0.15, compiled=True),
+    Feature("corners", corners, 0.06, compiled=True),
+    Feature("mirrors", mirrors, 0.4, compiled=True),
+    Feature("affine", affine, 0.35, compiled=True),
+    Feature("mean dilatation", mean, 0.35, compiled=True),
+    Feature("relaxation", relaxation, 0.15, compiled=True),
+    Feature("materials", materials),
+    Feature("memory", memory, 0.2, compiled=True),
+    Feature("metals", metals, 0.2, compiled=True),
+    Feature("flows", flows, 0.35, compiled=True),
+    Feature("viscosity", viscosity, 0.2, compiled=True),
+    Feature("time", time),
+    Feature("steps chosen", courant, 0.12, compiled=True),
+    Feature("many periods", long, 0.05, compiled=True),
+    Feature("bodies", add_bodies),
+    Feature("walls", walls, 0.7, compiled=True),
+    Feature("rough walls", rough, 0.3, compiled=True),
+    Feature("escape", escape, 0.95),
+    Feature("gravity", gravity, 0.5),
+    Feature("traction", traction, 0.25, compiled=True),
+    Feature("constraint", constraint, 0.25, compiled=True),
+    Feature("second constraint", constraint, 0.05, compiled=True),
+    Feature("rigid bodies", rigid_bodies, 0.3, compiled=True),
+    Feature("free body", free, 0.12, compiled=True),
+    Feature("contact", contact, 0.35, compiled=True),
+    Feature("initial configuration", initial, 0.2, compiled=True),
+    Feature("both configurations", both, 0.12, compiled=True),
+    Feature("variation", varied, 0.25, compiled=True),
+    Feature("stages", stages, 0.25),
+    Feature("frames", frames),
+    Feature("grid frames", grid_frames, 0.4),
+    Feature("precision and compression", small_files, 0.4),
+    Feature("history", history),
+    Feature("probes", probes, 0.5),
+    Feature("checkpoints", checkpoints),
+)
+
+
+def make(seed, number, group):
+    """A random scene.
+
+    Parameters
+    ----------
+    seed, number, group : int
+        Of the proof, the scene, and those that share what is compiled.
+
+    Returns
+    -------
+    case : dict
+        As in a case file, with the title of the scene.
+    files : dict of str to str
+        The files that it names.
+    features : list of str
+        Names of the features that it has.
+    """
+    scene, names = Scene(), []
+    for feature in FEATURES:
+        rng = Chance(seed, number, group, feature.name)
+        chance = rng.kind if feature.compiled else rng
+        if feature.share == 1.0 or chance.random() < feature.share:
+            feature.add(rng, scene)
+            names.append(feature.name)
+    title = f"scene {number} of group {group}, seed {seed}"
+    return {"title": title, **scene.case}, scene.files, names

@@ -1,0 +1,73 @@
+"""Features of random scenes that move bodies from outside; see `scene_features`."""
+
+from proofs.scenes.bodies import number, vector
+from proofs.scenes.materials import runs
+
+
+def table(rng, scene, most, size=None):
+    """A load or velocity over the time of the run, linear in between."""
+    times = sorted({round(rng.uniform(-0.2, 1.2) * scene.end, 5) for _ in range(rng.randint(1, 4))})
+    value = (lambda: number(rng, -most, most)) if size is None else lambda: vector(rng, size, most)
+    return {"table": [[time, value()] for time in times]}
+
+
+def components(rng, scene, most):
+    """A prescribed velocity: by component a number, a table, or free; one is held at least."""
+    found = []
+    for _ in range(scene.dimension):
+        kind = rng.random()
+        found.append(number(rng, -most, most) if kind < 0.4 else 0.0)
+        if kind > 0.5:
+            found[-1] = table(rng, scene, most) if kind < 0.75 else None
+    if all(each is None for each in found):
+        found[0] = 0.0
+    return found
+
+
+def gravity(rng, scene):
+    """Constant, or over time."""
+    most = 0.05 * scene.speed**2 / max(scene.cells)
+    value = vector(rng, scene.dimension, most)
+    scene.case["gravity"] = value if rng.random() < 0.6 else table(
+        rng, scene, most, scene.dimension
+    )  # fmt: skip
+
+
+def traction(rng, scene):
+    """A pressure or a traction on a face of a body that is a box; the first is made one."""
+    bodies = {name: body for name, body in scene.case["bodies"].items() if not runs(scene, name)}
+    if not bodies:
+        return
+    boxes = [name for name, body in bodies.items() if "box" in body["region"]]
+    if not boxes:
+        boxes = [next(iter(bodies))]
+        low, high = scene.corners[boxes[0]]
+        bodies[boxes[0]]["region"] = {"box": {"min": low, "max": high}}
+    entry = {"body": rng.choice(boxes), "face": rng.choice(scene.faces)}
+    if rng.random() < 0.5:
+        entry["pressure"] = table(rng, scene, 5.0) if rng.random() < 0.4 else number(rng, -5, 5)
+    else:
+        varies = rng.random() < 0.4
+        entry["traction"] = (
+            table(rng, scene, 5.0, scene.dimension) if varies else vector(rng, scene.dimension, 5.0)
+        )
+    scene.case["tractions"] = {"load": entry}
+
+
+def constraint(rng, scene):
+    """A half of a body or all of it moves as told."""
+    body = rng.choice([*scene.case["bodies"]])
+    low, high = (list(corner) for corner in scene.corners[body])
+    d = rng.randrange(scene.dimension)
+    ends = low if rng.random() < 0.5 else high
+    if rng.random() < 0.85:
+        ends[d] = 0.5 * (low[d] + high[d])
+    velocity = components(rng, scene, 0.1 * scene.speed)
+    region = {"box": {"min": low, "max": high}}
+    if rng.random() < 0.3:
+        middle = [0.5 * (a + b) for a, b in zip(*scene.corners[body], strict=True)]
+        normal = [1.0, *vector(rng, scene.dimension - 1, 1.0)]
+        region = {"half-space": {"point": middle, "normal": normal}}
+    entry = {"body": body, "region": region, "velocity": velocity}
+    grips = scene.case.setdefault("constraints", {})
+    grips[f"grip{len(grips)}"] = entry

@@ -1,0 +1,165 @@
+"""The feature of random scenes that lets a run have stages; see `scene_features`.
+
+Little of what a stage changes needs other kernels, which would take longer than the scene.
+"""
+
+from proofs.scenes.bodies import number, vector
+
+#: By model: a parameter that may change, and by what factor.
+PARAMETERS = {
+    "von-mises": ("yield-stress", 0.4, 1.5),
+    "johnson-cook": ("a", 0.4, 1.5),
+    "drucker-prager": ("friction-angle", 1.0, 1.3),
+    "mohr-coulomb": ("friction-angle", 1.0, 1.3),
+    "cam-clay": ("m", 0.8, 1.2),
+    "mu-i": ("mu-2", 1.0, 1.5),
+    "newtonian": ("bulk", 0.5, 1.2),
+    "bingham": ("yield-stress", 0.5, 2.0),
+    "ideal-gas": None,
+}
+
+#: Numbers of materials that may be a third larger or smaller, whatever the others are.
+VARY = ("young", "density", "poisson", "yield-stress", "a", "bulk", "shear-viscosity", "energy",
+        "damage", "toughness", "shear")  # fmt: skip
+
+
+def stages(rng, scene):
+    """One or two stages after the first, each with some changes."""
+    time = scene.case["time"]
+    count = rng.choice((1, 1, 2))
+    cuts = sorted(rng.sample(range(4, scene.steps), count))
+    last, fixed = time["end"], not isinstance(time["step"], dict)
+    unit = time["step"] if fixed else last / scene.steps
+    ends = [round(cut * unit, 12) for cut in cuts] + [last]
+    time["end"], time["stages"] = ends[0], []
+    now = {key: dict(scene.case.get(key, {})) for key in (
+        "materials", "bodies", "boundaries", "tractions", "constraints", "escape"
+    )}  # fmt: skip
+    for i in range(count):
+        stage = {"name": f"stage{i}", "end": ends[i + 1]}
+        for change in CHANGES:
+            if rng.random() < 0.45:
+                change(rng, scene, now, stage)
+        if fixed and rng.random() < 0.25:
+            steps = rng.randint(1, 30)
+            length = (ends[i + 1] - ends[i]) / steps
+            if length <= 1.2 * time["step"] and i == count - 1:
+                stage["step"] = length
+        time["stages"].append(stage)
+
+
+def removed(rng, scene, now, stage):
+    """A body is taken out, or a rigid one."""
+    solid = [name for name, body in now["bodies"].items() if "rigid" not in body]
+    rigid = [name for name in now["bodies"] if name not in solid]
+    chosen = rng.choice(rigid) if rigid and rng.random() < 0.3 else None
+    if chosen is None and len(solid) > 1:
+        chosen = rng.choice(solid)
+    if chosen:
+        stage["remove"] = [chosen]
+        del now["bodies"][chosen]
+        loads = now["tractions"].items()
+        now["tractions"] = {name: load for name, load in loads if load["body"] != chosen}
+
+
+def parameters(rng, scene, now, stage):
+    """Materials become weaker or stiffer."""
+    for name, entry in now["materials"].items():
+        parameter = PARAMETERS.get(entry["model"], ("young", 0.4, 1.2))
+        if any(isinstance(entry.get(key), dict) and key != "damage" for key in VARY) or (
+            isinstance(entry.get("damage"), dict) and "d1" not in entry["damage"]
+        ):
+            continue  # what varies in space stays what it is
+        if parameter and rng.random() < 0.7:
+            key, least, most = parameter
+            entry = now["materials"][name] = dict(entry)
+            entry[key] = number(rng, least, most) * entry[key]
+            stage.setdefault("materials", {})[name] = {key: entry[key]}
+
+
+def gravity(rng, scene, now, stage):
+    """Another gravity, or none."""
+    most = 0.05 * scene.speed**2 / max(scene.cells)
+    stage["gravity"] = vector(rng, scene.dimension, most) if rng.random() < 0.7 else None
+
+
+def walls(rng, scene, now, stage):
+    """A face holds otherwise, or lets go."""
+    faces = now["boundaries"]
+    for face, kind in list(faces.items()):
+        separates = kind == "separating" or (isinstance(kind, dict) and "separating" in kind)
+        if separates or rng.random() < 0.5:
+            continue
+        other = rng.choice(("fixed", "slip", None)) if len(faces) > 1 else "slip"
+        stage.setdefault("boundaries", {})[face] = other
+        faces[face] = other
+        if other is None:
+            del faces[face]
+            if scene.case.get("escape") and rng.random() < 0.95:
+                stage.setdefault("escape", {})[face] = "remove"
+
+
+def tractions(rng, scene, now, stage):
+    """A traction is another, or ends where there is another."""
+    for name, entry in now["tractions"].items():
+        if "pressure" in entry:
+            stage["tractions"] = {name: {"pressure": number(rng, -5, 5)}}
+        else:
+            stage["tractions"] = {name: {"traction": vector(rng, scene.dimension, 5.0)}}
+
+
+def constraints(rng, scene, now, stage):
+    """A constraint moves otherwise, holds others, ends, or begins."""
+    had, names = now["constraints"], [*now["bodies"]]
+    solid = [name for name in names if "rigid" not in now["bodies"][name]]
+    for name, entry in list(had.items()):
+        if entry["body"] not in solid:
+            continue
+        most = 0.1 * scene.speed
+        velocity = [number(rng, -most, most) for _ in range(scene.dimension)]
+        if rng.random() < 0.3:
+            velocity[rng.randrange(scene.dimension)] = None
+        change = {"velocity": velocity}
+        if all(each is None for each in velocity):
+            change["velocity"] = [0.0] * scene.dimension
+        if len(had) > 1 and rng.random() < 0.5:
+            change = None
+            del had[name]
+        elif rng.random() < 0.4:
+            low, high = scene.corners[entry["body"]]
+            change["region"] = {"ball": {
+                "centre": [0.5 * (a + b) for a, b in zip(low, high, strict=True)],
+                "radius": 0.6 * max(b - a for a, b in zip(low, high, strict=True)),
+            }}  # fmt: skip
+        stage.setdefault("constraints", {})[name] = change
+
+
+def writing(rng, scene, now, stage):
+    """Frames and lines at other times."""
+    stage["history"] = {"every": {"steps": rng.randint(1, 9)}}
+    if rng.random() < 0.5:
+        stage["output"] = {"every": {"steps": rng.randint(3, 20)}}
+
+
+def damping(rng, scene, now, stage):
+    """Velocities relax otherwise; a scene without that has other kernels."""
+    if "relaxation" in scene.case["method"]:
+        stage["method"] = {"relaxation": number(rng, 0.5, 20.0)}
+
+
+def friction(rng, scene, now, stage):
+    """Bodies that meet slide otherwise."""
+    entries = [dict(entry) for entry in scene.case.get("contact", [])]
+    for entry in entries:
+        names = entry["bodies"]
+        if names != "all" and not set(names) <= set(now["bodies"]):
+            return
+        if entry.get("law", "friction") == "friction":
+            entry["friction"] = number(rng, 0.0, 1.0)
+    if entries and len(now["bodies"]) > 1:
+        stage["contact"] = entries
+
+
+CHANGES = (
+    removed, parameters, gravity, walls, tractions, constraints, writing, damping, friction
+)  # fmt: skip
