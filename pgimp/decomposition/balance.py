@@ -86,7 +86,7 @@ class Balance:
         self._changed, self._seconds = -1, 0.0
         self.move_cost = _MOVE_COST
         self._cold = True
-        # What follows is of use on rank 0 only.
+        # The following attributes are of use on rank 0 only.
         self._density = np.ones(cuts[-1])
         self._expected = np.ones(len(cuts) - 1)
         self._plane = 0.0

@@ -59,7 +59,7 @@ class Population:
         self.start = np.zeros(self.layers + 1, np.int64)
         self._spare_start = np.zeros_like(self.start)
         self._used = count
-        # Rows: unused ones, and those freed in this step; with space for more.
+        # Rows: unused ones, and rows freed in this step; with space for more.
         self._holes, self._holes_count = np.empty(0, np.int32), 0
         self._left, self._left_count = np.empty(0, np.int32), 0
         self._places = np.empty(0, np.int32)

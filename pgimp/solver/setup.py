@@ -188,7 +188,7 @@ def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
     """Compile the kernels of this stage and of later ones, and start the clock; collective."""
     scene, comm = start.scene, start.comm
     warm_up(scene, comm)
-    for each in later:  # none waits for the compiler then, or meets its refusals
+    for each in later:  # none waits for the compiler then, or fails in it
         take_as_empty(each.case, comm)
         each.rigid_bodies.borrow(scene.rigid_bodies)
         warm_up(each, comm)

@@ -69,7 +69,7 @@ class Simulation:
     watch : EnergyWatch or None
         The guard of the steps that pgimp chooses.
     failure : Failure or None
-        The step that failed; `time`, `step` and `dt` are then those of the step before.
+        The step that failed; `time`, `step` and `dt` then belong to the step before.
 
     Raises
     ------

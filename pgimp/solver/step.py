@@ -28,7 +28,7 @@ def step(
 ) -> tuple[Step, float]:
     """Advance a rank's particles by one step; collective.
 
-    Equation numbers are those of Bardenhagen & Kober (2004).
+    Equation numbers are from Bardenhagen & Kober (2004).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Data of contact at a vertex where the velocity fields of several bodies meet.
+"""Data of contact at a vertex shared by the velocity fields of several bodies.
 
 Two passes: the first projects the momenta from the particles before forces act, the second the
 velocities after the forces. Particles receive the second pass's change as an acceleration, but not
@@ -36,7 +36,8 @@ FIELD_STATE = np.dtype([
 #: A pair of fields. `normal` is from the first to the second, `gap_rate` the velocity that closes
 #: the gap within the step. Impulses are accumulated; `sticking` is the tangential impulse over the
 #: sticking impulse. `adhesion` and `shear_adhesion` bound the adhesive impulses along the normal
-#: and across it; `adhesion_used` is the normal adhesive impulse over its bound.
+#: and across it; `adhesion_used` is the adhesive impulse along the normal over the impulse required
+#: to hold.
 PAIR_STATE = np.dtype([
     ("normal", "f8", 3),
     ("gap_rate", "f8"),
@@ -61,9 +62,9 @@ class Contact(NamedTuple):
     pairs : Pairs
         The law of each pair of bodies.
     volumes : (planes * plane,) float64
-        The sums of `VolumeSums`, for the planes where bodies meet.
+        The sums of `VolumeSums`, for the planes with contact vertices.
     vertex_counts : (planes,) int64
-        Number of the vertices at which bodies meet, in each plane.
+        Number of the contact vertices in each plane.
     vertex_ranges : (planes,) VERTEX_RANGE
         Range of these vertices in each plane, see `select_near`.
     places, bodies : (fields,) int64
@@ -75,7 +76,7 @@ class Contact(NamedTuple):
     pair_states : (pairs,) PAIR_STATE
         Scratch: the states of the pairs.
     scratch_impulse : (faces, 3) float64
-        Scratch for impulses on faces that are not booked.
+        Scratch for unbooked impulses of faces.
     rigid_bodies : RigidBodies or ()
         The rigid bodies, which count as fields without records in the grid, and with infinite
         mass.
@@ -103,7 +104,7 @@ class Contact(NamedTuple):
         faces: int,
         rigid_bodies: Any = (),
     ) -> "Contact":
-        """Allocate for `planes` planes, where at most `fields` bodies meet at a vertex."""
+        """Allocate for `planes` planes, with at most `fields` bodies at a vertex."""
         most = fields + (len(rigid_bodies.motion) if rigid_bodies else 0)
         count = most * (most - 1) // 2
         return cls(

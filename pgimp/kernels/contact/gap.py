@@ -20,8 +20,8 @@ LEAST_FILLED = 0.02
 LEAST_HELD = 1e-6
 
 #: Least part where the rigid surface is inclined to the grid by more than the sine `INCLINED`, in
-#: proportion below. Cut boxes have spurious corners there. A vertex in the rigid body would see
-#: only these, 0.2 cells before contact.
+#: proportion below. Cut boxes have spurious corners there. A vertex in the rigid body would have
+#: only these in reach, 0.2 cells before contact.
 LEAST_INCLINED, INCLINED = 0.08, 0.05
 
 #: Least part of the mass of two fields for each of them.

@@ -15,8 +15,8 @@ from pgimp.physics.contact.base import TIED
 #: components follow neither. A unilateral wall, or friction, does not hold against a great one.
 SMALL, GREAT = 2.0**-20, 2.0**10
 
-#: Least part of a normal's square along free directions of a field that meets a prescribed rigid
-#: body. With less, its few free components would have to take all, without bound.
+#: Least part of a normal's square along free directions of a field in contact with a prescribed
+#: rigid body. With less, its few free components would have to take all, without bound.
 LEAST_GIVEN = 0.01
 
 

@@ -168,8 +168,8 @@ def _find_fields(contact, faces, frame, field, r, number):
 def load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
     """Add the rigid bodies near a vertex to the `count` fields there; returns their number.
 
-    The velocity from particles meets the rigid velocity at the step's beginning, after forces at
-    its end. So the material gets its support's acceleration.
+    The velocity from particles is paired with the rigid velocity at the step's beginning, after
+    forces at its end. So the material gets its support's acceleration.
     """
 
 

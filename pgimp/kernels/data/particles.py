@@ -1,8 +1,8 @@
 """The particles of one rank: the data shared by all kernels.
 
 Each column is declared once, in `Particles`. Allocation, migration, checkpoints, checks of a resume
-and docs/symbols.md follow from it. `Population` has the mask of live rows and their canonical
-order; rows of particles that have left stay as holes until the next re-sort.
+and docs/symbols.md follow from it. `Population` has the live rows and their canonical order; rows
+of particles that have left stay as holes until the next re-sort.
 """
 
 from collections.abc import Callable

@@ -22,8 +22,8 @@ That is exact for linear fields, so that hydrostatic pressure does not change.
 
 Voids close at the rate eps c/h. In overfull neighbourhoods J of liquids and grains is reduced
 towards 1.01; in full ones the opening gap of loose soil is reduced. Both are without stress, so
-that nothing else changes. Otherwise soil that was torn apart on its way would lie there with excess
-volume.
+that nothing else changes. Otherwise soil that was torn apart in motion would come to rest with
+excess volume.
 """
 
 from typing import Any, NamedTuple
@@ -51,7 +51,7 @@ EXCESS, FIELD, SURPLUS, OVERLAP = 0, 1, 2, 3
 class FillingSums(NamedTuple):
     """Stand-in for the loads in the sums of the filling.
 
-    The fields are those of `Loads`, with arms for the gradient of J, and
+    The fields are as in `Loads`, with arms for the gradient of J, and
 
     most : (bodies,) float64
         The greatest J without voids where J is relaxed; 0 for other bodies, which only fill.

@@ -3,8 +3,8 @@
 The vertices beyond the face add their sums to their mirror images before the momentum update. Mass,
 tangential momentum and force add, the normal parts subtract. After it they get the reflection of
 their images' velocity and acceleration, which the particles then gather. At a wall that holds every
-direction (`fixed`) all parts subtract, so that the velocity on it is zero. With tangential motion a
-wide particle would slide by its part beyond the wall.
+direction (`fixed`) all parts subtract, so that the velocity on it is zero. With even tangential
+motion a wide particle would slide by its part beyond the wall.
 
 The grid thus moves under a constraint: velocities beyond the face are the reflection of velocities
 within. So it conserves energy, and momentum up to the face's impulse. Particles gain the sum of

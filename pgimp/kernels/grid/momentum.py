@@ -92,7 +92,7 @@ def _accelerate(G, begin, end, dt, gravity, mass_cutoff, clearances):
 def constrain_plane(faces, n, frame, field, forcing, i, ledger):
     """Apply the conditions at the vertices of plane `i` on or beyond face `n` but none before it.
 
-    Where faces meet, a vertex is treated by all of them at once. The work of each is its force
+    Where faces join, a vertex is treated by all of them at once. The work of each is its force
     times the velocity after the last face, or after a constraint.
     """
 

@@ -1,4 +1,4 @@
-"""Velocity gradients of unordered particles, from the velocities of those around them.
+"""Velocity gradients of unordered particles, from the velocities of their neighbours.
 
 The particles are sorted by cells as large as the reach, numbered along the last direction first,
 with an empty cell around all of them. Neighbours of a particle are in runs of three cells, found by

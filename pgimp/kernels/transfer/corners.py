@@ -15,7 +15,7 @@ from pgimp.physics.shapes.base import edges, size
 #: In the buffer for supports each corner has 16 numbers, four for each of four particles. They are
 #: the position in its cell along each direction, and from `CELL` on the offset of the cell's first
 #: vertex from the support's. The rows of A^-1, per length, and the half edges, in cells, come after
-#: those of `pgimp.kernels.transfer.supports`.
+#: the numbers of `pgimp.kernels.transfer.supports`.
 CORNER, CELL, INVERSE, EDGES = 16, 12, 152, 188
 
 

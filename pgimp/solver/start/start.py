@@ -17,7 +17,7 @@ from pgimp.solver.time.energy_watch import EnergyWatch
 
 @dataclass
 class Start:
-    """The state that a simulation takes over; its attributes are those of `Simulation`.
+    """The state that a simulation takes over; for its attributes see `Simulation`.
 
     Set-up fills it in order: `clock`, `watch`, `balance`, then `rank`
     and `rate`.

@@ -189,7 +189,7 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
         All walls at rest, where neighbourhoods end.
     walls : SeparatingWalls
         The unilateral ones.
-    contact_vertices : Present
+    contact_vertices : ContactVertices
         The groups' sums at the vertices.
     contact_pairs : ContactPairs
         Filled with the pairs.

@@ -17,8 +17,8 @@ from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import held_velocity
 
-#: A face of the domain: direction, side, number of vertices along that direction, number of the
-#: face. Then whether it reverses all components of a reflected vector.
+#: A face of the domain: direction, side, position along that direction as a vertex number, number
+#: of the face. Then whether it reverses all components of a reflected vector.
 FACE_PLANE = np.dtype([
     ("axis", "i8"), ("side", "i8"), ("vertex", "i8"), ("face", "i8"), ("sticks", "i8")
 ], align=True)  # fmt: skip

@@ -1,4 +1,4 @@
-"""Vertices shared by several groups of bodies, or near a rigid one, and the particles there.
+"""Vertices shared by several groups, or near rigid bodies and walls, and the particles there.
 
 Most of the particles near contact have no such vertex. Particles with one first vertex share all
 vertices, a patch, whose numbers are found once.
@@ -67,7 +67,7 @@ def find_shared(table, local, within, boxes, contact_vertices):
         An axis, and the range of the vertices along it that count.
     boxes : (m, 2, 3) int64
         Least and greatest numbers of the vertices where rigid bodies or walls may be.
-    contact_vertices : Present
+    contact_vertices : ContactVertices
         Without entries.
 
     Returns

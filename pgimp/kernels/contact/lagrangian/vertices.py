@@ -169,7 +169,7 @@ def sum_at_contact_vertices(frame, table, supports, left, linear, patch, numbers
         1 if `left` has the whole supports, corrected by their gradient over the offset; else 0.
     patch, numbers
         See `pgimp.kernels.contact.lagrangian.shared_vertices.Patches`.
-    contact_vertices : Present
+    contact_vertices : ContactVertices
         With keys; the sums are set.
     """
     D, sums = len(frame.origin), contact_vertices.sums

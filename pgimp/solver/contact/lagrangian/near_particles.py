@@ -43,7 +43,7 @@ class Near(NamedTuple):
         The particles with shared vertices there, in canonical order.
     patches : Patches
         The numbers of these vertices.
-    contact_vertices : Present
+    contact_vertices : ContactVertices
         Room for the sums there.
     start : Supports
         The particles' initial supports.
