@@ -36,7 +36,7 @@ FIELD_STATE = np.dtype([
 #: A pair of fields. `normal` is from the first to the second, `gap_rate` the velocity that closes
 #: the gap within the step. Impulses are accumulated; `sticking` is the tangential impulse over the
 #: sticking impulse. `adhesion` and `shear_adhesion` bound the adhesive impulses along the normal
-#: and across it; `adhesion_used` is the adhesive impulse along the normal over the impulse required
+#: and across it. `adhesion_used` is the adhesive impulse along the normal over the impulse required
 #: to hold.
 PAIR_STATE = np.dtype([
     ("normal", "f8", 3),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 #: Columns of `Ledger.contact`, for each entry in a step: impulse on the first body; normal and
-#: tangential impulse; heat of friction; energy lost in impacts; area.
+#: tangential impulse; friction heat; energy lost in impacts; area.
 IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
 
 #: Columns of `Ledger.walls`, for each face: heat of friction; energy lost in impacts.

@@ -13,7 +13,7 @@ from pgimp.kernels.transfer.first_vertex import first_vertex
 from pgimp.kernels.transfer.lane_io import coordinates, deformations
 from pgimp.physics.shapes.base import by_corners, size, weights
 
-#: Numbers in the buffer for the supports of a batch: by direction weights (19), gradients (20) and
+#: Numbers in the buffer for the supports of a batch: by direction weights (19), gradients (20),
 #: weights times arms, each of up to four vertices. Then the offset of the first vertex; each four
 #: times. From `MEANS` on there is space for `pgimp.kernels.update.mean`. Supports by corners have
 #: the numbers of `pgimp.kernels.transfer.corners`, on either side of the offset.
