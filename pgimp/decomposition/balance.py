@@ -1,10 +1,9 @@
 """Load balance: when and where slab boundaries move.
 
-All ranks measure, rank 0 decides. The cost of a layer is counted in particles: its own, the cost of
-its plane of vertices, and a factor where a rank's time per particle has differed from the others'
-for a while, because of its material or its machine. Boundaries move when the expected saving until
-the next change exceeds what moving has cost so far. Bits do not depend on the boundaries, so
-neither on these times.
+All ranks measure, rank 0 decides. The cost of a layer is counted in particles: its own, and its
+plane of vertices. A factor applies where a rank's time per particle has differed from other ranks'
+for a while, because of material or machine. Boundaries move when the expected saving until the next
+change exceeds the cost of moving so far. Bits do not depend on the boundaries.
 """
 
 from collections import deque
@@ -19,15 +18,15 @@ from pgimp.mpi.switches import switched_on
 SWITCH = "PGIMP_BALANCE"
 _MEANING = "keeps slab boundaries where they are", "lets them follow the load"
 
-#: Imbalance, as a part of the mean cost of a rank, below which slabs stay as they are.
+#: Imbalance, as a part of the mean cost of a rank, below which slabs do not change.
 _SMALL = 0.03
-#: Parts of the mean cost by which a move must lower the most expensive rank's.
+#: Parts of the mean cost by which a move must lower the most expensive rank's cost.
 _LEAST_GAIN = 0.02
 #: Greatest lifetime, in steps, that is expected of an imbalance.
 _LONGEST = 1000
 #: Intervals in which a rank must have differed before it counts as slower or faster.
 _EVIDENCE, _MOST_EVIDENCE = 4, 64
-#: Intervals that are remembered, and seconds of each: disturbances last for tenths of one.
+#: Number of stored intervals, and seconds of each: disturbances last for tenths of one.
 _REMEMBERED, _SECONDS = 8, 1.0
 #: Cost of a move until it is measured, in steps of the particles that move and of some more;
 #: and the greatest cost.
@@ -35,7 +34,7 @@ _MOVE_COST, _FIXED_COST, _MOST_MOVE_COST = 2.0, 8000.0, 200.0
 
 
 class Balance:
-    """The load as a rank knows it.
+    """The load of the ranks, as stored on one.
 
     Parameters
     ----------
@@ -44,7 +43,7 @@ class Balance:
     total : int
         Particles of all ranks.
     vertices : int
-        Vertices a direction in a particle's support.
+        Vertices in one direction of a particle's support.
     ends : int
         See `cut`.
     interval : int
@@ -55,9 +54,10 @@ class Balance:
     on : bool
         Whether boundaries may move.
     rebalance_requested : bool
-        Whether this rank asks for a decision.
+        Whether this rank requests a decision.
     pause : int
-        Steps until a rank may ask again because of particles it already had at the last decision.
+        Steps until a rank may request again because of particles it already had at the last
+        decision.
     move_cost : float
         Cost of a move, in steps of the particles that move, see `_MOVE_COST`; measured on rank 0.
     total : int
@@ -86,7 +86,7 @@ class Balance:
         self._changed, self._seconds = -1, 0.0
         self.move_cost = _MOVE_COST
         self._cold = True
-        # What follows is of use on rank 0 only.
+        # The following attributes are of use on rank 0 only.
         self._density = np.ones(cuts[-1])
         self._expected = np.ones(len(cuts) - 1)
         self._plane = 0.0
@@ -97,7 +97,7 @@ class Balance:
         self._doubted: float | None = None
 
     def _forget(self) -> None:
-        """Forget how ranks differed."""
+        """Clear the records of differences between ranks."""
         self._factors: deque[np.ndarray] = deque(maxlen=_REMEMBERED)
         self._watched = self._next = 0.0
         self._imbalances: deque[float] = deque(maxlen=_MOST_EVIDENCE)
@@ -132,7 +132,7 @@ class Balance:
         Parameters
         ----------
         count, planes : int
-            This rank's particles, and its planes that took part in the last step.
+            This rank's particles, and its active planes in the last step.
         step : int
             Steps done.
         """
@@ -152,7 +152,7 @@ class Balance:
             self._learn(every, busy, step)
 
     def watch(self, count: int) -> None:
-        """Ask again when particles have clearly become more than now, or than after the last move.
+        """Request again when particles clearly outnumber the current count and the last move's.
 
         Parameters
         ----------
@@ -174,7 +174,7 @@ class Balance:
         return min(step - self._changed, _LONGEST)
 
     def _learn(self, every: np.ndarray, busy: np.ndarray, step: int) -> None:
-        """Estimate on rank 0 the costs of particles and planes, and how ranks differ."""
+        """Estimate on rank 0 the costs of particles and planes, and the differences of ranks."""
         counts, planes = every[:, 2], every[:, 3]
         particle = max(every[:, 0].sum() / counts.sum(), 1e-12)
         self._plane = every[:, 1].sum() / max(planes.sum(), 1.0) / particle
@@ -203,7 +203,7 @@ class Balance:
         self.rebalance_requested = (clear or again) and self._may_pay(float(np.ptp(costs)), step)
 
     def _differences(self) -> np.ndarray:
-        """Slowdown of each rank relative to what is expected, less its noise."""
+        """Slowdown of each rank relative to the expected time, less its noise."""
         if len(self._imbalances) < self._evidence or self._watched < _SECONDS:
             return np.ones(len(self.cuts) - 1)
         seen = np.array(self._factors)
@@ -212,7 +212,7 @@ class Balance:
         return np.clip(1.0 + np.sign(deviation) * clear, 0.25, 4.0)
 
     def decide(self, counts: np.ndarray, step: int) -> list[int] | None:
-        """Decide where boundaries should be; on rank 0.
+        """Decide the positions of boundaries; on rank 0.
 
         Parameters
         ----------
@@ -224,7 +224,7 @@ class Balance:
         Returns
         -------
         list of int or None
-            As from `cut`; None where they should stay.
+            As from `cut`; None for no change.
         """
         self.pause = _LONGEST
         if not self.on or not counts.any():
@@ -261,7 +261,7 @@ class Balance:
         return new
 
     def summary(self) -> str:
-        """Return a line on what was done, on rank 0; empty if nothing moved."""
+        """Return a line on the moves made, on rank 0; empty if nothing moved."""
         if not self.moves:
             return ""
         before, after = (f"{100.0 * x:.0f} %" for x in np.mean(self.moves, axis=0))
@@ -292,7 +292,7 @@ class Balance:
         return most
 
     def moved(self, seconds: float, step: int) -> None:
-        """Record on every rank a move and how long it took."""
+        """Record a move and its duration on every rank."""
         self._changed, self._had, self._taken = step, None, 0
         if self._cold:  # the first one is not typical
             self._cold, self._moved = False, 0.0

@@ -1,4 +1,4 @@
-"""A rank's part of the grid: storage for its planes, only as wide as where particles are."""
+"""A rank's part of the grid: storage for its planes, only as wide as its particles need."""
 
 from collections.abc import Sequence
 
@@ -13,8 +13,8 @@ from pgimp.kernels.data.record import RECORD
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
 MARGIN = 2
 
-#: Further cells where ranks know each other's particles one step late: in a step a particle
-#: moves by a cell at most, and its support may grow by another.
+#: Further cells where ranks receive each other's bounds one step late. In a step a particle moves
+#: by a cell at most, and its support may grow by another.
 LAG = 2
 
 
@@ -28,49 +28,48 @@ def aligned(size: int) -> FloatArray:
 class Grid:
     """Planes of vertices `first` to ``first + planes - 1``, cut to a window in y and z.
 
-    The window in y and z is the same on all ranks, so that a message's size is known to both
-    sides.
+    All ranks have one window in y and z, so that both sides of a message agree on its size.
 
     Parameters
     ----------
     frame : Frame
-        Where the grid lies.
+        Position of the grid.
     vertices : int
-        Vertices a direction in a particle's support.
+        Vertices in one direction of a particle's support.
     slab : Slab
-        The rank's layers; it stores ``vertices - 1`` planes more, those that ranks share.
+        The rank's layers; it stores ``vertices - 1`` planes more, shared with other ranks.
     lag : int
-        Cells by which a particle may be farther out than all ranks know.
+        Cells by which a particle may be beyond the common bounds.
     fields : sequence of int
         Number of each body's velocity field; () if all bodies share one.
     bounds : tuple of D pairs of float, optional
-        Coordinates between which particles have to be, where these do not follow from the grid: in
-        the initial configuration.
+        Bounds on the particles' coordinates, in the initial configuration, where they do not follow
+        from the grid.
 
     Attributes
     ----------
     shared_lower : int
-        Planes shared with the lower neighbour; 0 where there is none.
+        Planes shared with the lower neighbour; 0 without one.
     owned : int
-        Planes that are this rank's; those above belong to the upper neighbour.
+        Planes of this rank; planes above belong to the upper neighbour.
     window : Window
-        What is stored.
+        The stored range.
     field : Field
-        The same, for kernels.
+        The stored records, for kernels.
     G : (planes * plane,) float64
         Records of the vertices, see `pgimp.kernels.data.record`; only active planes are defined.
     active : (planes,) uint8
-        Which planes take part in this step.
+        Mask of the planes that take part in this step.
     scratch, deferred : float64
         See `particles_to_grid`.
     partial : float64
-        The part of `deferred` for planes that are shared with the lower neighbour.
+        The part of `deferred` for planes shared with the lower neighbour.
     marks : (planes * plane / 8,) int64
-        See `pgimp.kernels.grid.constrained_vertices`; made when first asked for.
+        See `pgimp.kernels.grid.constrained_vertices`; made at first use.
     base : (2, 2) int64
-        First vertices (least, greatest; y, z) that a support in the window may have.
+        Bounds of the first vertices (least, greatest; y, z) of supports in the window.
     inner_bounds : (2, 2) int64
-        Those that ranks need not report: `lag` cells less, but for the ends of the grid.
+        Bounds that ranks need not report: `lag` cells less, except at the ends of the grid.
     """
 
     def __init__(
@@ -96,7 +95,7 @@ class Grid:
         self.inner_bounds = np.zeros((2, 2), np.int64)
 
     def cover(self, bounds: np.ndarray) -> None:
-        """Store what the supports with first vertices within `bounds` need, and a margin."""
+        """Store the vertices for supports with first vertices within `bounds`, and a margin."""
         margin = MARGIN + self.lag
         self.store(bounds + np.array([[-margin], [margin]]))
 

@@ -1,13 +1,13 @@
-"""The halo exchange: neighbours end with the same bits in the planes they share.
+"""The halo exchange: neighbours end with the same bits in shared planes.
 
 A slab boundary cuts the sums of ``shared = s - 1`` planes. The lower rank sends up its running
-sums of them, one prefix a plane; the upper rank sends down what its first layers add, each layer
-by itself, s(s-1)/2 partial planes. Then both add prefix and partials in layer order.
+sums, one prefix a plane. The upper rank sends down its first layers' contributions, each layer by
+itself, s(s-1)/2 partial planes. Then both add prefix and partials in layer order.
 
 Only a slab's first and last layers contribute to these messages. They are summed first, and the
-inner layers while the messages are in transit, if that is worth more than the further calls of
-kernels. An MPI library may move a long message only while it is called; therefore the inner layers
-are summed in pieces, between which it is.
+inner layers while the messages are in transit, if that saves more than the further kernel calls
+cost. An MPI library may progress a long message only while it is called. Therefore the inner layers
+are summed in pieces, with calls of MPI between them.
 """
 
 import weakref
@@ -30,7 +30,7 @@ _MARKS = 4
 SWITCH = "PGIMP_OVERLAP"
 _MEANING = "lets ranks wait for each other's messages", "lets them work meanwhile"
 
-#: Least number of particles in a piece of the inner layers, and the most pieces there are.
+#: Least number of particles in a piece of the inner layers, and greatest number of pieces.
 PIECE, PIECES = 2000, 4
 
 
@@ -54,7 +54,7 @@ class Halo:
     comm : communicator
         Of all ranks.
     slab : Slab
-        This rank's.
+        This rank's slab.
     shared : int
         Planes shared at a slab boundary, s - 1.
 
@@ -63,7 +63,7 @@ class Halo:
     overlap : bool
         Whether inner layers may be summed while messages are in transit.
     piece : int
-        Least number of particles in a piece of them.
+        Least number of particles in a piece of the inner layers.
     messages, bytes : int
         Sent so far by this rank.
     """
@@ -108,7 +108,7 @@ class Halo:
         Parameters
         ----------
         start : (layers + 1,) int64
-            Where each layer begins in the order of the particles.
+            Beginning of each layer in the order of the particles.
         """
         parts = self._parts[0]
         if self.overlap and len(self._parts) > 1:
@@ -120,7 +120,7 @@ class Halo:
     def halves(self, start: np.ndarray) -> tuple[np.ndarray, ...]:
         """Layers from which particles may leave the slab, then the others; all, if these are few.
 
-        Advancing them separately lets ranks lag by the time of the others, but costs a call.
+        Advancing them separately lets ranks lag by the time of the other layers, but costs a call.
 
         Parameters
         ----------

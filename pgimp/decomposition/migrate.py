@@ -1,7 +1,7 @@
-"""Migration: particles whose layer has become a neighbour's move there, with all they carry.
+"""Migration: particles whose layer now belongs to a neighbour move there, with all columns.
 
-Each step one message goes to each neighbour: how many particles move, and their records, as far as
-the receiver's buffer is long. The rest follows in a second message, and both sides then enlarge
+Each step one message goes to each neighbour: the number of migrants, and their records up to the
+length of the receiver's buffer. The rest follows in a second message, and both sides then enlarge
 their buffers alike.
 """
 
@@ -55,7 +55,7 @@ class _Link:
         self.requests: list[Any] = []
 
     def send(self, columns: Columns, rows: np.ndarray) -> int:
-        """Begin to exchange; send `rows` of the particles. The number of messages sent."""
+        """Begin the exchange with `rows` of the particles; returns the number of messages sent."""
         self.receipt.Start()
         number, capacity = len(rows), self.to_send
         if number > capacity:
@@ -73,7 +73,7 @@ class _Link:
         return len(requests)
 
     def wait(self) -> int:
-        """Wait for the neighbour's particles; their number."""
+        """Wait for the neighbour's particles; returns their number."""
         self.receipt.Wait()
         number = int(self.incoming[0])
         if number > self.to_receive:
@@ -110,9 +110,9 @@ class Migration:
     comm : communicator
         Of all ranks.
     slab : Slab
-        This rank's.
+        This rank's slab.
     particles : Particles
-        This rank's; only the columns matter.
+        This rank's particles; only the columns matter.
 
     Attributes
     ----------
@@ -138,15 +138,15 @@ class Migration:
     def proceed(self, population: Population, places: np.ndarray) -> None:
         """Process particles that have changed their layer; not collective beyond the neighbours.
 
-        At the first call in a step those that have left the slab are sent; later calls must have
-        none.
+        At the first call in a step, particles that have left the slab are sent; later calls must
+        have none.
 
         Parameters
         ----------
         population : Population
-            This rank's; it frees the rows of those that leave.
+            This rank's population; it frees the rows of leaving particles.
         places : (k,) int32
-            Places of the particles in its order.
+            Offsets of the particles in its order.
         """
         down = up = 0
         found = len(places)
@@ -170,7 +170,7 @@ class Migration:
                     population.free_later(rows)
 
     def receive(self, population: Population) -> np.ndarray:
-        """Receive the particles that arrive, after `proceed`; not collective beyond the neighbours.
+        """Receive the arriving particles, after `proceed`; not collective beyond the neighbours.
 
         Returns
         -------

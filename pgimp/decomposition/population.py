@@ -12,7 +12,7 @@ from pgimp.kernels.order.order import grow_vertex_bounds, locate, merge
 
 
 def with_capacity(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:
-    """Return the array, or a longer one with the same `used` first numbers if it is too short."""
+    """Return the array, or a longer one with its `used` first numbers if it is too short."""
     if len(array) >= size:
         return array
     longer = np.empty(size + size // 8 + 16, array.dtype)
@@ -23,9 +23,9 @@ def with_capacity(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:
 class Population:
     """Particles of the layers `first` to ``first + layers - 1``.
 
-    The rows of `particles` stay where they are between two re-sorts; `order` lists the living
-    ones in canonical order (layer now, cell at the last re-sort, id). A particle that changes its
-    layer only moves in that list; the row of one that leaves is a hole until the next re-sort.
+    The rows of `particles` do not move between two re-sorts. `order` lists the living ones in
+    canonical order (current layer, cell at the last re-sort, id). A particle that changes its layer
+    only moves in that list; the row of a leaving particle is a hole until the next re-sort.
 
     Parameters
     ----------
@@ -34,8 +34,8 @@ class Population:
     slab : Slab
         The layers.
     start : (layers + 1,) int64, optional
-        Where each layer begins, of rows that are in canonical order by the cells they have;
-        without it they are sorted by where they are.
+        Beginning of each layer, for rows in canonical order by their cells; without it they are
+        sorted by their positions.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Population:
     order : (count,) int32
         Rows in canonical order.
     start : (layers + 1,) int64
-        Where each layer begins in `order`.
+        Beginning of each layer in `order`.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Population:
         self.start = np.zeros(self.layers + 1, np.int64)
         self._spare_start = np.zeros_like(self.start)
         self._used = count
-        # Rows: unused ones, and those freed in this step; with space for more.
+        # Rows: unused ones, and rows freed in this step; with space for more.
         self._holes, self._holes_count = np.empty(0, np.int32), 0
         self._left, self._left_count = np.empty(0, np.int32), 0
         self._places = np.empty(0, np.int32)
@@ -72,19 +72,19 @@ class Population:
 
     @property
     def changed(self) -> np.ndarray:
-        """Scratch for as many rows as there are particles, between two changes of the order."""
+        """Scratch for as many rows as particles, between two changes of the order."""
         return self._spare
 
     @property
     def columns(self) -> Columns:
-        """`Particles.columns`, kept until there are other arrays."""
+        """`Particles.columns`, kept until the arrays change."""
         if self._columns is None or self._columns[0] is not self.particles:
             self._columns = (self.particles, self.particles.columns())
         return self._columns[1]
 
     @property
     def ordered(self) -> Order:
-        """Rows and beginnings of the layers, as kernels take them."""
+        """Rows and beginnings of the layers, for kernels."""
         return Order(self.order, self.start)
 
     def sort(self) -> None:
@@ -135,7 +135,7 @@ class Population:
     def free_later(self, rows: np.ndarray) -> None:
         """Free the rows of particles that have left, to another rank or for good, later.
 
-        `restore_order` does it: it finds places by the keys of the old order's rows.
+        `restore_order` frees them: it finds offsets by the keys of the old order's rows.
         """
         count = self._left_count + len(rows)
         self._left = with_capacity(self._left, count, self._left_count)
@@ -153,7 +153,7 @@ class Population:
         self._holes_count = count
 
     def set_layers(self, slab, order: np.ndarray, start: IntArray) -> None:
-        """Replace the layers by those of `slab`, whose rows in canonical order are `order`."""
+        """Replace the layers by the layers of `slab`, with `order` as rows in canonical order."""
         self.first, self.layers = slab.first, slab.layers
         self.order, self._spare = order, np.empty_like(order)
         self.start, self._spare_start = start, np.empty_like(start)
@@ -185,15 +185,15 @@ class Population:
         Parameters
         ----------
         left : (k,) int32
-            Places in `order` of the particles that have left their layer, ascending.
+            Offsets in `order` of the particles that have left their layer, ascending.
         arrivals : (l,) int32
-            Rows of the particles that have come into a layer; sorted here.
+            Rows of the particles that have entered a layer; sorted here.
         """
         p = self.particles
         self._places = with_capacity(self._places, max(len(left), len(arrivals)))
         sort_rows(p.layer, p.cell, p.id, arrivals, self._places)
         places = self._places[: len(left)]
-        places[:] = left  # which may lie where the new order will
+        places[:] = left  # its memory may overlap the new order's
         count = len(self.order) - len(left) + len(arrivals)
         self._spare = with_capacity(self._spare, count)
         merge(
@@ -210,5 +210,5 @@ class Population:
 
     @staticmethod
     def _whole(order: np.ndarray) -> np.ndarray:
-        """The array of which `order` is the beginning."""
+        """The array that begins with `order`."""
         return order if order.base is None else order.base

@@ -12,7 +12,7 @@ from pgimp.mpi.communicator import Communicator
 
 _TAG = 5
 
-#: Numbers in a message: short, to avoid a second copy of everything that moves.
+#: Numbers in a message: short, to avoid a second copy of all migrating data.
 _PIECE = 2**19
 
 _NONE = np.empty(0, np.int32)
@@ -29,26 +29,26 @@ def redistribute(
     """Change the decomposition between two steps; collective.
 
     Particles keep their layers and cells, and with these the canonical order, so that no bit of
-    the results can change. Arrivals reuse the rows of those that left: no rank holds more than its
-    old and its new share.
+    the results can change. Arrivals reuse the rows of departed particles: no rank holds more than
+    its old and its new share.
 
     Parameters
     ----------
     comm : communicator
         Of all ranks.
     old, new : list of int
-        Results of `cut`, the same on every rank.
+        Results of `cut`, equal on every rank.
     extra : int
-        Planes above those of the grid's last layer, which belong to the last rank with layers.
+        Planes above the grid's last layer, which belong to the last rank with layers.
     population : Population
         This rank's particles; changed.
     sums : sequence of arrays (planes, ...) float64
-        By plane that this rank owns in the old decomposition.
+        For the planes that this rank owns in the old decomposition.
 
     Returns
     -------
     list of arrays (planes, ...) float64
-        By plane that it owns in the new one.
+        For the planes that it owns in the new one.
     """
     rank, before, after = comm.rank, slab_of(old, comm.rank), slab_of(new, comm.rank)
     had, gets = _planes(old, extra, rank), _planes(new, extra, rank)
@@ -74,8 +74,8 @@ def redistribute(
 
     new_planes[places(gets, had, gets)] = planes[places(had, had, gets)]
     rows = {rank: [rows_of(after)]}
-    # One distance of ranks after the other, so that no ranks wait for each other in a circle, and
-    # there is never more than one message on its way out and one on its way in.
+    # One distance of ranks after the other, so that no ranks wait for each other in a circle. At
+    # most one message is on its way out and one on its way in.
     for distance in _distances(old, new, extra):
         to, source = rank + distance, rank - distance
         going = planes[places(had, had, _planes(new, extra, to))]
@@ -111,14 +111,14 @@ def redistribute(
 
 
 def _planes(cuts: list[int], extra: int, rank: int) -> Slab:
-    """Planes that a rank owns; none for a number that is no rank's."""
+    """Planes that a rank owns; none for a number without a rank."""
     if not 0 <= rank < len(cuts) - 1:
         return Slab(cuts[-1] + extra, 0, None, None)
     return slab_of([*cuts[:-1], cuts[-1] + extra], rank)
 
 
 def _distances(old: list[int], new: list[int], extra: int) -> list[int]:
-    """Distances in ranks over which planes move; the same on every rank."""
+    """Distances in ranks over which planes move; equal on every rank."""
     found = set()
     for rank in range(len(old) - 1):
         first, end = old[rank], old[rank + 1] + extra * (rank == len(old) - 2)

@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-#: Layers round the place of equal shares among which the best place of a boundary is sought.
+#: Layers round the equal-share position among which the best position of a boundary is sought.
 _NEARBY = 16
 
 
 class Slab(NamedTuple):
-    """The layers of one rank, and its neighbours' ranks (None where there is none)."""
+    """The layers of one rank, and its neighbours' ranks (None without one)."""
 
     first: int
     layers: int
@@ -25,22 +25,22 @@ class Slab(NamedTuple):
 
 
 def most_slabs(layers: int, width: int, ends: int = 0) -> int:
-    """Ranks that can have layers, see `cut`."""
+    """Greatest number of ranks with layers, see `cut`."""
     ends = max(width, ends)
     return (layers - 2 * ends) // width + 2 if layers >= 2 * ends else 1
 
 
 def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
-    """Cut the layers into runs so that the greatest cost of a run is least.
+    """Cut the layers into runs with the least greatest cost of a run.
 
-    Of several solutions, that with the least sum of squares. A boundary is at most `_NEARBY` layers
-    from where the shares on both sides are right, or from the middle of a group of boundaries that
-    are at their least distance.
+    Of several solutions, the one with the least sum of squares. A boundary is at most `_NEARBY`
+    layers from the position of right shares on both sides. In a group of boundaries at their least
+    distance, it is near the group's middle.
 
     Parameters
     ----------
     costs : (layers,) int or float
-        Of each layer, not negative: its number of particles, or seconds.
+        Cost of each layer, not negative: its number of particles, or seconds.
     ranks : int
         Ranks to share them; where there are too few layers, the last ranks get none.
     width : int
@@ -61,8 +61,8 @@ def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
         return [0, layers]
     total = np.concatenate([[0.0], np.cumsum(costs if costs.any() else np.ones(layers))])
 
-    # Boundaries less the layers that the ranks before them must have at least: then they only
-    # have to ascend.
+    # Boundaries less the least number of layers of the ranks before: then they only have to
+    # ascend.
     least = ends + width * np.arange(active - 1)
     slack = layers - ends - int(least[-1])
     shares = total[-1] * np.arange(1, active) / active
@@ -83,14 +83,14 @@ def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
 def _best_cuts(
     total: np.ndarray, places: list[np.ndarray], widths: Sequence[int], bound: float
 ) -> tuple[list[int], float]:
-    """Boundaries whose most expensive run costs least or, with a bound for that, of least squares.
+    """Boundaries with the least greatest cost of a run or, for a bound on it, of least squares.
 
     Parameters
     ----------
     total : (layers + 1,) float64
         Cost of all layers below.
     places : sequence of arrays of int
-        Where each boundary may be, the first and the last one included.
+        Possible positions of each boundary, including the first and the last one.
     widths : sequence of int
         Least number of layers between a boundary and the next.
 
@@ -140,6 +140,6 @@ def slab_of(cuts: list[int], rank: int) -> Slab:
 
 
 def common(a: Slab, b: Slab) -> tuple[int, int]:
-    """First layer that two slabs have in common, and the end of those."""
+    """First layer that two slabs have in common, and the end of the common layers."""
     first = max(a.first, b.first)
     return first, max(first, min(a.first + a.layers, b.first + b.layers))

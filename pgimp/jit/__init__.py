@@ -1,10 +1,11 @@
 """Compiling and caching of kernels, vectors of four numbers, and tensor algebra on tuples.
 
-What Numba must know before it is imported is set here, as any module of this folder may do that:
+Settings that Numba needs before its import are made here, as any module of this folder may import
+it:
 
 - ``NUMBA_LOOP_VECTORIZE=0``: in a loop that LLVM vectorises, contraction to fused multiply-adds
-  differs between the vector body and the scalar remainder, so that a particle's bits would depend
-  on its place in the array. Kernels use explicit vectors instead (`pgimp.jit.vectors.simd`).
+  differs between the vector body and the scalar remainder. A particle's bits would then depend on
+  its offset in the array. Kernels use explicit vectors instead (`pgimp.jit.vectors.simd`).
 - ``NUMBA_DISABLE_INTEL_SVML=1``: the vector maths library rounds differently from libm.
 - ``NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING=1``: where colorama is installed, Numba would write
   control characters to stdout at the end.

@@ -1,15 +1,15 @@
 """Small matrices and symmetric tensors as tuples, specialised on their length at compile time.
 
 A matrix (F, the velocity gradient, a rotation) is a row-major tuple of D*D numbers. A symmetric
-tensor (stress, left Cauchy-Green) is (xx, yy, zz) in 1D, with xy in 2D (plane strain), with yz
-and xz in 3D: each a prefix of the next, so the zz of plane strain is always there.
+tensor (stress, left Cauchy-Green) is (xx, yy, zz) in 1D, with xy in 2D (plane strain), with yz and
+xz in 3D. Each is a prefix of the next, so that the zz of plane strain is always there.
 """
 
 from pgimp.jit.kernel import specialise
 
 
 def determinant(A):
-    """Determinant of a matrix; in 2D that of the plane-strain extension."""
+    """Determinant of a matrix; in 2D of its plane-strain extension."""
 
 
 @specialise(determinant)
@@ -54,7 +54,7 @@ def _multiply(A, B):
 
 
 def inverse(A):
-    """Inverse of a matrix that is not singular."""
+    """Inverse of a nonsingular matrix."""
 
 
 @specialise(inverse)
@@ -90,7 +90,7 @@ def _inverse(A):
 
 
 def cofactor(A):
-    """Cofactor matrix det(A) A^-T; in 2D that of the plane-strain extension, but for its zz."""
+    """Cofactor matrix det(A) A^-T; in 2D of the plane-strain extension, except its zz."""
 
 
 @specialise(cofactor)
@@ -178,7 +178,7 @@ def _symmetric(A):
 
 
 def left_cauchy_green(F):
-    """The symmetric tensor b = F F^T; directions that a scene does not have are not stretched."""
+    """The symmetric tensor b = F F^T; missing directions of a scene are not stretched."""
 
 
 @specialise(left_cauchy_green)

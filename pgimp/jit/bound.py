@@ -1,8 +1,8 @@
-"""Kernels called without asking for their arguments' types again.
+"""Kernel calls without a repeated search for the arguments' types.
 
-At each call Numba finds out the types of all arguments, to choose what it has compiled. For tuples
-of arrays that takes several microseconds, in small scenes more than the kernels' work. Within one
-simulation a kernel is always called with the same types.
+At each call Numba determines the types of all arguments, to choose the compiled code. For tuples of
+arrays that takes several microseconds, in small scenes more than the kernels' work. Within one
+simulation the types of a kernel's arguments never change.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ import numba
 
 
 class Bound:
-    """Calls of kernels, each with arguments of the same types for ever; others would be misread."""
+    """Calls of kernels, each with constant types of arguments; others would be misread."""
 
     def __init__(self) -> None:
         self._entries: dict[Any, Callable[..., Any]] = {}

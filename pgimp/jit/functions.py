@@ -1,10 +1,10 @@
-"""exp, log, power and cbrt of numbers and of vectors: pgimp's own, the same bits for both.
+"""exp, log, power and cbrt of numbers and of vectors: pgimp's own, with the same bits for both.
 
-What a library makes of them depends on its maker and version, and on whether it is asked for one
-number or for four. These are sums, products, divisions and fused multiply-adds alone, which IEEE
-754 rounds in one way, and are not contracted further (`pgimp.jit.kernel.exact`). They never branch.
-Errors, held by `tests/jit/test_functions.py`, are below one unit in the last place (ulp): 0.99 of
-exp, 0.64 of log, 0.5 of cbrt, and of power 0.96 for |y ln x| < 10, 1.6 up to 40, 24 up to 700.
+A library's results depend on its maker and version, and differ between one number and four. These
+are sums, products, divisions and fused multiply-adds alone, which IEEE 754 rounds in one way. They
+are not contracted further (`pgimp.jit.kernel.exact`), and never branch. Errors in units in the last
+place (ulp), held by `tests/jit/test_functions.py`, are up to 0.99 of exp, 0.64 of log, and 0.5 of
+cbrt. For power they are 0.96 for |y ln x| < 10, 1.6 up to 40, 24 up to 700.
 """
 
 import math
@@ -18,25 +18,25 @@ from pgimp.jit.choose import choose
 from pgimp.jit.kernel import INLINE_OPTIONS, exact
 from pgimp.jit.vectors.simd import DOUBLES, splat, vec4
 
-# ln 2 in two parts, the first exact in products with exponents; and the coefficients of the minimax
-# polynomial for (log(1+f) - f)/s, s = f/(2+f) (Sun Microsystems' fdlibm, e_log.c).
+# ln 2 in two parts, the first exact in products with exponents. Then the coefficients of the
+# minimax polynomial for (log(1+f) - f)/s, s = f/(2+f) (Sun Microsystems' fdlibm, e_log.c).
 _LN2, _LN2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 _C1, _C2, _C3 = 6.666666666666735130e-01, 3.999999999940941908e-01, 2.857142874366239149e-01
 _C4, _C5, _C6 = 2.222219843214978396e-01, 1.818357216161805012e-01, 1.531383769920937332e-01
 _C7 = 1.479819860511658591e-01
-# ln 2 as a float64 and what it lacks, for fused multiply-adds.
+# ln 2 as a float64 and its rounding error, for fused multiply-adds.
 _LOG2E, _LN2_NEAR, _LN2_LACK = 1.0 / math.log(2.0), math.log(2.0), 2.3190468138462996e-17
 # A number of this size has the integers as its last bits.
 _ROUND = 1.5 * 2.0**52
 # Beyond these e^x is 0 or infinite.
 _LOWEST, _HIGHEST = -746.0, 710.0
 
-# Significand bits of sqrt(1/2): what it exceeds is at least that.
+# Significand bits of sqrt(1/2), the least significand.
 _HALF = 0x3FE6A09E667F3BCD
 
 
 def _shared(*kinds):
-    """The type of a result: a vector if there is one among the arguments."""
+    """The type of a result: a vector if any argument is one."""
     return vec4 if vec4 in kinds else types.float64
 
 
@@ -45,7 +45,7 @@ def _llvm(kind):
 
 
 def _bits(kind):
-    """LLVM's type of the bits of a number or a vector, and a function that makes constants."""
+    """LLVM's type of the bits of a number or a vector, and a function for constants."""
     whole = ir.VectorType(ir.IntType(64), 4) if kind == vec4 else ir.IntType(64)
     return whole, lambda value: ir.Constant(whole, [value] * 4 if kind == vec4 else value)
 
@@ -147,7 +147,7 @@ def _series_of(z):
 
 
 def log(x):
-    """Natural logarithm of positive normal numbers, NaN of what is not positive."""
+    """Natural logarithm of positive normal numbers, NaN of others."""
 
 
 @exact(log)

@@ -12,8 +12,8 @@ from pgimp.jit.compiled.folder import cache_folder
 
 #: Where compiled kernels are kept.
 FOLDER = cache_folder()
-os.environ["NUMBA_CACHE_DIR"] = str(FOLDER.path)  # for helpers that a user caches himself
-if "numba" in sys.modules:  # imported by the user's program before: set what it has read already
+os.environ["NUMBA_CACHE_DIR"] = str(FOLDER.path)  # for a user's own cached helpers
+if "numba" in sys.modules:  # imported by the user's program before: set its variables
     sys.modules["numba"].config.reload_config()
 
 import numba  # noqa: E402
@@ -24,9 +24,9 @@ from pgimp.jit.compiled.compiler import Compiler  # noqa: E402
 
 Compiler.folder = FOLDER.path
 
-#: Options of every kernel and of everything it inlines. Contraction only: full fastmath would let
-#: LLVM reorder sums and delete the checks for NaN. The others save time in compiling:
-#: no entry for programs in C, and no reference counts, of which tuples of arrays need very many.
+#: Options of every kernel and of all functions inlined into it. Contraction only: full fastmath
+#: would let LLVM reorder sums and delete the checks for NaN. The others save compile time: no entry
+#: for programs in C, and no reference counts, of which tuples of arrays need very many.
 _OPTIONS: dict[str, Any] = {
     "fastmath": {"contract"},
     "error_model": "numpy",
@@ -37,7 +37,7 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
-#: The same, for functions that are always inlined into a kernel.
+#: Options of functions that are always inlined into a kernel.
 INLINE_OPTIONS: Any = {**_OPTIONS, "forceinline": True}
 
 
@@ -53,7 +53,7 @@ def kernel(function: Callable) -> Callable:
 def allocating_kernel(function: Callable) -> Callable:
     """As `kernel`, for a function that makes arrays, or calls one that does.
 
-    What it calls may be given arrays but must not return them: `kernel` counts no references.
+    Called functions may take arrays but must not return them: `kernel` counts no references.
     """
     return _kernel(function, {**_OPTIONS, "_nrt": True})
 
@@ -65,7 +65,7 @@ def inner_kernel(function: Callable) -> Callable:
     def refuse(*args: Any, **options: Any) -> None:
         raise TypeError(f"{function.__qualname__} is for other kernels to call")
 
-    # Called from Python, the dispatcher asks for what is not in its own table of entries. Those
+    # Called from Python, the dispatcher looks up entries missing in its own table. The entries
     # of this function would be null.
     compiled.add_overload = lambda done: compiled.overloads.update({done.signature.args: done})
     compiled._compile_for_args = refuse
@@ -92,8 +92,8 @@ def specialise(stub: Callable) -> Callable[[Callable], Callable]:
 def exact(stub: Callable) -> Callable[[Callable], Callable]:
     """As `specialise`, without contraction: the same bits wherever the function is inlined.
 
-    Whether LLVM contracts a product and a sum depends on what else uses the product, so that the
-    same expression may round differently in two kernels.
+    Whether LLVM contracts a product and a sum depends on other uses of the product, so that one
+    expression may round differently in two kernels.
     """
     options: Any = {**INLINE_OPTIONS, "fastmath": False}
     return overload(stub, jit_options=options, strict=False)

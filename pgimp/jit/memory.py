@@ -1,4 +1,4 @@
-"""Copying runs of numbers: the compiler makes a slow loop of it where arrays might overlap."""
+"""Copy of runs of numbers: the compiler makes a slow loop of it where arrays might overlap."""
 
 from numba.core import cgutils, types
 from numba.extending import intrinsic

@@ -1,11 +1,11 @@
-"""Types from outside the package: storage of the kernels that are compiled for them.
+"""Types from outside the package: storage of the kernels compiled for them.
 
-A material that a user's program registers is a NamedTuple whose functions are compiled into the
+A material registered by a user's program is a NamedTuple whose functions are compiled into the
 kernels. The name of the cache folder stands for pgimp's sources alone, and Numba's key for the
-type's name: edited, or another of the same name, the material would silently act as before. So
-kernels for such types go into a folder of their own, named after all that the types compile to:
-their functions, what these call, the values that they read, and the files of all this. Types that
-another process could not find again, as those of a notebook's cells, are compiled but not kept.
+type's name. An edited material, or another one of its name, would silently act as before. So
+kernels for such types go into a folder of their own, named after all compiled content. It has the
+types' functions, the functions called, the values read, and the files of all this. Types that
+another process could not find again, as in a notebook's cells, are compiled but not kept.
 """
 
 import hashlib
@@ -24,7 +24,7 @@ _KNOWN = {*sys.stdlib_module_names, "llvmlite", "numba", "numpy", "pgimp"} - {"_
 
 
 def part_of(kinds: Iterable[Any]) -> str | None:
-    """Name the sub-folder for kernels that are compiled for Numba's types `kinds`.
+    """Name the sub-folder for kernels compiled for Numba's types `kinds`.
 
     Returns
     -------
@@ -75,9 +75,9 @@ _tagged: set[type] = set()
 def tag(entry: type) -> None:
     """Rename a class from outside uniquely.
 
-    When Numba dispatches a call it tells the classes of NamedTuples apart by their names: of two
-    with the same name, as a notebook's cell makes them when it is run again, it takes the first.
-    The class is pickled, and found again, by its qualified name, which stays.
+    When Numba dispatches a call it distinguishes the classes of NamedTuples by their names. Of two
+    with one name, as from a notebook's cell run twice, it takes the first. The class is pickled,
+    and found again, by its qualified name, which does not change.
     """
     if entry not in _tagged:
         _tagged.add(entry)
@@ -85,19 +85,19 @@ def tag(entry: type) -> None:
 
 
 def digests(parameters: Iterable[Any]) -> dict[str, str]:
-    """Return the digests of those types that come from outside, by name; empty where unknown.
+    """Return the digests of the types from outside, by name; empty where unknown.
 
     Parameters
     ----------
     parameters : iterable of NamedTuple
-        Such as of all materials of a scene.
+        For example of all materials of a scene.
     """
     kinds = {type(one) for one in parameters if is_outside(type(one))}
     return {_name(kind): _digest_once(kind)[:16] for kind in sorted(kinds, key=_name)}
 
 
 def unchanged(before: Mapping[str, str]) -> bool:
-    """Return whether the types of `digests` are still the same in this process."""
+    """Return whether the types of `digests` are unchanged in this process."""
     for name, known in before.items():
         module, _, path = name.rpartition(".")
         kind = getattr(sys.modules.get(module), path, None)
@@ -107,7 +107,7 @@ def unchanged(before: Mapping[str, str]) -> bool:
 
 
 def digest(entry: type) -> str:
-    """Digest of all that a class's functions compile to.
+    """Digest of all compiled content of a class's functions.
 
     Parameters
     ----------
@@ -117,8 +117,8 @@ def digest(entry: type) -> str:
     Returns
     -------
     str
-        Empty if another process would not find the class again, or if what it reads cannot be
-        compared.
+        Empty if another process would not find the class again, or if values that it reads cannot
+        be compared.
     """
     found: Any = sys.modules.get(entry.__module__)
     for part in entry.__qualname__.split("."):
@@ -135,7 +135,7 @@ def digest(entry: type) -> str:
 
 
 class _Hasher:
-    """Digests objects and what they refer to, each once, in a fixed order."""
+    """Digests objects and their references, each once, in a fixed order."""
 
     def __init__(self) -> None:
         self.hash = hashlib.sha256()
@@ -144,7 +144,7 @@ class _Hasher:
 
     def take(self, value: Any, names: tuple[str, ...] = ()) -> None:
         """Digest a value; of a module, the attributes `names`."""
-        function = getattr(value, "py_func", value)  # what Numba compiles
+        function = getattr(value, "py_func", value)  # the function that Numba compiles
         if isinstance(value, ModuleType):
             self._module(value, names)
         elif isinstance(value, None | bool | int | float | complex | str | bytes):
@@ -190,7 +190,7 @@ class _Hasher:
                         self._member(getattr(value, "__func__", value))
 
     def _member(self, value: Any) -> None:
-        """Digest an attribute of a class, but not descriptions of fields."""
+        """Digest an attribute of a class, except descriptions of fields."""
         if isinstance(value, FunctionType | type | tuple | bool) or hasattr(value, "py_func"):
             self.take(value)
 
@@ -210,7 +210,7 @@ class _Hasher:
                     self.take(function.__globals__[name], code.co_names)
 
     def _file(self, module: str) -> None:
-        """Digest a module's file, once: it has what Numba finds by itself, such as overloads."""
+        """Digest a module's file, once: for content that Numba finds by itself, as overloads."""
         path = getattr(sys.modules.get(module), "__file__", None)
         if path and path not in self._files:
             self._files.add(path)
@@ -223,7 +223,7 @@ def _known(value: Any) -> bool:
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:
-    """Go through a function's code and that of the functions in it."""
+    """Go through a function's code and the code of its inner functions."""
     yield code
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
@@ -231,7 +231,7 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
 
 
 def _constant(value: Any) -> str:
-    """Write a constant the same way in every process."""
+    """Write a constant identically in every process."""
     if isinstance(value, CodeType):
         return value.co_name
     return repr(sorted(map(repr, value))) if isinstance(value, frozenset) else repr(value)

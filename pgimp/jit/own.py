@@ -1,8 +1,8 @@
 """NamedTuples with numbers that vary by particle.
 
-Of parameters that vary in space, `Own` stands in the place of a number. A kernel puts in the
-values of the particle, or of four, that it is about (`filled`). The types decide what is compiled:
-where nothing varies there is no `Own`, and nothing is done.
+For parameters that vary in space, `Own` stands in place of a number. A kernel substitutes the
+values of its particle, or of four (`filled`). The types decide the compiled code: where nothing
+varies there is no `Own`, and nothing is done.
 """
 
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ class Own(NamedTuple):
 
 
 def is_own(kind: Any) -> bool:
-    """Whether a Numba type is that of `Own`."""
+    """Whether a Numba type is the type of `Own`."""
     return getattr(kind, "instance_class", None) is Own
 
 
@@ -31,7 +31,7 @@ def count_own(kind: Any) -> int:
 
 
 def _type_of(kind, number):
-    """The type of a structure, given by its type, with numbers in place of `Own`."""
+    """Type of a structure, given by its type, with numbers in place of `Own`."""
     if is_own(kind):
         return number
     if not count_own(kind):
@@ -44,7 +44,7 @@ def _type_of(kind, number):
 def filled(typing_context, structure, values):
     """The structure, tuples of any depth, with ``values[i]`` for the i-th `Own` in it.
 
-    `values` are as many numbers, or vectors, as there are, or more.
+    `values` are at least as many numbers, or vectors.
     """
     given: list[Any] = [*values] if isinstance(values, types.BaseTuple) else []
     if not given or count_own(structure) > len(given):

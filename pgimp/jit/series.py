@@ -1,9 +1,9 @@
 """Functions of small symmetric tensors by series in the tensor itself, without a branch.
 
-As `exponential` and `logarithm` of `pgimp.jit.spectral`, for elastic strains and what stretches by
-them: they need no eigenvectors, cost a quarter and lose no digits of what is small. Tensors are
+As `exponential` and `logarithm` of `pgimp.jit.spectral`, for elastic strains and for deformations
+by them. They need no eigenvectors, cost a quarter and lose no digits of small tensors. Tensors are
 tuples as in `pgimp.jit.algebra`, of numbers or of vectors; both have the same bits. Powers above
-the second are had from the first two (Cayley and Hamilton).
+the second follow from the first two (Cayley-Hamilton).
 """
 
 from math import factorial
@@ -11,7 +11,7 @@ from math import factorial
 from pgimp.jit.functions import fma
 from pgimp.jit.kernel import exact
 
-#: Terms of the series: in x^k of exp, to 1e-16 for |x| < 0.4 and 1e-11 for |x| < 1; in z^(2k+1) of
+#: Terms of the series. In x^k of exp, to 1e-16 for |x| < 0.4 and 1e-11 for |x| < 1. In z^(2k+1) of
 #: 2 artanh, to 1e-16 for |z| < 0.16 and 1e-9 for |z| < 0.4.
 _EXP_TERMS, _LOG_TERMS = 14, 10
 _EXP = tuple(1.0 / factorial(k) for k in range(_EXP_TERMS))
@@ -43,7 +43,7 @@ def _square(S):
 
 
 def product(S, T):
-    """The product S T of symmetric tensors with the same eigenvectors, which is symmetric too."""
+    """The product S T of symmetric tensors with common eigenvectors, which is symmetric too."""
 
 
 @exact(product)
@@ -93,7 +93,7 @@ def _invariants(S):
 
 
 def inverse_symmetric(S):
-    """Inverse of a symmetric tensor that is not singular."""
+    """Inverse of a nonsingular symmetric tensor."""
 
 
 @exact(inverse_symmetric)
@@ -141,9 +141,9 @@ def _combine(P, S, T):
 
 
 def _series(found, P, coefficients):
-    """Horner's rule of a polynomial of a tensor X whose invariants are found.
+    """Horner's rule for a polynomial of a tensor X with known invariants.
 
-    P are the coefficients of what is there already, in 1, X and X^2; X^3 is
+    P are the coefficients found so far, in 1, X and X^2; X^3 is
     I1 X^2 - I2 X + I3.
     """
 
@@ -182,8 +182,8 @@ def _series_expm1(S):
 def series_log1p(S):
     """The symmetric tensor ln(1 + S) by a series.
 
-    It is that of 2 artanh z, z = S (2 + S)^-1: to 1e-15 of it for eigenvalues of 1 + S between 0.7
-    and 1.4, to 1e-9 between 0.45 and 2.2; beyond, it changes more slowly than the logarithm.
+    The series is 2 artanh z, z = S (2 + S)^-1. Its relative error is 1e-15 for eigenvalues of 1 + S
+    between 0.7 and 1.4, 1e-9 between 0.45 and 2.2. Beyond, it changes more slowly than ln.
     """
 
 

@@ -1,7 +1,7 @@
 """Functions of symmetric tensors by their eigenvalues, without a branch.
 
 Tensors are tuples as in `pgimp.jit.algebra`, of numbers or of vectors; both have the same bits. For
-those that are small `pgimp.jit.series` costs a quarter.
+small tensors `pgimp.jit.series` costs a quarter.
 """
 
 from math import sqrt
@@ -14,7 +14,7 @@ _TINY = 1e-300
 
 
 def _angle(p, q, r):
-    """Cosine and tangent of the rotation that makes ((p, r), (r, q)) diagonal."""
+    """Cosine and tangent of the rotation that diagonalises ((p, r), (r, q))."""
 
 
 @exact(_angle)
@@ -72,8 +72,8 @@ def _sweep_of(S, Q):
 def eigen(S):
     """Eigenvalues and eigenvectors of a symmetric tensor, in no order.
 
-    Four sweeps of Jacobi's method, which leave 1e-16 of the tensor's size whether eigenvalues are
-    apart, nearly equal or equal; in plane strain one rotation.
+    Four sweeps of Jacobi's method leave 1e-16 of the tensor's size, for distant, nearly equal or
+    equal eigenvalues; in plane strain one rotation.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def eigen(S):
     Returns
     -------
     values : tuple of 3
-        Eigenvalues; in 2D the last is that of zz, in 1D they are the components.
+        Eigenvalues; in 2D the last belongs to zz, in 1D they are the components.
     Q : tuple
         The matrix whose columns are the eigenvectors, for `spectral`.
     """

@@ -80,7 +80,7 @@ def _write(array, p, i, values):
 
 
 def plus_first(x, S):
-    """The sum of x and as many of S."""
+    """The sum of x and as many entries of S."""
 
 
 @specialise(plus_first)

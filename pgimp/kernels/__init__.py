@@ -1,1 +1,1 @@
-"""Numba kernels: transfers, momentum update, canonical order, sums. They know nothing of MPI."""
+"""Numba kernels: transfers, momentum update, canonical order, sums; without MPI."""

@@ -1,1 +1,1 @@
-"""MPI: the communicator, or what stands in for it, and work that all ranks agree on."""
+"""MPI: the communicator, or its stand-in, and work that all ranks agree on."""

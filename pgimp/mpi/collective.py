@@ -1,4 +1,4 @@
-"""Work of rank 0 or of each rank whose failure reaches every rank, so that none waits forever."""
+"""Work of rank 0 or of each rank with failures raised on every rank, so that none waits forever."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ def on_root(comm: Communicator, action: Callable[[], T]) -> T:
     comm : communicator
         Of all ranks; the call is collective.
     action : callable
-        What rank 0 does.
+        Rank 0's work.
 
     Returns
     -------
     object
-        What `action` returned, on every rank.
+        The result of `action`, on every rank.
 
     Raises
     ------
     PgimpError
-        What `action` raised, on every rank.
+        The exception of `action`, on every rank.
     """
     result = error = None
     if comm.rank == 0:
@@ -51,9 +51,9 @@ def agree(comm: Communicator, what: str, cause: str | None) -> None:
     comm : communicator
         Of all ranks; the call is collective.
     what : str
-        What was being done, for the message.
+        The work, for the message.
     cause : str or None
-        Why it failed on this rank; None if it did not.
+        Reason of the failure on this rank; None without one.
 
     Raises
     ------
@@ -75,19 +75,19 @@ def all_or_none(comm: Communicator, action: Callable[[], T], *kinds: type[Except
     comm : communicator
         Of all ranks; the call is collective.
     action : callable
-        What each rank does; not collective itself.
+        Each rank's work; not collective itself.
     *kinds : types of Exception
-        The failures that are expected.
+        The expected failures.
 
     Returns
     -------
     object
-        What `action` returned on this rank.
+        The result of `action` on this rank.
 
     Raises
     ------
     Exception
-        On every rank, what the lowest failing rank raised, if it is one of `kinds`.
+        On every rank, the exception of the lowest failing rank, if it is one of `kinds`.
     """
     result = failure = None
     try:

@@ -18,16 +18,16 @@ from pgimp.terminal import escape
 T = TypeVar("T")
 
 _FAILURE_TAG = 77
-# Ranks that fail in the same step do so within this time; the lowest of them speaks for all.
+# Ranks that fail in one step do so within this time; the lowest of them reports for all.
 _SAME_FAILURE_SECONDS = 0.3
-# How long a rank with a wrong case waits for the others to find the same before it ends them.
+# Time for which a rank with a wrong case waits for the others' verdict before it ends them.
 _AGREEMENT_SECONDS = 20.0
 # Slurm numbers the batch script's and the interactive shell's own steps from here: no launcher.
 _FIRST_SPECIAL_SLURM_STEP = 0xFFFFFFF0
 
 
 class SharedUsageError(UsageError):
-    """An error that every rank finds by itself, so that it is enough if the first one says it."""
+    """An error that every rank finds by itself, so that one report is enough."""
 
 
 class Launcher(NamedTuple):
@@ -112,7 +112,7 @@ def world() -> Communicator:
     UsageError
         If mpi4py finds no MPI library.
     SharedUsageError
-        If it finds one that the launcher does not belong to.
+        If its MPI library is not the launcher's.
     """
     started = launcher()
     if started is None or started.size == 1:
@@ -148,8 +148,8 @@ def world() -> Communicator:
 def quiet_mpi() -> None:
     """Keep imports from initialising MPI in this process.
 
-    An h5py that is built with MPI imports ``mpi4py.MPI``, which initialises MPI by
-    default. To be called before h5py is imported, by every command except a run on several ranks.
+    An h5py built with MPI imports ``mpi4py.MPI``, which initialises MPI by default.
+    To be called before h5py is imported, by every command except a run on several ranks.
     """
     import mpi4py
 
@@ -158,7 +158,7 @@ def quiet_mpi() -> None:
 
 
 def _message(*args: Any, **more: Any) -> Any:
-    """Stand in for what only several ranks have."""
+    """Stand in for members that only several ranks have."""
     raise NotImplementedError("a run on one rank has no messages")
 
 
@@ -200,7 +200,7 @@ class Serial(Communicator):
 
 
 def describe(error: BaseException) -> str:
-    """Text of an exception for the user: pgimp's own as is, others with how to get a traceback."""
+    """Text of an exception for the user: pgimp's own as is, others with the way to a traceback."""
     if os.environ.get("PGIMP_TRACEBACK", "") not in ("", "0"):
         return "".join(traceback.format_exception(error)).rstrip()
     if isinstance(error, PgimpError):
@@ -215,9 +215,9 @@ def describe(error: BaseException) -> str:
 
 
 def say(message: str) -> None:
-    """Write a message to stderr in one piece, so that those of several ranks do not mix."""
+    """Write a message to stderr in one piece, so that messages of several ranks do not mix."""
     for stream, text in ((sys.stdout, ""), (sys.stderr, escape(f"pgimp: {message}\n"))):
-        # Without a stream, only the status can tell.
+        # Without a stream, only the status remains.
         with suppress(OSError, ValueError, AttributeError):
             stream.write(text)
             stream.flush()
@@ -263,21 +263,21 @@ def abort_on_error(comm: Communicator) -> Iterator[None]:
 
 
 def _abort(private: Any, error: BaseException) -> None:
-    """End all ranks; of those that get here together only the lowest prints."""
+    """End all ranks; of the ranks that fail together only the lowest prints."""
     abort_together(private, error, lambda: say(f"rank {private.rank}: {describe(error)}"))
 
 
 def abort_together(comm: Communicator, error: BaseException, speak: Callable[[], None]) -> None:
-    """End all ranks; of those that get here together only the lowest speaks.
+    """End all ranks; of the ranks that fail together only the lowest reports.
 
     Parameters
     ----------
     comm : communicator
         Of all ranks.
     error : BaseException
-        Why; it has the exit status.
+        The reason; it has the exit status.
     speak : callable
-        Says so.
+        Reports it.
     """
     for above in range(comm.rank + 1, comm.size):
         comm.Isend(bytearray(), dest=above, tag=_FAILURE_TAG)

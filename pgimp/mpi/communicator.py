@@ -7,14 +7,14 @@ from typing import Any, Protocol, TypeVar
 
 T = TypeVar("T")
 
-#: A function of mpi4py that takes buffers or requests, whose types it does not tell.
+#: A function of mpi4py that takes buffers or requests, whose types it does not declare.
 Message = Callable[..., Any]
 
 
 class Communicator(Protocol):
     """All ranks of a run: mpi4py's ``Intracomm``, or `pgimp.mpi.comm.Serial` for one rank.
 
-    What is a `Message` exists only with several ranks.
+    Members of the type `Message` exist only with several ranks.
     """
 
     rank: int

@@ -16,9 +16,9 @@ class Limit(NamedTuple):
     Attributes
     ----------
     shared_by : str
-        The same for all processes that share it, unlike that of any others.
+        Key common to all processes that share it, and to no others.
     name : str
-        What sets it, as text.
+        Source of the limit, as text.
     free : int
         Bytes.
     addresses : bool
@@ -37,7 +37,7 @@ def limits(root: str = "/") -> list[Limit]:
     Parameters
     ----------
     root : str
-        Where the system's files are.
+        Directory of the system's files.
     """
     top = Path(root)
     node = _text(top / "proc/sys/kernel/random/boot_id") or os.uname().nodename
@@ -66,9 +66,9 @@ def limits(root: str = "/") -> list[Limit]:
 
 
 def _overcommit(top: Path, memory: dict[str, int], node: str) -> list[Limit]:
-    """Memory that the kernel grants regardless of what is touched."""
+    """Memory that the kernel grants, counting untouched allocations."""
     mode = _text(top / "proc/sys/vm/overcommit_memory")
-    if mode == "0" and "MemTotal:" in memory:  # it refuses what exceeds the total
+    if mode == "0" and "MemTotal:" in memory:  # requests above the total are refused
         most = (memory["MemTotal:"] + memory.get("SwapTotal:", 0)) * 1024
         process = f"{node} process {os.getpid()}"
         return [Limit(process, "the whole memory of this node", most, True)]
@@ -79,7 +79,7 @@ def _overcommit(top: Path, memory: dict[str, int], node: str) -> list[Limit]:
 
 
 def _cgroup(base: Path, path: str, node: str, limit: str, usage: str, prefix: str) -> list[Limit]:
-    """Limits of a cgroup and of those around it; in a container the path may not be there."""
+    """Limits of a cgroup and of its ancestors; in a container the path may not be there."""
     found = []
     place = base / path.strip("/")
     if ".." in place.parts or not place.is_dir():

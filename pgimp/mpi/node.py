@@ -7,7 +7,7 @@ from typing import Any
 
 from pgimp.mpi.communicator import Communicator
 
-#: A call that compiles a kernel, and the seconds that this takes, roughly.
+#: A call that compiles a kernel, and its rough compile time in seconds.
 Call = tuple[float, Callable[[], Any]]
 
 
@@ -37,8 +37,8 @@ def one_rank_first(comm: Communicator) -> Iterator[None]:
 def shared_out(comm: Communicator, calls: Iterable[Call]) -> None:
     """Make calls that compile kernels: the ranks of a node share them, then make all; collective.
 
-    What another rank has compiled is found in the cache. An error in a call passes through after
-    the others have been released, which then meet it too.
+    Kernels compiled by another rank are found in the cache. An error in a call passes through after
+    the others have been released, which then raise it too.
     """
     calls = list(calls)
     if comm.size > 1:
@@ -74,7 +74,7 @@ def cores() -> set[int]:
 
 
 def shares_cores(comm: Communicator) -> bool:
-    """Return whether ranks that may use only this rank's cores are more than these; collective."""
+    """Return whether more ranks than cores are confined to this rank's cores; collective."""
     if comm.size == 1:
         return False
     from mpi4py import MPI

@@ -1,4 +1,4 @@
-"""What the ranks of a Python program do together: all of them the same, or the job ends."""
+"""Common acts of the ranks of a Python program: all do the same, or the job ends."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from pgimp.mpi import comm as communicators
 from pgimp.mpi.comm import abort_together, say
 from pgimp.mpi.communicator import Communicator
 
-#: Of a rank's end, and the tags after it of the rounds in which all hear of all.
+#: Tag of a rank's end; the tags after it belong to the rounds in which all are notified of all.
 _ENDED_TAG = 80
-#: Seconds after which ranks that wait for others within a simulation end the job: one rank may look
-#: at results for long.
+#: Seconds after which ranks that wait for others within a simulation end the job: one rank may
+#: spend long on results.
 _PATIENCE = 3600.0
-#: Seconds in which the others end, too, if what made this rank end was no fault of it alone.
+#: Seconds for the other ranks to end, too, if the cause of this rank's end was common to all.
 _AGREEMENT_SECONDS = 20.0
-#: Seconds of waiting for others that is part of any step, and between looks after that.
+#: Seconds of waiting for others that are part of any step, and between polls after that.
 _SHORT, _NAP = 0.02, 0.0005
 
 _keyval: int | None = None
@@ -39,8 +39,8 @@ def seconds(default: float) -> float:
 class Peers:
     """Acts of the ranks of a communicator, and ranks that have ended.
 
-    A rank that ends tells the next one, in a ring. Where some have ended and others wait, one that
-    waits comes next after one that has ended, so somebody hears of it. Who ends waits for all.
+    A rank that ends notifies the next one, in a ring. Where some have ended and others wait, a
+    waiting rank follows an ended one, so one is notified. An ending rank waits for all.
 
     Parameters
     ----------
@@ -50,13 +50,13 @@ class Peers:
     Attributes
     ----------
     acts : int
-        What has been begun together.
+        Number of acts begun together.
     created : int
-        Simulations among that.
+        Number of simulations among them.
     met : bool
         Whether all ranks have come together once.
     within : str
-        What this rank has not come to the end of.
+        The act that this rank has not completed.
     """
 
     def __init__(self, comm: Communicator) -> None:
@@ -142,7 +142,7 @@ class Peers:
             shift, tag = 2 * shift, tag + 1
 
     def _hear(self, other: int, tag: int) -> bool:
-        """Whether a rank has said that it ends."""
+        """Whether a rank has announced its end."""
         if tag == _ENDED_TAG and self._of_previous is not None:
             return True
         heard: bool = self._comm.Iprobe(source=other, tag=tag)
@@ -155,7 +155,7 @@ class Peers:
 
 
 def peers_of(comm: Communicator) -> Peers:
-    """What this rank knows of the others of a communicator of several ranks."""
+    """Record of the other ranks of a communicator, on this rank."""
     from mpi4py import MPI
 
     global _keyval
@@ -169,12 +169,12 @@ def peers_of(comm: Communicator) -> Peers:
 
 
 def world() -> Any:
-    """Communicator of all ranks of a Python program, who hear of one that ends.
+    """Communicator of all ranks of a Python program, with notice of a rank's end.
 
     Returns
     -------
     mpi4py.MPI.Intracomm or Serial
-        As of `pgimp.mpi.comm.world`, which says what is raised.
+        As of `pgimp.mpi.comm.world`, which has the errors raised.
     """
     comm = communicators.world()
     if comm.size > 1:
@@ -200,7 +200,7 @@ def together(comm: Communicator, act: str) -> Iterator[None]:
     comm : communicator
         Of all ranks.
     act : str
-        What they do, with its arguments: the same on all.
+        The act, with its arguments: equal on all.
 
     Raises
     ------
@@ -215,7 +215,7 @@ def together(comm: Communicator, act: str) -> Iterator[None]:
 
 @contextmanager
 def within(comm: Communicator, act: str) -> Iterator[None]:
-    """Between what all ranks begin and end together, having met.
+    """Context of an act that all ranks begin and end together.
 
     A rank that leaves it with an exception of its own, and ends, ends the job.
     """

@@ -13,7 +13,7 @@ def switched_on(name: str, off: str, on: str) -> bool:
     name : str
         The variable: 0 turns off; 1, or none, does not.
     off, on : str
-        What the two do, for messages.
+        Effects of both states, for messages.
 
     Raises
     ------

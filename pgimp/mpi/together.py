@@ -1,4 +1,4 @@
-"""Ranks that come together: all of them, with the same case, or none waits for ever."""
+"""Meeting of ranks: all of them, with one case, or none waits for ever."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.peers import Peers, peers_of, seconds
 
 _DIGEST_TAG, _ANSWER_TAG = 78, 79
-#: Seconds after which a rank says that it waits for others, and after which it ends the job.
+#: Seconds after which a rank reports that it waits for others, and after which it ends the job.
 _REMARK, _PATIENCE = 20.0, 300.0
 
 
 def require_same(comm: Communicator, what: str, content: str) -> None:
     """Refuse to begin with ranks missing, or with another content on some; collective.
 
-    Ranks that do not come within `_PATIENCE`, or the seconds of PGIMP_PATIENCE, end the job: by
-    messages from rank to rank, which are not mistaken for what the others do meanwhile.
+    Ranks that do not come within `_PATIENCE`, or the seconds of PGIMP_PATIENCE, end the job. They
+    do so by messages from rank to rank, which cannot be mistaken for other communication.
 
     Parameters
     ----------
     comm : communicator
         Of all ranks.
     what : str
-        What the ranks begin together, for messages.
+        The ranks' common act, for messages.
     content : str
-        What has to be the same on all.
+        Content that must be equal on all.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def require_same(comm: Communicator, what: str, content: str) -> None:
 
 
 def _wait(comm: Communicator, what: str, requests: dict[int, Any], peers: Peers) -> dict[int, Any]:
-    """What the ranks have sent, by rank; ends the job if some do not."""
+    """Messages of the ranks, by rank; ends the job if some are missing."""
     patience = seconds(_PATIENCE)
     begin, found, said = time.monotonic(), {}, False
     while True:
@@ -93,7 +93,7 @@ def _wait(comm: Communicator, what: str, requests: dict[int, Any], peers: Peers)
 
 
 def end_all_on_exceptions(comm: Communicator) -> None:
-    """Let an exception that nothing catches on one rank end all, as they would wait for it."""
+    """Let an exception uncaught on one rank end all ranks, as they would wait for it."""
     before: Callable[..., Any] = sys.excepthook
     if comm.size == 1 or getattr(before, "ends_all", False):
         return

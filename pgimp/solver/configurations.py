@@ -1,7 +1,7 @@
-"""The parts of a rank's particles that kernels take by different settings.
+"""Groups of a rank's particles by configuration: kernels take each group with its own setting.
 
-One in most scenes. Where bodies of both configurations are in one case, those in the initial one
-are a part of their own, with velocity fields of their own on the same vertices.
+Most scenes have one. In cases with both configurations the bodies in the initial one are a separate
+group, with velocity fields of their own on shared vertices.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ class ConfigurationGroup(NamedTuple):
     setting : Setting
         The scene for kernels.
     order : Order
-        The particles; all parts have the same layers.
+        The particles; all groups have the same layers.
     places : (n,) int32 or None
-        Their places in the order of all; None if they are all.
+        Their offsets in the order of all particles; None if they are all.
     lagrangian : bool
         Whether they are in the initial configuration, beside others.
     """
@@ -40,24 +40,24 @@ class ConfigurationGroup(NamedTuple):
     lagrangian: bool = False
 
     def bounded(self, scene: Scene, field: Any) -> Any:
-        """The field with the coordinates between which these particles have to be."""
+        """The field with bounds on the coordinates of these particles."""
         return field._replace(bounds=scene.bounds) if self.lagrangian else field
 
     def loaded(self, loads: Loads) -> Loads:
-        """The loads that these particles feel."""
+        """The loads on these particles."""
         if not self.lagrangian:
             return loads
         return loads._replace(mean=(), around=() if isinstance(loads.mean, tuple) else 1.0)
 
     def forced(self, forcing: Forcing) -> Forcing:
-        """The forcing that these particles feel."""
+        """The forcing of these particles."""
         if not self.lagrangian:
             return forcing
         return forcing._replace(loads=self.loaded(forcing.loads), keepers=())
 
 
 def groups_by_configuration(scene: Scene, population: Population) -> tuple[ConfigurationGroup, ...]:
-    """Return the parts of a rank's particles, one or two; valid until their order changes."""
+    """Return the groups of a rank's particles, one or two; valid until their order changes."""
     order = population.ordered
     if not scene.mixed:
         return (ConfigurationGroup(scene.setting, order),)
@@ -73,7 +73,7 @@ def groups_by_configuration(scene: Scene, population: Population) -> tuple[Confi
 
 
 def fastest(scene: Scene, particles: Any, rows: np.ndarray, controlled: bool | float) -> float:
-    """`fastest_rate` of the particles in `rows`, whatever their configuration."""
+    """`fastest_rate` of the particles in `rows`, in any configuration."""
     return max(
         fastest_rate(setting, particles, those, controlled)
         for setting, those in _by_setting(scene, particles, rows)

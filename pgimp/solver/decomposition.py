@@ -15,7 +15,7 @@ from pgimp.solver.reduction import StepReduction
 from pgimp.solver.window import shrink_window
 
 #: Steps between two re-sorts of the particles' rows, with a report of the load: a sort costs half a
-#: step, and a step becomes slower by up to a thousandth with every step that the rows grow stale.
+#: step. A step becomes slower by up to a thousandth with every step that the rows grow stale.
 RESORT = 48
 
 
@@ -36,11 +36,11 @@ def partition(
     Returns
     -------
     Slab
-        This rank's.
+        This rank's slab.
     Balance
         The load of the ranks.
     list of str
-        What the user should know.
+        Notes for the user.
     """
     vertices = scene.vertices
     ends = scene.ends
@@ -58,7 +58,7 @@ def partition(
 
 
 def slab_predicate(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a test whether undeformed particles are a slab's, by their coordinates along x."""
+    """Return a predicate for the undeformed particles of a slab, by their coordinates along x."""
 
     def own(x: np.ndarray) -> np.ndarray:
         layers = np.empty(len(x), np.int64)
@@ -69,7 +69,7 @@ def slab_predicate(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarra
 
 
 def rebalance(rank: Rank, balance: Balance, step: int) -> None:
-    """Move slab boundaries to where rank 0 decides; collective."""
+    """Move slab boundaries as decided by rank 0; collective."""
     begin, comm = perf_counter(), rank.comm
     counts = comm.gather(np.diff(rank.population.start))
     cuts = None if counts is None else balance.decide(np.concatenate(counts), step)

@@ -23,30 +23,30 @@ from pgimp.solver import simulation
 if TYPE_CHECKING:
     import pandas
 
-#: Times this close, relative to the later one, are the same.
+#: Relative difference, to the later one, below which times are equal.
 _SAME = 1e-12
 
 
 class Simulation:
     """A case, advanced step by step; all ranks create it and advance it together.
 
-    Nothing is written; `pgimp.run` does the same steps and writes a run directory.
+    Nothing is written; `pgimp.run` does these steps and writes a run directory.
 
     Parameters
     ----------
     case : Case, str, Path or mapping
-        A case, the name of its file, or what would be in the file as a dictionary.
+        A case, the name of its file, or the file's content as a dictionary.
     comm : communicator, optional
-        Of all ranks; by default all that the launcher started.
+        Of all ranks; by default all ranks of the launcher.
     overrides : mapping, or sequence of str
         Changes to the case, as for `pgimp.load`.
 
     Attributes
     ----------
     case : Case
-        What is simulated.
+        The simulated case.
     particles : Particles
-        The particles of this rank as they are now: ``sim.particles["stress"]``.
+        The current particles of this rank: ``sim.particles["stress"]``.
     core : pgimp.solver.simulation.Simulation
         The solver itself, whose interface may change.
 
@@ -70,7 +70,7 @@ class Simulation:
         self.particles = Particles(self.core)
 
     def __repr__(self) -> str:
-        """Return how far it is."""
+        """Return a summary of the progress."""
         return f"<Simulation: t = {self.time:.6g} of {self.case.time.last:.6g}, step {self.steps}>"
 
     @property
@@ -106,12 +106,12 @@ class Simulation:
         Parameters
         ----------
         count : int
-            How many.
+            Number of steps.
 
         Raises
         ------
         ValueError
-            If that is no whole number from 0 on.
+            If `count` is no whole number from 0 on.
         RunError
             On every rank: if particles of any are at fault, or past the end of the case.
         UsageError
@@ -126,7 +126,7 @@ class Simulation:
     def advance(self, to: float = inf) -> None:
         """Do steps until a time is reached or, first, the end of the case; collective.
 
-        The steps are those that a run does, so the time afterwards may be up to a step later.
+        The steps are the steps of a run, so the time afterwards may be up to a step later.
 
         Parameters
         ----------
@@ -136,7 +136,7 @@ class Simulation:
         Raises
         ------
         ValueError
-            If that is no time.
+            If `to` is no time.
         RunError
             On every rank, if particles of any are at fault.
         UsageError
@@ -154,15 +154,15 @@ class Simulation:
         return self.time < to and not isclose(self.time, to, rel_tol=_SAME)
 
     def diagnostics(self) -> dict[str, float] | None:
-        """Return a line of history.csv as it would be now; None but on rank 0; collective."""
+        """Return the current line of history.csv; None except on rank 0; collective."""
         with together(self.core.comm, f"diagnostics() of {self._name}"):
             return self.core.diagnostics()
 
 
 class Particles(Mapping[str, np.ndarray]):
-    """The particles of this rank as they are now, by the names of the fields of a frame.
+    """The current particles of this rank, by the names of the fields of a frame.
 
-    Each access copies the values of that moment, in ascending id; see cases/reference.md for the
+    Each access copies the current values, in ascending id; see cases/reference.md for the
     fields. ``len(particles["id"])`` is the number of particles.
     """
 

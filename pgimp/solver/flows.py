@@ -1,4 +1,4 @@
-"""When the filling of vertices is summed where bodies flow; see `pgimp.kernels.grid.filling`."""
+"""Steps with sums of the filling, where bodies flow; see `pgimp.kernels.grid.filling`."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from pgimp.solver.vertex_sums import VertexSums
 #: Steps from one shift to the next, as each costs a sum over all particles.
 EVERY = 8
 
-#: eps and delta of `pgimp.kernels.grid.filling`. The noise that delta takes is made of the motion,
-#: at each crossing of cells: with 0.0025 waves half a cell high keep 0.32 of their height in ten
+#: eps and delta of `pgimp.kernels.grid.filling`. The noise that delta removes arises from motion,
+#: at each crossing of cells. With 0.0025 waves half a cell high keep 0.32 of their height in ten
 #: periods, without 0.67. With 0.02 water that swings under a sudden gravity begins to slosh.
 SHIFT, RELAX = 0.02, 0.001
 
-#: Rate at which velocities that no vertex sees fade, over c/h: in some hundreds of steps.
+#: Rate at which null modes of velocity fade, over c/h: in some hundreds of steps.
 CALM = 0.002
 
-#: eps where nothing has a weight: what is closed in then keeps its pressure to some per cent.
+#: eps without weight anywhere: enclosed fluid then keeps its pressure to some per cent.
 WEIGHTLESS = 0.01
 
 

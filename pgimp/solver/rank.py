@@ -48,11 +48,11 @@ class Rank:
     slab : Slab
         The rank's layers.
     particles : Particles
-        Theirs.
+        Particles of these layers.
     count : int
         Number of particles.
     start : (layers + 1,) int64, optional
-        Where each layer begins, of particles that are in canonical order.
+        Beginnings of the layers, for particles in canonical order.
 
     Attributes
     ----------
@@ -61,13 +61,13 @@ class Rank:
     grid, halo, migration : Grid, Halo, Migration
         The slab's planes, and the messages to the neighbours.
     ledger : Ledger
-        What is booked by plane.
+        Sums booked by plane.
     contact : NoContact
         The contact of bodies, or one of its kinds.
     flows : Flows or None
         The filling of the vertices, in scenes with bodies that flow.
     calls : tuple of Bound
-        Call the kernels of a step, for each part one; see `pgimp.solver.configurations`.
+        Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
         Mass below which a vertex is not accelerated.
     vertex_bounds : (2, 2) int64
@@ -75,10 +75,10 @@ class Rank:
     timings : dict of str to float
         Seconds spent in each phase.
     worked : dict of str to float
-        CPU seconds, where ranks share cores; else the same as `timings`.
+        CPU seconds, where ranks share cores; else equal to `timings`.
     particle_steps, clamped, held : int
-        Particle-steps in this process; those, since the start, with a half-width held at one cell,
-        and those in which a wall held a particle in.
+        Particle-steps in this process. Since the start, particle-steps with a half-width clamped to
+        one cell, and with a particle held in by a wall.
     errors, failed : (n, 2) int64, int
         Rows and errors of particles at fault in the last step; their number, which may be greater.
     error_buffer : (calls, size, 2) int64
@@ -132,7 +132,7 @@ class Rank:
 
     @property
     def call(self) -> Bound:
-        """Calls the kernels of a step that are for all parts."""
+        """Calls the kernels of a step that are common to all groups."""
         return self.calls[0]
 
     @property
@@ -147,12 +147,12 @@ class Rank:
 
     @property
     def migrates(self) -> bool:
-        """Whether particles may go to other ranks in a step, or come from them."""
+        """Whether particles may migrate to or from other ranks in a step."""
         return self.slab.neighbours and not self.scene.initial
 
     @property
     def free(self) -> FreeBodies | None:
-        """The rigid bodies that move freely, which all ranks know; None where there are none."""
+        """The free rigid bodies, equal on all ranks; None without any."""
         return self.contact.free
 
     def fastest(self, rate: float) -> float:
@@ -176,7 +176,7 @@ class Rank:
         Parameters
         ----------
         old, new : list of int
-            As from `pgimp.decomposition.slabs.cut`, the same on every rank.
+            As from `pgimp.decomposition.slabs.cut`, equal on every rank.
         """
         window, extra = self.grid.base, self.scene.vertices - 1
         sums = redistribute(self.comm, old, new, extra, self.population, self.booked())
@@ -193,9 +193,9 @@ class Rank:
         Parameters
         ----------
         scene : Scene
-            Of the same bodies.
+            The next scene, with the same bodies.
         particles : Particles
-            The same, with the columns of the scene.
+            The particles, with the columns of the scene.
         """
         window, self.scene = self.grid.base, scene
         self.calls = tuple(Bound() for _ in range(1 + scene.mixed))
@@ -207,7 +207,7 @@ class Rank:
         self.grid.store(window)
 
     def stopwatch(self) -> Callable[[str], None]:
-        """Return a function that adds the time since its last call to that of a phase."""
+        """Return a function that adds the time since its last call to a phase."""
         timings, worked = self.timings, self.worked
         last, apart = perf_counter(), worked is not timings
         last_own = thread_time() if apart else 0.0
@@ -230,12 +230,12 @@ class Rank:
             self.migration.proceed(self.population, report.changed)
 
     def settle(self, reports: list[RangeReport], lap: Callable[[str], None]) -> None:
-        """Complete a step: what it has counted, outflow, arrivals, and the canonical order.
+        """Complete a step: counts, outflow, arrivals, and the canonical order.
 
         Parameters
         ----------
         reports : list of RangeReport
-            Those of all layers.
+            Reports of all layers.
         lap : callable
             From `stopwatch`.
         """
@@ -265,12 +265,12 @@ class Rank:
         """Book the particles that have left the domain, and free their rows.
 
         Their mass, momentum and energy are added to the sums of their last layer, in canonical
-        order, so that the ledger has the same bits on any number of ranks.
+        order. So the ledger has the same bits on any number of ranks.
 
         Parameters
         ----------
         left : (k,) int32
-            Places in the order of the particles that left or changed their layer, ascending.
+            Offsets in the order of the particles that left or changed their layer, ascending.
         """
         scene, population = self.scene, self.population
         rows = population.order[left]

@@ -1,4 +1,4 @@
-"""What the parts of a step need of a rank, for type checkers; see `pgimp.solver.rank.Rank`."""
+"""Interface of a rank for the parts of a step, for type checkers; see `pgimp.solver.rank.Rank`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pgimp.scene.scene import Scene
 
 
 class RankState(Protocol):
-    """A rank's scene, planes, particles and books; attributes are those of `Rank`."""
+    """A rank's scene, planes, particles and books; for the attributes see `Rank`."""
 
     scene: Scene
     comm: Communicator
@@ -37,7 +37,7 @@ class RankState(Protocol):
 
     @property
     def call(self) -> Bound:
-        """Calls the kernels of a step that are for all parts."""
+        """Calls the kernels of a step that are common to all groups."""
 
     @property
     def particles(self) -> Particles:

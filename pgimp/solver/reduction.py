@@ -1,8 +1,8 @@
 """The reduction after a step: speed, requests and the window, for all ranks.
 
-It is begun when a rank has done its step and completed when the next one needs it, after the sums
-of the grid are complete. So a rank need not wait at a step's end for those that are behind by less
-than its work until then. Actions due between two steps complete it first.
+It begins after a rank's step and ends when the next step needs it, after the sums of the grid. So a
+rank need not wait at a step's end for ranks that are behind by less than its work until then.
+Actions due between two steps complete it first.
 """
 
 import weakref
@@ -36,8 +36,8 @@ class StepReduction:
     """The reduction of a step; on one rank it gives that rank's own values.
 
     All ranks make the same calls at the same points of their steps. A reduction that is open when
-    the object is dropped, or at the process's end, is completed: all ranks have begun it, or will,
-    before they need anything else.
+    the object is dropped, or at the process's end, is completed. All ranks have begun it, or will,
+    before their next communication.
 
     Parameters
     ----------
@@ -47,13 +47,13 @@ class StepReduction:
     Attributes
     ----------
     open : bool
-        Whether it has been begun and not been completed.
+        Whether it has begun and is not complete.
     rate : float
         Largest (c_p + |v_p|)/L.
     request : Request
-        The greatest.
+        The greatest of all ranks.
     rebalance_requested : bool
-        Whether any rank asks for another decomposition.
+        Whether any rank requests another decomposition.
     vertex_bounds : (2, 2) int64
         First vertices (least, greatest; y, z) that all ranks together have reported.
     """
@@ -74,7 +74,7 @@ class StepReduction:
     def begin(
         self, rate: float, request: Request, rebalance_requested: bool, bounds: np.ndarray
     ) -> None:
-        """Start the reduction of a step with what this rank has found; collective."""
+        """Start the reduction of a step with this rank's values; collective."""
         self.open = True
         if self._comm.size == 1:
             self.rate, self.request, self.vertex_bounds = rate, request, bounds

@@ -1,7 +1,7 @@
 """Set-up of a simulation up to its first step: from its case, or from a checkpoint.
 
-Errors are reported as early as they can be found, above all before kernels are compiled: those of
-the case alone, then of its particles, then of the first step given their wave speeds.
+Errors are reported as early as possible, above all before kernels are compiled. Errors of the case
+come first, then of its particles, then of the first step given their wave speeds.
 """
 
 from __future__ import annotations
@@ -63,11 +63,11 @@ def begin(
     Parameters
     ----------
     scenes : sequence of Scene
-        Those of all stages.
+        The scenes of all stages.
     comm : communicator
         Of all ranks.
     reduction : StepReduction
-        That of the run.
+        The reduction of the run.
     creation : Creation
         Creates the particles.
 
@@ -135,15 +135,15 @@ def resume(
     Parameters
     ----------
     scenes : sequence of Scene
-        Those of all stages.
+        The scenes of all stages.
     comm : communicator
         Of all ranks.
     reduction : StepReduction
-        That of the run.
+        The reduction of the run.
     source : CheckpointFile
         The checkpoint.
     now : State
-        Its stage, and the steps before those that the clock of this counts.
+        Its stage, and the steps before the first one of its clock.
 
     Raises
     ------
@@ -188,7 +188,7 @@ def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
     """Compile the kernels of this stage and of later ones, and start the clock; collective."""
     scene, comm = start.scene, start.comm
     warm_up(scene, comm)
-    for each in later:  # none waits for the compiler then, or meets what it refuses
+    for each in later:  # none waits for the compiler then, or fails in it
         take_as_empty(each.case, comm)
         each.rigid_bodies.borrow(scene.rigid_bodies)
         warm_up(each, comm)
@@ -213,13 +213,13 @@ def put_in_order(
     Parameters
     ----------
     start : Start
-        Whose kernels are compiled; it gets the rank and its rate.
+        State with compiled kernels; it gets the rank and its rate.
     slab : Slab
         This rank's.
     particles, count : Particles, int
-        Those of the slab, and their number.
+        The particles of the slab, and their number.
     layers : (layers + 1,) int64, optional
-        Beginnings of the layers; with it the particles are in order and have all they carry.
+        Beginnings of the layers; with it the particles are in order and have all their columns.
 
     Raises
     ------

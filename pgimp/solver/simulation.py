@@ -34,16 +34,16 @@ class Simulation:
     Parameters
     ----------
     case : Case
-        What to simulate.
+        The case to simulate.
     comm : communicator
         mpi4py's, or `pgimp.mpi.comm.Serial`.
     source : CheckpointFile, optional
-        The state to go on from; without it the case begins.
+        The state to continue from; without it the case begins.
 
     Attributes
     ----------
     cases : tuple of Case
-        Those of the stages; `stage` is the number of the present one, `case` its case.
+        The cases of the stages; `stage` is the number of the current one, `case` its case.
     scene, clock : Scene, FixedClock or CourantClock
         Constant within a stage.
     columns : list of str
@@ -51,32 +51,32 @@ class Simulation:
     rank, balance : Rank, Balance
         This rank's part, and the load of all.
     done, doing : Step, Step or None
-        The last step that succeeded on all ranks; the step after it, if this rank has done it
-        and its reduction is not complete.
+        The last step that succeeded on all ranks. The step after it, if done by this rank with its
+        reduction incomplete.
     count : int
-        Particles of all ranks at the start, which is one more than the greatest id; see `present`.
+        Initial particles of all ranks, one more than the greatest id; see `present`.
     notes, warnings : list of str
-        What the user should know, the same on every rank.
+        Messages to the user, equal on every rank.
     request : Request
-        What this rank asks for; it goes with the reduction of every step.
+        This rank's request; it goes with the reduction of every step.
     agreed_request : Request
-        The greatest request of all ranks that has become known since the last step began, the same
-        on all; `Request.PENDING` if none has.
+        The greatest request of all ranks since the last step began, equal on all;
+        `Request.PENDING` without any.
     reduction : StepReduction
         The reduction of the last step, complete or not.
     rate : float
         Largest (c_p + |v_p|)/L of all ranks.
     watch : EnergyWatch or None
-        The guard of steps that pgimp chooses.
+        The guard of the steps that pgimp chooses.
     failure : Failure or None
-        The step that failed; `time`, `step` and `dt` are then those of the step before.
+        The step that failed; `time`, `step` and `dt` then belong to the step before.
 
     Raises
     ------
     CaseError
-        The same on every rank, for errors that show only in the particles.
+        On every rank alike, for errors that show only in the particles.
     DamagedError
-        The same on every rank, if the checkpoint does not hold a state of this case.
+        On every rank alike, if the checkpoint does not hold a state of this case.
     """
 
     #: Creates the particles at the start.
@@ -112,7 +112,7 @@ class Simulation:
         self.take(start)
 
     def take(self, start: Start) -> None:
-        """Go on from a start."""
+        """Continue from a start."""
         self.case, self.scene, self.stage = start.case, start.scene, start.stage
         self.clock, self.watch, self.done = start.clock, start.watch, start.done
         self.rank, self.balance, self.count = start.rank, start.balance, start.count
@@ -120,7 +120,7 @@ class Simulation:
         self.notes, self.warnings = start.notes, start.warnings
 
     def now_as_start(self) -> Start:
-        """Return what another stage would go on from."""
+        """Return the start of another stage."""
         start = Start(
             self.scene, self.comm, self.reduction, self.diagnostic_sums, self.done, self.stage,
             self.count, self.rate, self.watch, self.notes, self.warnings,
@@ -176,11 +176,11 @@ class Simulation:
 
     @property
     def known_count(self) -> int:
-        """Particles of all ranks, where there are several as of the last re-sort."""
+        """Particles of all ranks; with several ranks as of the last re-sort."""
         return self.balance.total if self.comm.size > 1 else self.rank.count
 
     def present(self) -> int:
-        """Particles of all ranks now; collective."""
+        """Current number of particles on all ranks; collective."""
         return int(self.comm.allreduce(self.rank.count))
 
     def live(self) -> np.ndarray:
@@ -193,8 +193,8 @@ class Simulation:
         Raises
         ------
         RunError
-            On every rank, if the last step of the one before has failed, or the next cannot begin:
-            also where the present one is not done, or is the last.
+            On every rank, if the last step failed, or the next stage cannot begin. Also if the
+            current one is not done or is the last.
         """
         self.complete_reduction()
         if self.finished:
@@ -216,7 +216,7 @@ class Simulation:
         ----------
         complete : bool
             Whether to wait until all ranks have done it. Otherwise the next step, or
-            `complete_reduction`, finds out whether it has failed.
+            `complete_reduction`, reports its failure.
 
         Raises
         ------

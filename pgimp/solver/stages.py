@@ -1,7 +1,7 @@
-"""From a stage of a run to the next: what particles and ledger keep, and what changes.
+"""From a stage of a run to the next: state of particles and ledger, and changes.
 
 All of it follows from the state at the end of a stage, which a checkpoint holds, and from the two
-stages' cases. So it is the same whether the run was resumed there or not.
+stages' cases. So it does not depend on whether the run was resumed there.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 def enter(now: Start, case: Case) -> Start:
-    """Enter the next stage, once the last step of the one before is done; collective.
+    """Enter the next stage, after the last step of the one before; collective.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) 
 
 
 def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
-    """Copy the ledger into that of the next stage."""
+    """Copy the ledger into the ledger of the next stage."""
     faces, constraints, contact, rigid_bodies = zip(_booked(old), _booked(new), strict=True)
     kinds = {
         "impulse": faces, "outside_mass": faces, "constraint_impulse": constraints, "walls": faces,
@@ -213,7 +213,7 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
 
 
 def _free(rank: Rank) -> list[tuple[str, Any]]:
-    """The rigid bodies that move freely, by name, and their states."""
+    """The free rigid bodies, by name, and their states."""
     if rank.free is None:
         return []
     names = [rank.scene.rigid_bodies.names[number] for number in rank.scene.rigid_bodies.free]

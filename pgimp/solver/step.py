@@ -28,7 +28,7 @@ def step(
 ) -> tuple[Step, float]:
     """Advance a rank's particles by one step; collective.
 
-    Equation numbers are those of Bardenhagen & Kober (2004).
+    Equation numbers are from Bardenhagen & Kober (2004).
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def step(
     Raises
     ------
     RunError
-        On every rank, as from `begin`. The particles are as they were.
+        On every rank, as from `begin`. The particles are unchanged.
     """
     scene, grid, contact, lap = rank.scene, rank.grid, rank.contact, rank.stopwatch()
     loads, groups = scene.loads.at(start), groups_by_configuration(scene, rank.population)
@@ -80,7 +80,7 @@ def step(
     on_particles = particle_forcing(rank, groups, t, forcing)
     lap("P2G")
     reports: list[RangeReport] = []
-    for layers in rank.halo.halves(rank.population.start):  # first what neighbours wait for
+    for layers in rank.halo.halves(rank.population.start):  # first the layers neighbours wait for
         reports.append(update_particles(rank, groups, on_particles, layers, reports))
         lap("G2P")  # (26, 27, 29, 30)
         rank.send(reports[-1])

@@ -24,11 +24,12 @@ class RangeReport(NamedTuple):
     Attributes
     ----------
     changed : (n,) int32
-        Places in the order of the particles that changed their layer or left.
+        Offsets in the order of the particles that changed their layer or left.
     rate : float
         Largest (c_p + |v_p|)/L.
     outflow, clamped, held : int
-        Particles that left the domain, whose half-width was held at one cell, and that a wall held.
+        Particles that left the domain, with a half-width clamped to one cell, and held in by a
+        wall.
     failed : tuple of int
         Particles at fault, by configuration.
     """
@@ -44,14 +45,14 @@ class RangeReport(NamedTuple):
 def sum_particles(
     rank: RankState, groups: Sequence[ConfigurationGroup], loads: Loads, marked: bool
 ) -> None:
-    """Sum a rank's particles into its planes; `Halo.finish` adds what neighbours have.
+    """Sum a rank's particles into its planes; `Halo.finish` adds the neighbours' sums.
 
-    `marked` says whether the vertices that constraints hold are marked.
+    `marked` is whether constrained vertices are marked.
     """
     grid, particles, every = rank.grid, rank.particles, []
     for group in groups:
         order = group.order
-        if rank.failed:  # others do not know of it yet; such particles may be anywhere
+        if rank.failed:  # other ranks are not notified yet; such particles may be anywhere
             order = order._replace(start=np.zeros_like(order.start))
         every.append((group.setting.without_materials(), group.loaded(loads.summed()), order))
     if marked:
@@ -60,7 +61,7 @@ def sum_particles(
             call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
     (setting, summed, order), others = every[0], Others(*every[1]) if len(every) > 1 else ()
     grid.active.fill(0)
-    for runs in rank.halo.parts(rank.population.start):  # first what neighbours wait for
+    for runs in rank.halo.parts(rank.population.start):  # first the layers neighbours wait for
         rank.call(  # (16, 17, 18, 21, 22)
             particles_to_grid, setting, grid.field, particles, summed, order, runs, others
         )
@@ -70,7 +71,7 @@ def sum_particles(
 def particle_forcing(
     rank: RankState, groups: Sequence[ConfigurationGroup], t: Step, forcing: Forcing
 ) -> Forcing:
-    """The forcing of particles: with the filling where bodies flow, and what keeps them outside."""
+    """The forcing of particles: with the filling where bodies flow, and rigid bodies that hold."""
     found = on_particles(forcing)
     if rank.flows:
         found = found._replace(filling=rank.flows.find(rank, groups[0].order, t))
@@ -98,7 +99,7 @@ def update_particles(
     layers : (n,) int64
         The layers.
     found : sequence of RangeReport
-        The reports of the ranges before, behind which this one writes.
+        Reports of the earlier ranges; this one writes behind them.
     """
     first = sum(len(report.changed) for report in found)
     buffers = rank.error_buffer[len(groups) * len(found) :]

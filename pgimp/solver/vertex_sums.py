@@ -1,6 +1,6 @@
-"""Further sums over particles at the vertices: volumes for contact, the filling of what flows.
+"""Further sums over particles at the vertices: volumes for contact, the filling of flows.
 
-They are sums by layers with the same exchange as masses (docs/the-sum.md), so that all ranks get
+They are layered sums with the exchange of the masses (docs/the-sum.md), so that all ranks get
 the same bits.
 """
 
@@ -22,7 +22,7 @@ from pgimp.scene.scene import Scene
 
 
 class VertexSums:
-    """Sums of particles at a rank's vertices, in a grid and with messages of their own.
+    """Sums of particles at a rank's vertices, in a separate grid with its own messages.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class VertexSums:
     comm : communicator
         Of all ranks.
     loads
-        What is summed: in the place of `Loads`, see `pgimp.kernels.transfer.contribution`.
+        Stand-in for `Loads` with the summed quantity, see `pgimp.kernels.transfer.contribution`.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class VertexSums:
             The planes, ascending.
         """
         own, slab, shared = self.grid, self.grid.slab, self.grid.vertices - 1
-        if not np.array_equal(planes, self._planes):  # they stay the same for many steps
+        if not np.array_equal(planes, self._planes):  # they stay equal for many steps
             self._planes, self._runs = planes, _runs(planes, slab.layers, shared)
         own.active.fill(0)
         self.call(

@@ -23,9 +23,9 @@ class VertexUpdate(NamedTuple):
     faces : Faces or ()
         The conditions of faces in the step.
     forcing : Forcing
-        The other forcing, without what acts on particles alone.
+        The other forcing, without loads on particles only.
     ledger : Ledger
-        Where work and impulses are booked.
+        Ledger for work and impulses.
     """
 
     t: Step
@@ -60,9 +60,9 @@ def on_particles(forcing: Forcing) -> Forcing:
 
 
 def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
-    """Fold the sums beyond faces that reflect; find the clearances of unilateral ones."""
+    """Fold the sums beyond reflecting faces; find the clearances of unilateral ones."""
     scene, field, call, contact = rank.scene, rank.grid.field, rank.call, rank.contact.data
-    for releases in (False, True):  # unilateral ones last: they see the sums of both
+    for releases in (False, True):  # unilateral ones last: they include the sums of both
         for mirror in scene.mirrors:
             if mirror.releases == releases:
                 call(fold, scene.frame, field, mirror, update.forcing, update.ledger)
@@ -79,7 +79,7 @@ def hold_constrained(rank: RankState, update: VertexUpdate) -> None:
 
 
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:
-    """Set the vertices beyond faces that reflect to the images of those inside."""
+    """Set the vertices beyond reflecting faces to the images of vertices inside."""
     scene, field = rank.scene, rank.grid.field
     for mirror in reversed(scene.mirrors):
         rank.call(reflect, scene.frame, field, mirror, update.forcing, update.ledger)

@@ -1,4 +1,4 @@
-"""The window of the grid that all ranks store, fitted to where particles are."""
+"""The window of the grid that all ranks store, fitted to the particles."""
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def _cover(rank: Rank, reduction: StepReduction, bounds: np.ndarray) -> None:
 
 
 def _bounds_of_all(rank: Rank) -> np.ndarray:
-    """Least and greatest first vertices of all ranks; 0 where there are no particles."""
+    """Least and greatest first vertices of all ranks; 0 without particles."""
     bounds = rank.population.vertex_bounds()
     if rank.comm.size > 1:
         every = np.array(rank.comm.allgather(bounds))

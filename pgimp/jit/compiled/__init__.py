@@ -1,1 +1,1 @@
-"""Compiled kernels on disk: what they are named after, and files that are trusted."""
+"""Compiled kernels on disk: their folder's name, and trusted files."""

@@ -1,8 +1,8 @@
 """The disk cache of compiled kernels, in place of Numba's: a sealed file for each of them.
 
-Numba's own keeps an index of all types that a function was compiled for, which two processes that
-compile at once overwrite for each other, and loads any file it finds. Here each kernel has a file
-of its own, named after its key and read only if its checksum holds (see
+Numba's own cache keeps an index of all types that a function was compiled for. Two processes that
+compile at once overwrite it for each other, and any file found is loaded. Here each kernel has its
+own file, named after its key and read only if its checksum holds (see
 `pgimp.jit.compiled.sealed`). A file that does not fit in any way is compiled again and replaced.
 """
 
@@ -26,7 +26,7 @@ from numba.core.serialize import dumps
 from pgimp.jit.compiled import sealed
 from pgimp.jit.outside import part_of
 
-#: Why files could not be used, and why none could be written in folders, by their paths.
+#: Reasons why files could not be used, and why none could be written in folders, by their paths.
 Problems = tuple[dict[str, str], dict[str, str]]
 
 _damaged: dict[str, str] = {}
@@ -58,9 +58,9 @@ class Store:
         name : str
             Beginning of the file's name.
         key : object
-            What it was saved under.
+            The key under which it was saved.
         rebuild : callable
-            What makes something of it.
+            Makes the object from the stored data.
         """
         path = self._path(name, key)
         try:
@@ -90,7 +90,7 @@ class KernelCache(NullCache):
     function : function
         The kernel's Python function.
     folder : Path
-        Where kernels are kept.
+        The kernels' folder.
     """
 
     def __init__(self, function: Any, folder: Path) -> None:
@@ -105,7 +105,7 @@ class KernelCache(NullCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the code compiled for a signature, or None; it will then be compiled."""
-        rtsys.initialize(target_context)  # what kernels call; the rest of Numba only compiles
+        rtsys.initialize(target_context)  # for the kernels' calls; the rest of Numba only compiles
         found = None
         if store := self._store(sig):
             key = self._key(sig, target_context.codegen())
@@ -138,7 +138,7 @@ class KernelCache(NullCache):
 def _source(function: Any) -> str:
     """Return the source of a function; empty if it is in no file."""
     if function.__module__.partition(".")[0] == "pgimp":
-        return "pgimp"  # for which the name of the folder stands
+        return "pgimp"  # represented by the name of the folder
     try:
         path = Path(getfile(function))
         return f"{path} {sha256(path.read_bytes()).hexdigest()}"

@@ -1,8 +1,8 @@
-"""Numba's compiler, which leaves out what kernels do not need, and keeps their parts on disk.
+"""Numba's compiler without the passes that kernels do not need, with their parts kept on disk.
 
-A kernel is made of some ten to some hundred functions, chosen by types, that are inlined into it.
-Another scene's kernel has most of them in common with those that are there already. So each is kept
-as what LLVM needs to inline it; only kernels are kept, and made, as machine code.
+A kernel consists of some ten to some hundred functions, chosen by types, that are inlined into it.
+Most of them are shared with other scenes' kernels. So each is kept in the form that LLVM needs to
+inline it. Machine code is made and kept of kernels only.
 """
 
 import gc
@@ -23,8 +23,8 @@ from numba.core.environment import lookup_environment
 from pgimp.jit.compiled.cache import Store
 from pgimp.jit.outside import part_of
 
-#: What Numba does with closures, ``with``, literals, array expressions and loops of its own making,
-#: of which there are none in the package.
+#: Numba's passes for closures, ``with``, literals, array expressions and its own loops, which the
+#: package does not contain.
 _NOT_NEEDED = (
     untyped.WithLifting, untyped.InlineClosureLikes, untyped.RewriteDynamicRaises,
     untyped.MakeFunctionToJitFunction, untyped.InlineInlinables, untyped.FindLiterallyCalls,
@@ -34,10 +34,10 @@ _NOT_NEEDED = (
 
 
 class _Kernel(JITCodeLibrary):
-    """A kernel, whose entry for Python is translated as it stands.
+    """A kernel, with an unoptimised entry for Python.
 
-    An entry takes dozens of arrays apart, once a step: to optimise it takes a tenth of the time of
-    compiling, and is not to be seen in that of a run.
+    An entry unpacks dozens of arrays, once a step. Optimising it takes a tenth of the compile time,
+    and has no visible effect on the time of a run.
     """
 
     def add_ir_module(self, module: Any) -> None:
@@ -50,7 +50,7 @@ class _Kernel(JITCodeLibrary):
 
 
 class _Linked(JITCodeLibrary):
-    """A part of kernels, which link it: no machine code is made of it alone."""
+    """A part of kernels, linked into them: it has no machine code of its own."""
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
@@ -78,7 +78,7 @@ class _Linked(JITCodeLibrary):
 def _captured(function: FunctionType) -> tuple[Any, ...] | None:
     """Identity of a function of the package among others of its name; None if unknown.
 
-    Beside its line that is what it has from the function that made it.
+    It consists of its line and of the variables captured from the function that made it.
     """
     if function.__module__.partition(".")[0] != "pgimp" or function.__defaults__:
         return None
@@ -99,21 +99,21 @@ def _captured(function: FunctionType) -> tuple[Any, ...] | None:
 
 
 class Compiler(compiler.Compiler):
-    """Numba's, which makes machine code of kernels alone, and does not search for garbage.
+    """Numba's compiler, with machine code of kernels alone, and without garbage collection.
 
     Python would search its many objects for garbage again and again, which takes an eighth of the
-    time; what there is of it is found afterwards.
+    time; the garbage is found afterwards.
 
     Attributes
     ----------
     folder : Path or None
-        Where parts of kernels are kept; None: nowhere.
+        Folder for parts of kernels; None: not kept.
     """
 
     folder: Path | None = None
 
     def define_pipelines(self) -> list[PassManager]:
-        """Return Numba's, for the package's own functions without unneeded passes."""
+        """Return Numba's pipeline, for the package's own functions without unneeded passes."""
         pipelines = super().define_pipelines()
         if self.state.func_id.modname.partition(".")[0] == "pgimp":
             for pipeline in pipelines:
@@ -152,7 +152,7 @@ class Compiler(compiler.Compiler):
         part = part_of(state.args)
         if self.folder and captured is not None and part is not None:
             store = Store(self.folder / f"{part}-parts".lstrip("-"))
-            # Names within LLVM must be those that other processes give.
+            # Names within LLVM must equal the names that other processes give.
             function.unique_id = int(sha256(repr(captured).encode()).hexdigest()[:12], 16)
             function.unique_name = f"{function.func_qualname}${function.unique_id}"
         codegen = state.targetctx.codegen()

@@ -1,7 +1,7 @@
-"""The folder of the compiled kernels: named after what they are made of, writable by nobody else.
+"""The folder of the compiled kernels: named after their sources, writable by nobody else.
 
-The name stands for the sources that Numba compiles and for the settings under which it does:
-neither is part of Numba's own key, and editing a function does not invalidate the cached kernels
+The name is a digest of the sources that Numba compiles and of its settings. Neither is part of
+Numba's own key, and editing a function does not invalidate the cached kernels
 that call it. Kernels for a user's own materials are in folders within it, see
 `pgimp.jit.outside`.
 """
@@ -19,7 +19,7 @@ from typing import NamedTuple
 from pgimp.errors import UsageError
 from pgimp.jit.compiled.sealed import unsafe
 
-#: Variables of the environment that must stand before Numba is imported, see `pgimp.jit.kernel`.
+#: Environment variables that must be set before Numba is imported, see `pgimp.jit.kernel`.
 SETTINGS = {"NUMBA_LOOP_VECTORIZE": "0", "NUMBA_DISABLE_INTEL_SVML": "1"}
 
 #: Folders and files of all code that Numba compiles, within the package; a test checks it.
@@ -107,7 +107,7 @@ def cache_folder() -> Folder:
 
 
 def _why_not(folder: Path) -> str:
-    """Make the folder and that around it, if missing; say why kernels cannot be kept in there."""
+    """Make the folder and its parent, if missing; return why kernels cannot be kept there."""
     base = folder.parent
     try:
         base.parent.mkdir(parents=True, exist_ok=True)
@@ -122,7 +122,7 @@ def _why_not(folder: Path) -> str:
 
 
 def _private(folder: Path) -> Path:
-    """Return the folder if it is this user's alone, or a new one that lasts for the process."""
+    """Return the folder if only this user can write it, or a new one that lasts for the process."""
     with suppress(OSError):
         folder.mkdir(mode=0o700, exist_ok=True)
         about = folder.lstat()

@@ -1,8 +1,8 @@
-"""Files that are trusted only if they are whole, and if only this user may have written them.
+"""Trusted files: complete ones that only this user may have written.
 
 Compiled kernels are pickles and machine code: one flipped bit may crash the process that loads
-them, and what another user has put there would be executed. So each file starts with the checksum
-of the rest, which is verified before anything is made of it.
+them, and another user's data would be executed. So each file starts with the checksum of the rest,
+which is verified before the data are used.
 """
 
 import os
@@ -21,14 +21,14 @@ class UntrustedError(Exception):
 
 
 def unsafe(about: os.stat_result, sticky: bool = False) -> str:
-    """Return why others than this user and root may change a file or folder; empty if they cannot.
+    """Return why users other than this one and root may change a file or folder; empty if none can.
 
     Parameters
     ----------
     about : os.stat_result
         Of the file or folder.
     sticky : bool
-        Whether a folder like ``/tmp`` will do, in which nobody can replace another's files.
+        Whether a folder like ``/tmp`` is accepted, in which nobody can replace another's files.
     """
     if about.st_uid not in (os.geteuid(), 0):
         return f"it belongs to another user (uid {about.st_uid})"
@@ -39,7 +39,7 @@ def unsafe(about: os.stat_result, sticky: bool = False) -> str:
 
 
 def read(path: Path) -> bytes:
-    """Return the data that `write` has written.
+    """Return the data written by `write`.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def read(path: Path) -> bytes:
 
 
 def write(path: Path, content: bytes) -> None:
-    """Write a file that other processes see whole or not at all; the last of several stays.
+    """Write a file atomically; the last of several writers prevails.
 
     Raises
     ------

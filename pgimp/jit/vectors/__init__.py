@@ -1,1 +1,1 @@
-"""Vectors of four float64, and what kernels do with them."""
+"""Vectors of four float64, and operations on them in kernels."""

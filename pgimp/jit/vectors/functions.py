@@ -1,7 +1,7 @@
-"""Functions of vectors: those of Python's `math`, and ``abs``, ``max``, ``min``.
+"""Functions of vectors: the functions of Python's `math`, and ``abs``, ``max``, ``min``.
 
-`math.floor` of a vector is a vector, unlike that of a number. Each element is what the function
-gives of it alone, for any others: sqrt, floor, abs, max and min as of numbers, to the bit.
+`math.floor` of a vector is a vector, unlike `math.floor` of a number. Each element is independent
+of the others: sqrt, floor, abs, max and min agree with scalar results to the bit.
 exp, log and pow are in `pgimp.jit.functions`.
 """
 

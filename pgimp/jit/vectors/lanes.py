@@ -49,7 +49,7 @@ def _of_lane(values, j):
 
 
 def _each_of_lane(values, j):
-    """As `of_lane`, of the entries of a tuple, a plain tuple."""
+    """The entries of a tuple for particle `j`, see `of_lane`, as a plain tuple."""
 
 
 @specialise(_each_of_lane)

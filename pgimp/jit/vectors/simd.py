@@ -1,11 +1,11 @@
 """Four float64 in one register: a Numba type backed by LLVM's ``<4 x double>``.
 
-LLVM does not vectorise a transfer by itself, because it cannot prove that grid and particles do
-not alias. A vertex's record is two such vectors, (m, mv) and (-, f), so that the transfers become
-vector multiply-adds; what precedes and follows them is done for four particles at once. Operations:
+LLVM does not vectorise a transfer by itself, because it cannot prove that grid and particles do not
+alias. A vertex's record is two such vectors, (m, mv) and (-, f), so that the transfers become
+vector multiply-adds. Preceding and following work is done for four particles at once. Operations:
 `pack`, `vector`, `lane`, `load`, `store`, arithmetic between vectors and with numbers, comparisons,
-which give a mask for `where` and `bits`; functions are in `pgimp.jit.vectors.functions`. In kernels
-products and sums may contract to fused multiply-adds, as those of numbers do.
+which give a mask for `where` and `bits`. Functions are in `pgimp.jit.vectors.functions`. In kernels
+products and sums may contract to fused multiply-adds, as for numbers.
 """
 
 import operator
@@ -52,7 +52,7 @@ class _Mask4Model(models.PrimitiveModel):
 
 
 def splat(builder, kind, value):
-    """The LLVM vector of a value that is one, or is a number."""
+    """The LLVM vector of a value, which is a vector or a number."""
     if kind == vec4:
         return value
     undefined = ir.Constant(DOUBLES, ir.Undefined)
@@ -83,7 +83,7 @@ def pack(typing_context, a, b, c, d):
 
 @intrinsic
 def vector(typing_context, value):
-    """Vector of four times the same float; a vector itself."""
+    """Vector of four equal floats; a vector itself."""
     kind = vec4 if value == vec4 else types.float64
 
     def generate(context, builder, sig, args):
@@ -144,7 +144,7 @@ def store(typing_context, array, index, vector):
 def stack(typing_context, size):
     """Buffer of `size` (a literal) float64 on the stack, for `load`, `store` and `number`.
 
-    The compiler knows that nothing else can be stored there, unlike in an array.
+    Unlike an array, it cannot alias other storage for the compiler.
     """
     if not isinstance(size, types.IntegerLiteral):
         return None

@@ -57,9 +57,9 @@ def book(contact, holding, number, pair, part, last, ledger, plane):
 
 
 def book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, plane):
-    """Book the impulse on the rigid body of a pair, its moment, and its work on what it met.
+    """Book the impulse on a pair's rigid body, its moment, and its work on the other body.
 
-    `x` is the vertex's place; `velocities` are those of the pair.
+    `x` is the vertex's position; `velocities` has both ends of the pair.
     """
 
 
@@ -97,10 +97,10 @@ def _book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger,
 
 
 def _lost(rigid_bodies, t, arm, J, w):
-    """Energy that a rigid body that moves freely loses by an impulse, besides its work at `w`.
+    """Energy lost by a free rigid body through an impulse, besides the impulse's work at `w`.
 
-    Before the step's impulses it was faster: over all vertices it loses the impulse times the mean
-    of its velocities at the step's beginning and end.
+    The body was faster before the step's impulses. Over all vertices its loss is the impulse times
+    its mean velocity over the step.
     """
 
 

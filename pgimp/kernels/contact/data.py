@@ -1,9 +1,9 @@
-"""Data of contact at a vertex where the velocity fields of several bodies meet.
+"""Data of contact at a vertex shared by the velocity fields of several bodies.
 
-Two passes: the momenta from the particles are projected before forces act on them, and the
-velocities after that. Particles receive the change of the second pass as an acceleration, but not
-that of the first, else the part of their velocities that the grid cannot resolve would become a
-force. Together they make two tied bodies move as one, to rounding.
+Two passes: the first projects the momenta from the particles before forces act, the second the
+velocities after the forces. Particles receive the second pass's change as an acceleration, but not
+the first's: it would turn velocities that the grid cannot resolve into a force. Together the passes
+make two tied bodies move as one, to rounding.
 """
 
 from typing import Any, NamedTuple
@@ -14,13 +14,13 @@ from pgimp.jit.kernel import inner_kernel
 from pgimp.kernels.contact.select import VERTEX_RANGE
 from pgimp.physics.contact.pairs import Pairs
 
-#: Sweeps over the pairs of a vertex where one is not enough: where more than two fields meet, or
-#: where walls or constraints hold some of them.
+#: Sweeps over the pairs of a vertex where one is not enough: with more than two fields, or with
+#: fields held by walls or constraints.
 SWEEPS = 8
 
-#: A velocity field at a vertex. `filled` is the part of the neighbourhood that its bodies fill,
-#: `surface` the sum of V grad S. `inverse_mass`, by component, is 0 where the field is held;
-#: `bilateral_inverse_mass` is 0 only where it is held at any velocity: by no wall that lets go.
+#: A velocity field at a vertex. `filled` is the filled part of the neighbourhood, `surface` the sum
+#: of V grad S. `inverse_mass`, by component, is 0 where the field is held;
+#: `bilateral_inverse_mass` only where it is held at any velocity, not by unilateral walls.
 #: A rigid body has infinite mass.
 FIELD_STATE = np.dtype([
     ("mass", "f8"),
@@ -34,9 +34,10 @@ FIELD_STATE = np.dtype([
 ], align=True)  # fmt: skip
 
 #: A pair of fields. `normal` is from the first to the second, `gap_rate` the velocity that closes
-#: the gap within the step. Impulses are those so far; `sticking` is the tangential one over that of
-#: sticking. `adhesion` and `shear_adhesion` bound the adhesive impulses along the normal and across
-#: it; `adhesion_used` is the former over that of holding.
+#: the gap within the step. Impulses are accumulated; `sticking` is the tangential impulse over the
+#: sticking impulse. `adhesion` and `shear_adhesion` bound the adhesive impulses along the normal
+#: and across it. `adhesion_used` is the adhesive impulse along the normal over the impulse required
+#: to hold.
 PAIR_STATE = np.dtype([
     ("normal", "f8", 3),
     ("gap_rate", "f8"),
@@ -61,13 +62,13 @@ class Contact(NamedTuple):
     pairs : Pairs
         The law of each pair of bodies.
     volumes : (planes * plane,) float64
-        The sums of `VolumeSums`, for the planes where bodies meet.
+        The sums of `VolumeSums`, for the planes with contact vertices.
     vertex_counts : (planes,) int64
-        Number of the vertices at which bodies meet, in each plane.
+        Number of the contact vertices in each plane.
     vertex_ranges : (planes,) VERTEX_RANGE
-        Between which vertices these are, see `select_near`.
+        Range of these vertices in each plane, see `select_near`.
     places, bodies : (fields,) int64
-        Scratch: places of the records of the fields at a vertex, and their bodies.
+        Scratch: offsets of the fields' records at a vertex, and their bodies.
     fields : (fields,) FIELD_STATE
         Scratch: their states.
     ends : (pairs,) PAIR_ENDS
@@ -75,9 +76,9 @@ class Contact(NamedTuple):
     pair_states : (pairs,) PAIR_STATE
         Scratch: the states of the pairs.
     scratch_impulse : (faces, 3) float64
-        Scratch for what faces would book.
+        Scratch for unbooked impulses of faces.
     rigid_bodies : RigidBodies or ()
-        The rigid bodies, which count as fields without a place in the grid, and with infinite
+        The rigid bodies, which count as fields without records in the grid, and with infinite
         mass.
     """
 
@@ -103,7 +104,7 @@ class Contact(NamedTuple):
         faces: int,
         rigid_bodies: Any = (),
     ) -> "Contact":
-        """Allocate for `planes` planes, where at most `fields` bodies meet at a vertex."""
+        """Allocate for `planes` planes, with at most `fields` bodies at a vertex."""
         most = fields + (len(rigid_bodies.motion) if rigid_bodies else 0)
         count = most * (most - 1) // 2
         return cls(

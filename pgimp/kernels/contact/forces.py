@@ -9,17 +9,17 @@ from pgimp.kernels.loads.loads import relaxed_part
 
 @kernel
 def contact_forces(contact, faces, frame, field, forcing, last, out):
-    """Add to `out` the force at each vertex on the bodies with the lower numbers.
+    """Add to `out` the contact force at each vertex on the lower-numbered body of each pair.
 
     Parameters
     ----------
     contact, faces, frame, field, forcing
         As in `update_momentum`, before its beginning or after it.
     last : bool
-        Whether it is that of the last pass, after the beginning; else the part of the first that
-        particles receive.
+        Whether to add the force of the last pass, after the beginning; else the part of the
+        first pass that particles receive.
     out : (vertices, 3) float64
-        Of the rank's own planes.
+        Forces in the rank's own planes.
     """
     window = field.window
     holding = Holding(faces, frame, forcing, contact.scratch_impulse)

@@ -1,9 +1,8 @@
 """Pairs of velocity fields at a vertex, and the gap between their surfaces.
 
-Bodies that touch, and whose surfaces are flat, fill the neighbourhood of a vertex between them:
-the parts that they fill, sum_p S_vp V_p over the volume of a cell, add up to 1, wherever the
-surfaces lie and however they are inclined. The missing part gives the gap. Its normal is that
-of the surfaces, the sum of V_p grad S_vp.
+Bodies that touch with flat surfaces fill the neighbourhood of a vertex between them. Their filled
+parts, sum_p S_vp V_p over the volume of a cell, add up to 1, wherever the surfaces lie and however
+they are inclined. The missing part gives the gap; the sum of V_p grad S_vp gives its normal.
 """
 
 from math import inf, sqrt
@@ -16,20 +15,20 @@ from pgimp.physics.contact.base import UNILATERAL
 #: strain changes it.
 LEAST_FILLED = 0.02
 
-#: Least part that a body must fill to be held by a rigid one, where the gap is exact: however
+#: Least part that a body must fill to be supported by a rigid one, where the gap is exact. However
 #: little is past the surface, it carries the stress of the first particles.
 LEAST_HELD = 1e-6
 
-#: The same where the rigid surface is inclined to the grid by more than the sine `INCLINED`, in
-#: proportion below. Cut boxes have corners there that the surface does not have, and these are all
-#: that a vertex in the rigid body sees of a body a fifth of a cell away.
+#: Least part where the rigid surface is inclined to the grid by more than the sine `INCLINED`, in
+#: proportion below. Cut boxes have spurious corners there. A vertex in the rigid body would have
+#: only these in reach, 0.2 cells before contact.
 LEAST_INCLINED, INCLINED = 0.08, 0.05
 
-#: Least part of the mass of two fields that either must have.
+#: Least part of the mass of two fields for each of them.
 LEAST_MASS = 1e-5
 
-#: Least length of a normal's sum, relative to the side of a cell of the neighbourhood's volume:
-#: deep inside bodies, without a surface, it is rounding.
+#: Least length of a normal's sum, relative to the volume of the neighbourhood over the cell size.
+#: Deep inside bodies, without a surface, the sum is rounding.
 LEAST_NORMAL = 1e-4
 
 #: Least part of a normal's square that is along the walls of a vertex: less counts as none.
@@ -40,7 +39,7 @@ LEAST_WITHIN = 0.01
 def find_pairs(contact, frame, sides, count, rigid, dt):
     """Find the pairs of fields that act on each other at a vertex; returns their number.
 
-    Of `count` fields the last `rigid` are those of rigid bodies. `sides` tells in which directions
+    The last `rigid` of `count` fields are rigid bodies. `sides` has the directions in which
     the vertex is on a wall, see `wall_sides`.
     """
     fields, ends, states = contact.fields, contact.ends, contact.pair_states
@@ -86,14 +85,14 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
 
 @inner_kernel
 def _least_held(row):
-    """Least part that a body must fill to be held by a rigid one with the normal of a pair."""
+    """Least part that a body must fill to be supported by a rigid one with a pair's normal."""
     along = max(abs(row.normal[0]), abs(row.normal[1]), abs(row.normal[2]))
     return LEAST_INCLINED * min(sqrt(max(1.0 - along * along, 0.0)) / INCLINED, 1.0)
 
 
 @inner_kernel
 def _volume(frame, sides):
-    """Volume of a cell, less the parts behind walls."""
+    """Volume of a cell, without the parts behind walls."""
     volume = 1.0
     for d in range(len(frame.cell)):
         volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
@@ -104,10 +103,10 @@ def _volume(frame, sides):
 def _gap(a, b, row, missing, bent):
     """Return the gap between two fields, in cells along the normal; set the area of contact.
 
-    Where one body ends sideways, it covers only a part of the other, the ratio of their areas. To
-    touch it, it must fill there what the other leaves free. The neighbourhood is weighted with a
-    tent, which is 1 - s at the surface's distance s, where the smaller part is (1 - s)^2 / 2. A
-    surface that is bent away from the other has an area that is smaller by `bent` where both touch.
+    Where one body ends sideways, it covers only part of the other: the ratio of their areas. On
+    touching it fills the space there that the other leaves free. The neighbourhood is weighted with
+    a tent, 1 - s at the surface's distance s, where the smaller part is (1 - s)^2 / 2. A surface
+    curved away from the other has an area smaller by `bent` on touching.
     """
     first, second = 0.0, 0.0
     for d in range(3):
@@ -127,9 +126,9 @@ def _gap(a, b, row, missing, bent):
 def _find_gap(frame, fields, a, b, sides, row):
     """Set normal, from `a` to `b`, and, as `gap_rate`, the cell's length along the normal.
 
-    Returns whether there is a surface. Where a wall cuts bodies, that cut is no surface of contact:
-    on a wall the normal is along it, unless bodies lie on each other there. The normal of a rigid
-    body is known, and is used alone.
+    Returns whether there is a surface. A cut by a wall is no contact surface: on a wall the normal
+    is along the wall, unless bodies lie on each other there. With a rigid body, its exact normal is
+    used.
     """
     square, along, side = 0.0, 0.0, 1.0
     whole, within = 0.0, 0.0

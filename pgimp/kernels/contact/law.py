@@ -1,4 +1,4 @@
-"""The law of contact at a vertex: components that are held, and the impulses of pairs."""
+"""Contact law at a vertex: held components of fields, and the impulses of pairs."""
 
 from math import inf, sqrt
 
@@ -11,12 +11,12 @@ from pgimp.kernels.grid.faces import beyond_any, face_count
 from pgimp.kernels.rigid.bodies import move_freely
 from pgimp.physics.contact.base import TIED
 
-#: Small and great changes of a velocity, relative to the greatest speed at a vertex: what is held
-#: moves with neither. Against a great one a wall that lets go, or friction, holds nothing.
+#: Small and great changes of a velocity, relative to the greatest speed at a vertex. Held
+#: components follow neither. A unilateral wall, or friction, does not hold against a great one.
 SMALL, GREAT = 2.0**-20, 2.0**10
 
-#: Least part of a normal's square along which a field may move that meets a rigid body whose motion
-#: is prescribed: with less, its few free components would have to take all, without bound.
+#: Least part of a normal's square along free directions of a field in contact with a prescribed
+#: rigid body. With less, its few free components would have to take all, without bound.
 LEAST_GIVEN = 0.01
 
 
@@ -24,8 +24,8 @@ LEAST_GIVEN = 0.01
 def held_field_velocity(contact, holding, number, a, last):
     """Velocity of a field after faces and constraints.
 
-    The velocity from particles meets constraints as at the step's beginning, that after forces as
-    at its end, so that bodies they push get their acceleration.
+    Constraints apply to the velocity from particles at the step's beginning, after forces at its
+    end. So bodies that they push get their acceleration.
     """
     row = contact.fields[a]
     v = (row.velocity[0], row.velocity[1], row.velocity[2])
@@ -36,12 +36,11 @@ def held_field_velocity(contact, holding, number, a, last):
 
 @inner_kernel
 def find_held(contact, holding, number, count, rigid, last):
-    """Set the mobilities of the fields at a vertex; returns whether any component is held.
+    """Set the inverse masses of the fields at a vertex; returns whether any component is held.
 
-    A component is constrained if perturbing the velocity does not change the result: also by a
-    unilateral wall under pressure, or by friction while it sticks. The bilateral inverse mass
-    excludes these.
-    There are `count` fields of bodies and `rigid` ones of rigid bodies.
+    A component is constrained if perturbing the velocity does not change the result. Unilateral
+    walls under pressure, and sticking friction, count too. The bilateral inverse mass excludes
+    these. Of the fields `count` are bodies and `rigid` are rigid bodies.
     """
     some, speed = False, -1.0
     near = beyond_any(holding.faces, face_count(holding.faces), holding.frame, number)
@@ -76,7 +75,7 @@ def find_held(contact, holding, number, count, rigid, last):
 
 @inner_kernel
 def _changed(contact, holding, number, a, last, d, change):
-    """Component `d` of a field's velocity after faces and constraints, if changed before."""
+    """Component `d` of a field's velocity after faces and constraints, if perturbed before."""
     own = contact.fields[a].velocity[d]
     contact.fields[a].velocity[d] = own + change
     v = held_field_velocity(contact, holding, number, a, last)[d]
@@ -86,7 +85,7 @@ def _changed(contact, holding, number, a, last, d, change):
 
 @inner_kernel
 def _fastest(fields, count):
-    """Greatest component of the velocities of `count` fields; 1 if all are at rest."""
+    """Greatest velocity component of `count` fields; 1 with all at rest."""
     most = 0.0
     for a in range(count):
         for d in range(3):
@@ -97,9 +96,9 @@ def _fastest(fields, count):
 def held_compliance(contact, rigid_bodies, a, b):
     """Compliance of a free rigid body against a held field, by component: velocity per impulse.
 
-    Held is what has no bilateral inverse mass. The impulse changes neither velocity, the body's
-    not before the end of the step. To find it together with the body's velocity, a thousandth of
-    the body's own response is added, see `pgimp.scene.rigid.rigid.SOFT`.
+    Held components have no bilateral inverse mass. The impulse changes neither velocity, the
+    body's not before the end of the step. To solve for both together, a thousandth of the body's
+    own compliance is added, see `pgimp.scene.rigid.rigid.SOFT`.
     """
 
 
@@ -134,7 +133,7 @@ def _inverse_mass(field, bilateral, d):
 
 @inner_kernel
 def exchange(contact, holding, number, held, pair, last):
-    """Exchange between the fields of a pair the rest of the impulse that the law requires."""
+    """Exchange the rest of the impulse that the law requires between the fields of a pair."""
     row = contact.pair_states[pair]
     (a, b), entry = fields_of(contact, pair), contact.ends[pair].law - 1
     first, second = contact.fields[a], contact.fields[b]
@@ -144,7 +143,7 @@ def exchange(contact, holding, number, held, pair, last):
         u = held_field_velocity(contact, holding, number, a, last)
         v = held_field_velocity(contact, holding, number, b, last)
     tied = contact.pairs.way[entry] == TIED
-    # A rigid body may overcome a wall that lets go, or its friction.
+    # A rigid body may overcome a unilateral wall, or its friction.
     rigid = first.mass == inf or second.mass == inf
     bilateral = tied or rigid
     soft = (0.0, 0.0, 0.0)
@@ -155,7 +154,7 @@ def exchange(contact, holding, number, held, pair, last):
             mobility = first.bilateral_inverse_mass[d] + second.bilateral_inverse_mass[d] + soft[d]
             if not mobility > 0.0:  # both are prescribed
                 continue
-            # A prescribed field carries the other along; walls that let go act on both.
+            # A prescribed field moves the other; unilateral walls act on both.
             w = u[d] if first.bilateral_inverse_mass[d] == 0.0 else first.velocity[d]
             w -= v[d] if second.bilateral_inverse_mass[d] == 0.0 else second.velocity[d]
             _give(first, second, row, d, (w - soft[d] * row.tangential_impulse[d]) / mobility)

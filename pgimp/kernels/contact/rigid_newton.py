@@ -1,10 +1,10 @@
-"""Response of the impulses on free rigid bodies to their velocities at the step's end.
+"""Derivative of the impulses on free rigid bodies by their velocities at the step's end.
 
-A body's impulse in the last pass of contact follows from its velocity V and angular velocity w at
-the step's end, and these from the impulse. With r from its centre to a vertex, T = [1, -[r]x], and
-K the derivative of the impulse at the vertex by the velocity there, with the sign turned, the
-derivative of impulse and moment is the sum of T^t K T. K is n n^t/m^-1 where a surface slips, and
-more across the normal n where it sticks.
+A body's impulse in the last pass depends on its velocity V and angular velocity w at the step's
+end. These depend on the impulse. Let T = [1, -[r]x], with r from its centre to a vertex. Let K be
+minus the derivative of the impulse at the vertex by the velocity there. Impulse and moment have the
+derivative sum of T^t K T. K is n n^t/m^-1 on a slipping surface, with more across the normal n on a
+sticking one.
 """
 
 from math import inf, sqrt
@@ -27,12 +27,12 @@ NONE = 1e-120
 
 @kernel
 def find_rigid_impulses(contact, faces, frame, field, forcing):
-    """Set the impulses on free rigid bodies in the last pass, and their derivatives by the motion.
+    """Set the impulses on free rigid bodies in the last pass, and their derivatives by velocity.
 
     Parameters
     ----------
     contact : Contact
-        Whose rigid bodies have the velocities at the step's end that are tried.
+        With trial velocities of the rigid bodies at the step's end.
     faces, frame, field, forcing
         As in `update_momentum`, after its beginning.
     """
@@ -56,7 +56,7 @@ def find_rigid_impulses(contact, faces, frame, field, forcing):
 
 @inner_kernel
 def _clear(response):
-    """Set what a free rigid body received in the last pass to zero."""
+    """Set the impulse on a free rigid body in the last pass, and its derivative, to zero."""
     for u in range(6):
         response.trial_impulse[u] = 0.0
         for v in range(6):
@@ -90,7 +90,7 @@ def _add(contact, rigid_bodies, holding, number, pair, count, plane):
     free = rigid_bodies.lattice[t].free
     if free < 0:
         return
-    # Where others push back, the response is stiffer: as if all fields there moved as one.
+    # Where other fields push back, the response is stiffer: as if all fields there moved as one.
     mass = contact.fields[other].mass
     if count > 1:
         mass = 0.0
@@ -130,9 +130,9 @@ def _add(contact, rigid_bodies, holding, number, pair, count, plane):
 
 @inner_kernel
 def _mobility(contact, rigid_bodies, a, b, other, part):
-    """Inverse mass that a free rigid body meets at a vertex, by component.
+    """Inverse mass against a free rigid body at a vertex, by component.
 
-    `part` is the field's share of the mass that may respond together. What is held responds alone.
+    `part` is the field's share of the mass that may respond together. Held fields respond singly.
     """
     soft, own = held_compliance(contact, rigid_bodies, a, b), contact.fields[other]
     free = own.bilateral_inverse_mass
@@ -141,7 +141,7 @@ def _mobility(contact, rigid_bodies, a, b, other, part):
 
 @inner_kernel
 def _pulled(row, mobility):
-    """Impulse of adhesion along the normal, over the velocity that it opposes."""
+    """Adhesive impulse along the normal, over the velocity that it opposes."""
     answer = 0.0
     for d in range(3):
         answer += row.normal[d] ** 2 * mobility[d]
@@ -152,9 +152,9 @@ def _pulled(row, mobility):
 def _slopes(contact, pair, other, mobility, dt):
     """Derivatives of the impulse on a rigid body by its velocity, with the sign turned.
 
-    Returns that along the normal, that across it, that of the slip by the velocity along the
-    normal, and the reduction of that across along the slip itself. Tied bodies have none of these:
-    their impulse is the velocity over the mobility, by component.
+    Returns four: along the normal; across it; of the slip impulse by the normal velocity; the
+    reduction of the second along the slip itself. Tied bodies have none of these: their impulse is
+    the velocity over the inverse mass, by component.
     """
     entry, row = contact.ends[pair].law - 1, contact.pair_states[pair]
     push = row.normal_impulse

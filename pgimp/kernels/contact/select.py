@@ -1,4 +1,4 @@
-"""Selection of the particles near vertices at which bodies meet: others are not summed again."""
+"""Selection of the particles near contact vertices: other particles are not summed again."""
 
 import numpy as np
 
@@ -29,17 +29,17 @@ def select_near(frame, window, particles, order, vertex_ranges, shared, rows, st
     Parameters
     ----------
     window : Window
-        That of the planes.
+        The window of the planes.
     order : Order
-        Of all particles of the rank.
+        Order of all particles of the rank.
     vertex_ranges : (planes,) VERTEX_RANGE
         Range of the vertices in each plane.
     shared : int
-        Vertices a direction in a support, less one.
+        Vertices in one direction of a support, less one.
     rows : (n,) int32
         Filled with the particles' rows.
     start : (layers + 1,) int64
-        Set to where each layer begins in `rows`.
+        Set to the beginning of each layer in `rows`.
     """
     D, found = len(frame.cell), 0
     reach = 0.5 * (shared + 1) + 1e-6  # of a particle: half of its support, at most

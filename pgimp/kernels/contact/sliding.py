@@ -5,7 +5,7 @@ from pgimp.jit.tuples import read
 
 
 def _part_of(law, cohesion, pressed, stress, sticking):
-    """Part of the tangential impulse of sticking that a law transmits."""
+    """Part of the sticking tangential impulse that a law transmits."""
 
 
 @specialise(_part_of)
@@ -23,7 +23,7 @@ def _slope_by(law, pressed, stress):
 
 
 def _find_part(kinds, k, pairs, entry, load):
-    """The part by the law of an entry, one of `kinds`, numbered from `k`."""
+    """Transmitted part by the law of an entry, one of `kinds`, numbered from `k`."""
 
 
 @specialise(_find_part)
@@ -44,7 +44,7 @@ def _find_part_by(kinds, k, pairs, entry, load):
 
 
 def _find_slope(kinds, k, pairs, entry, pressed, stress):
-    """The slope by the law of an entry, one of `kinds`, numbered from `k`."""
+    """Slope by the law of an entry, one of `kinds`, numbered from `k`."""
 
 
 @specialise(_find_slope)
@@ -64,7 +64,7 @@ def _find_slope_by(kinds, k, pairs, entry, pressed, stress):
 
 @inner_kernel
 def sliding_part(pairs, entry, cohesion, pressed, stress, sticking):
-    """Part of the tangential impulse of sticking that the law of an entry transmits.
+    """Part of the sticking tangential impulse that the law of an entry transmits.
 
     See `pgimp.physics.contact.base.Sliding`.
     """

@@ -1,4 +1,4 @@
-"""Vertices at which bodies meet: found, and changed by the law of contact."""
+"""Contact vertices: their search, and the law of contact at them."""
 
 from math import inf
 
@@ -21,12 +21,12 @@ from pgimp.kernels.rigid.fill import fill
 
 @kernel
 def find_contact_vertices(field, where, vertex_counts, vertex_ranges):
-    """Count, in each of a rank's planes, the vertices at which several fields have mass.
+    """Count the vertices at which several fields have mass, in each of a rank's planes.
 
     Parameters
     ----------
     field : Field
-        After the halo exchange, so that ranks agree in planes that they share.
+        After the halo exchange, so that ranks agree in shared planes.
     where : (planes,) bool
         Which of the planes may hold several fields.
     vertex_counts : (planes,) int64
@@ -100,7 +100,7 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
                         field.G[place + ACCELERATION + d] += change / dt
                     else:
                         field.G[place + MOMENTUM + d] += contact.fields[a].mass * change
-            # Of the first pass particles get the part by which they relax to the grid.
+            # Particles get a part of the first pass, by which they relax to the grid.
             part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
             if part > 0.0 and i < field.owned:
                 for pair in range(pairs):
@@ -109,10 +109,10 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
 
 @inner_kernel
 def contact_at_vertex(contact, holding, field, number, r, last):
-    """Find the fields at the vertex whose first record is at `r`, after contact.
+    """Find the fields after contact at the vertex whose first record has offset `r`.
 
-    Returns the number of fields that have particles, and that of the pairs that may act on each
-    other; without any, nothing else is set.
+    Returns the number of fields with particles, and the number of candidate pairs; without any,
+    nothing else is set.
     """
     faces, frame, dt = holding.faces, holding.frame, holding.forcing.dt
     count = _find_fields(contact, faces, frame, field, r, number)
@@ -140,9 +140,9 @@ def contact_at_vertex(contact, holding, field, number, r, last):
 
 @inner_kernel
 def _find_fields(contact, faces, frame, field, r, number):
-    """Find the fields at the vertex whose first record is at `r`; returns their number.
+    """Find the fields at the vertex whose first record has offset `r`; returns their number.
 
-    Walls cut off a part of its neighbourhood.
+    Walls cut off part of its neighbourhood.
     """
     G, V, size = field.G, contact.volumes, field_size(field.window)
     cell = 0.5 ** on_walls(faces, frame, number)
@@ -168,8 +168,8 @@ def _find_fields(contact, faces, frame, field, r, number):
 def load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
     """Add the rigid bodies near a vertex to the `count` fields there; returns their number.
 
-    The velocity from particles meets theirs at the step's beginning, that after forces theirs at
-    its end, so that the material gets the acceleration of the body it lies on.
+    The velocity from particles is paired with the rigid velocity at the step's beginning, after
+    forces at its end. So the material gets its support's acceleration.
     """
 
 

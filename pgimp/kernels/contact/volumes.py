@@ -1,10 +1,10 @@
-"""Particles' boxes as cut by surfaces, and their supports: for the sums of volumes.
+"""Boxes of particles cut by surfaces, and their supports: for the sums of volumes.
 
-A particle that a surface cuts keeps its place on the lattice and its box, but its part of the body
-is smaller, with a centroid of its own, which deforms with it. The sums of volumes use a box round
-the centroid, as wide as the remaining part of the whole one: exact where the surface is along the
-grid. It lies within the whole one, and its support within that one's. Shapes that are no boxes have
-the weights of whole particles, and their change over the offset to the centroid.
+A cut particle keeps its lattice position and its box, but only part of it belongs to the body. This
+part has its own centroid, which deforms with the particle. The sums of volumes use a box round the
+centroid, as wide as the remaining part of the whole box. It is exact for surfaces along the grid,
+lies within the whole box, and has its support within the whole support. Shapes that are no boxes
+have the weights of whole particles, corrected by their gradient over the offset to the centroid.
 """
 
 from typing import Any
@@ -34,7 +34,7 @@ def volume_sums(shape: Any) -> VolumeSums:
 
 
 def summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
-    """As `supports`; where `loads` sum volumes, those of the cut boxes."""
+    """Supports as of `supports`; where `loads` sum volumes, the supports of cut boxes."""
 
 
 @specialise(summed_supports)
@@ -79,9 +79,9 @@ def _narrow_along(shape, frame, buffer, d, half, x, offset, vertex):
 
 
 def cut_weights(shape, half, f):
-    """Weights and gradients of boxes, also of those without weight on the first vertex.
+    """Weights and gradients of boxes, including boxes without weight on the first vertex.
 
-    As those of `finite-gimp`.
+    As in `finite-gimp`.
     """
 
 

@@ -1,1 +1,1 @@
-"""Records and named tuples of arrays that kernels take: particles, vertices, ledger, arguments."""
+"""Records and named tuples of arrays for kernels: particles, vertices, ledger, arguments."""

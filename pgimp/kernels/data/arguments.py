@@ -13,14 +13,14 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 
 
 class Setting(NamedTuple):
-    """The scene as kernels see it; constant during a run.
+    """The scene for kernels; constant during a run.
 
     Attributes
     ----------
     shape : NamedTuple
         Parameters of the shape, see `pgimp.physics.shapes`.
     frame : Frame
-        Where the grid lies.
+        Position of the grid.
     identity : tuple of D*D float
         The undeformed deformation gradient; it gives the compiler the length of F.
     materials : tuple of NamedTuple
@@ -30,8 +30,7 @@ class Setting(NamedTuple):
     tracked : bool
         Whether V follows det(F) V0.
     exits : int
-        Bit 2 d + s is set for a face, of direction d at the low (s = 0) or high end (1), through
-        which particles may leave.
+        Bit 2 d + s is set for an open face, of direction d at the low (s = 0) or high end (1).
     """
 
     shape: Any
@@ -43,11 +42,11 @@ class Setting(NamedTuple):
     exits: int = 0
 
     def without_materials(self) -> Self:
-        """For kernels that need none, to compile them once for all materials."""
+        """For kernels without materials, to compile them once for all materials."""
         return self._replace(materials=())
 
     def without_shape(self) -> Self:
-        """For kernels that need none, to compile them once for all shapes."""
+        """For kernels without shapes, to compile them once for all shapes."""
         return self._replace(shape=())
 
 
@@ -59,7 +58,7 @@ class Order(NamedTuple):
     rows : (n,) int32
         Their rows.
     start : (layers + 1,) int64
-        Where each of the rank's layers begins in `rows`.
+        Beginning of each of the rank's layers in `rows`.
     """
 
     rows: NDArray[np.int32]
@@ -67,16 +66,16 @@ class Order(NamedTuple):
 
 
 class Batch(NamedTuple):
-    """Four particles of a layer that are computed together.
+    """Four particles of a layer, computed together.
 
     Attributes
     ----------
     rows : tuple of 4 int
-        Their rows; the last one fills in for those missing.
+        Their rows; the last row replaces missing ones.
     size : int
-        How many there are.
+        Number of particles.
     first : int
-        Place of the first one in the order.
+        Offset of the first particle in the order.
     layer, number : int
         Their layer, counted from the rank's first one, and its number in the grid.
     """
@@ -94,29 +93,28 @@ class Field(NamedTuple):
     Attributes
     ----------
     window : Window
-        What is stored; its first plane is that of the rank's first layer.
+        The stored part of the grid; its first plane belongs to the rank's first layer.
     G : (planes * plane,) float64
         Records of the vertices, see `pgimp.kernels.data.record`. Only those of active planes are
         defined.
     active : (planes,) uint8
-        1 for the planes that layers of this rank add to; zero before the first layer of a step.
+        1 for planes with sums of this rank's layers; zero before the first layer of a step.
     scratch : (vertices * plane,) float64
         A layer's own planes; zero between two layers.
     deferred : float64
-        Sums to be added later, see `complete`: the sums of the first `shared` layers for the
-        planes that the lower rank shares, layer by layer, each from its own plane up, in
-        (shared * (shared + 1) / 2 * plane,); then likewise those of the last `shared` layers for
-        planes that the upper rank does not share. Each part is missing where there is no such rank.
+        Sums to be added later, see `complete`. First the sums of the first `shared` layers for the
+        planes that the lower rank shares, layer by layer, each from its own plane up. Their size is
+        shared * (shared + 1) / 2 * plane. Then likewise the sums of the last `shared` layers for
+        planes that the upper rank does not share. Without such a rank its part is missing.
     shared_lower : int
-        Number of planes shared with the lower rank; 0 where there is none.
+        Number of planes shared with the lower rank; 0 without one.
     owned : int
         Number of planes, from the first, whose sums this rank accounts for.
     bounds : tuple of D pairs of float
         Coordinates between which a particle is certainly in the domain and in the window.
     used : (planes,) int64 or ()
-        Bit f: the plane has sums of the velocity field f, which have to be cleared before it is
-        active again; see `pgimp.kernels.data.velocity_fields`. () in scenes that always have
-        one field.
+        Bit f: the plane has sums of the velocity field f. They are cleared before it is active
+        again; see `pgimp.kernels.data.velocity_fields`. () in scenes that always have one field.
     """
 
     window: Window
@@ -133,7 +131,7 @@ class Field(NamedTuple):
 class Forcing(NamedTuple):
     """Forcing of the material during one step, except the conditions of faces.
 
-    As part of the type, each set of them would need its own compilation of every kernel.
+    As part of the type, each combination would need its own compilation of every kernel.
 
     Attributes
     ----------
@@ -142,22 +140,22 @@ class Forcing(NamedTuple):
     gravity : tuple of 3 float
         Body force per mass b, taken at the step's beginning.
     mass_cutoff : float
-        A vertex that is not heavier gets a = 0, and keeps v = p/m: a particle that passes it gets
-        its full gradient, however small its weight.
+        A vertex up to this mass gets a = 0, and keeps v = p/m. So a passing particle gets its full
+        gradient, however small its weight.
     loads : Loads
         See `pgimp.kernels.loads.loads`.
     constraints : tuple of Constraint
         The constraints, see `pgimp.kernels.grid.constraints`.
     marked : (constraints, mask) or ()
-        The constraints and the vertices that they hold, see `constrained_velocity`.
+        The constraints and their vertices, see `constrained_velocity`.
     walls : (6, WALL) float64
         The faces that hold particles, see `pgimp.kernels.grid.position_limits`.
     controlled : bool or float
         Whether the next step depends on the particles' speeds.
     clearances : (faces, vertices) float64 or ()
-        Distances of bodies from walls that let go, see `find_clearances`.
+        Clearances of bodies from unilateral walls, see `find_clearances`.
     filling : Filling or ()
-        How full the vertices are, where bodies flow; see `pgimp.kernels.grid.filling`.
+        Filled parts of the vertices, where bodies flow; see `pgimp.kernels.grid.filling`.
     keepers : Keepers or ()
         The rigid bodies that hold particles out, see `pgimp.kernels.rigid.hold`.
     """
@@ -181,10 +179,10 @@ class Report(NamedTuple):
     Attributes
     ----------
     vertex_bounds : (2, 2) int64
-        Grown to the first vertices (least, greatest; y, z) of particles, at least of those beyond
-        the field's bounds.
+        Grown to the first vertices (least, greatest; y, z) of particles, at least of particles
+        beyond the field's bounds.
     changed : (n,) int32
-        Filled with the places in the order of particles that changed their layer or left.
+        Filled with the offsets in the order of particles that changed their layer or left.
     errors : (capacity, 2) int64
         Filled with row and error of particles at fault, up to its capacity.
     """

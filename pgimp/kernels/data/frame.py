@@ -1,4 +1,4 @@
-"""Place of the grid, and of the part of it that a rank stores."""
+"""Position of the grid, and of the part that a rank stores."""
 
 from typing import Any, NamedTuple
 
@@ -8,9 +8,9 @@ from pgimp.kernels.data.record import RECORD
 
 
 class Frame(NamedTuple):
-    """Place of the grid. Vertex and layer numbers count from the first ghost vertex.
+    """Position of the grid. Vertex and layer numbers count from the first ghost vertex.
 
-    All tuples have D entries; vertex number i of direction d stands at
+    All tuples have D entries; vertex number i of direction d has the coordinate
     ``origin[d] + (i - ghost) * cell[d]``.
     """
 
@@ -27,25 +27,25 @@ class Frame(NamedTuple):
 
 
 class InitialFrame(Frame):
-    """Place of a grid of the initial configuration (total Lagrangian).
+    """Position of a grid of the initial configuration (total Lagrangian).
 
-    Kernels that get it, in a `Setting`, take weights of the particles' initial places and
-    gradients by these, forces from the first Piola-Kirchhoff stress, and never move a particle
-    from a layer to another. They choose by its type, so that others are compiled as without it.
+    In kernels that get it, in a `Setting`, weights are taken at the particles' initial positions,
+    with gradients by these. Forces come from the first Piola-Kirchhoff stress, and particles keep
+    their layer. Kernels choose by its type, so that other scenes are compiled as without it.
     """
 
     __slots__ = ()
 
 
 class MixedFrame(NamedTuple):
-    """Place of the grid for bodies of both configurations, where particles are put in order.
+    """Position of the grid for bodies of both configurations, for the canonical order.
 
     Attributes
     ----------
     origin, cell, inverse, cells, ghost
         See `Frame`.
     lagrangian : (bodies,) bool
-        Which bodies are in the initial configuration.
+        Mask of the bodies in the initial configuration.
     """
 
     origin: tuple[float, ...]
@@ -62,14 +62,14 @@ class MixedFrame(NamedTuple):
 
 
 class Window(NamedTuple):
-    """The part of the grid that a rank stores: its planes, cut to where particles are.
+    """The part of the grid that a rank stores: its planes, reduced to the range of the particles.
 
     `lower` is the first vertex of each of three directions, `extent` the number of vertices (1
-    where the scene has no such direction), `stride` the distance of neighbours in float64.
+    along missing directions). `stride` is the distance of neighbours in float64.
 
-    Where bodies have velocity fields of their own, those of a plane follow each other. `bodies`,
-    (bodies,) int64, then is the offset of each body's field from the plane's first vertex,
-    in float64. It is empty as long as all share one field, and () in scenes where they always do.
+    With several velocity fields, the fields of a plane follow each other. `bodies`, (bodies,)
+    int64, then is the offset of each body's field from the plane's first vertex, in float64. It is
+    empty as long as all share one field, and () in scenes where they always do.
     """
 
     lower: tuple[int, int, int]

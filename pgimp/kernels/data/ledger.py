@@ -6,24 +6,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: Columns of `Ledger.contact`, for each entry in a step: impulse on the first body;
-#: impulse along normals and across them; heat of friction; energy lost in impacts; area.
+#: Columns of `Ledger.contact`, for each entry in a step: impulse on the first body; normal and
+#: tangential impulse; friction heat; energy lost in impacts; area.
 IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
 
 #: Columns of `Ledger.walls`, for each face: heat of friction; energy lost in impacts.
 WALL_HEAT, WALL_LOSS, WALL_BOOKED = 0, 1, 2
 
-#: Columns of `Ledger.rigid_bodies`, for each rigid body since the start: impulse and angular
-#: impulse about its reference point that it received, and work that it has done.
+#: Columns of `Ledger.rigid_bodies`, accumulated for each rigid body: received impulse and angular
+#: impulse about its reference point, and work done by it.
 RIGID_IMPULSE, RIGID_MOMENT, RIGID_WORK, TOOLED = 0, 3, 6, 7
 
-#: Columns of `Ledger.filled`, for each body: volume that particles of what flows carry, and the
-#: part for which vertices have room.
+#: Columns of `Ledger.filled`, for each body: volume of flowing particles, and the part with room at
+#: the vertices.
 CARRIED, ROOM, VOLUMES = 0, 1, 2
 
 
 class Ledger(NamedTuple):
-    """Sums by plane; those of the planes that a rank owns count.
+    """Sums by plane; only planes that a rank owns count.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Ledger(NamedTuple):
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
     walls : (planes, faces, WALL_BOOKED) float64
-        Energy that each face that lets go, or holds every component, has taken; zeros for others.
+        Energy taken by each unilateral face, or each face that holds all components; else zeros.
     contact : (planes, entries, BOOKED) float64
         Sums of each entry of contact.
     rigid_bodies : (planes, rigid bodies, TOOLED) float64
@@ -44,7 +44,7 @@ class Ledger(NamedTuple):
     escaped : (planes, bodies, SUMS) float64
         Sums of the particles that left, as in `layer_sums`; (planes, 0, 0) where none may leave.
     filled : (planes, bodies, VOLUMES) float64
-        Volumes of what flows when the filling was last found; else (planes, 0, VOLUMES).
+        Volumes of flowing bodies at the last filling; else (planes, 0, VOLUMES).
     """
 
     work: np.ndarray
@@ -68,12 +68,12 @@ class Ledger(NamedTuple):
         rigid_bodies: int = 0,
         flows: int = 0,
     ) -> Ledger:
-        """Return that of `planes` planes before the first step.
+        """Return the ledger of `planes` planes before the first step.
 
         Parameters
         ----------
         planes, faces, constraints : int
-            How many there are.
+            Their numbers.
         escaped : (int, int)
             Bodies and `SUMS`, where particles may leave.
         contacts : int
@@ -90,7 +90,7 @@ class Ledger(NamedTuple):
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 
     def first(self, planes: int) -> Ledger:
-        """Return its first planes, such as those that a rank owns, without a copy."""
+        """Return its first planes, such as a rank's own planes, without a copy."""
         return Ledger(*(part[:planes] for part in self))
 
     def datasets(self) -> dict[str, np.ndarray]:

@@ -1,8 +1,8 @@
-"""The particles of one rank: the data that all kernels share.
+"""The particles of one rank: the data shared by all kernels.
 
-Each column is declared once, in `Particles`: allocation, migration, checkpoints, what a resume
-refuses and docs/symbols.md follow from that. Which rows are alive, and their canonical order, is
-in `Population`; rows of particles that have left stay as holes until the next re-sort.
+Each column is declared once, in `Particles`. Allocation, migration, checkpoints, checks of a resume
+and docs/symbols.md follow from it. `Population` has the live rows and their canonical order; rows
+of particles that have left stay as holes until the next re-sort.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ Columns = tuple[tuple[IntArray, ...], tuple[NDArray[np.int32], ...]]
 
 
 class Carried(NamedTuple):
-    """Columns that the particles of a scene carry.
+    """Columns of a scene's particles.
 
     Attributes
     ----------
@@ -28,11 +28,12 @@ class Carried(NamedTuple):
     tractions, state : int
         Number of tractions, and greatest number of state variables of a material.
     surfaces : bool
-        Whether they have the parts that surfaces cut off, for contact.
+        Whether they have the cut-off parts at surfaces, for contact.
     mean : bool
-        Whether they have how alone they are, for mean dilatation.
+        Whether they have their degree of isolation, for mean dilatation.
     around : bool
-        Whether they have that of their cells, for the same in the initial configuration.
+        Whether they have their cells' deformation gradient, for mean dilatation in the initial
+        configuration.
     own : int
         Number of parameters of its material that vary.
     liquid : bool
@@ -56,23 +57,23 @@ class Carried(NamedTuple):
 class Column(NamedTuple):
     """A column of the particles, (c,) or (c, k) with the capacity c.
 
-    All migrate, are sorted, checkpointed and resumed; what of them output may have is in
-    `pgimp.physics.fields`.
+    All migrate, are sorted, checkpointed and resumed; `pgimp.physics.fields` has the columns for
+    output.
 
     Attributes
     ----------
     meaning, unit : str
     width : callable, optional
-        k, from what is carried; 0: the scene does not use it. None: one number, (c,).
+        k, from `Carried`; 0: the scene does not use it. None: one number, (c,).
     dtype : type
     least : float, optional
-        What no particle's can be below.
+        Least allowed value.
     above : float, optional
-        What every particle's is above.
+        Excluded lower bound of the values.
     numbers : str
-        What it numbers, if that: from 0 on, or from 1 on where 0 stands for none.
+        Object that it numbers, if any: from 0 on, or from 1 on where 0 stands for none.
     initial : float
-        What it begins as; of a matrix its diagonal, the rest is 0.
+        Initial value; of a matrix its diagonal, the rest is 0.
     """
 
     meaning: str
@@ -94,7 +95,7 @@ def _matrix(carried: Carried) -> int:
 
 
 class Particles(NamedTuple):
-    """Structure of arrays, one row a particle; what a scene does not use has no columns."""
+    """Structure of arrays, one row a particle; unused quantities have no columns."""
 
     x: Annotated[FloatArray, Column("position", "length", _directions)]
     v: Annotated[
@@ -199,7 +200,7 @@ class Particles(NamedTuple):
 
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":
-        """Arrays for `capacity` particles with all that is carried, as they begin."""
+        """Arrays for `capacity` particles with all carried columns at their initial values."""
         arrays = {}
         for name, column in COLUMNS.items():
             more = () if column.width is None else (column.width(carried),)
@@ -214,7 +215,7 @@ class Particles(NamedTuple):
         return len(self.m)
 
     def columns(self) -> "Columns":
-        """All arrays bit by bit, (c, k) each: those of int32, and the others as int64."""
+        """All arrays bit by bit, (c, k) each: the int32 arrays, and the others as int64."""
         arrays: tuple[np.ndarray, ...] = tuple(self)
         tables = [array.reshape(self.capacity, array[0].size) for array in arrays]
         words = tuple(table.view(np.int64) for table in tables if table.itemsize == 8)

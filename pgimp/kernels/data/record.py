@@ -1,7 +1,7 @@
-"""Entries of a vertex's record of 8 float64, of which the grid's arrays consist.
+"""Entries of a vertex's record of 8 float64, the unit of the grid's arrays.
 
-While particles are summed it holds (m, p) and (0, f); the momentum update turns that into (m, v)
-and (h, a). h encodes which components a face or a constraint holds, see
+During P2G it holds (m, p) and (0, f); the momentum update turns these into (m, v) and (h, a). h
+encodes the components held by a face or a constraint, see
 `pgimp.kernels.grid.constraint_flags`.
 """
 
@@ -13,7 +13,7 @@ MASS = 0
 #: The first of three components.
 MOMENTUM = VELOCITY = 1
 
-#: The code of the components that are held.
+#: The code of the held components.
 HELD = 4
 
 #: The first of three components.

@@ -1,14 +1,14 @@
 """Velocity fields: their number in a plane, and the offset of a particle's field.
 
-Bodies that may meet have fields of their own, one after the other in each plane of the grid. So
-layers, planes and messages are as for one field; only code that splits a plane knows of several.
+Bodies that may touch have separate fields, one after the other in each plane of the grid. So
+layers, planes and messages are as for one field; only code that splits a plane handles several.
 """
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.vectors.simd import load, pack, store
 from pgimp.kernels.data.record import RECORD
 
-#: The last bit of `Field.used` is that of all fields from this one on.
+#: The last bit of `Field.used` stands for all fields from this one on.
 _LAST = 62
 
 
@@ -43,7 +43,7 @@ def _field_of(window, particles, p):
 
 
 def move_to_fields(window, particles, rows, buffer, at):
-    """Shift four places, in the buffer from `at` on, by the offsets of their particles' fields."""
+    """Shift four offsets, in the buffer from `at` on, to the fields of their particles."""
 
 
 @specialise(move_to_fields)
@@ -64,7 +64,7 @@ def _move_to_fields(window, particles, rows, buffer, at):
 
 
 def clear_plane(field, i):
-    """Set plane `i` to zero; of several fields, those that are used."""
+    """Set plane `i` to zero; of several fields, only the used ones."""
 
 
 @specialise(clear_plane)
@@ -90,7 +90,7 @@ def _is_single(field):
 
 
 def is_used(field, i, f):
-    """Whether field `f` of plane `i` may have anything but zeros."""
+    """Whether field `f` of plane `i` may be nonzero."""
 
 
 @specialise(is_used)

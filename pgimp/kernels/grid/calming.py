@@ -1,21 +1,20 @@
-"""Velocities of soil that no vertex sees, which fade: what else would not come to rest.
+"""Relaxation of null modes in soil: velocities of particles without effect on any vertex.
 
 Particles keep, by (27), the part of their velocity that is finer than a cell. It exerts no force,
-strains nothing, and so is never lost: a heap that has come to rest is still at work by its books.
+strains nothing, and is never lost: a heap at rest still has kinetic energy in its books.
 
 In loose soil and grains it is relaxed, at the rate CALM c/h, to the field of the vertices
 
     w_v = sum_p m_p S_vp v_p/sum_p m_p S_vp,    v_p += part (sum_v S_vp w_v - v_p).
 
-Both are of the step's beginning. The sums are those of `filling`, every few steps, over the
-particles of one body alone (without contact, of all such bodies of a material): so walls, contact
-and other bodies have no part in it, and momentum stays as it is; angular momentum does inside, and
-is lost by surfaces that turn. With P the map of v to
-sum_v S_vp w_v, whose eigenvalues in the product of the masses are from 0 to 1, a mode loses energy
-at the rate 2 CALM (1 - P) c/h: none gains any, and long waves lose next to none. What is lost is
-dissipated energy, as all that a method loses.
+Both are taken at the step's beginning. The sums are accumulated with `filling`, every few steps,
+over one body (without contact, over all such bodies of a material). So walls, contact and other
+bodies have no part in it. Momentum is conserved; angular momentum is conserved inside, and lost at
+surfaces that turn. Let P be the map of v to sum_v S_vp w_v; its eigenvalues in the mass-weighted
+product are from 0 to 1. A mode loses energy at the rate 2 CALM (1 - P) c/h. No mode gains any, and
+long waves lose next to none. The loss is booked as dissipated energy, like all losses of a method.
 
-Particles that a constraint holds move as prescribed, and have no part in it either.
+Constrained particles move as prescribed, and have no part in it either.
 """
 
 from typing import NamedTuple
@@ -27,18 +26,18 @@ from pgimp.jit.vectors.simd import lane, load, pack, store
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.data.velocity_fields import is_used
 
-#: Entries of a vertex's record: mass of what is calmed, and momentum in three components; after
+#: Entries of a vertex's record: mass of relaxed particles, and momentum in three components; after
 #: that momentum over mass.
 WEIGHT, MOTION = 4, 5
 
 
 class Calming(NamedTuple):
-    """Which bodies are calmed.
+    """Relaxed bodies.
 
     Attributes
     ----------
     part : (bodies,) float64
-        Part of what no vertex sees that velocities lose; 0 for other bodies.
+        Part of the null-mode velocity lost by each body; 0 for other bodies.
     """
 
     part: FloatArray
@@ -46,14 +45,14 @@ class Calming(NamedTuple):
 
 @inner_kernel
 def part_of(calming, particles, p):
-    """Part of the velocity of particle `p` that is relaxed; 0 for one that a constraint holds."""
+    """Part of the velocity of particle `p` that is relaxed; 0 for a constrained one."""
     if particles.constraint.shape[1] > 0 and particles.constraint[p, 0] > 0:
         return 0.0
     return calming.part[particles.body[p]]
 
 
 def motion_share(calming, frame, particles, p):
-    """The vector (m, m v) of a particle that is calmed, zero for others; () without any."""
+    """The vector (m, m v) of a relaxed particle, zero for others; () without any."""
 
 
 @specialise(motion_share)
@@ -95,7 +94,7 @@ def _find_motion(calming, field, i, first, count, size):
 
 
 def keep_gain(calming, frame, particles, p, A, scratch, place):
-    """Store at a `place` what the velocity of particle `p` gains; `A` is what it sees of (1, w)."""
+    """Store the velocity gain of particle `p` at `place`; `A` is its gathered (1, w)."""
 
 
 @specialise(keep_gain)
@@ -114,7 +113,7 @@ def _keep_gain(calming, frame, particles, p, A, scratch, place):
 
 
 def with_gains(calming, v, scratch, place):
-    """Velocities v of four particles with what `keep_gain` has stored from `place` on."""
+    """Velocities v of four particles with the gains that `keep_gain` has stored from `place` on."""
 
 
 @specialise(with_gains)

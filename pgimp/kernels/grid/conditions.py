@@ -21,7 +21,7 @@ class Holding(NamedTuple):
     faces : Faces or ()
         The conditions of the domain's faces.
     frame : Frame
-        Where the grid, and so the faces, lie.
+        Position of the grid, and so of the faces.
     forcing : Forcing
         Its constraints come after the faces.
     impulse : (faces, 3) float64
@@ -37,8 +37,8 @@ class Holding(NamedTuple):
 def hold(holding, number, r, v, a, mass):
     """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
 
-    A face's part of the momentum that the particles gain in a step is what its condition adds to
-    it, see `given`; `impulse` grows by that. The vertex's record is at `r`. Returns its velocity
+    A face's part of the momentum that the particles gain in a step is its condition's addition,
+    see `given`; `impulse` grows by it. The vertex's record is at `r`. Returns its velocity
     and acceleration.
     """
 
@@ -64,9 +64,9 @@ def _hold(holding, number, r, v, a, mass):
 
 
 def book_losses(holding, number, r, motion, last, mass, lost):
-    """Book the energy that faces that let go take at a vertex, as contact books that of pairs.
+    """Book the energy that unilateral faces take at a vertex, as contact books do for pairs.
 
-    They are at rest and do no work: their impulses, each as `hold` finds it, times the velocity
+    They are at rest and do no work. Their impulses, each as `hold` finds it, times the velocity
     after all conditions are heat, across the normal, and loss, along it.
 
     Parameters
@@ -76,7 +76,7 @@ def book_losses(holding, number, r, motion, last, mass, lost):
     last : tuple
         The velocity after them.
     lost : (faces, WALL_BOOKED) float64
-        Grows.
+        Grows by heat and loss.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def _book_losses(holding, number, r, motion, last, mass, lost):
 def held_velocity(holding, number, r, v, last):
     """Velocity v of the vertex at `r` after faces and constraints.
 
-    As they are at the step's end (`last`), or at its beginning.
+    Conditions are taken at the step's end (`last`), or at its beginning.
     """
 
 

@@ -1,8 +1,8 @@
-"""Vertices that constraints hold: those in the supports of the particles that they hold.
+"""Constrained vertices: the vertices in the supports of constrained particles.
 
 So the material around moves with the particles and does not tear from them prematurely. A
-constraint therefore acts up to a vertex near the edge of its region: exactly up to the edge where
-that is a plane of vertices, else up to a cell further, and this vertex changes as the region moves.
+constraint therefore acts up to a vertex near the edge of its region. The edge is exact if it is a
+plane of vertices; else it is up to a cell further, and changes as the region moves.
 Marks in planes that two ranks share are combined with ``or``, so that their order does not matter.
 """
 
@@ -54,7 +54,7 @@ def _mark_along(shape, mask, bit, place, support, d, stride, like):
 
 
 def _mark_cell(mask, bit, place, w, t, stride):
-    """Set a bit at the vertices round the place t in a cell, as `spread` in `cornertransfer`."""
+    """Set a bit at the vertices round the position t in a cell, as `spread` in `cornertransfer`."""
 
 
 @specialise(_mark_cell)
@@ -71,7 +71,7 @@ def _mark_cell_along(mask, bit, place, w, t, stride):
 
 
 def _mark_support(shape, mask, bit, place, support, stride, like):
-    """Set a bit at the vertices in a particle's support, by whatever it has."""
+    """Set a bit at the vertices in a particle's support, for any kind of support."""
 
 
 @specialise(_mark_support)
@@ -99,7 +99,7 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
     setting, window, particles, order
         See `Setting`, `Window`, `Particles`, `Order`.
     mask : (planes * plane / 8,) int64
-        Grows: bit k of a vertex says that constraint k holds it.
+        Grows: bit k of a vertex is set where constraint k holds it.
     """
     shape, frame, rows_of_all, start = setting.shape, setting.frame, order.rows, order.start
     buffer = stack(SUPPORT_SIZE)

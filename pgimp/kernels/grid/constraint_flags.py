@@ -1,12 +1,12 @@
-"""Codes of the components of a vertex's velocity that faces and constraints hold."""
+"""Codes of held velocity components at a vertex, by faces and constraints."""
 
 from pgimp.jit.kernel import inner_kernel
 
-#: Codes of component d are this to the power d: so far apart that a weighted sum of them gives the
-#: greatest.
+#: The code of component d is this to the power d: so far apart that a weighted sum of codes gives
+#: the greatest.
 _APART = 1e12
 
-#: Code of several components, and of what constraints hold, which need not lie along a wall.
+#: Code of several components, and of constraints, which need not lie along a wall.
 SEVERAL = _APART**3
 
 #: Least weight of a vertex that counts as in a particle's support; less is rounding.
@@ -15,14 +15,14 @@ LEAST_WEIGHT = 1e-9
 
 @inner_kernel
 def also_held(code, d):
-    """Code of the components that are held, of which `code` is 0 for none yet, with component d."""
+    """Code of the held components with component d added; `code` is the code so far, 0 for none."""
     one = (1.0, _APART, _APART * _APART)[d]
     return one if code == 0.0 or code == one else SEVERAL
 
 
 @inner_kernel
 def held_codes(d):
-    """Bounds of a weighted sum of codes whose greatest is that of component d; 3: several.
+    """Bounds of a weighted sum of codes with the greatest at component d; 3: several.
 
     The next code at a weight below `LEAST_WEIGHT` counts as this one, which may then be missed.
     """

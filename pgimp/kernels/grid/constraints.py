@@ -1,6 +1,6 @@
 """Prescribed motion of a part of a body: constraints on its particles and on vertices near them.
 
-A constrained particle moves exactly as prescribed, and so do the vertices that it marks
+A constrained particle moves exactly as prescribed, and so do its marked vertices
 (`pgimp.kernels.grid.constrained_vertices`).
 """
 
@@ -13,13 +13,13 @@ from pgimp.kernels.transfer.lane_io import take
 
 
 def constrained_velocity(marked, r, v):
-    """Velocity of the vertex at `r` when all constraints are applied to `v`.
+    """Velocity of the vertex at `r` with all constraints applied to `v`.
 
     Parameters
     ----------
     marked : (constraints, mask) or ()
-        The constraints and the vertices that they hold, see
-        `mark_constrained_vertices`. Where constraints share a vertex, the later one applies.
+        The constraints and their vertices, see `mark_constrained_vertices`. Where
+        constraints share a vertex, the later one applies.
     """
 
 
@@ -80,7 +80,7 @@ def apply_constraints(field, forcing, ledger):
     Parameters
     ----------
     field, forcing
-        As in `update_momentum`, which has counted gravity's work with the velocity before.
+        As in `update_momentum`, which has booked gravity's work with the velocity before.
     ledger : Ledger
         `constraint_impulse` grows by the momentum that each constraint gives to the vertices,
         `work` by that momentum times the velocity after the last constraint.
@@ -116,23 +116,23 @@ def apply_constraints(field, forcing, ledger):
 
 
 def constrain_particles(constraints, particles, batch, u, v, ledger):
-    """Velocities of a batch, and those at which it moves, after its constraints.
+    """Velocities of a batch, and velocities of its motion, after its constraints.
 
     Parameters
     ----------
     particles, batch
         See `Particles`, `Batch`.
     u, v : tuple of Vec4
-        For each direction, those of four particles.
+        For each direction, the velocities of four particles.
     ledger : Ledger
         `constraint_impulse` and `work` grow.
     """
 
 
 def _held(constraints, k, number, m, u, v, ledger, plane):
-    """Treat the constraints from number `k` on, those in `constraints`.
+    """Apply the constraints from number `k` on, given in `constraints`.
 
-    `number` is that of each particle's constraint, from 1; `m` is zero for particles that do not
+    `number` is each particle's constraint, from 1; `m` is zero for particles that do not
     count. Branches for single particles would slow down the loop over all.
     """
 
@@ -151,7 +151,7 @@ def _held_by_each(constraints, k, number, m, u, v, ledger, plane):
 
 
 def _hold(one, d, chosen, m, u, v, ledger, place):
-    """Treat the directions from `d` on, one vector each of `u` and `v`, of one constraint.
+    """Apply one constraint in the directions from `d` on, one vector each of `u` and `v`.
 
     `place` is the plane and the constraint's number in the ledger.
     """

@@ -25,7 +25,7 @@ class Faces(NamedTuple):
         Parameters of each possible kind of condition; only their types matter.
     rows : (faces, n) float64
         For each face the number of its kind, then its parameters one after the other: numbers,
-        booleans, and those in tuples.
+        booleans, and entries of tuples.
     """
 
     kinds: tuple
@@ -128,7 +128,7 @@ def _constrained_by(kinds, k, rows, n, v, a, clearance):
 
 
 def unilateral_walls(kinds, k, kind):
-    """Whether number `kind` is a condition that lets go; those are `kinds`, numbered from `k`."""
+    """Whether number `kind` is a unilateral condition; `kinds` are numbered from `k`."""
 
 
 @specialise(unilateral_walls)

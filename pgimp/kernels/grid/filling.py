@@ -1,30 +1,29 @@
-"""How much of a vertex's neighbourhood is filled, where bodies flow; particles have `refill`.
+"""Filled part of a vertex's neighbourhood, where bodies flow; `refill` corrects the particles.
 
-The J of liquids, of grains and of loose soil is integrated from rates, and nothing compares it with
-the space that particles have. In motion both drift apart: particles crowd, and what flows sinks. So
-every few steps volumes are summed at the vertices, V_v = sum_p S_vp V_p, relative to the part V_c
-of the neighbourhood that lies within the walls: phi_v = V_v/V_c. Where that is overfull, particles
-are shifted down the gradient of what is too much:
+The J of liquids, of grains and of loose soil is integrated from rates, and nothing ties it to the
+space of the particles. In motion both drift apart: particles crowd, and the flow sinks. So every
+few steps volumes are summed at the vertices, V_v = sum_p S_vp V_p. With the part V_c of the
+neighbourhood within the walls, phi_v = V_v/V_c. Where it is overfull, particles are shifted down
+the gradient of the excess:
 
     x_p -= eps c h t sum_v grad S_vp max(phi_v - 1, 0),
 
-with the speed of waves c and the time t since the last shift. Calm bodies fill their space, and
-stay as they are; free surfaces, phi < 1, are not pushed. Velocities stay as they are. Lind et al.
-(J. Comput. Phys. 231, 2012) shift the particles of SPH likewise, down the gradient of
-concentration.
+with the wave speed c and the time t since the last shift. Calm bodies fill their space and are not
+shifted; free surfaces, phi < 1, are not pushed. Velocities do not change. Lind et al. (J. Comput.
+Phys. 231, 2012) shift the particles of SPH likewise, down the gradient of concentration.
 
-J also gathers noise that is finer than a cell, which exerts no force on any vertex and is therefore
-never removed. In liquids and grains it is relaxed, at the rate delta c/h, to the field of the
-vertices,
+J also gathers null modes, noise finer than a cell, which exert no force on any vertex and are
+therefore never removed. In liquids and grains J is relaxed, at the rate delta c/h, to the field of
+the vertices,
 
     J_v = sum_p m_p S_vp (J_p + g_p . (x_v - x_p))/sum_p m_p S_vp,    g_p = sum_v grad S_vp J_v.
 
-That is exact for linear fields, so that hydrostatic pressure is left as it is.
+That is exact for linear fields, so that hydrostatic pressure does not change.
 
-Voids close at the rate eps c/h: what a particle of a liquid or of grains has beyond J = 1.01, in
-overfull neighbourhoods, and the gap by which a particle of loose soil has opened, in full ones.
-Both are without stress, so that nothing else changes. Else soil that was torn apart on its way
-would lie there with more volume than it takes.
+Voids close at the rate eps c/h. In overfull neighbourhoods J of liquids and grains is reduced
+towards 1.01; in full ones the opening gap of loose soil is reduced. Both are without stress, so
+that nothing else changes. Otherwise soil that was torn apart in motion would come to rest with
+excess volume.
 """
 
 from typing import Any, NamedTuple
@@ -41,8 +40,8 @@ from pgimp.kernels.grid.mirror import mirror_places, vertices_beyond
 from pgimp.kernels.rigid.fill import fill
 from pgimp.kernels.transfer.first_vertex import deformation
 
-#: Entries of a vertex's record while it is summed: volume of all bodies; mass of those whose J is
-#: relaxed, and that times J.
+#: Entries of a vertex's record during the sums: volume of all bodies; mass of the bodies with
+#: relaxed J, and this mass times J.
 VOLUME, MASS, RATIO = 0, 1, 2
 
 #: Entries after that: max(phi - 1, 0), J_v, phi - 1, and max(phi - 1, 0)/phi.
@@ -50,9 +49,9 @@ EXCESS, FIELD, SURPLUS, OVERLAP = 0, 1, 2, 3
 
 
 class FillingSums(NamedTuple):
-    """The loads' stand-in where the filling is summed.
+    """Stand-in for the loads in the sums of the filling.
 
-    The fields are those of `Loads`, with arms for the gradient of J, and
+    The fields are as in `Loads`, with arms for the gradient of J, and
 
     most : (bodies,) float64
         The greatest J without voids where J is relaxed; 0 for other bodies, which only fill.
@@ -73,7 +72,7 @@ class FillingSums(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """The filling as a step's particles see it; () where nothing flows.
+    """The filling for a step's particles; () where nothing flows.
 
     Attributes
     ----------
@@ -86,15 +85,15 @@ class Filling(NamedTuple):
     shift : (bodies,) float64
         eps c t/h, 0 for bodies that do not flow.
     relaxed : (bodies,) float64
-        Part of its difference from the vertices' field that J loses.
+        Part of the difference between J and the vertices' field that J loses.
     closed : (bodies,) float64
         Part of gaps and of voids that closes in full neighbourhoods.
     most : (bodies,) float64
         See `FillingSums`.
     gap : (bodies,) int64
-        Column of the state that has the gap of loose soil; -1 for other bodies.
+        Column of the state with the gap of loose soil; -1 for other bodies.
     calming : Calming or ()
-        Whose velocities are relaxed.
+        Relaxation of velocities.
     """
 
     due: bool
@@ -163,7 +162,7 @@ def _in_ratio_of(g):
 
 @kernel
 def fold_filling(frame, field, mirror):
-    """Add the volumes beyond a wall to their mirror images: that is where they are pushed to.
+    """Add the volumes beyond a wall to their mirror images: there they are pushed to.
 
     Parameters
     ----------
@@ -202,7 +201,7 @@ def find_filling(frame, field, walls, rigid_bodies, fills, calming):
     rigid_bodies : RigidBodies or ()
         The rigid bodies.
     fills : (rigid bodies,) bool
-        Which of them fill as well.
+        Which of them count as filled.
     calming : Calming or ()
         As in the sums.
     """

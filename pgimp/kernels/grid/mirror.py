@@ -1,16 +1,16 @@
 """Reflection at a face of the sums beyond it (``wall: mirror``).
 
-The vertices beyond the face add their sums to their mirror images before the momentum update:
-mass, tangential momentum and force add, the normal parts subtract. After it they get the
-reflection of their images' velocity and acceleration, which the particles then gather. At a wall
-that holds in every direction (`fixed`) all parts subtract, so that the velocity on it is zero:
-with tangential motion that is even a wide particle would slide by what it has beyond.
+The vertices beyond the face add their sums to their mirror images before the momentum update. Mass,
+tangential momentum and force add, the normal parts subtract. After it they get the reflection of
+their images' velocity and acceleration, which the particles then gather. At a wall that holds every
+direction (`fixed`) all parts subtract, so that the velocity on it is zero. With even tangential
+motion a wide particle would slide by its part beyond the wall.
 
-This is the motion of the grid under a constraint: velocities beyond the face are the reflection of
-those within. So it conserves energy, and momentum up to the face's impulse: particles gain the
-sum of m a dt over all vertices, with the mass m' beyond the face, where the normal force is f'.
-Reflection reverses both, so that the face's impulse is -2 (f' + m' a) dt, a being the images'. For
-the part of the velocity that particles relax by (`relaxed`) it is -2 (p' + f' dt + m' v) likewise.
+The grid thus moves under a constraint: velocities beyond the face are the reflection of velocities
+within. So it conserves energy, and momentum up to the face's impulse. Particles gain the sum of
+m a dt over all vertices. Let m' be the mass beyond the face, and f' the normal force there.
+Reflection reverses both, so that the face's impulse is -2 (f' + m' a) dt, with the images' a. For
+the relaxed part of the velocity (`relaxed`) it is -2 (p' + f' dt + m' v) likewise.
 """
 
 from typing import NamedTuple
@@ -31,11 +31,11 @@ class Mirror(NamedTuple):
     axis, side : int
         The face: direction, and -1 for its low end or 1 for its high end.
     number : int
-        Its place among all faces with a condition.
+        Its number among all faces with a condition.
     releases : bool
-        Whether it lets the material go: nothing is reflected beyond a vertex that moves away.
+        Whether it is unilateral: nothing is reflected beyond a vertex that moves away.
     sticks : bool
-        Whether all components are turned round, not just the one across it.
+        Whether all components are reversed, not only the one across it.
     """
 
     axis: int
@@ -47,10 +47,10 @@ class Mirror(NamedTuple):
 
 @kernel
 def fold(frame, field, mirror, forcing, ledger):
-    """Add the sums beyond a face to those of the mirror images.
+    """Add the sums beyond a face to the sums of the mirror images.
 
     A vertex beyond it then has the face's number, made negative, in place of its mass, which moves
-    to `HELD`: `reflect` needs both, and everywhere else the vertex has no mass.
+    to `HELD`. `reflect` needs both; everywhere else the vertex has no mass.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def fold(frame, field, mirror, forcing, ledger):
 
 @kernel
 def fold_volumes(frame, field, volumes, mirror):
-    """Add the sums of `VolumeSums` beyond a face to those of the mirror images.
+    """Add the `VolumeSums` beyond a face to the sums of the mirror images.
 
     Parameters
     ----------
@@ -147,8 +147,8 @@ def reflect(frame, field, mirror, forcing, ledger):
     Parameters
     ----------
     frame, field, forcing, ledger
-        As in `update_momentum`, which has counted the work of gravity on the folded mass as if it
-        moved with the images; what is turned round moves against them.
+        As in `update_momentum`. It has booked gravity's work on the folded mass as if it moved with
+        the images; reversed components move against them.
     mirror : Mirror
         The face.
     """
@@ -187,7 +187,7 @@ def reflect(frame, field, mirror, forcing, ledger):
 
 @inner_kernel
 def _turns(mirror, d):
-    """Whether a mirror turns component `d` round."""
+    """Whether a mirror reverses component `d`."""
     return mirror.sticks or d == mirror.axis
 
 
@@ -204,10 +204,10 @@ def vertices_beyond(frame, window, mirror, d):
 
 @inner_kernel
 def mirror_places(frame, window, active, mirror, begin, i, j, k):
-    """Places of a vertex beyond the face, of its mirror image, and of the one between on the face.
+    """Offsets of a vertex beyond the face, of its mirror image, and of the one between on the face.
 
     They are in the velocity field that starts at `begin` in each plane. All are -1 for other
-    vertices, and where the image is not stored: then the vertex has no weight.
+    vertices, and for an image that is not stored: then the vertex has no weight.
     """
     axis, side = mirror.axis, mirror.side
     number = window.lower[axis] + (i if axis == 0 else (j if axis == 1 else k))

@@ -26,14 +26,13 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     faces : Faces or ()
         The boundary conditions.
     ledger : Ledger
-        `impulse` grows by the momentum that each face gives to the material, and `work` by that of
-        gravity and of moving faces: force times displacement, so that a constant gravity's work is
-        the weight times the displacement of the centre of mass. What faces that let go take is in
-        `walls`. Kinetic energy differs from that by
-        an amount of order dt, also in free fall. `outside_mass` is set to the mass on the vertices
-        beyond each face.
+        `impulse` grows by each face's momentum given to the material. `work` grows by the work of
+        gravity and of moving faces, force times displacement. So a constant gravity's work is the
+        weight times the displacement of the centre of mass. Kinetic energy differs from it by an
+        amount of order dt, also in free fall. `walls` grows by the energy taken by unilateral
+        faces. `outside_mass` is set to the mass on the vertices beyond each face.
     contact : Contact or ()
-        Where bodies meet.
+        Contact of the velocity fields.
     part : int
         `WHOLE`, or `BEGINNING` and `REST` in two calls.
     """
@@ -93,8 +92,8 @@ def _accelerate(G, begin, end, dt, gravity, mass_cutoff, clearances):
 def constrain_plane(faces, n, frame, field, forcing, i, ledger):
     """Apply the conditions at the vertices of plane `i` on or beyond face `n` but none before it.
 
-    Where faces meet, a vertex is treated by all of them at once, because the work of each is its
-    force times the velocity after the last of them, or after a constraint.
+    Where faces join, a vertex is treated by all of them at once. The work of each is its force
+    times the velocity after the last face, or after a constraint.
     """
 
 

@@ -1,19 +1,19 @@
-"""Faces that hold particles in.
+"""Position limits: faces that hold particles in.
 
-The grid's velocity at a wall is zero only where all the weight is on vertices that the wall holds.
-A particle wider than a point has some on the vertices inside, so that material
-that flows along a wall, or is pressed against it, creeps through: by a millionth of a cell, or more
-where particles stretch. Such a particle is moved back onto the wall, and its velocity into the wall
-becomes the wall's, as in an inelastic impact. Its loss is the wall's impulse and work.
+The grid's velocity at a wall is zero only where the wall holds all vertices with weight. A particle
+wider than a point has weight on the vertices inside. So material that flows along a wall, or is
+pressed against it, creeps through. It creeps by a millionth of a cell, or more where particles
+stretch. Such a particle is moved back onto the wall, and its velocity into the wall becomes the
+wall's, as in an inelastic impact. Its loss is the wall's impulse and work.
 """
 
 from math import isfinite
 
 from pgimp.jit.kernel import inner_kernel, specialise
 
-#: Columns of `walls`: the face's number or -1, the coordinate to which particles are moved, the
-#: wall's velocity, and gravity across it; the number whether it holds in or not, whether it holds
-#: every component, and the three of its velocity.
+#: Columns of `walls`: number of the face or -1, coordinate to which particles are moved, velocity
+#: of the wall, and gravity across it. Then number of the face in any case, whether it holds every
+#: component, and its three velocity components.
 FACE, PLACE, VELOCITY, GRAVITY, NUMBER, HOLDS, MOTION, WALL = 0, 1, 2, 3, 4, 5, 6, 9
 
 
@@ -46,15 +46,15 @@ def hold_inside(walls, frame, constraints, particles, p, impulse, work):
     Parameters
     ----------
     walls : (6, WALL) float64
-        For each face, x-min to z-max: its number among those with a condition, or -1 if it holds
-        nothing in; the coordinate to which it moves particles; its velocity along the normal; the
+        For each face, x-min to z-max: its number among faces with a condition; -1 if it holds
+        nothing in. Then the coordinate to which it moves particles; its normal velocity; the
         component of gravity along that axis.
     constraints : tuple of Constraint
         Constraints; a particle moves as its constraint says, also through a wall.
     impulse : (faces, 3) float64
         Grows by the walls' impulses.
     work : (1,) float64
-        Grows by their work, and by that of gravity over the correction.
+        Grows by their work, and by the work of gravity over the correction.
 
     Returns
     -------

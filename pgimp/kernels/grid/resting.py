@@ -1,16 +1,16 @@
-"""Velocities of particles that walls hold: what the grid cannot take from them.
+"""Rest of particles on walls: velocities that the grid cannot remove.
 
-Vertices that a wall holds have no acceleration, whatever momentum particles bring there: otherwise
-a wall would brake every motion that grows from it. So a particle whose support is mostly on such
-vertices keeps the velocity with which it came, though it does not move: sand that lies at rest on a
-fixed floor at the speed of its fall.
+Held vertices have no acceleration, whatever momentum particles bring there: otherwise a wall would
+brake every motion that grows from it. So a particle whose support is mostly on held vertices keeps
+its former velocity, though it does not move. Sand at rest on a fixed floor keeps the speed of its
+fall.
 
-Such a particle of what flows (`Material.RESTS`) loses the difference between its velocity and that
-at which it moves, as it would have gone a part of a cell by it: by itself a difference d falls as
-exp(-STOPS (1 - 2 z/h) s/h), s being the way by d, and z < h/2 the particle's distance from the
-wall. About 1 - z/h of its support is held, more than half. What springs back keeps it: it does not
-come to rest in this way. The wall takes the momentum, does work only where it moves, and books what
-else is lost. No kinetic energy is gained, as the wall sees it.
+Such a particle of a flowing material (`Material.RESTS`) loses the difference between its velocity
+and its actual motion, over part of a cell. A difference d falls as exp(-STOPS (1 - 2 z/h) s/h), s
+being the distance by d, and z < h/2 the particle's distance from the wall. About 1 - z/h of its
+support is held, more than half. Elastic materials keep the difference: they do not come to rest in
+this way. The wall takes the momentum, does work only where it moves, and books the remaining loss.
+Kinetic energy relative to the wall never grows.
 """
 
 from math import sqrt
@@ -23,7 +23,7 @@ from pgimp.kernels.data.ledger import WALL_LOSS
 from pgimp.kernels.grid.position_limits import HOLDS, MOTION, NUMBER, PLACE
 from pgimp.kernels.transfer.lane_io import LANES, coordinates
 
-#: The inverse of the way, in cells, by which the difference falls by a factor of e.
+#: The inverse of the distance, in cells, over which the difference falls by a factor of e.
 STOPS = 10.0
 
 #: Distance from a wall, in cells, within which a particle is mostly held.
@@ -81,9 +81,9 @@ def _lost_part(frame, dt, far, wall, u, v):
 
 @inner_kernel
 def _settled_part(frame, forcing, m, x, motion, ledger, layer):
-    """Part of the difference that a particle of mass m at x loses in a step; books that.
+    """Part of the difference that a particle of mass m at x loses in a step; books the loss.
 
-    `motion` are its velocity and that at which it moves.
+    `motion` is its velocity and the velocity of its motion.
     """
     n, far = _nearest(frame, forcing.walls, x)
     if n < 0:
@@ -100,7 +100,7 @@ def _settled_part(frame, forcing, m, x, motion, ledger, layer):
 
 
 def settle(rest, frame, forcing, particles, batch, motion, ledger):
-    """Velocities of four particles, less what those lose that are held.
+    """Velocities of four particles, reduced for held ones.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def settle(rest, frame, forcing, particles, batch, motion, ledger):
     frame, forcing, particles, batch, ledger
         See `Frame`, `Forcing`, `Particles`, `Batch`, `Ledger`.
     motion : tuple
-        Their velocities, and those at which they move.
+        Their velocities, and the velocities of their motion.
     """
 
 
@@ -125,7 +125,7 @@ def _settle(rest, frame, forcing, particles, batch, motion, ledger):
             return v
         lost, part = vector(0.0), 0.0
         for j in range(LANES):
-            if j < batch.size:  # else as the last one, for which it fills in
+            if j < batch.size:  # else a repetition of the last one
                 p, part = batch.rows[j], 0.0
                 if rest[particles.body[p]]:
                     part = _settled_part(

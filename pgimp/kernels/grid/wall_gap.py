@@ -1,15 +1,15 @@
-"""Clearance of bodies from the walls that let go, at each vertex of a wall.
+"""Clearance of bodies from unilateral walls, at each vertex of a wall.
 
 A vertex on a wall has weight on a body that is still a cell away. With w the distance from the
 wall, along its normal, the divergence theorem turns the sum over the body's particles
 
     sum_p m_p (w . grad S_vp + S_vp div w)
 
-into minus the density times the integral of w S over the body's lower surface: zero where the body
+into minus the density times the integral of w S over the body's lower surface. It is zero for a
+body on the wall, for any filled part of the neighbourhood and any strain. For a surface along the
 lies on the wall, for any filled part of the neighbourhood and any strain. For a surface along the
-wall at the distance z it is -2 z/(h - z) times the vertex's mass, from which z follows; for other
-surfaces z is a mean. Away from the wall w falls to zero, so that it does not affect walls of other
-directions but at edges, where the clearances from both add up.
+surfaces z is a mean. Away from the wall w falls to zero, so that walls of other directions are not
+affected, except at edges, where both clearances add up.
 
 The sum uses the entry of a vertex's record that is free until the momentum update.
 """
@@ -20,20 +20,20 @@ from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.data.record import HELD, MASS, RECORD
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 
-#: Clearance, as part of a cell, that counts as none: more than strain makes of a closed one, into
-#: which bodies under pressure would yield again and again, and lose energy.
+#: Clearance, as part of a cell, that counts as none: greater than the strain of a closed one gives.
+#: Otherwise bodies under pressure would yield into it again and again, and lose energy.
 CLOSED = 0.01
 
 
 class Sides(NamedTuple):
-    """The walls across one direction; all numbers are 0 where there is none.
+    """The walls across one direction; all numbers are 0 without any.
 
     Attributes
     ----------
     low, high : float
-        Coordinates of the low and the high wall; if there is one, both are it.
+        Coordinates of the low and the high wall; equal if there is only one.
     middle : float
-        Particles beyond it count for the high wall.
+        Particles beyond it belong to the high wall.
     peak : float
         Distance from the wall at which w is greatest.
     """
@@ -107,7 +107,7 @@ def _divergence(walls, particles, p, d):
 
 @kernel
 def find_clearances(frame, field, wall, joint, clearances):
-    """Find the clearance, a length, at the vertices on a wall; those beyond have the same.
+    """Find the clearance, a length, at the vertices on a wall, also for the vertices beyond.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def find_clearances(frame, field, wall, joint, clearances):
     wall : Wall
         The face.
     joint : bool
-        Whether all velocity fields at a vertex have one clearance, as bodies that are tied must.
+        Whether all velocity fields at a vertex have one clearance, as tied bodies must.
     clearances : (faces, vertices) float64
         The face's row is set here, at the vertices with mass.
     """

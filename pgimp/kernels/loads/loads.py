@@ -1,6 +1,6 @@
 """Additions to stress and gravity: viscosity, tractions, a body force, relaxation.
 
-Each is `()` in a scene without it; the types decide what is compiled, so that it costs nothing.
+Each is `()` in a scene without it; the compiler then omits it at no cost.
 """
 
 from typing import Any, NamedTuple, Self
@@ -31,15 +31,15 @@ class Loads(NamedTuple):
     affine : float or ()
         A number where particles carry their velocity gradient, see `pgimp.kernels.update.affine`.
     walls : tuple of Sides
-        For each direction the walls across it that need clearances; () if none does.
+        For each direction the walls across it that need clearances; () without any.
     mean : float, (bodies,) float64 or ()
-        A number where cells have one dilatation each, see `pgimp.kernels.update.mean`; in scenes
-        with liquids under gravity an array, 1 for these and 0 for other bodies.
+        A number where cells have one dilatation each, see `pgimp.kernels.update.mean`. In scenes
+        with liquids under gravity an array, 1 for liquids and 0 for other bodies.
     around : float or ()
         Likewise for bodies in the initial configuration, see
         `pgimp.kernels.update.mean_lagrangian`.
     rest : (bodies,) bool or ()
-        Which bodies come to rest, where faces hold every component: see
+        Bodies that come to rest on faces that hold every component: see
         `pgimp.kernels.grid.resting`.
     """
 
@@ -59,7 +59,7 @@ class Loads(NamedTuple):
 
 
 def _three(V):
-    """A vector of the scene as three numbers, zero in the directions that it does not have."""
+    """A vector of the scene as three numbers, zero in missing directions."""
 
 
 @specialise(_three)
@@ -132,7 +132,7 @@ def _weight(force, walls, frame, particles, p):
 
 
 def relaxed_part(rate, dt):
-    """Part of a particle's velocity that is the grid's after a step; 0 without relaxation."""
+    """Grid's part of a particle's velocity after a step; 0 without relaxation."""
 
 
 @specialise(relaxed_part)
@@ -143,10 +143,10 @@ def _relaxed_part(rate, dt):
 
 
 def relaxed(rate, dt, v, u):
-    """Velocities v of particles, after (27), moved towards the grid's at their place, u.
+    """Velocities v of particles, after (27), relaxed towards the grid's velocities u there.
 
-    By (27) alone a particle keeps for ever the part of its velocity that the grid cannot resolve;
-    this relaxes it at a rate that does not depend on the step, and part of what it can resolve.
+    By (27) alone a particle keeps for ever the part of its velocity that the grid cannot resolve.
+    This relaxes it, and some of the resolved part, at a rate that does not depend on the step.
     """
 
 
@@ -195,7 +195,7 @@ def _scatter_loads(loads, setting, field, particles, rows, span, layer):
 
 
 def layer_power(loads, setting, field, particles, rows, span, layer):
-    """Power of the loads on a layer's particles, but for that of the body force."""
+    """Power of the loads on a layer's particles, without the body force."""
 
 
 @specialise(layer_power)
@@ -208,7 +208,7 @@ def _layer_power(loads, setting, field, particles, rows, span, layer):
 
 
 def add_force_power(force, frame, particles, batch, u, power):
-    """The power so far, and that of the body force on a batch, which moves at `u`."""
+    """Power so far plus the power of the body force on a batch, which moves at `u`."""
 
 
 @specialise(add_force_power)

@@ -1,18 +1,18 @@
 """Surface tractions (18): forces on faces of boxes, carried by the particles along the face.
 
-Where the stress is uniform, the particles' internal forces (16) cancel inside the body and leave
--sigma grad(sum_p chi_p) at its surface. A traction is spread over the very same places: with boxes
-over the outermost particles' outer sides (where weights are means over a box's ends, over the ends
-of these), with tents over the layer in which their sum falls to zero, and where the surface cuts
-particles over the outer sides of these and of their inner neighbours, in proportion. In equilibrium
-it then cancels the internal force at every vertex beyond the surface, however light, after any
-motion of the body.
+With uniform stress, the particles' internal forces (16) cancel inside the body and leave -sigma
+grad(sum_p chi_p) at its surface. A traction is spread over the support of that gradient. With boxes
+these are the outermost particles' outer sides, or the ends of these sides where weights are means
+over a box's ends. With tents it is the layer in which their sum falls to zero. Where the surface
+cuts particles, they are the outer sides of these and of their inner neighbours, in proportion. In
+equilibrium it then cancels the internal force at every vertex beyond the surface, however light,
+after any motion of the body.
 
-So a particle at the face carries a patch: its area in the initial state is stored, its place
-relative to the particle is the same for all. Patches move, stretch and turn as the particles of the
-shape do: where sizes follow F they stay exact for stretches along the grid and quarter turns; in
-between they have the right second moments, within the particle's own box, beyond which there may
-be no mass. Points (mpm) carry the force where they are.
+So a particle at the face carries a patch: its initial area is stored, its position relative to the
+particle is common to all. Patches move, stretch and turn as the particles of the shape do. Where
+sizes follow F they stay exact for stretches along the grid and quarter turns. In between they have
+the right second moments, within the particle's own box, beyond which there may be no mass. Points
+(mpm) carry the force at their positions.
 """
 
 from math import sqrt
@@ -29,7 +29,7 @@ from pgimp.physics.shapes.stretch import LARGEST
 
 
 def columns(F):
-    """Columns of the deformation gradient as vectors of three; 1 in directions that are missing."""
+    """Columns of the deformation gradient as vectors of three; 1 in missing directions."""
 
 
 @specialise(columns)
@@ -68,8 +68,8 @@ def _rounding(tent, half, u):
 def _mean(ends, tent, half, g):
     """Mean of the tent function of a vertex over a box or tent about g, in cells from the vertex.
 
-    With `ends`, over the two ends of a box. Half-widths may be zero; there is no cancellation where
-    the mean is small.
+    With `ends`, over the two ends of a box. Half-widths may be zero; small means have no
+    cancellation.
     """
     if ends:
         return 0.5 * (max(1.0 - abs(g - half), 0.0) + max(1.0 - abs(g + half), 0.0))
@@ -127,7 +127,7 @@ def _along(traction, frame, F, x, d, vertex, like):
 
 
 def _support(traction, places, window, particles, p, layer, F, buffer):
-    """Store the weights of the vertices that get a patch's force; returns the first place.
+    """Store the weights of the vertices under a patch; returns the first offset.
 
     `places` is the shape and the frame.
     """
@@ -186,7 +186,7 @@ def _nothing_of(like):
 def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
     """Add the forces on the patches of a layer's particles, in canonical order, to its own planes.
 
-    A separate loop: in that over all particles it would cost registers.
+    A separate loop: in the loop over all particles it would cost registers.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
 def traction_power(tractions, setting, field, particles, rows, span, layer):
     """Power of the tractions on a layer: the patches' forces times the vertices' velocities.
 
-    The arguments are those of `scatter_tractions`.
+    For the arguments see `scatter_tractions`.
     """
     shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
     start = (layer - window.lower[0]) * window.stride[0]

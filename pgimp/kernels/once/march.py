@@ -10,7 +10,7 @@ from pgimp.physics.materials.parameters.evaluate import evaluate_four
 def ask(materials, F, J, L, dt, found, rows, like):
     """Stress and state of four particles after a step, and their wave speed.
 
-    `found` has stress and state of each in a row, `rows` says which; `like` is as long as they are.
+    `found` has stress and state of each in a row, `rows` the offsets; `like` has their length.
     """
 
 

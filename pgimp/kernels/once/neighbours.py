@@ -1,8 +1,8 @@
-"""Velocity gradients of unordered particles, from the velocities of those around them.
+"""Velocity gradients of unordered particles, from the velocities of their neighbours.
 
-The particles are sorted by cells as large as the reach, which are numbered along the last
-direction first, with an empty one around all of them: those near a particle are in runs of three
-cells, found by bisection. Every particle is computed alone, its neighbours in their order.
+The particles are sorted by cells as large as the reach, numbered along the last direction first,
+with an empty cell around all of them. Neighbours of a particle are in runs of three cells, found by
+bisection. Every particle is computed by itself, its neighbours in their order.
 """
 
 import numpy as np
@@ -77,7 +77,7 @@ def fit_gradients(around, chosen, strides, reach, out):
     around : ((n, D) float64, (n, D) float64, (n,) int64)
         Positions and velocities of particles, and the numbers of their cells, ascending.
     chosen : ((m, D) float64, (m, D) float64, (m,) int64)
-        Likewise those of the particles in question, in any order.
+        Likewise for the particles in question, in any order.
     strides : (D,) int64
         Stride of the cell number along each direction; 1 along the last.
     reach : (D,) float64

@@ -1,4 +1,4 @@
-"""What particles remember of the stress that they begin with, and what of it they bear."""
+"""Initial stress: the state that it sets in particles, and the stress that materials can bear."""
 
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
@@ -30,7 +30,7 @@ def remember_stress(setting, particles, rows):
 
 @kernel
 def bearable_stress(setting, particles, rows, stresses):
-    """Stress of some particles, undeformed ones, after a unit of time in which nothing moves.
+    """Stress of some undeformed particles after a unit of time at rest.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Particles that change their layer: partitioned by where they go, packed, unpacked, sorted.
+"""Particles that change their layer: partitioned by destination, packed, unpacked, sorted.
 
 A particle's record holds all its columns, one after the other, bit by bit; an int32 is stored as an
 int64.
@@ -10,21 +10,21 @@ from pgimp.kernels.update.checks import OUTFLOW
 
 @kernel
 def partition_migrants(layer, order, places, first, layers, kept, migrants):
-    """Sort the particles that have changed their layer by whether they leave the slab.
+    """Partition the particles that have changed their layer by whether they leave the slab.
 
     Parameters
     ----------
     layer : (c,) int32
-        Of all particles; `OUTFLOW` marks those that go nowhere.
+        Of all particles; `OUTFLOW` marks particles without destination.
     order : (n,) int32
         Rows in canonical order.
     places : (k,) int32
-        Places in `order`.
+        Offsets in `order`.
     first, layers : int
         The slab.
     kept, migrants : (k,) int32
-        Filled with rows: from the beginning of `kept`, those that stay; from that of `migrants`,
-        those that go to the lower rank, and back from its end those that go to the upper rank.
+        Filled with rows: `kept`, from its beginning, with particles that stay. `migrants` from its
+        beginning with particles for the lower rank, back from its end for the upper rank.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def pack_rows(words, halves, rows, wire, place, width):
     Parameters
     ----------
     words, halves : tuples of arrays
-        See `Particles.columns`: of one type each in all scenes, so that this is compiled once; a
+        See `Particles.columns`: of one type each in all scenes, so that this is compiled once. A
         loop over the columns of each scene took longer to compile than all other kernels.
     rows : (k,) int32
     wire : int64
@@ -90,7 +90,7 @@ def unpack_rows(words, halves, rows, wire, place, width):
 
 @kernel
 def sort_rows(layer, cell, number, rows, buffer):
-    """Sort rows by (layer, cell, number); `buffer` is as long.
+    """Sort rows by (layer, cell, number); `buffer` has their length.
 
     A merge sort that skips pairs of pieces in order: rows come as a few sorted runs.
     """

@@ -1,4 +1,4 @@
-"""Canonical order: (layer now, cell at the last re-sort, id)."""
+"""Canonical order: (current layer, cell at the last re-sort, id)."""
 
 from math import prod
 
@@ -22,7 +22,7 @@ def cell_numbers(vertices: tuple[int, ...]) -> int:
 
 
 def vertices_of(cell: np.ndarray, vertices: tuple[int, ...]) -> np.ndarray:
-    """First vertices, (n, D), of the supports that have the given numbers."""
+    """First vertices, (n, D), of the supports with the given numbers."""
     across = len(vertices) - 1
     within = cell & ((1 << BLOCK * across) - 1)
     block = (cell >> BLOCK * across) // _BREADTHS
@@ -36,7 +36,7 @@ def vertices_of(cell: np.ndarray, vertices: tuple[int, ...]) -> np.ndarray:
 
 
 def _breadth(shape, half, f):
-    """Vertices less two of a support, by its weights: those at its end may have none.
+    """Vertices less two of a support, by its weights: its end vertices may have none.
 
     Transfers by corners do not branch on them.
     """
@@ -50,7 +50,7 @@ def _breadth_of(shape, half, f):
 
 
 def _weighted(w):
-    """Vertices less two that have weight."""
+    """Vertices with weight, less two."""
 
 
 @specialise(_weighted)
@@ -66,10 +66,10 @@ def _weighted_of(w):
 def locate(shape, frame, particles, rows, vertices):
     """Set `layer` and `cell` of the particles in `rows`, from their positions.
 
-    `cell` is a number to sort by: it grows with the layer, then with the block of 4 x 4 cells
-    across, then with the numbers of vertices that have weight, then with the cell in the block. So
-    the transfers' branches, which are on those numbers, are taken alike many times in a row, while
-    the vertices of a block stay in the cache; `vertices` is the grid's size by direction.
+    `cell` is a number to sort by. It grows with the layer, then the block of 4 x 4 cells across,
+    the numbers of vertices with weight, the cell in the block. So the transfers take one branch
+    many times in a row, while the vertices of a block stay in the cache. `vertices` is the grid's
+    size by direction.
     """
     D = len(vertices)
     for p in rows:
@@ -91,7 +91,7 @@ def locate(shape, frame, particles, rows, vertices):
 
 @kernel
 def layers_of(shape, frame, identity, x, layers):
-    """Set `layers`, (n,) int64, to those of undeformed particles at coordinates `x` along x."""
+    """Set `layers`, (n,) int64, of undeformed particles at coordinates `x` along x."""
     for i in range(len(x)):
         layers[i] = first_vertex(frame, 0, size(shape, frame.cell, identity)[0][0], x[i])
 
@@ -118,9 +118,9 @@ def merge(particles, order, start, left, first, arrivals, order_out, start_out):
     order, start
         The old order; `start` holds the beginnings of the layers ``first, first + 1, ...``.
     left : (k,) int32
-        Places in `order` of the particles that have left their layer, ascending.
+        Offsets in `order` of the particles that have left their layer, ascending.
     arrivals : (l,) int32
-        Rows of the particles that have come into a layer, in canonical order among themselves.
+        Rows of the particles that have entered a layer, in canonical order among themselves.
     order_out, start_out
         The new order.
 
@@ -133,7 +133,7 @@ def merge(particles, order, start, left, first, arrivals, order_out, start_out):
     for j in range(len(start) - 1):
         start_out[j] = n
         k, end = start[j], start[j + 1]
-        place = -1  # where the next arrival belongs; -1 when not yet known
+        place = -1  # offset of the next arrival; -1 when not yet known
         while True:
             if place < 0:
                 place = end + 1
@@ -160,7 +160,7 @@ def merge(particles, order, start, left, first, arrivals, order_out, start_out):
 
 @inner_kernel
 def _place(particles, order, low, high, arrival):
-    """First place in ``order[low:high]`` of a particle that comes after `arrival` by (cell, id)."""
+    """First offset in ``order[low:high]`` of a particle after `arrival` by (cell, id)."""
     cell, number = particles.cell[arrival], particles.id[arrival]
     while low < high:
         middle = (low + high) // 2

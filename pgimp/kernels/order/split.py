@@ -1,24 +1,25 @@
-"""Particles of the two configurations in one order, each a list of its own."""
+"""Particles of the two configurations in one order, as separate lists."""
 
 from pgimp.jit.kernel import kernel
 
 
 @kernel
 def split_order(lagrangian, body, rows, start, places, ends):
-    """Split the particles of a rank by whether their body is in the initial configuration.
+    """Split the particles of a rank by the configuration of their body.
 
     Parameters
     ----------
     lagrangian : (bodies,) bool
-        Which bodies are.
+        Mask of the bodies in the initial configuration.
     body : (capacity,) int
         The particles' bodies.
     rows, start
         See `Order`.
     places : (2, n) int32
-        Filled with the places in `rows`: of the other particles, and of those.
+        Filled with the offsets in `rows`: of particles in the current configuration, then in the
+        initial one.
     ends : (2, layers + 1) int64
-        Set to where each layer begins in them.
+        Set to the beginning of each layer in them.
     """
     found, more = 0, 0
     for layer in range(len(start) - 1):

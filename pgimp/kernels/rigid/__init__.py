@@ -1,1 +1,1 @@
-"""Rigid bodies on the grid: signed distances, what they fill, particles that they hold out."""
+"""Rigid bodies on the grid: signed distances, filled parts, particles held out."""

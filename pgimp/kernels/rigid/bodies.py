@@ -1,4 +1,4 @@
-"""Rigid bodies for the kernels: how they move, and their distances at points."""
+"""Rigid bodies for the kernels: their motion, and signed distances at points."""
 
 from math import sqrt
 from typing import Any, NamedTuple
@@ -7,10 +7,10 @@ import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, kernel
 
-#: A rigid body in a step: its reference point now and at the start, the matrix that turns it, the
-#: lattice's spacing and first point, and velocity and angular velocity at the step's beginning and
-#: end. Of one that moves freely, whether slip is viscous in this iteration, and its compliance
-#: against held fields, see `pgimp.kernels.contact.law.held_compliance`.
+#: A rigid body in a step: current and initial reference point, matrix of rotation, spacing and
+#: first point of the lattice. Velocity and angular velocity are at the step's beginning and end.
+#: For a free body, whether slip is viscous in this iteration, and its compliance against held
+#: fields, see `pgimp.kernels.contact.law.held_compliance`.
 MOTION = np.dtype([
     ("centre", "f8", 3),
     ("reference", "f8", 3),
@@ -23,8 +23,8 @@ MOTION = np.dtype([
     ("compliance", "f8"),
 ], align=True)  # fmt: skip
 
-#: The lattice of a rigid body: its points by direction and where they begin, the least and the
-#: greatest vertex near the body, and the body's number among those that move freely, else -1.
+#: The lattice of a rigid body: its points by direction, their first offset, and the least and the
+#: greatest vertex near the body. Then the body's number among the free ones, else -1.
 LATTICE = np.dtype([
     ("points", "i8", 3),
     ("first", "i8"),
@@ -33,8 +33,8 @@ LATTICE = np.dtype([
     ("free", "i8"),
 ], align=True)  # fmt: skip
 
-#: A rigid body at a point: distance, normal and mean distance; at a vertex the filled part, the
-#: area with outward normal, and what curvature adds to the mean gap from a plane.
+#: A rigid body at a point: distance, normal and mean distance. At a vertex: filled part, area with
+#: outward normal, and curvature's share of the mean gap from a plane.
 POINT = np.dtype([
     ("distance", "f8"),
     ("normal", "f8", 3),
@@ -44,8 +44,8 @@ POINT = np.dtype([
     ("curvature_gap", "f8"),
 ], align=True)  # fmt: skip
 
-#: What a free rigid body receives: impulse and moment in the step so far, those of the last pass,
-#: and minus their derivatives by the velocities along and about x, y, z. In place of these
+#: Impulses on a free rigid body: impulse and moment in the step so far and in the last pass. Then
+#: minus their derivatives by the velocities along and about x, y, z. In place of the derivatives
 #: `pgimp.kernels.contact.lagrangian.gauss_seidel` has the body's own response to both.
 RESPONSE = np.dtype([
     ("impulse", "f8", 6), ("trial_impulse", "f8", 6), ("derivative", "f8", (6, 6))
@@ -58,17 +58,17 @@ class RigidBodies(NamedTuple):
     Attributes
     ----------
     motion : (tools,) MOTION
-        Motion of each in the step, and place of its lattice.
+        Motion of each in the step, and position of its lattice.
     lattice : (tools,) LATTICE
         The shape of its lattice, and the vertices near it.
     values : (points, 5) float64
-        Those of `DistanceField`, of one body after the other.
+        Values of each `DistanceField`, one body after the other.
     bodies : int
         Number of the bodies with particles, which come first.
     point : (1,) SURFACE
-        What was found last.
+        Scratch for the last result.
     responses : (planes, free bodies) RESPONSE or ()
-        What free rigid bodies get in a step, and would get.
+        Impulses on free rigid bodies in a step, and their derivatives.
     """
 
     motion: np.ndarray
@@ -154,7 +154,7 @@ def lever(arm, d, u):
 
 @inner_kernel
 def place_of(frame, number):
-    """Place of a vertex, three coordinates."""
+    """Position of a vertex, three coordinates."""
     x, y, z = 0.0, 0.0, 0.0
     for d in range(len(frame.cell)):
         place = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
@@ -164,7 +164,7 @@ def place_of(frame, number):
 
 @kernel
 def distances(rigid_bodies, t, frame, x, out):
-    """Set the distances of points `x`, (n, D), from body `t`; 1e300 of those that are far away."""
+    """Set the distances of points `x`, (n, D), from body `t`; 1e300 for distant points."""
     for p in range(len(x)):
         D = len(frame.cell)
         y = x[p, 1] if D > 1 else 0.0

@@ -1,10 +1,10 @@
 """Rigid bodies at the vertices: the filled part of a neighbourhood, and their surface's normal.
 
 A vertex weighs its neighbourhood with tents of the sides of two cells. Each is the sum of three
-tents of half the size, with a quarter, a half, a quarter of the weight; of these the part on the
-inner side of a plane is found from the distance of its middle. So the filled part is exact for a
-flat surface at any angle, and edges are rounded by an eighth of a cell only. Where surfaces are
-nearly flat the vertex's own tent and the mean distance are enough.
+tents of half the size, with a quarter, a half, a quarter of the weight. The part of each on the
+inner side of a plane follows from the distance of its middle. So the filled part is exact for a
+flat surface at any angle, and edges are rounded by an eighth of a cell only. For nearly flat
+surfaces the vertex's own tent and the mean distance are enough.
 """
 
 from math import sqrt
@@ -19,14 +19,14 @@ from pgimp.kernels.rigid.bodies import (
 )
 from pgimp.kernels.rigid.tents import cut
 
-#: Difference of the mean distance from that at the vertex, as part of a cell along the surface,
-#: from which this does not count as flat within the neighbourhood.
+#: Difference between the mean distance and the distance at the vertex, as part of a cell along the
+#: surface. From this on the surface does not count as flat.
 FLAT = 0.02
 
-#: Component of a normal along a wall's that is rounding: the wall is perpendicular to the surface.
+#: Component of a normal along a wall's normal that is rounding: the wall is then perpendicular.
 SQUARE = 1e-9
 
-#: Curvature's share of the mean gap over its share of that mean distance, which is k/16 in cells;
+#: Curvature's share of the mean gap over its share of the mean distance, which is k/16 in cells;
 #: see `pgimp.scene.bodies.lattice_body`. From `SHARP` of a cell on it is an edge.
 BEND, SHARP = (1.0 / 12.0 + 1.0 / 16.0) * 16.0, 0.5 / 16.0
 
@@ -44,7 +44,7 @@ def _halves(rigid_bodies, frame, part):
 
 @inner_kernel
 def _tangent(frame, point):
-    """Side of a cell along the surface with the last normal, over which it may be bent."""
+    """Side of a cell along the surface with the last normal, over which it may be curved."""
     square, D = 0.0, len(frame.cell)
     for d in range(D):
         square += frame.cell[d] ** 2 * (1.0 - point.normal[d] ** 2)
@@ -71,15 +71,15 @@ def _is_near(rigid_bodies, t, frame, number):
 
 @inner_kernel
 def fill(rigid_bodies, t, frame, number, sides):
-    """Set the part of a vertex's neighbourhood that body `t` fills; returns whether it is near.
+    """Set the part of a vertex's neighbourhood filled by body `t`; returns whether it is near.
 
     Parameters
     ----------
     number : (int, int, int)
         The vertex.
     sides : (int, int, int)
-        -1 or 1 where it is on a wall at the low or the high end, by direction: the neighbourhood
-        ends there.
+        -1 or 1 on a wall at the low or the high end, by direction: the neighbourhood ends
+        there.
     """
     if not _is_near(rigid_bodies, t, frame, number):
         return False
@@ -159,7 +159,7 @@ def find_rigid_vertices(frame, field, rigid_bodies, vertex_counts, vertex_ranges
     field : Field
         After the halo exchange.
     vertex_counts, vertex_ranges
-        As in `find_contact_vertices`; they grow by that.
+        As in `find_contact_vertices`; they grow by these vertices.
     """
     window, G, D = field.window, field.G, len(frame.cell)
     size = field_size(window)

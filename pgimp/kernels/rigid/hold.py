@@ -1,10 +1,10 @@
-"""Rigid bodies that hold particles out.
+"""Particles held out of rigid bodies.
 
-Vertices near a surface have the velocity of all that is around them, and what fills little of their
-neighbourhood has no gap to be found. So thin tongues of what flows, and single particles, would go
-on into a rigid body. A particle whose centre has passed the surface is moved back onto it, and its
-velocity into the body becomes the body's, with friction, as in an inelastic impact: an impulse of
-the pair like those at the vertices, and booked like them. Of a cut particle the centroid counts.
+Vertices near a surface have the mean velocity of all material around them, and small filled parts
+give no gap. So thin tongues of a flow, and single particles, would penetrate a rigid body. A
+particle whose centre has passed the surface is moved back onto it. Its velocity into the body
+becomes the body's, with friction, as in an inelastic impact. The impulse counts for the pair like
+impulses at the vertices, and is booked like them. Of a cut particle the centroid counts.
 """
 
 from math import inf, sqrt
@@ -31,22 +31,22 @@ from pgimp.kernels.transfer.lane_io import take_row
 from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.contact.pairs import Pairs
 
-#: Least part of a normal's square that no constraint prescribes: less holds nothing.
+#: Least part of a normal's square that no constraint prescribes: with less nothing is held.
 LEAST_FREE = 0.1
 
 
 class Keepers(NamedTuple):
-    """What keeps particles out of rigid bodies in a step.
+    """Data to hold particles out of rigid bodies in a step.
 
     Attributes
     ----------
     rigid_bodies : RigidBodies
-        The rigid bodies where they are at the step's end.
+        The rigid bodies at their positions of the step's end.
     pairs : Pairs
         The laws of contact.
     yields : (tools, 6, 6) float64
-        Velocities along and about x, y, z that impulse and moment give to a body that moves freely,
-        times the greatest mass of the particles that it may hold; 0 of others.
+        Velocities along and about x, y, z of a free body per impulse and moment. They are times the
+        greatest mass of the particles that it may hold; 0 for others.
     impulses : (layers, tools, 6) float64
         Grows by impulse and moment on each body.
     """
@@ -58,7 +58,7 @@ class Keepers(NamedTuple):
 
 
 def hold_outside(keepers, forcing, particles, batch, x, v, ledger):
-    """Hold four particles, which have been stored, out of rigid bodies; return places, velocities.
+    """Hold four stored particles out of rigid bodies; returns their positions and velocities.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def hold_outside(keepers, forcing, particles, batch, x, v, ledger):
     forcing, particles, batch, ledger
         See `Forcing`, `Particles`, `Batch`, `Ledger`.
     x, v : tuple of D Vec4
-        Their places and velocities.
+        Their positions and velocities.
     """
 
 
@@ -107,7 +107,7 @@ def _is_within(rigid_bodies, t, D, x, reach):
 
 @inner_kernel
 def place_of_particle(particles, p):
-    """Place of a particle, three coordinates."""
+    """Position of a particle, three coordinates."""
     D = particles.x.shape[1]
     return (
         particles.x[p, 0], particles.x[p, 1] if D > 1 else 0.0,
@@ -117,7 +117,7 @@ def place_of_particle(particles, p):
 
 @kernel
 def count_near(rigid_bodies, particles, rows, reach, counts, most):
-    """Count the particles within `reach` of each body that moves freely; find the greatest mass.
+    """Count the particles within `reach` of each free body; find the greatest mass.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def count_near(rigid_bodies, particles, rows, reach, counts, most):
 def count_inside(rigid_bodies, pairs, particles, rows, depth, counts):
     """Count the particles whose centroids are deeper than `depth` in each rigid body.
 
-    Those that pass through it, by `law: ignore`, do not count.
+    Particles that pass through it, by `law: ignore`, do not count.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def count_inside(rigid_bodies, pairs, particles, rows, depth, counts):
 
 @inner_kernel
 def _material(particles, p, n):
-    """Distance along `n` from a cut particle's place to its centroid, at most as at the start."""
+    """Distance along `n` from a cut particle's position to its centroid, at most initially."""
     D, along, square = particles.x.shape[1], 0.0, 0.0
     for d in range(D):
         square += particles.offset[p, d] ** 2
@@ -182,7 +182,7 @@ def _material(particles, p, n):
 
 @inner_kernel
 def _answer(yields, arm):
-    """Trace of the velocities that impulses at `arm` along x, y, z give to that point."""
+    """Trace of the velocities of a point per impulse there, at `arm`, along x, y, z."""
     found = 0.0
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
@@ -232,7 +232,7 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
 
 @inner_kernel
 def _stop(keepers, particles, p, t, booking, normals, point, ledger):
-    """Take from particle `p` its velocity into body `t`, and what friction takes across it."""
+    """Remove the velocity of particle `p` into body `t`, and the friction's part across it."""
     (entry, layer), (n, free, square), (arm, own) = booking, normals, point
     pairs, m, D = keepers.pairs, particles.m[p], particles.x.shape[1]
     normal, across = 0.0, 0.0

@@ -4,8 +4,8 @@ from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel
 
-#: Places and weights that integrate over a tent from -1 to 1 polynomials up to the third degree on
-#: either side: Gauss and Jacobi's of two points.
+#: Points and weights that integrate, over a tent from -1 to 1, polynomials up to the third degree
+#: on either side: Gauss-Jacobi with two points.
 _PLACES = (-(4.0 + sqrt(6.0)) / 10.0, -(4.0 - sqrt(6.0)) / 10.0,
            (4.0 - sqrt(6.0)) / 10.0, (4.0 + sqrt(6.0)) / 10.0)  # fmt: skip
 _OUTER, _INNER = 0.25 - 1.0 / (6.0 * sqrt(6.0)), 0.25 + 1.0 / (6.0 * sqrt(6.0))

@@ -1,1 +1,1 @@
-"""Sums over particles in an order that ranks do not change: totals, errors of exact solutions."""
+"""Sums over particles in an order independent of ranks: totals, errors of exact solutions."""

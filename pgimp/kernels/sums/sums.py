@@ -18,7 +18,7 @@ MASS, MOMENTUM, ANGULAR, MOMENT, KINETIC, STRAIN, SUMS = 0, 1, 4, 7, 10, 11, 12
 def book_losses(row, materials, k, args, state, V0):
     """Add the energy losses that a particle's material reports, after the other sums.
 
-    Nothing where no material of the scene reports any.
+    Nothing is added without materials that report losses.
     """
 
 
@@ -106,7 +106,7 @@ def exact_masses(particles, rows, unit, masses):
 
 
 def _with_diffusion(setting, k, args, state, inverse, c):
-    """The speed that limits the step of a particle of material `k`, of waves and viscosity."""
+    """Speed limiting the step of a particle of material `k`, from waves and viscosity."""
 
 
 @specialise(_with_diffusion)
@@ -126,8 +126,8 @@ def _with_diffusion_of(setting, k, args, state, inverse, c):
 def fastest_rate(setting, particles, rows, controlled):
     """Largest `pace` over L of the particles in `rows`, 1/time; times dt the Courant number.
 
-    Where materials are viscous c_p is that of `effective_wave_speed`; in the initial configuration
-    it is that of waves alone, see `pgimp.kernels.update.speed`.
+    With viscous materials c_p is `effective_wave_speed`; in the initial configuration it is the
+    wave speed alone, see `pgimp.kernels.update.speed`.
     """
     frame, material_of = setting.frame, setting.material_of
     inverse = 0.0

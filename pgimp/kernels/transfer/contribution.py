@@ -17,15 +17,15 @@ from pgimp.kernels.update.viscosity import viscous_pressure
 
 
 class VolumeSums(NamedTuple):
-    """The loads' stand-in where volumes are summed in place of masses.
+    """Stand-in for the loads in the sums of volumes in place of masses.
 
-    The sums are then V_p and V_p (b + 1), b being the number of the particle's body, and those of
-    the forces V_p grad S, the integral of S over the surface with its outward normal. Particles
-    that a surface cuts also add their number and the curvature's share of their gap. The
-    fields are those of `Loads`, and
+    The sums are then V_p and V_p (b + 1), b being the number of the particle's body. In place of
+    the forces they have V_p grad S, the integral of S over the surface with its outward normal. Cut
+    particles also add their number and the curvature's share of their gap. The fields are as in
+    `Loads`, and
 
     gradient : float or ()
-        A number where S is that of whole particles: the place `HELD` then has the correction
+        A number where S belongs to whole particles: the entry `HELD` then has the correction
         V_p d . grad S for the offset d of their volume; see `pgimp.kernels.contact.volumes`.
     """
 
@@ -50,10 +50,10 @@ def contribution(loads, frame, particles, p, forces, j):
     A : Vec4
         (m_p, m_p v_p), for (21) and (22).
     S : tuple of Vec4
-        For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16),
-        the stress less the viscous pressure (45), or less all of its mean, see `set_apart`; w is
-        the moment for `pgimp.kernels.grid.wall_gap`. In the initial configuration
-        (0, -V0_p (P_xi, P_yi, P_zi)).
+        For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16).
+        The stress is reduced by the viscous pressure (45), or by its mean, see `set_apart`. w is
+        the moment for `pgimp.kernels.grid.wall_gap`. In the initial configuration (0, -V0_p
+        (P_xi, P_yi, P_zi)).
     """
 
 
@@ -82,7 +82,7 @@ def _outward_along(V, d):
 
 
 def moved(F, d):
-    """The offset F d of a particle that is deformed by F, as many numbers as `d` has."""
+    """Offset F d of a particle deformed by F, as many numbers as `d` has."""
 
 
 @specialise(moved)
@@ -97,7 +97,7 @@ def _moved_by(F, d):
 
 
 def _summed_offset(gradient, d):
-    """The offset `d` where its effect is summed as a `gradient`; zero where weights include it."""
+    """Offset `d` where its effect is summed as a `gradient`; zero where weights include it."""
 
 
 @specialise(_summed_offset)

@@ -12,10 +12,10 @@ from pgimp.jit.vectors.simd import store, vector
 from pgimp.kernels.transfer.first_vertex import first_vertex
 from pgimp.physics.shapes.base import edges, size
 
-#: In the buffer for supports each corner has 16 numbers: its place in its cell along each
-#: direction, and from `CELL` on that of the cell's first vertex relative to the support's, of four
-#: particles each. The rows of A^-1, per length, and the half edges, in cells, follow those of
-#: `pgimp.kernels.transfer.supports`.
+#: In the buffer for supports each corner has 16 numbers, four for each of four particles. They are
+#: the position in its cell along each direction, and from `CELL` on the offset of the cell's first
+#: vertex from the support's. The rows of A^-1, per length, and the half edges, in cells, come after
+#: the numbers of `pgimp.kernels.transfer.supports`.
 CORNER, CELL, INVERSE, EDGES = 16, 12, 152, 188
 
 
@@ -90,7 +90,7 @@ def _cell_of(f):
 
 
 def _keep_corner(buffer, at, d, f, stride):
-    """Store a corner's places along the directions from `d` on; that of its cell is returned."""
+    """Store a corner's positions along the directions from `d` on; returns the cell's offset."""
 
 
 @specialise(_keep_corner)
@@ -124,9 +124,9 @@ def _keep_each_corner(buffer, c, f, E, stride):
 
 
 def _from_first(frame, window, d, half, x, vertex):
-    """Coordinates relative to the support's first vertices, and the place of these.
+    """Coordinates relative to the support's first vertices, and the offset of these.
 
-    Along direction `d` that is `vertex`.
+    Along direction `d` the first vertex is `vertex`.
     """
 
 
@@ -146,7 +146,7 @@ def _from_first_vertex(frame, window, d, half, x, vertex):
 
 
 def keep_corners(shape, frame, window, F, x, layer, buffer, arms):
-    """Store the supports of four particles in a buffer; the places of their first vertices.
+    """Store the supports of four particles in a buffer; returns the offsets of first vertices.
 
     See `pgimp.kernels.transfer.supports.supports`, which calls this.
     """

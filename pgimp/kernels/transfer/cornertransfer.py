@@ -1,16 +1,16 @@
 """Supports that are sums over corners: convected particle domains in full.
 
-A corner c of a particle's parallelogram gives to the 2^D vertices of the cell it is in, with the
-weights N = S_v(x_c), products of 1 - t_i or t_i for its place t in that cell. What it gives is the
-same for all of them (see `pgimp.physics.shapes.cpdi_corners` for A and s): of the vectors of a
+A corner c of a particle's parallelogram gives to the 2^D vertices of its cell, with the weights
+N = S_v(x_c). These are products of 1 - t_i or t_i for its position t in that cell. Each of them
+gets the following vectors, times N (see `pgimp.physics.shapes.cpdi_corners` for A and s), from a
 particle's `Share`
 
-    2^-D (A + sum_j s_cj K_j) and 2^-D (B + sum_j s_cj T_j),   T_j = sum_i (A^-1)_ji S_i,
+    2^-D (A + sum_j s_cj K_j) and 2^-D (B + sum_j s_cj T_j),   T_j = sum_i (A^-1)_ji S_i.
 
-K_j = sum_i A_ij C_i being the change of the affine momentum from the particle to the corner; that
-from the corner on to a vertex, along each direction i -t_i or 1 - t_i cells of C_i, is added on the
-way. Likewise the velocities U_c at the corners have the mean U, and the gradient
-2^-D sum_j (sum_c s_cj U_c) (A^-1)_j. So nothing branches, and no table of weights is made.
+K_j = sum_i A_ij C_i is the change of the affine momentum from the particle to the corner. The
+change from the corner on to a vertex, along each direction i -t_i or 1 - t_i cells of C_i, is added
+on the way. Likewise the velocities U_c at the corners have the mean U, and the gradient 2^-D sum_j
+(sum_c s_cj U_c) (A^-1)_j. So nothing branches, and no table of weights is made.
 """
 
 from pgimp.jit.kernel import specialise
@@ -45,7 +45,7 @@ def _combined_of(w, V):
 
 
 def _combinations(part, buffer, at, V, rows):
-    """For each of the rows from `at` on the combination of the vectors `V`, times `part`."""
+    """Combinations of the vectors `V`, times `part`, one for each of the rows from `at` on."""
 
 
 @specialise(_combinations)
@@ -59,7 +59,7 @@ def _all_combinations(part, buffer, at, V, rows):
 
 
 def corner(buffer, c, j, like):
-    """Place t of corner `c` of particle `j` in its cell, and place of that cell in the support."""
+    """Position t of corner `c` of particle `j` in its cell, and that cell's offset."""
 
 
 @specialise(corner)
@@ -79,16 +79,16 @@ def _along_first(A, t, C):
 
 
 def spread(G, place, stride, w, t, A, B, C):
-    """Add vectors A and B, times `w`, to the vertices round the place t in a cell.
+    """Add vectors A and B, times `w`, to the vertices round the position t in a cell.
 
     Parameters
     ----------
     place, stride
-        Of the cell's first vertex; from the current direction on.
+        For the cell's first vertex; from the current direction on.
     t : tuple of float
-        The place along the current direction and the following ones.
+        The position along the current direction and the following ones.
     C : tuple of Vec4
-        What A grows by over a cell along each of them, or ().
+        Change of A over a cell along each of them, or ().
     """
 
 
@@ -180,7 +180,7 @@ def _scatter_corners(shape, G, support, place, stride, share):
 
 
 def interpolated(G, place, stride, t):
-    """The two vectors of the records at the place t in a cell; arguments as those of `spread`."""
+    """The two vectors of the records at the position t in a cell; arguments as for `spread`."""
 
 
 @specialise(interpolated)

@@ -10,17 +10,17 @@ from pgimp.physics.shapes.base import size
 
 
 def is_initial(frame):
-    """Whether a frame, given by its Numba type, is one of the initial configuration."""
+    """Whether a frame, given by its Numba type, belongs to the initial configuration."""
     return frame.instance_class is InitialFrame
 
 
 def is_mixed(frame):
-    """Whether a frame, given by its Numba type, is one of bodies of both configurations."""
+    """Whether a frame, given by its Numba type, belongs to bodies of both configurations."""
     return frame.instance_class is MixedFrame
 
 
 def coordinate(frame, particles, p, d):
-    """Coordinate along `d` of particle `p` where its weights are taken: now, or initially."""
+    """Coordinate along `d` of the weights of particle `p`: current or initial."""
 
 
 @specialise(coordinate)
@@ -56,7 +56,7 @@ def deformation(frame, particles, p):
 def _deformation(frame, particles, p):
     D = len(frame.types[0])
     like = tuple(float(i == j) for i in range(D) for j in range(D))
-    if is_mixed(frame):  # weights of the start are those of undeformed particles
+    if is_mixed(frame):  # reference weights belong to undeformed particles
         return lambda frame, particles, p: (
             like if frame.lagrangian[particles.body[p]] else read(particles.F, p, 0, like)
         )

@@ -49,13 +49,14 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
     report : Report
         Filled by this.
     ledger : Ledger
-        Grows, layer by layer, by the work of loads, constraints and walls on particles, and by the
-        momentum that constraints (`constraint_impulse`) and walls (`impulse`) give to them.
+        Grows, layer by layer, by the work of loads, constraints and walls on particles.
+        `constraint_impulse` and `impulse` grow by the momentum from constraints and from walls.
 
     Returns
     -------
     errors, outflow, changed : int
-        Number of particles at fault, of those that left, of those that left or changed layer.
+        Number of particles at fault, of particles that left, of particles that left or changed
+        layer.
     rate : float
         Largest `pace` over L, if controlled; see `pgimp.kernels.update.speed`.
     clamped : int

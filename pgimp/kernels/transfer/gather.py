@@ -92,7 +92,7 @@ def _gather_all(G, support, d, place, counts, stride, Z, mean):
 
 
 def _gather_some(like, count, G, support, place, counts, stride, mean):
-    """Sums over the support of a particle that has weight on `count` vertices; `_scatter_some`."""
+    """Sums over the support of a particle with weight on `count` vertices; `_scatter_some`."""
 
 
 @specialise(_gather_some)
@@ -150,7 +150,7 @@ def _gather(shape, G, support, place, stride, like, mean):
 
 
 def gather_products(shape, G, support, place, stride, like, mean):
-    """As `gather`, for weights that are products of those along the directions, of any shape."""
+    """As `gather`, for weights that are products by direction, of any shape."""
 
 
 @specialise(gather_products)

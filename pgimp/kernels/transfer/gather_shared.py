@@ -1,10 +1,10 @@
-"""Gather for four particles: one after the other, or together if they share a support.
+"""Gather for four particles: one after the other, or together on a shared support.
 
 One after the other, each reads whole records of vertices, as vectors, with its own weights, and the
 sums are transposed. In the initial configuration the particles of a lattice's cell always share
-their vertices: four of them read each number of a record once, with vectors of their weights. The
-groups of four follow from the canonical order, which never changes there, so that the bits do not
-depend on ranks.
+their vertices. Four of them read each number of a record once, with vectors of their weights. The
+groups of four follow from the canonical order, constant in that configuration, so that the bits do
+not depend on ranks.
 """
 
 from pgimp.jit.kernel import specialise
@@ -32,7 +32,7 @@ def take_from_grid(places, field, mean, batch, buffer, sums):
     Parameters
     ----------
     places : tuple
-        The shape and the frame; nothing of materials and loads, of which there are many.
+        The shape and the frame, without materials and loads, of which there are many.
     field, batch
         See `Field`, `Batch`.
     mean
@@ -43,7 +43,7 @@ def take_from_grid(places, field, mean, batch, buffer, sums):
     Returns
     -------
     u, a : tuple of D Vec4
-        Velocity and acceleration at their places.
+        Velocity and acceleration at their positions.
     grad : tuple of D*D Vec4
         Gradient of the velocity, row-major.
     held : Vec4
@@ -179,7 +179,7 @@ def _line_of(G, buffer, d, i, place, step, like, most):
 
 
 def _line_of_some(most, count, G, buffer, d, place, step, like):
-    """Sums over a line of `count` vertices, two at least and no more than `most` has."""
+    """Sums over a line of `count` vertices, at least two and at most as many as in `most`."""
 
 
 @specialise(_line_of_some)
@@ -225,7 +225,7 @@ def _lines_of(G, buffer, d, place, counts, stride, like, most):
 
 
 def _reached(shape, buffer, d):
-    """Number of vertices along direction `d` that any of four particles has weight on."""
+    """Number of vertices along direction `d` with weight for any of four particles."""
 
 
 @specialise(_reached)
@@ -257,7 +257,7 @@ def _all_reached_of(shape, buffer, d, like):
 def gather_shared(shape, G, buffer, place, stride, directions, like):
     """Sums of velocities, accelerations, derivatives along each direction, and codes.
 
-    Of as many numbers of a record as `like` has, for a scene of as many `directions`.
+    For as many numbers of a record as `like` has, in a scene of as many `directions`.
     """
 
 

@@ -1,8 +1,8 @@
 """Four particles at once: their rows, and reads and writes of their columns.
 
-Weights, deformation and stress are computed for four particles in one vector register. A batch that
-the end of a layer cuts short repeats its last particle: a particle's results are the same in any
-batch and place.
+Weights, deformation and stress are computed for four particles in one vector register. A short
+batch at the end of a layer repeats its last particle: a particle's results do not depend on its
+batch and lane.
 """
 
 from pgimp.jit.kernel import specialise
@@ -122,7 +122,7 @@ def _deformations(frame, particles, rows):
 
 
 def coordinates(frame, particles, rows):
-    """Places at which four particles' weights are taken, a tuple of vectors; see `coordinate`."""
+    """Positions of four particles' weights, a tuple of vectors; see `coordinate`."""
 
 
 @specialise(coordinates)

@@ -1,11 +1,11 @@
 """Particles to grid: mass and momentum (21, 22) and forces (16, 17, 18), layer by layer.
 
-A vertex sum is defined so that no decomposition can change its bits: the particles of one layer
-are summed, in canonical order, from zero into that layer's own planes; then the layers are added
-in increasing order. Uniform gravity (17) is m_v b and needs no sum.
+A vertex sum is defined so that no decomposition can change its bits. The particles of one layer are
+summed, in canonical order, from zero into that layer's own planes. Then the layers are added in
+increasing order. Uniform gravity (17) is m_v b and needs no sum.
 
-Layers may be computed in another order: those that neighbours wait for come first, and sums that
-a layer then has to add later are deferred.
+Layers may be computed in another order: layers for which neighbours wait come first, and sums to be
+added later are deferred.
 """
 
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ from pgimp.kernels.transfer.sum_layer import sum_layer
 
 
 class Others(NamedTuple):
-    """Particles that are summed by another setting, into velocity fields of their own.
+    """Particles summed with another setting, into velocity fields of their own.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Others(NamedTuple):
 
 
 def _sum_others(others, field, particles, layer, span):
-    """Sum those of a layer as well; `span` is the range of a plane so far, and is widened."""
+    """Sum the other particles of a layer; `span` is the range of a plane so far, and is widened."""
 
 
 @specialise(_sum_others)
@@ -63,9 +63,9 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
     setting, field, particles, loads, order
         See `Setting`, `Field`, `Particles`, `Loads`, `Order`.
     runs : (k, 3) int64
-        Runs of layers to sum, one after the other: the first layer, that after the last one, and
-        whether their sums for planes not shared with the upper rank are deferred; only the rank's
-        last layers, as many as it shares planes, may be.
+        Runs of layers to sum, one after the other: first layer, layer after the last one, and
+        whether to defer. Deferred are the sums for planes not shared with the upper rank. Only the
+        rank's last layers, as many as its shared planes, may be deferred.
     others : Others or ()
         Further particles.
     """
@@ -75,7 +75,7 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
     vertices = len(scratch) // plane
     shared = vertices - 1
     layers = len(start) - 1
-    kept = shared_lower * (shared_lower + 1) // 2  # where what the last layers defer begins
+    kept = shared_lower * (shared_lower + 1) // 2  # first deferred sum of the last layers
     for run in range(len(runs)):
         for layer in range(runs[run, 0], runs[run, 1]):
             low, high = 0, 0
@@ -105,13 +105,13 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
 
 @inner_kernel
 def _slot(k, shared):
-    """Place, in planes, of the deferred sums of the k-th of `shared` layers."""
+    """Offset, in planes, of the deferred sums of the k-th of `shared` layers."""
     return k * shared - k * (k - 1) // 2
 
 
 @inner_kernel
 def _flush(scratch, source, G, target, low, high):
-    """Add places `low` to `high` of a plane of `scratch` to a plane of `G`, leaving zeros."""
+    """Add entries `low` to `high` of a plane of `scratch` to a plane of `G`, leaving zeros."""
     zero = pack(0.0, 0.0, 0.0, 0.0)
     for i in range(low, high, 4):
         store(G, target + i, load(G, target + i) + load(scratch, source + i))
@@ -131,20 +131,20 @@ def _defer(scratch, source, deferred, target, low, high, plane):
 
 @kernel
 def complete(field, shared, layers, kept, received):
-    """Add the deferred sums, and those of the upper rank, to their planes.
+    """Add the deferred sums, and the upper rank's deferred sums, to their planes.
 
     Both sides of a slab boundary do this after the exchange, and then hold the same bits.
 
     Parameters
     ----------
     field : Field
-        The planes shared with the lower rank hold that one's sums.
+        The planes shared with the lower rank hold its sums.
     shared, layers : int
         Number of planes shared at a slab boundary, number of the rank's layers.
     kept : bool
         Whether the last layers have deferred sums in this step.
     received : float64
-        The upper rank's deferred sums for the planes shared with it; empty where there is none.
+        The upper rank's deferred sums for the planes shared with it; empty without an upper rank.
     """
     deferred, shared_lower = field.deferred, field.shared_lower
     if shared_lower > 0:

@@ -18,9 +18,9 @@ class Share(NamedTuple):
     Attributes
     ----------
     A : Vec4 or ()
-        Mass and momentum, of which a vertex gets the part S_vp; see `contribution`.
+        Mass and momentum; a vertex gets the part S_vp, see `contribution`.
     B : Vec4 or ()
-        Force of which it gets that part, see `weight`.
+        Force; a vertex gets the part S_vp, see `weight`.
     S : tuple of D Vec4
         Force along each direction i times dS_vp/dx_i, see `contribution`.
     C : tuple of D Vec4 or ()
@@ -37,7 +37,7 @@ class Share(NamedTuple):
 
 
 def _sloped(w, A, e, C):
-    """The vector w A + e C_0, w A where C is (), () where A is."""
+    """The vector w A + e C_0; w A if C is (), () if A is ()."""
 
 
 @specialise(_sloped)
@@ -103,14 +103,14 @@ def _scatter_lines(G, support, d, place, counts, stride, Z, share):
     Parameters
     ----------
     place : int
-        Of the first vertex.
+        Offset of the first vertex.
     counts : tuple of int
         Vertices of the current direction and the following ones but the last; `stride` alike.
     Z : tuple
         Weights, gradients, arms and `factors` along the last direction.
     share : Share
-        The rest of it: A and B with the sums over the previous directions, S and C of the current
-        direction and the following ones, times the weights so far, and M times the factors so far.
+        The remaining share. A and B include the sums over the previous directions. S and C of the
+        current and following directions are times the weights so far, M times the factors.
     """
 
 
@@ -137,7 +137,7 @@ def _scatter_all(G, support, d, place, counts, stride, Z, share):
 
 
 def _scatter_some(like, count, G, support, place, counts, stride, share):
-    """Add a particle that has weight on `count` vertices along the last direction.
+    """Add a particle with weight on `count` vertices along the last direction.
 
     At most as many as `like` has; each number has its own code.
     """
@@ -172,7 +172,7 @@ def scatter(shape, G, support, place, stride, share):
     support : Support
         Its weights.
     place : int
-        Of the first vertex in `G`.
+        Offset of the first vertex in `G`.
     stride : tuple of int
         The window's.
     share : Share
@@ -192,7 +192,7 @@ def _scatter(shape, G, support, place, stride, share):
 
 
 def scatter_products(shape, G, support, place, stride, share):
-    """As `scatter`, for weights that are products of those along the directions, of any shape."""
+    """As `scatter`, for weights that are products by direction, of any shape."""
 
 
 @specialise(scatter_products)

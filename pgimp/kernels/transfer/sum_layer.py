@@ -20,7 +20,7 @@ from pgimp.kernels.update.piola import PIOLA_SIZE, keep_forces
 
 
 def arms(loads, frame, particles, p):
-    """Gradients of what particle `p` carries, times its mass: of velocity, or of J in flows."""
+    """Gradients carried by particle `p`, times its mass: of velocity, or of J in flows."""
 
 
 @specialise(arms)
@@ -31,7 +31,7 @@ def _arms(loads, frame, particles, p):
 
 
 def second(loads, frame, particles, p):
-    """The second vector of which vertices get a part: weight of particle `p`, or (m, m v)."""
+    """Second vector to be weighted for the vertices: weight of particle `p`, or (m, m v)."""
 
 
 @specialise(second)
@@ -51,14 +51,14 @@ def sum_layer(setting, field, particles, loads, rows, span, number):
     rows : (n,) int32
         Rows of the rank's particles in canonical order.
     span : (int, int)
-        Where the layer's particles begin and end in `rows`; there is at least one.
+        Range of the layer's particles in `rows`; at least one.
     number : int
         The layer's number.
 
     Returns
     -------
     low, high : int
-        Range of a plane, in float64 from its beginning, to which something was added.
+        Range of a plane with added sums, in float64 from its beginning.
     """
 
 

@@ -1,7 +1,7 @@
 """The weights of four particles' supports, in a buffer on the stack.
 
-They are computed for four particles in one vector register; transfers, whose vertices differ, take
-one particle after the other.
+They are computed for four particles in one vector register. Transfers, with different vertices,
+take one particle after the other.
 """
 
 from pgimp.jit.kernel import specialise
@@ -13,10 +13,10 @@ from pgimp.kernels.transfer.first_vertex import first_vertex
 from pgimp.kernels.transfer.lane_io import coordinates, deformations
 from pgimp.physics.shapes.base import by_corners, size, weights
 
-#: Numbers in the buffer for the supports of a batch: for each direction weights (19), gradients
-#: (20) and weights times arms, each of up to four vertices, then the place of the first vertex;
-#: each four times. From `MEANS` on there is space for `pgimp.kernels.update.mean`. Supports by
-#: corners have those of `pgimp.kernels.transfer.corners`, on either side of the place.
+#: Numbers in the buffer for the supports of a batch: by direction weights (19), gradients (20),
+#: weights times arms, each of up to four vertices. Then the offset of the first vertex; each four
+#: times. From `MEANS` on there is space for `pgimp.kernels.update.mean`. Supports by corners have
+#: the numbers of `pgimp.kernels.transfer.corners`, on either side of the offset.
 SUPPORT_SIZE = 224
 _DIRECTION, _QUANTITY, _PLACE, MEANS = 48, 16, 144, 152
 
@@ -69,7 +69,7 @@ def _along_direction(shape, frame, buffer, arms, d, half, x, vertex):
 
 
 def _across(shape, frame, window, buffer, arms, d, half, x):
-    """Store the weights along the directions from `d` on in the buffer; places as float64."""
+    """Store the weights along the directions from `d` on in the buffer; offsets as float64."""
 
 
 @specialise(_across)
@@ -87,7 +87,7 @@ def _across_directions(shape, frame, window, buffer, arms, d, half, x):
 
 
 def supports(shape, frame, window, particles, rows, layer, buffer, arms):
-    """Store the supports of four particles, whose layer is known, in a buffer.
+    """Store the supports of four particles in a known layer in a buffer.
 
     The buffer is of `SUPPORT_SIZE` float64. They come with arms unless `arms` is ().
     """
@@ -125,7 +125,7 @@ def _keep_support(buffer, d, w, g):
 
 
 def first_place(buffer, j):
-    """Place of the first vertex of the batch's particle `j` within its plane."""
+    """Offset of the first vertex of the batch's particle `j` within its plane."""
 
 
 @specialise(first_place)
@@ -169,7 +169,7 @@ def _entries(buffer, d, quantity, i, j, like):
 
 
 def share_support(buffer):
-    """Whether all particles of a batch have the same first vertex, of the same field."""
+    """Whether all particles of a batch share their first vertex and field."""
 
 
 @specialise(share_support)
@@ -178,7 +178,7 @@ def _share_support(buffer):
 
 
 def extent(shape, buffer, d, j):
-    """Number of vertices along direction `d` that particle `j` has weight on; at least two."""
+    """Number of vertices along direction `d` with weight for particle `j`; at least two."""
 
 
 @specialise(extent)

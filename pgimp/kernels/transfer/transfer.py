@@ -1,9 +1,9 @@
 """Scatter and gather between a particle and the vertices of its support.
 
 They move records of vertices, see `pgimp.kernels.data.record`. Both transfers are written once for
-all dimensions, and factor the sums by direction: in 3D the innermost vertex costs P2G three vector
-multiply-adds, and G2P three. Vertices without weight at the support's end are left out; the
-innermost direction, along which records follow each other, is unrolled for each number of vertices,
+all dimensions, and factor the sums by direction. In 3D the innermost vertex costs P2G three vector
+multiply-adds, and G2P three. Vertices without weight at the support's end are left out. The
+innermost direction, along which records follow each other, is unrolled for each number of vertices;
 the others are loops.
 """
 
@@ -33,7 +33,7 @@ class Support(NamedTuple):
 def last_step(stride):
     """Distance of neighbours along the last direction, given its stride and the following ones.
 
-    In 1D that is the distance of planes, which may hold several fields; else it is known.
+    In 1D it is the distance of planes, which may hold several fields; else it is a constant.
     """
 
 

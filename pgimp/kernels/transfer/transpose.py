@@ -26,7 +26,7 @@ def _keep_sums(buffer, j, U, A, D):
 
 
 def repeat_sums(buffer, count, like):
-    """Repeat the sums of the batch's last particle, `count` - 1, for those missing."""
+    """Repeat the sums of the batch's last particle, `count` - 1, for missing ones."""
 
 
 @specialise(repeat_sums)

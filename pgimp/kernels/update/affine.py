@@ -1,15 +1,14 @@
 """Affine transfer: the velocity gradient that particles carry.
 
-A particle keeps the velocity gradient L_p that it has seen (30), moved with its material, and gives
-the vertices m_p (v_p + L_p (x_v - x_p)) S_vp instead of m_p v_p S_vp (22).
+A particle keeps its velocity gradient L_p (30), moved with its material. It gives the vertices
+m_p (v_p + L_p (x_v - x_p)) S_vp instead of m_p v_p S_vp (22).
 
 Where a face or a constraint holds a vertex, the gradient includes the jump from the material's
 velocity to the prescribed one. The particle's own velocity does not include that jump, since (27)
-adds accelerations, and those of held vertices are prescribed as well. Extrapolated from the
-particle, the jump would reach free vertices as momentum that nothing balances: spurious kinetic
-energy, up to a third of the total on coarse grids, for any step. So a particle that reaches
-a held vertex does not carry the gradients of the components that are held there; its deformation
-(29) has them all.
+adds accelerations, which are prescribed at held vertices as well. Extrapolated from the particle,
+the jump would reach free vertices as unbalanced momentum. That is spurious kinetic energy, up to a
+third of the total on coarse grids, for any step. So a particle that reaches a held vertex does not
+carry the gradients of the components held there; its deformation (29) has them all.
 """
 
 from math import isqrt, sqrt
@@ -24,7 +23,7 @@ from pgimp.kernels.transfer.lane_io import put_row
 
 
 def affine_momentum(affine, frame, particles, p):
-    """Gradient of a particle's momentum: m_p dv/dx_i for each direction; () if it has none.
+    """Gradient of a particle's momentum: m_p dv/dx_i for each direction; () without any.
 
     With it, a vertex gets m_p (v_p + L_p (x_v - x_p)) S_vp. The particle's momentum remains, since
     the arms' weighted sum is zero, and linear fields are transferred exactly up to the surface.
@@ -59,15 +58,15 @@ def _affine_momentum(affine, frame, particles, p):
 
 
 def when_moved(affine, frame, dt, L):
-    """The gradients L of four particles at the end of the step, L (1 + dt L)^-1, but no greater.
+    """Gradients L of four particles at the end of the step, L (1 + dt L)^-1, but no greater.
 
-    The field moves with its own velocity: by the places where its material is at the end, dx' =
-    (1 + dt L) dx, which are those of the next step's vertices. In the initial configuration these
-    do not move.
+    The field moves with its own velocity. The gradient is by the material's positions at the end,
+    dx' = (1 + dt L) dx, as for the next step's vertices. In the initial configuration these do not
+    move.
 
-    Compression alone makes the gradient greater, as if nothing resisted it. That is not followed,
-    for what does resist is at work only in the next step: a particle that vibrates alone would be
-    turned inside out. So the result is scaled to the Frobenius norm of L where it exceeds that.
+    Compression alone makes the gradient greater, as if nothing resisted it. That increase is not
+    followed, for the resistance is at work only in the next step. A particle that vibrates freely
+    would be turned inside out. So a result that exceeds the Frobenius norm of L is scaled to it.
     """
 
 
@@ -87,7 +86,7 @@ def _when_moved(affine, frame, dt, L):
 def keep_gradients(affine, particles, rows, L, held):
     """Store the velocity gradients L that four particles carry, if they carry any.
 
-    `held` is what `take_from_grid` gives.
+    `held` is from `take_from_grid`.
     """
 
 
@@ -117,11 +116,11 @@ def _keep_gradients(affine, particles, rows, L, held):
 
 
 def _free(held, d):
-    """1 for those of four particles whose component `d` no vertex in reach holds, else 0.
+    """1 for each of four particles without held component `d` at a vertex in reach, else 0.
 
-    The greatest of the codes in a particle's reach decides, see `also_held`: where it reaches
-    vertices of two walls it reaches those of their edge too, which hold several components (but for
-    an edge that a separating wall has let go of).
+    The greatest of the codes in a particle's reach decides, see `also_held`. A particle that
+    reaches vertices of two walls also reaches their edge, which holds several components (except an
+    edge that a separating wall has released).
     """
 
 

@@ -17,7 +17,7 @@ NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE, OUT_OF_RANGE = 1, 2, 3, 4, 5
 #: Result of `_outside` for a particle that has left through an open face.
 _LEAVES = -1
 
-#: The layer of such a particle.
+#: The layer of a particle that has left.
 OUTFLOW = -1
 
 
@@ -67,7 +67,7 @@ def _all_finite_of(values):
 
 @inner_kernel
 def _broken(x, v, J, finite):
-    """Return a particle's error, regardless of place and displacement; 0 for none."""
+    """Return a particle's error, regardless of position and displacement; 0 for none."""
     for d in range(len(x)):
         if not (isfinite(x[d]) and isfinite(v[d])):
             return NOT_FINITE
@@ -80,7 +80,7 @@ def _broken(x, v, J, finite):
 
 @inner_kernel
 def _unsound(frame, x, v, u, J, finite, valid, dt):
-    """Return the error of a particle that failed the combined check, at any place; else 0."""
+    """Return the error of a particle that failed the combined check, at any position; else 0."""
     error = _broken(x, v, J, finite)
     if error != 0:
         return error
@@ -106,7 +106,7 @@ def _outside(frame, exits, x):
 def check(limits, field, particles, batch, found, report, ledger, counts):
     """Check four particles, and examine those that fail the combined check.
 
-    In the initial configuration they keep their layers, and may be anywhere but beyond a wall.
+    In the initial configuration they keep their layers, and may be anywhere except beyond a wall.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def _check(limits, field, particles, batch, found, report, ledger, counts):
 
 
 def limits_of(setting, forcing, inverse):
-    """The part of a scene that `check` needs: without its materials, of which there are many.
+    """The part of a scene for `check`: without its materials, of which there are many.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def limits_of(setting, forcing, inverse):
     -------
     tuple
         The frame; the shape; (dt/L)^2, with which the greatest speed squared of a slow particle is
-        1; the faces that are exits; dt; walls; constraints.
+        1; the exit faces; dt; walls; constraints.
     """
 
 
@@ -211,23 +211,23 @@ def _count_errors_of(bounds, batch, good, found, report, counts):
 
 
 def examine(limits, particles, batch, good, found, report, ledger, counts):
-    """Examine those of four particles that failed the combined check.
+    """Examine the particles of four that failed the combined check.
 
     Parameters
     ----------
     limits : tuple
-        Those of `limits_of` without the shape and the speed of a slow particle, so that it is the
-        same part of the kernels of many shapes.
+        From `limits_of` without the shape and the speed of a slow particle, so that many shapes
+        share this part of the kernels.
     particles, batch, report, ledger
         As in `check`.
     good : tuple of 3 int
-        Bit j is set for a particle that passed the check, whose state is finite, and whose
-        material is in its range.
+        In turn, bit j is set if particle j passed the check, has a finite state, is in its
+        material's range.
     found : tuple
         u, v, x, J, half-widths, first vertex along x and greatest stretch of the four.
     counts : tuple of 5 int
-        Particles at fault, that left, that left or changed their layer, whose half-width is
-        clamped, that walls held in.
+        Particles at fault, particles that left, that left or changed their layer, with clamped
+        half-width, held in by walls.
 
     Returns
     -------

@@ -1,8 +1,8 @@
 """Deformation gradients and volumes (29, 30).
 
 Materials that flow may shear without limit: only their volume J is integrated, and F is the
-isotropic J^(1/D) 1. J grows by det(1 + dt L), as that of a solid does: in a rigid rotation, whose
-step is 1 + dt L = R, it does not change, where exp(dt tr L) would shrink it in every step.
+isotropic J^(1/D) 1. J grows by det(1 + dt L), as for a solid. In a rigid rotation, whose step is
+1 + dt L = R, it does not change, where exp(dt tr L) would shrink it in every step.
 """
 
 from math import sqrt
@@ -22,11 +22,11 @@ _NEAR = 0.25
 
 
 def velocity_gradients(frame, particles, batch, D):
-    """Velocity gradients L of four particles at the step's beginning, by present places.
+    """Velocity gradients L of four particles at the step's beginning, by current positions.
 
-    `D` is from the grid: L itself or, in the initial configuration, the gradient of the
-    velocity by initial places, which is the rate of F; then L = D F^-1. Either way F after the step
-    is (1 + dt L) F, to rounding.
+    `D` is from the grid. It is L itself or, in the initial configuration, the rate of F, the
+    velocity gradient by initial positions; then L = D F^-1. Either way F after the step is
+    (1 + dt L) F, to rounding.
     """
 
 
@@ -98,7 +98,7 @@ def _side_of(volume, L):
 
 
 def _cube_root(volume, L):
-    """That of a volume near 1 without dividing: Newton's method for volume^(-1/3)."""
+    """Side of a cube of a volume near 1, without division: Newton's method for volume^(-1/3)."""
     x = volume - 1.0
     near = abs(x) < _NEAR
     z = 1.0 - x * (1.0 / 3.0 - x * (2.0 / 9.0 - x * (14.0 / 81.0)))

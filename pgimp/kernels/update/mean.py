@@ -2,35 +2,35 @@
 
 Nearly incompressible particles lock: each must keep its own volume, for which the vertices have too
 few degrees of freedom. Here a cell has one rate of dilatation D_c, the mean divergence of the
-multilinear velocity field of its corners, and a particle that of the cells in which it lies,
-weighted with the parts phi_cp of its box in them:
+multilinear velocity field of its corners. A particle has the mean rate of its cells, weighted with
+the parts phi_cp of its box in them:
 
     D_p = sum_c phi_cp D_c,    L_p <- L_p + (D_p - tr L_p)/d 1,
 
 after Nagtegaal, Parks and Rice (1974) and Hughes (1980), with d the number of directions (in plane
-strain the correction lies in the plane). The force is the adjoint: the stress less the mean of its
-d normal components acts through grad S_vp as before, that mean less the viscous pressure through
-dD_p/dv_v. So the forces' power on the vertices is that of the stresses, V_p sigma : L_p.
+strain the correction lies in the plane). The force is the adjoint. The stress less the mean of its
+d normal components acts through grad S_vp as before, the mean less the viscous pressure through
+dD_p/dv_v. So the power of the forces on the vertices is the power of the stresses, V_p sigma : L_p.
 
 This needs neither sums over cells nor messages: parts in cells, and means over them, are products
-of those along the directions. Along one, a box's gradient g_i at vertex i is the mean of the tent's
-over the box, so that the parts are minus the sums of the gradients so far, times the cell's size L,
-and a vertex has half of each of the two parts beside it:
+by direction. Along one direction, a box's gradient g_i at vertex i is the mean over the box of the
+tent's. So the parts are minus the sums of the gradients so far, times the cell's size L. A vertex
+has half of each of the two parts beside it:
 
     phi_i = -L (g_0 + ... + g_i),    a_i = (phi_{i-1} + phi_i)/2.
 
 Then dD_p/dv_v is grad S_vp with a in place of the weights of the other directions. The a of a
-particle add up to one and its g to zero: D_p of an affine field is its trace, and a particle's
-forces have neither a sum nor a moment. The support is that of S_vp.
+particle add up to one and its g to zero. So D_p of an affine field is its trace, and a particle's
+forces have neither a sum nor a moment. The support is the support of S_vp.
 
-A particle that is alone in its cells shares them with no other, and its vertices have hardly any
-mass: in 3D it would need steps several times shorter. The mass of the vertices around a particle,
-sum_v S_vp m_v over its density and the cell's volume, is 1 inside bodies, at least 0.6 at a plane
-surface, 0.6^d in a corner, and 0.4^d or less for one of two particles a cell and direction that is
-alone. From `DENSE`^d down to `SPARSE`^d its rate becomes that at its own place, from the next step
-on, in the forces as in the deformation.
+An isolated particle shares its cells with no other, and its vertices have hardly any mass: in 3D it
+would need steps several times shorter. The mass of the vertices around a particle is sum_v S_vp m_v
+over its density and the cell's volume. It is 1 inside bodies, at least 0.6 at a plane surface, and
+0.6^d in a corner. With two particles a cell and direction it is 0.4^d or less for an isolated one.
+From `DENSE`^d down to `SPARSE`^d its rate becomes the rate at its own position. This holds from the
+next step on, in the forces as in the deformation.
 
-Under gravity liquids are always taken as alone: with the means of cells they would compact, in
+Under gravity liquids are always taken as isolated. With the means of cells they would compact, in
 motions of the vertices that change no mean, and sink.
 """
 
@@ -44,10 +44,10 @@ from pgimp.kernels.transfer.supports import MEANS
 from pgimp.kernels.transfer.transpose import gathered_mass
 from pgimp.kernels.update.viscosity import trace, viscous_pressure
 
-#: d-th roots of the filled part from which a particle counts as in company, and as alone.
+#: d-th roots of the filled part from which a particle counts as not isolated, and as isolated.
 DENSE, SPARSE = 0.58, 0.45
 
-#: Place of the four particles' gathered sums in the buffer for supports, after their a.
+#: Offset of the four particles' gathered sums in the buffer for supports, after their a.
 _GATHERED = MEANS + 48
 
 
@@ -67,7 +67,7 @@ def _average_of(particles, p, like):
 def set_apart(loads, frame, particles, p):
     """The normal stress of particle `p` that does not act through grad S_vp.
 
-    The viscous pressure (45), which opposes it; with mean dilatation that of `mean_force`.
+    It is the viscous pressure (45), which opposes it; with mean dilatation the one of `mean_force`.
     """
 
 
@@ -86,7 +86,7 @@ def _set_apart(loads, frame, particles, p):
 def mean_force(loads, frame, particles, p):
     """-V_p (mean sigma - q_p) of particle `p`, which dD_p/dv_v turns into forces; () without.
 
-    Where it is alone, a part of that.
+    For an isolated particle, a part of it.
     """
 
 
@@ -126,9 +126,9 @@ def _keep_rates(M, buffer, j):
 
 
 def with_means(mean, frame, particles, rows, buffer, sums, count, L):
-    """Velocity gradients of a batch: those gathered, with the cells' rates as their traces.
+    """Velocity gradients of a batch, as gathered, with the cells' rates as their traces.
 
-    Sets how alone the particles are, for the next step.
+    Sets the particles' isolation, for the next step.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def with_means(mean, frame, particles, rows, buffer, sums, count, L):
     buffer, sums
         As filled by `keep_rates` and `keep_sums`.
     count : int
-        Particles in the batch; the last one fills in for those missing.
+        Particles in the batch; the last one replaces missing ones.
     L : tuple of D*D Vec4
         Row-major, as gathered.
     """
@@ -166,7 +166,7 @@ def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
 
 
 def _always_alone(mean, particles, rows):
-    """1 for those of four particles whose rate is always that at their place, else 0."""
+    """1 for each of four particles that always has the rate at its position, else 0."""
 
 
 @specialise(_always_alone)

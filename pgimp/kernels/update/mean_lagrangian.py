@@ -1,23 +1,24 @@
 """Mean dilatation in the initial configuration (``method.volumetric: mean``), against locking.
 
-As in `pgimp.kernels.update.mean` a particle has the change of volume of the cells in which its box
-lies, here that of their deformation gradients in place of their rates:
+As in `pgimp.kernels.update.mean` a particle has the volume change of the cells under its box, here
+by deformation gradients in place of rates:
 
-    G_p = 1 + integral of sum_v v_v dD_p/dv_v dt,    r_p^d = det G_p/det F_p,
+    G_p = 1 + integral of sum_v v_v dD_p/dv_v dt,    r_p^d = det G_p/det F_p.
 
-and the material gets r_p F_p, the F-bar of de Souza Neto et al. (1996) with means over cells in
-place of their centres. With p the mean of the d normal components of its stress s, less viscosity's
+The material gets r_p F_p, the F-bar of de Souza Neto et al. (1996) with means over cells in place
+of their centres. With p the mean of the d normal components of its stress s, less viscosity's
 pressure, the force is the adjoint,
 
     -V0_p (r_p (s - p 1) cof(r_p F_p) grad0 S_vp + p cof(G_p) dD_p/dv_v).
 
-So its power is that of the stress, and the energy of r_p F_p is its potential. A particle whose
-cells hold less than `LEAST`^d of what they can keeps r_p = 1: it shares them with no other, and
-their vertices have hardly any mass. What they hold is the mean over them, sum_v a_v m_v over the
-particle's density and the cell's volume: 1 inside bodies, at least 0.5^d at surfaces along the grid
-and in their corners, 0.25^d for one of two particles a cell and direction that is alone. Weights
-are those of the start, and masses too until a stage removes a bonded body: whom that leaves alone
-keeps the r_p that it has, and who is alone stays so, for a jump of r_p would strain the material.
+So its power is the power of the stress, and the energy of r_p F_p is its potential. A particle
+whose cells are filled to less than `LEAST`^d keeps r_p = 1. It shares them with no other, and their
+vertices have hardly any mass. The filled part is the mean over them, sum_v a_v m_v over the
+particle's density and the cell's volume. It is 1 inside bodies, and at least 0.5^d at surfaces
+along the grid and in their corners. With two particles a cell and direction it is 0.25^d for an
+isolated one. Weights are initial weights, and masses are constant until a stage removes a bonded
+body. A particle that becomes isolated then keeps its r_p, and an isolated one stays so: a jump of
+r_p would add strain.
 
 The particles' F is r_p F_p. G_p and r_p have columns of their own.
 """
@@ -38,7 +39,7 @@ from pgimp.kernels.update.deformation import side, update_deformation, velocity_
 from pgimp.kernels.update.meanweights import means_of_parts
 from pgimp.kernels.update.piola import BY_CELLS, kept_force
 
-#: d-th root of the filled part of its cells from which a particle is in company.
+#: d-th root of the filled part of its cells from which a particle is not isolated.
 LEAST = 0.4
 
 
@@ -60,7 +61,7 @@ def _keep_around(around, shape, frame, buffer, weights):
 
 
 def _along(shape, buffer, weights, d, cell):
-    """Store those along the directions from `d` on, which have the cell sizes `cell`."""
+    """Store the weights along the directions from `d` on, with the cell sizes `cell`."""
 
 
 @specialise(_along)
@@ -90,12 +91,12 @@ def _slopes_of(buffer, d, i, like):
 
 
 def take_around(around, places, field, batch, buffer, weights, sums):
-    """Gather what `deform` needs of four particles' cells; () unless there is an `around`.
+    """Gather the input of `deform` from four particles' cells; () unless there is an `around`.
 
     Parameters
     ----------
     places, field, batch, buffer, sums
-        As of `take_from_grid`, whose sums are overwritten.
+        See `take_from_grid`, whose sums are overwritten.
     weights
         From `keep_around`.
 
@@ -153,7 +154,7 @@ def scatter_around(around, places, G, support, place, stride, forces):
     places
         The shape and the frame.
     G, support, place, stride
-        As of `scatter`, with the weights from `keep_around`.
+        See `scatter`, with the weights from `keep_around`.
     forces
         From `keep_forces`.
     """
@@ -179,13 +180,13 @@ def deform(cells, setting, forcing, particles, batch, numbers, D):
     cells : tuple
         From `take_around`.
     setting, forcing, particles, batch, numbers, D
-        As of `update_deformation`.
+        See `update_deformation`.
 
     Returns
     -------
     L, F : tuple of D*D Vec4
-        Velocity gradients by present places, F after the step, for the material; (1 + dt L) F is
-        the latter, to rounding.
+        Velocity gradients by current positions, and F after the step, for the material. (1 + dt L)
+        F is the new F, to rounding.
     """
 
 

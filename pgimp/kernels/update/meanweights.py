@@ -1,8 +1,8 @@
 """Weights of vertices in the mean dilatation of a particle, see `pgimp.kernels.update.mean`.
 
-The rate D_p is the sum over vertices of dD_p/dv_v times velocities, whose factors along a direction
-are the a and g of the particle's box. In P2G they turn `mean_force` into forces, in G2P velocities
-into D_p.
+The rate D_p is the sum over vertices of dD_p/dv_v times velocities. Its factors along each
+direction are the a and g of the particle's box. In P2G they turn `mean_force` into forces, in G2P
+velocities into D_p.
 """
 
 from pgimp.jit.kernel import specialise
@@ -25,7 +25,7 @@ def _keep_means(mean, shape, frame, buffer):
 
 
 def _along(shape, buffer, d, cell):
-    """Store the weights along the directions from `d` on, which have the cell sizes `cell`."""
+    """Store the weights along the directions from `d` on, with the cell sizes `cell`."""
 
 
 @specialise(_along)

@@ -4,10 +4,10 @@ from pgimp.jit.kernel import specialise
 
 
 def pace(controlled, c, speed):
-    """Speed that the Courant number refers to, of a particle with wave speed c.
+    """Speed in the Courant number, for a particle with wave speed c.
 
-    That is c + |v|, or, where `controlled` is a number and not just true, the greater of c and that
-    times |v|: the distance that a body moves in a step does not affect stability as long as it is
+    It is c + |v|, or, where `controlled` is a number and not just true, the greater of c and this
+    number times |v|. A body's displacement in a step does not affect stability as long as it is
     less than a cell (``scripts/hard moving``).
     """
 

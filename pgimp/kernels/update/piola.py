@@ -1,7 +1,7 @@
 """Internal forces of the initial configuration: -V0 P grad0 S with P = J s F^-T in place of (16).
 
 P, the first Piola-Kirchhoff stress, is the force per unit of initial area. J F^-T is the cofactor
-matrix of F, which needs no division. It is computed for four particles at a time, and is on the
+matrix of F, which needs no division. It is computed for four particles at a time, and kept on the
 stack for the transfers, which take one after the other.
 """
 
@@ -14,7 +14,7 @@ from pgimp.kernels.transfer.first_vertex import is_initial
 from pgimp.kernels.transfer.lane_io import deformations, take, take_row
 from pgimp.kernels.update.viscosity import trace
 
-#: Place in the buffer of the forces by cells, see `pgimp.kernels.update.mean_lagrangian`.
+#: Offset in the buffer of the forces by cells, see `pgimp.kernels.update.mean_lagrangian`.
 BY_CELLS = 48
 
 #: Numbers in the buffer: for each direction a vector a particle, and as many by cells.
@@ -77,7 +77,7 @@ def _keep_all_columns(buffer, at, P):
 def keep_forces(loads, frame, particles, rows, buffer):
     """Store -V0 P of four particles, less viscosity's, in a buffer of `PIOLA_SIZE` float64.
 
-    Where there is an `around` that by cells as well. Nothing is done in the current configuration.
+    With an `around` also the forces by cells. Nothing is done in the current configuration.
     """
 
 
@@ -113,7 +113,7 @@ def _keep_forces(loads, frame, particles, rows, buffer):
 def kept_force(buffer, at, j, like):
     """For each direction the vector (0, -V0 P_xi, -V0 P_yi, -V0 P_zi) of the batch's `j`.
 
-    From the place `at` on, 0 or `BY_CELLS`.
+    From the offset `at` on, 0 or `BY_CELLS`.
     """
 
 

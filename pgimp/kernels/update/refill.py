@@ -1,9 +1,9 @@
-"""Shift of particles to where there is room, gaps that close, noise of J and v; see `filling`.
+"""Shift of particles to free space, closing of gaps, null modes of J and v; see `filling`.
 
-A particle of spray that is alone carries spin, but no stretch. It has no shape that would bear
-one: its pressure holds its volume only, and acts more along one direction than along another, as
-vertices have more or less of its mass. Stretched by a along x and pressed by a along y it would
-gain da/dt up to a^2, until it is pressed to nothing.
+An isolated particle of spray carries spin, but no stretch. It has no shape that would bear one. Its
+pressure holds its volume only, and differs between directions, as vertices have more or less of its
+mass. Stretched by a along x and pressed by a along y it would gain da/dt up to a^2, until it is
+pressed to nothing.
 """
 
 from pgimp.jit.algebra import determinant
@@ -27,39 +27,39 @@ from pgimp.physics.shapes.base import by_corners
 #: phi up to which a neighbourhood counts as one at a free surface, where gaps of soil remain.
 FREE = 0.9
 
-#: phi - 1 from which voids of fluids close at their full rate. Closed in what is just full already,
-#: the rest would hold more space than it fills: a dam break would come to rest 5 % too high.
+#: phi - 1 from which voids of fluids close at their full rate. If voids closed in neighbourhoods
+#: just full, the rest would hold more space than it fills: a dam break would end 5 % too high.
 OVERFULL = 0.05
 
-#: Part of a cell that fills round a particle that is alone, at most; no more than its volume, too.
+#: Filled part of a cell round an isolated particle, at most; no more than its volume, too.
 ALONE = 0.25
 
-#: The most of a cell that a particle is shifted at once, by direction.
+#: The greatest shift of a particle at once, in cells, by direction.
 FARTHEST = 0.1
 
-#: Where velocities' gains are in the scratch, behind shifts.
+#: Offset of the velocities' gains in the scratch, behind shifts.
 GAINS = 16
 
 
 def refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
-    """Shift four particles, close their gaps, relax J and calm them.
+    """Shift four particles, close their gaps, relax J and their null modes.
 
     Parameters
     ----------
     forcing, setting, field, particles, batch
-        See `Forcing`, `Setting`, `Field`, `Particles`, `Batch`; the filling is that of the step's
+        See `Forcing`, `Setting`, `Field`, `Particles`, `Batch`; the filling belongs to the step's
         beginning.
     buffers : tuple
         The batch's supports, and scratch.
     moved : tuple
         Positions, deformation gradients and velocities, tuples of D, D*D and D Vec4.
     ledger : Ledger
-        Its work grows by gravity's; its volumes grow by the particles'.
+        Work grows by the work of gravity; volumes grow by the particles' volumes.
 
     Returns
     -------
     x, F, v
-        The same after the shift.
+        Positions, deformation gradients and velocities after the shift.
     """
 
 
@@ -127,7 +127,7 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
 
 
 def _find_corners(shape, frame, window, particles, batch, buffer):
-    """Find the places of corners anew: across planes they are apart as in another window."""
+    """Find the offsets of corners anew: planes are apart as in another window."""
 
 
 @specialise(_find_corners)
@@ -140,7 +140,7 @@ def _find_corners_in(shape, frame, window, particles, batch, buffer):
 
 
 def _to_field(shape, window, other, particles, p):
-    """Distance from the place of particle `p` in the `other` window to that in its field."""
+    """Difference of offsets of particle `p` between the `other` window and its field."""
 
 
 @specialise(_to_field)
@@ -203,7 +203,7 @@ def _keep_slope_from(particles, p, d, slopes):
 
 
 def _keep_spin(affine, frame, particles, p, filled):
-    """Leave particle `p` only the spin of its velocity gradient where it is alone."""
+    """Reduce the velocity gradient of an isolated particle `p` to its spin."""
 
 
 @specialise(_keep_spin)

@@ -1,12 +1,12 @@
 """Speed at which waves and particles cross the grid, which limits the step.
 
 In the current configuration particles move over the grid, at (c + |v|)/L. A grid of the initial
-configuration moves and deforms with the material: only waves cross it, at a speed by lengths at the
-start. A wave of speed c along n goes along N = F^T n/|F^T n| there, at
-c |F^-T N|: at most c over the least stretch, of which the greatest row sum of C^-1 = F^-1 F^-T,
-which no rotation changes, gives a bound, exact where the stretches lie along the grid. This
-combines the fastest wave with the least stretch, whose directions may differ, as in a stretched
-bar; a material may give a better bound by an `initial_speed(material, F, J)`.
+configuration moves and deforms with the material: only waves cross it, at a speed in initial
+lengths. A wave of speed c along n goes along N = F^T n/|F^T n| there, at c |F^-T N|: at most c over
+the least stretch. The greatest row sum of C^-1 = F^-1 F^-T, which no rotation changes, bounds it,
+exactly for stretches along the grid. This combines the fastest wave with the least stretch, whose
+directions may differ, as in a stretched bar. A material may give a better bound by an
+`initial_speed(material, F, J)`.
 """
 
 from math import sqrt
@@ -123,7 +123,7 @@ def _speed_of_waves(setting, number, args, state):
 
 
 def own_speed(frame, v):
-    """Speed at which a particle crosses the grid: that of the velocity v, 0 where it cannot."""
+    """Speed at which a particle crosses the grid: its velocity's, 0 where it cannot."""
 
 
 @specialise(own_speed)

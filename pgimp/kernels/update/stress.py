@@ -22,7 +22,7 @@ def _materials(setting):
 
 
 def has_any(setting, quantity):
-    """Whether one of a scene's materials has a quantity that others do not have."""
+    """Whether a material of the scene has a quantity that others do not have."""
     return any(has(each.instance_class, quantity) for each in _materials(setting))
 
 
@@ -118,7 +118,7 @@ def _keep_state(particles, rows, state):
 
 
 def wave_speed(setting, numbers, F, J, state):
-    """Speeds of the fastest wave through four particles; `numbers` are those of the materials."""
+    """Speeds of the fastest wave through four particles; `numbers` are their materials."""
 
 
 @specialise(wave_speed)
@@ -132,7 +132,7 @@ def diffusion_speed(setting, numbers, F, J, state, inverse, extra):
     """Viscosity's share of the speed that limits the step, see `effective_wave_speed`.
 
     The explicit diffusion of momentum with the diffusivity nu is stable up to dt = h^2/(2 D nu),
-    for cells of the side h in D directions: that of a speed of D nu/h.
+    for cells of side h in D directions. This is the limit for a speed of D nu/h.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """Parameters of materials that vary in space, substituted for each particle.
 
 In such a material `Setting` has `Own` in place of each number that varies. Derived parameters
-(Lame's constants from Young's modulus) were computed when particles were created, and are in their
-column `own`: first the value for the first `Own` of the particle's material, and so on. The
-functions of materials see numbers, or vectors of four, as without variation.
+(Lame's constants from Young's modulus) were computed when particles were created. They are in the
+column `own`, in the order of each `Own` in the particle's material. The functions of materials get
+numbers, or vectors of four, as without variation.
 """
 
 from numba.core import types
@@ -47,7 +47,7 @@ def _setting_with(setting, materials):
 
 
 def _values(own, rows, like):
-    """The first numbers of the column `own`, as many as `like` has: of a particle, or of four."""
+    """Leading numbers of the column `own`, as many as `like` has: of a particle, or of four."""
 
 
 @specialise(_values)

@@ -9,19 +9,19 @@ from pgimp.kernels.transfer.lane_io import take_row
 
 
 def update_velocity(frame, forcing, particles, batch, u, a, ledger):
-    """Velocities of four particles after a step, and at which they move.
+    """Velocities of four particles after a step, and velocities of their motion.
 
     Parameters
     ----------
     frame, forcing, particles, batch, ledger
         See `Frame`, `Forcing`, `Particles`, `Batch`, `Ledger`.
     u, a : tuple of D Vec4
-        The grid's velocity and acceleration at their places.
+        The grid's velocity and acceleration at their positions.
 
     Returns
     -------
     u, v : tuple of D Vec4
-        The velocity at which they move, and theirs.
+        The velocity of their motion, and their own.
     """
 
 
@@ -37,7 +37,7 @@ def _update_velocity(frame, forcing, particles, batch, u, a, ledger):
 
 
 def update_position(forcing, particles, batch, u):
-    """Positions of four particles after a step, which move at `u` (26)."""
+    """Positions of four particles after a step, moving at `u` (26)."""
 
 
 @specialise(update_position)

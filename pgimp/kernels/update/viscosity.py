@@ -1,6 +1,6 @@
 """Artificial viscosity (45): a pressure q in compression that spreads shocks over some cells.
 
-With D the rate of volume change, c the wave speed, rho the density and L the cell's size,
+Let D be the rate of volume change, c the wave speed, rho the density and L the cell's size. Then
 q = c1 rho c L |D| + c2 rho (L D)^2 for D < 0, else 0. It enters the internal force (16) of the next
 step, s_p - q; the stored stress is the material's.
 """
@@ -25,7 +25,7 @@ class Viscosity(NamedTuple):
 
 
 def viscous_pressure(viscosity, particles, p):
-    """Pressure q of particle `p` from the last step; zero where the scene has no viscosity."""
+    """Pressure q of particle `p` from the last step; zero in scenes without viscosity."""
 
 
 @specialise(viscous_pressure)

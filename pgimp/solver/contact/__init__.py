@@ -1,1 +1,1 @@
-"""Contact as the step drives it: velocity fields, clearances, rigid bodies that move freely."""
+"""Contact in the step: velocity fields, clearances, free rigid bodies."""

@@ -1,4 +1,4 @@
-"""Contact as the step sees it, and the contact of bodies that share one velocity field: none."""
+"""Interface of contact for the step, and bodies that share one velocity field: no contact."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 
 class NoContact:
-    """The contact of bodies that share one velocity field; its kinds override what they do.
+    """No contact: bodies that share one velocity field; the kinds of contact override its methods.
 
-    A step calls the methods in the order in which they stand here. All are collective.
+    A step calls the methods in the order of their definition. All are collective.
 
     Parameters
     ----------
@@ -33,13 +33,13 @@ class NoContact:
     Attributes
     ----------
     at_vertices : bool
-        Whether bodies exchange impulses at vertices that they share, which frames may show.
+        Whether bodies exchange impulses at shared vertices, for output in frames.
     fields : tuple of int
         Number of each body's velocity field; () if all share one for ever.
     free : FreeBodies or None
-        The rigid bodies that move freely, if there are any.
+        The rigid bodies that move freely, if any.
     data : Contact or ()
-        The data of kernels for the vertices where bodies meet; () without any.
+        The kernels' data for contact vertices; () without any.
     """
 
     at_vertices = False
@@ -52,21 +52,21 @@ class NoContact:
 
     @property
     def rigid_bodies(self) -> Any:
-        """The rigid bodies for kernels, as they are in this step; () where there are none."""
+        """The rigid bodies for kernels, as they are in this step; () without any."""
         return ()
 
     def assign_fields(self, rank: RankState) -> None:
-        """Assign velocity fields to bodies: one to those that cannot meet soon."""
+        """Assign velocity fields to bodies: a common one to bodies that cannot touch soon."""
 
     def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
-        """Find the vertices where bodies meet, after the halo exchange."""
+        """Find the contact vertices, after the halo exchange."""
 
     def update_momentum(self, rank: RankState, update: VertexUpdate) -> None:
         """Update velocities and accelerations of the vertices, with contact there: (14, 17)."""
         self.advance(rank, update, WHOLE)
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
-        """Exchange impulses between vertices of different places."""
+        """Exchange impulses between vertices at different positions."""
 
     def forces(self, rank: RankState, update: VertexUpdate, out: np.ndarray) -> None:
         """Add the forces of contact at a rank's vertices, in place of `update_momentum`.
@@ -74,11 +74,11 @@ class NoContact:
         Parameters
         ----------
         out : (vertices, 3) float64
-            The force on the bodies with the lower numbers.
+            The force on the lower-numbered body of each pair.
         """
 
     def moved(self) -> None:
-        """Note that the rank's particles are others now."""
+        """Note that the rank's particles have changed."""
 
     def advance(self, rank: RankState, update: VertexUpdate, part: int) -> None:
         """Call `update_momentum` for a part of the update."""

@@ -1,4 +1,4 @@
-"""The clearances of a rank's vertices from the walls that let go."""
+"""Clearances of a rank's vertices from unilateral walls."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from pgimp.scene.scene import Scene
 
 
 class Clearances:
-    """Distances of bodies from the walls, step by step; nothing where no wall needs them."""
+    """Clearances of bodies from the walls, step by step; nothing where no wall needs them."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.call = scene, Bound()

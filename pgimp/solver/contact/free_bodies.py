@@ -1,7 +1,7 @@
-"""Rigid bodies that move freely: their velocities at a step's end, and their states.
+"""Free rigid bodies: their velocities at a step's end, and their states.
 
-The impulses that a body gets at the vertices depend on its velocity at the end, and this on
-them. Newton's method finds both together, so that no ratio of masses shortens the steps. However
+The impulses on a body at the vertices depend on its velocity at the end, which depends on them.
+Newton's method solves for both together, so that no ratio of masses shortens the steps. However
 large the residual, the body gets exactly the momentum that the material loses.
 """
 
@@ -26,24 +26,24 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.time.clock import Step
 
 #: Iterations of Newton's method. Contact that only opens, closes, sticks or slides takes two or
-#: three. Where a correction is not smaller than the one before, half of it is made, then a quarter.
-#: Bodies that are light for the friction or adhesion that holds them may alternate between slip
-#: directions: every other `NEWTON` iterations treat slip as viscous, which never overshoots.
+#: three. A correction not smaller than the one before is made by half, then by a quarter.
+#: Bodies that are light for their friction or adhesion may alternate between slip directions:
+#: every other `NEWTON` iterations treat slip as viscous, which never overshoots.
 TRIES, NEWTON = 72, 12
 
-#: Change of the velocities, over the body's greatest, at which they have converged.
+#: Convergence: change of the velocities over the body's greatest.
 ENOUGH = 1e-11
 
 #: Greatest error of a body's displacement in a step, in cells, if Newton does not converge.
 ASTRAY = 0.05
 
-#: Most steps between two checks for overlap with what bodies do not feel, and cells by which they
-#: may have moved meanwhile.
+#: Most steps between two checks for overlap with objects without contact, and most cells of motion
+#: meanwhile.
 LOOKS, TRAVEL = 16, 0.2
 
 
 class FreeBodies:
-    """The rigid bodies that move freely; every rank knows all of them.
+    """The free rigid bodies; every rank has all of them.
 
     Parameters
     ----------
@@ -77,11 +77,11 @@ class FreeBodies:
 
     @property
     def rate(self) -> float:
-        """Cells that a point of any of the bodies crosses in a unit of time, at most."""
+        """Greatest speed of a point of any of the bodies, in cells per unit of time."""
         return max(self.rigid_bodies.rates(self.states))
 
     def require_clear(self, done: Step, dt: float) -> None:
-        """Refuse bodies that overlap what they do not feel; collective, every few steps.
+        """Refuse bodies that overlap objects without contact; collective, every few steps.
 
         `dt` is the length of the next step. The start has been checked already.
         """
@@ -116,7 +116,7 @@ class FreeBodies:
         Parameters
         ----------
         rigid_bodies : RigidBodies
-            Those of the step, without impulses yet.
+            The bodies in the step, without impulses yet.
         grid : Grid
             The rank's planes.
         t : Step
@@ -124,7 +124,7 @@ class FreeBodies:
         gravity : tuple of 3 float
             Force per mass.
         find_rigid_impulses : callable
-            Sets `responses` for the velocities that are in `rigid_bodies`.
+            Sets `responses` for the velocities in `rigid_bodies`.
         """
         tried = self._begin(rigid_bodies, t, gravity)
         self._touched, part, before = False, 1.0, inf
@@ -176,7 +176,7 @@ class FreeBodies:
         return found
 
     def begin(self, rigid_bodies: RigidBodies, t: Step, gravity: tuple[float, ...]) -> None:
-        """Set the velocities without impulses, and the responses to these.
+        """Set the velocities without impulses, and the responses to impulses.
 
         For `pgimp.kernels.contact.lagrangian.gauss_seidel`, where impulses change the velocities
         one by one; `end` then moves the bodies.
@@ -191,7 +191,7 @@ class FreeBodies:
                     rigid_bodies.responses["derivative"][0, number, i] = solve(M, unit)
 
     def end(self, rigid_bodies: RigidBodies, dt: float) -> None:
-        """Move the bodies with the impulses since `begin`; the same on all ranks."""
+        """Move the bodies with the impulses since `begin`, on all ranks alike."""
         self._move(rigid_bodies.responses["trial_impulse"][0], dt)
 
     def _set(
@@ -221,7 +221,7 @@ class FreeBodies:
                 )
 
     def _rest(self, number: int, sums: Any, v: list[float]) -> list[float]:
-        """Return a body's residual: its momenta less those of the velocities that are tried."""
+        """Return a body's residual: its momenta less the momenta of the trial velocities."""
         body = self.bodies[number]
         M, rest = body.mass_matrix(self._inertia[number]), [0.0] * 6
         impulse = sums["trial_impulse"].tolist()
@@ -232,7 +232,7 @@ class FreeBodies:
         return rest
 
     def _change(self, number: int, sums: Any, v: list[float]) -> list[float]:
-        """Return Newton's correction of the velocities that are tried."""
+        """Return Newton's correction of the trial velocities."""
         M, may = self.bodies[number].mass_matrix(self._inertia[number]), self.bodies[number].may
         derivative = sums["derivative"].tolist()
         for i in range(6):
@@ -285,10 +285,10 @@ class FreeBodies:
 
 
 def _booked_velocities(body: FreeBody, state: State, inertia: Matrix) -> list[float]:
-    """Velocities before a step, for the books of energy.
+    """Velocities before a step, for the energy ledger.
 
-    A moment also changes how the axis turns in the step: twice the change of speed that turning
-    makes by the step's middle is left out, so that what is booked is what the body loses.
+    A moment also changes the rotation of the axis in the step. Twice the change of speed by this
+    rotation at the step's middle is left out, so that the booked energy is the body's loss.
     """
     turned = solve(body.mass_matrix(inertia), [*state.momentum, *state.spin])
     return [2.0 * v - w for v, w in zip(body.velocities(state), turned, strict=True)]

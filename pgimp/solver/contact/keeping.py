@@ -1,4 +1,4 @@
-"""Rigid bodies that hold particles out: where they are at a step's end, and what they get."""
+"""Rigid bodies that hold particles out: their state at a step's end, and their impulses."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ QUARTER = 0.25
 
 
 def placed(rigid_bodies: SceneRigidBodies, time: float, states: list[State] | None) -> RigidBodies:
-    """Return rigid bodies where they are at a time, with the velocities that they have then."""
+    """Return rigid bodies with their positions and velocities at a time."""
     kept, states = rigid_bodies.arrays(), rigid_bodies.first if states is None else states
     motion = kept.motion.copy()
     for number, pose in enumerate(rigid_bodies.poses(time, states)):
@@ -47,7 +47,7 @@ class Keeping:
     comm : communicator
         Of all ranks.
     free : FreeBodies or None
-        Those that move freely.
+        The free ones.
     layers : int
         Layers of the rank.
     """
@@ -63,7 +63,7 @@ class Keeping:
         self._moves = any(entry.moves for entry in scene.rigid_bodies.entries)
 
     def at(self, t: Step, particles: Particles, rows: np.ndarray) -> Any:
-        """Return what holds particles out at the end of a step; () where nothing does; collective.
+        """Return the data to hold particles out at the end of a step, or (); collective.
 
         Parameters
         ----------
@@ -83,7 +83,7 @@ class Keeping:
         return self._kept
 
     def _set_yields(self, free: FreeBodies, mass: np.ndarray) -> None:
-        """Set what impulse and moment do to each body that moves freely, times a mass."""
+        """Set the velocities of each free body per impulse and moment, times a mass."""
         for number, (body, state) in free.now.items():
             M = body.mass_matrix(body.inertia(state.turn))
             for i in range(6):
@@ -94,7 +94,7 @@ class Keeping:
     def _near(
         self, rigid_bodies: RigidBodies, particles: Particles, rows: np.ndarray
     ) -> np.ndarray:
-        """Bounds of the mass that each body may hold in a step, the same on any number of ranks."""
+        """Bounds of the mass that each body may hold in a step, equal on any number of ranks."""
         counts, most = (
             np.zeros(len(rigid_bodies.motion), np.int64),
             np.zeros(len(rigid_bodies.motion)),
@@ -114,7 +114,7 @@ class Keeping:
         particles, rows : Particles, (n,) int32
             The particles.
         time : float
-            When.
+            The time.
         depth : float
             In smallest sides of a cell.
 
@@ -130,12 +130,12 @@ class Keeping:
         return counts
 
     def finish(self, ledger: Ledger, first: int) -> None:
-        """Give free bodies what they got from the particles that they held; collective.
+        """Give free bodies the impulses of the particles that they held; collective.
 
         Parameters
         ----------
         ledger : Ledger
-            Of the rank; the work of these bodies is booked in the domain's first layer.
+            The rank's; the work of these bodies is booked in the domain's first layer.
         first : int
             Number of the rank's first layer.
         """
@@ -157,7 +157,7 @@ class Keeping:
 
 
 def _push(free: FreeBodies, given: np.ndarray) -> list[float]:
-    """Apply impulse and moment, (bodies, 6), at once; return the energy that each gives up."""
+    """Apply impulse and moment, (bodies, 6), at once; return the energy lost by each."""
     lost = []
     for number, (body, J) in enumerate(zip(free.bodies, given.tolist(), strict=True)):
         state, before = free.states[number], body.energy(free.states[number])

@@ -30,16 +30,16 @@ from pgimp.solver.time.clock import Step
 from pgimp.solver.vertex_sums import VertexSums
 from pgimp.solver.vertices import VertexUpdate
 
-#: Where bodies meet in more than this part of the planes, all particles of these are near.
+#: With contact in more than this part of the planes, all their particles count as near.
 _MOST_OF_A_PLANE = 0.6
 
 
 class MultifieldContact(NoContact):
     """Contact on one rank.
 
-    Volumes are summed only for planes in which several fields have mass: by the same layered sums
-    and the same exchange as masses, so that all ranks get the same bits. A neighbour takes part
-    if such a plane is shared with it, on which both sides agree.
+    Volumes are summed only for planes in which several fields have mass. Layered sums and exchange
+    are as for masses, so that all ranks get the same bits. A neighbour takes part if it shares such
+    a plane, on which both sides agree.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class MultifieldContact(NoContact):
     fields : tuple of int
         Number of each body's velocity field.
     free : FreeBodies or None
-        The rigid bodies that move freely, if there are any.
+        The rigid bodies that move freely, if any.
     """
 
     at_vertices = True
@@ -73,7 +73,7 @@ class MultifieldContact(NoContact):
 
     @property
     def rigid_bodies(self) -> Any:
-        """The rigid bodies for kernels, as they are in this step; () where there are none."""
+        """The rigid bodies for kernels, as they are in this step; () without any."""
         return self.data.rigid_bodies if self.data else ()
 
     def assign_fields(self, rank: RankState) -> None:
@@ -95,7 +95,7 @@ class MultifieldContact(NoContact):
             grid.store(grid.base)
 
     def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
-        """See `NoContact.detect`; volumes are summed where bodies meet."""
+        """See `NoContact.detect`; volumes are summed at contact vertices."""
         grid = rank.grid
         if self._volumes.fit(grid, self.fields):
             self._connect(grid)
@@ -133,8 +133,8 @@ class MultifieldContact(NoContact):
     def update_momentum(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.update_momentum`.
 
-        The impulses on rigid bodies that move freely depend on their new velocities, and these on
-        the impulses: both are solved for, between two parts of the update.
+        The impulses on free rigid bodies depend on their new velocities, which depend on them: both
+        are solved for, between two parts of the update.
         """
         if self.free is None:
             self.advance(rank, update, WHOLE)
@@ -145,7 +145,7 @@ class MultifieldContact(NoContact):
         self.free.move(self.rigid_bodies, rank.grid, update.t.dt)
 
     def _solve_free(self, rank: RankState, update: VertexUpdate) -> None:
-        """Find the velocities of the rigid bodies that move freely at the step's end."""
+        """Find the velocities of free rigid bodies at the step's end."""
         if self.free is None:
             return
         respond = partial(
@@ -168,7 +168,7 @@ class MultifieldContact(NoContact):
         forces(True, out)
 
     def _find_planes(self, grid: Grid) -> np.ndarray:
-        """Find the planes in which bodies of different fields may meet until they are regrouped."""
+        """Find the planes of possible contact between different fields until they are regrouped."""
         first = int(grid.window.lower[0]) - self.scene.frame.ghost
         place = np.arange(first, first + grid.planes, dtype=float)
         low, high = self._intervals.T
@@ -186,7 +186,7 @@ class MultifieldContact(NoContact):
         )  # fmt: skip
 
     def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
-        """Find the particles that may have weight where bodies meet, in some of the planes."""
+        """Find the particles that may have weight on contact vertices, in some of the planes."""
         order, shared = population.ordered, grid.vertices - 1
         ranges, extent = self.data.vertex_ranges[planes], grid.window.extent
         y, z = (ranges["high"].max(axis=0) - ranges["low"].min(axis=0) + 1).tolist()

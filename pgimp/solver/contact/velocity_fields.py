@@ -1,9 +1,8 @@
-"""Assignment of velocity fields: bodies that cannot meet within the next steps share one.
+"""Assignment of velocity fields: bodies that cannot touch within the next steps share one.
 
-A body has a field of its own only near one that it may meet, so that a scene of bodies that are
-apart, or of a hundred grains, needs a handful. Sharing changes no bit: bodies that share a field
-share none of its vertices. Their distances are minima and maxima over all ranks, which
-depend on no order.
+A body has a separate field only near possible partners, so that distant bodies, or a hundred
+grains, need a handful of fields. Sharing changes no bit: bodies in one field have no common
+vertices. Their distances are minima and maxima over all ranks, independent of any order.
 """
 
 from __future__ import annotations
@@ -17,12 +16,12 @@ from pgimp.kernels.data.frame import Frame
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 
-#: Least number of steps for which bodies must stay out of reach to share a field, and the most
-#: before the next search. In a step a particle moves by a cell at most, or the run ends.
+#: Least number of steps without contact for bodies that share a field, and the most before the next
+#: search. In a step a particle moves by a cell at most, or the run ends.
 FEWEST, MOST = 2, 64
 
-#: The most steps where there are several fields: between two searches bodies may move by as many
-#: cells, and planes are searched that far around them.
+#: The most steps with several fields: between two searches bodies may move by as many cells, and
+#: planes are searched that far around them.
 NEAR = 16
 
 
@@ -43,23 +42,23 @@ def body_boxes(
 
 
 def reach(scene: Scene) -> float:
-    """Distance in cells, of two particles along a direction, from which they share no vertex."""
+    """Distance in cells from which two particles have no common vertex along a direction."""
     half = scene.vertices - 2.0 if scene.follows else max(scene.shape.half)
     return 2.0 * (1.0 + half) + 1e-6
 
 
 def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: int) -> np.ndarray:
-    """Find between which planes bodies of different fields may share vertices.
+    """Find the planes in which bodies of different fields may have common vertices.
 
     Parameters
     ----------
     boxes, fields, reach, steps
-        As of `assign`.
+        See `assign`.
 
     Returns
     -------
     (pairs, 2) float64
-        Ends of an interval for each pair that may, along x in cells.
+        Ends of an interval for each such pair, along x in cells.
     """
     if not any(fields):
         return np.empty((0, 2))
@@ -82,7 +81,7 @@ def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: 
 
 
 def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
-    """Greedy colouring: each body gets the lowest field of no body that it may meet soon.
+    """Greedy colouring: each body gets the lowest field not used by any body it may touch soon.
 
     Parameters
     ----------
@@ -106,7 +105,7 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
             np.maximum(apart, low[:, None, d] - high[None, :, d], out=apart)
     apart = np.maximum(apart, apart.T)
     apart[np.isnan(apart)] = np.inf
-    # Steps until they may share a vertex.
+    # Steps until they may have a common vertex.
     alone = np.floor(0.5 * np.maximum(apart - reach, 0.0))
     fields, steps = np.zeros(count, np.int64), MOST
     for b in range(count):

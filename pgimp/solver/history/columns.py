@@ -36,7 +36,7 @@ def _loss(name: str, meaning: str) -> Group:
 def _gone(
     name: str, there: Callable[[Any], bool], sums: Callable[[Totals], np.ndarray], mass: str
 ) -> Group:
-    """The columns of particles that are gone, in scenes where `there` says that some may go."""
+    """Columns of removed particles, in scenes where `there` is true."""
     return Group(
         lambda scene: [""] if there(scene) else [],
         (
@@ -304,7 +304,7 @@ def line_of(totals: Totals) -> dict[str, float]:
 
 
 def _cells(label: str, value: Any) -> Iterator[tuple[str, float]]:
-    """Yield the columns that a declared one stands for, with their values."""
+    """Yield the columns of a declared one, with their values."""
     if not label.endswith("AXIS"):
         yield label, value if isinstance(value, int) else float(value)
         return

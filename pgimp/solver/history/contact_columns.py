@@ -25,12 +25,12 @@ _SIX: Six = (0.0,) * 6
 
 
 def _letting(scene: Scene) -> list[int]:
-    """Numbers of the faces that let go."""
+    """Numbers of the unilateral faces."""
     return [n for n, face in enumerate(scene.faces) if face.condition.approaches]
 
 
 def _taking(scene: Scene) -> list[int]:
-    """Numbers of the faces that may take energy: that let go, or hold every component."""
+    """Numbers of the faces that may take energy: unilateral, or holding every component."""
     holding = [n for n, face in enumerate(scene.faces) if face.condition.motion(0.0) is not None]
     return sorted(_letting(scene) + holding)
 

@@ -1,4 +1,4 @@
-"""The sums of which history.csv shows columns: over particles, work, reactions, in layer order."""
+"""Sums behind the columns of history.csv: over particles, work, reactions, in layer order."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from pgimp.solver.time.clock import START, Step
 if TYPE_CHECKING:
     from pgimp.scene.scene import Scene
 
-#: Part of the volume of what flows without room on the grid that is worth a warning.
+#: Part of the volume of flowing bodies without room on the grid that is worth a warning.
 LOST = 0.02
 
 
@@ -39,7 +39,7 @@ def _mass(sums: np.ndarray, unit: float) -> float:
 
 
 def _own_sums(rank: Rank, scene: Scene, order: Any) -> tuple[np.ndarray, np.ndarray, float]:
-    """Sums by layer and body of some particles of a rank, their masses, and the unit of these."""
+    """Sums by layer and body of some particles of a rank, their masses, and the masses' unit."""
     particles = rank.particles
     sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
     layer_sums(scene.setting.without_shape(), particles, order, sums)
@@ -60,21 +60,21 @@ def _reduced(
 
 
 def sums_of_bodies(rank: Rank, scene: Scene, order: Any) -> np.ndarray:
-    """Sums by body of some particles, as `layer_sums` has them, on rank 0; collective.
+    """Sums by body of some particles, as in `layer_sums`, on rank 0; collective.
 
     Parameters
     ----------
     rank : Rank
-        Has the particles.
+        The rank with the particles.
     scene : Scene
-        Gives the parameters.
+        The scene with the parameters.
     order : Order
-        Which particles of the rank, by layer.
+        The particles, by layer.
 
     Returns
     -------
     (bodies, columns) float64
-        Zeros but on rank 0.
+        Zeros except on rank 0.
     """
     sums, masses, unit = _own_sums(rank, scene, order)
     parts = rank.comm.gather((sums, masses))
@@ -84,7 +84,7 @@ def sums_of_bodies(rank: Rank, scene: Scene, order: Any) -> np.ndarray:
 
 
 def column_names(scene: Scene) -> list[str]:
-    """Names of the columns that history.csv will have, found without a particle.
+    """Names of the columns of history.csv, found without particles.
 
     Parameters
     ----------
@@ -131,16 +131,16 @@ class Diagnostics:
     """Sums of one simulation; references to earlier lines are kept on rank 0."""
 
     def __init__(self) -> None:
-        #: Greatest part of the mass beyond a face in any line, when, and which; on rank 0.
+        #: Greatest part of the mass beyond a face in any line, its time and face; on rank 0.
         self.most_outside = (0.0, 0.0, "")
         self.first_energy: float | None = None
-        #: Warnings that have not been shown yet, on rank 0; whether those of rigid bodies and of
-        #: volumes were made.
+        #: Warnings not shown yet, on rank 0; whether the warnings of rigid bodies and of volumes
+        #: were made.
         self.said: list[str] = []
         self.warned = False
         self.lost: set[str] = set()
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
-        #: Of stages, see `Totals`; of use on rank 0.
+        #: Sums of earlier stages, see `Totals`; of use on rank 0.
         self.removed: np.ndarray | None = None
         self.changed = 0.0
         self.told = np.zeros(len(LOSSES))
@@ -152,10 +152,10 @@ class Diagnostics:
     def line(self, rank: Rank, done: Step) -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
 
-        The reaction of a face, or of a constraint, is the mean force that it exerted on the
-        material since the last line: its impulse over the time. The dissipated energy closes the
-        balance: initial energy plus external work less kinetic and strain energy, also that of
-        particles that were removed, plus what changes between stages added.
+        The reaction of a face, or of a constraint, is its mean force on the material since the last
+        line: its impulse over the time. The dissipated energy closes the balance. It is the initial
+        energy plus external work plus additions between stages, less kinetic and strain energy,
+        also of removed particles.
         """
         scene = rank.scene
         sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)

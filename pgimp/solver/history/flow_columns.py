@@ -1,4 +1,4 @@
-"""The columns of history.csv for what flows; `pgimp.solver.history.columns` has the others."""
+"""Columns of history.csv for flowing bodies; `pgimp.solver.history.columns` has the others."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def _flows(scene: Scene) -> list[tuple[int, str]]:
-    """Numbers and names of the bodies that flow."""
+    """Numbers and names of the flowing bodies."""
     if not scene.flows:
         return []
     names = enumerate(scene.body_names)
@@ -23,7 +23,7 @@ def _flows(scene: Scene) -> list[tuple[int, str]]:
 
 
 def _volume(totals: Totals, k: int, column: int) -> float:
-    """A volume of the k-th body that flows; nan until it is known, 0 when it is gone."""
+    """Volume of the k-th flowing body; nan until it is known, 0 after its removal."""
     body = _flows(totals.scene)[k][0]
     there = totals.bodies[body, MASS] > 0.0
     return float(totals.filled[body, column]) or (np.nan if there else 0.0)

@@ -30,41 +30,41 @@ class Totals(NamedTuple):
     done : Step
         The last step.
     bodies : (bodies, columns) float64
-        Sums over the particles of each body, as `layer_sums` has them.
+        Sums over the particles of each body, see `layer_sums`.
     total : (columns,) float64
-        Those over all particles.
+        Sums over all particles.
     escaped : (columns,) float64
-        Those of the particles that were removed since the start, when they were.
+        Sums of the particles removed since the start, at their removal.
     removed : (columns,) float64
-        Those of bodies that stages have removed, at that time.
+        Sums of bodies removed by stages, at their removal.
     changed : float
         Strain energy added by new parameters of materials as stages began.
     told : (LOSSES,) float64
-        Losses that particles tell and that are not of this run: with which they started, and that
-        new parameters make of what they remember.
+        Losses in the particles' state that do not belong to this run: initial losses, and changes
+        by new parameters.
     first_energy : float
         Kinetic and strain energy at the start.
     work : float
         External work since the start.
     force : (faces + constraints + entries of contact + 2 rigid bodies, 3) float64
-        Mean force of each on the material since the last line; of rigid bodies the mean forces on
-        them, then the mean moments.
+        Mean force of each on the material since the last line. For rigid bodies mean forces on
+        them, then mean moments.
     outside_mass : (faces,) float64
         Mass beyond each face in the last step.
     walls : (faces, WALL_BOOKED) float64
-        What each face has taken.
+        Energy taken by each face.
     contact : (entries, BOOKED) float64
         The ledger of contact.
     rigid_bodies : (rigid bodies, TOOLED) float64
         The ledger of rigid bodies.
     inside : (rigid bodies,) int64
-        Particles that are deeper in each than a quarter of a cell.
+        Particles deeper in each than a quarter of a cell.
     filled : (bodies, VOLUMES) float64
-        The ledger of volumes of what flows.
+        The ledger of volumes of flowing bodies.
     free : dict of int to (FreeBody, State)
-        The rigid bodies that move freely, by number, and their states.
+        The free rigid bodies, by number, and their states.
     errors, greatest : (ERRORS,) float64
-        Sums and maxima of the errors, as `layer_errors` has them; zeros without exact solution.
+        Sums and maxima of the errors, see `layer_errors`; zeros without exact solution.
     """
 
     scene: Scene
@@ -89,7 +89,7 @@ class Totals(NamedTuple):
     greatest: np.ndarray
 
     def along(self, sums: Any, first: int) -> Any:
-        """Return a vector among sums, in the directions that the scene has."""
+        """Return a vector among sums, in the directions of the scene."""
         return sums[first : first + self.scene.dimension]
 
     def moment(self, sums: np.ndarray) -> tuple[float | None, ...]:
@@ -98,19 +98,19 @@ class Totals(NamedTuple):
 
     def about_axes(self, moment: Sequence[float] | np.ndarray) -> tuple[float | None, ...]:
         """Return the components of a moment, None about axes where it is always zero."""
-        # A motion along x alone has no moment about the origin, one in the plane only that about z.
+        # A motion along x alone has no moment about the origin, a motion in the plane only about z.
         axes = ((), (2,), (0, 1, 2))[self.scene.dimension - 1]
         return tuple(moment[i] if i in axes else None for i in range(3))
 
     def lost(self, name: str) -> float:
-        """Return one of `LOSSES` of all particles since the start, also of those that are gone."""
+        """Return one of `LOSSES` of all particles since the start, including removed ones."""
         number = LOSSES.index(name)
         column = SUMS + number
         there = self.total[column] + self.escaped[column] + self.removed[column]
         return there - self.told[number]
 
     def contact_force(self, k: int) -> np.ndarray | tuple[()]:
-        """Return the force of an entry of contact, nothing where it is for more than two bodies."""
+        """Return the force of an entry of contact, nothing for an entry of more than two bodies."""
         if len(self.scene.case.contact[k].bodies) != 2:
             return ()
         others = len(self.scene.faces) + len(self.scene.case.constraints)
@@ -137,11 +137,11 @@ class Totals(NamedTuple):
         return displacement[: self.scene.dimension]
 
     def of_free(self, k: int, what: Callable[[FreeBody, State], T], unknown: T) -> T:
-        """Return a value of the k-th rigid body that moves freely, once it is known."""
+        """Return a value of the k-th free rigid body, once it is known."""
         return what(*list(self.free.values())[k]) if self.free else unknown
 
     def mean(self, column: int) -> float:
-        """Return a mean over the initial volume; nan when all particles were removed."""
+        """Return a mean over the initial volume; nan after all particles were removed."""
         volume = self.errors[VOLUME]
         return self.errors[column] / volume if volume else np.nan
 
@@ -158,10 +158,10 @@ class Column(NamedTuple):
     name : str
         NAME or FACE stands for the group's names, AXIS for x, y, z.
     unit, meaning : str
-        For the reference.
+        Texts for the reference.
     value : callable
-        Takes `Totals` and the number of the name in the group; returns a number, or with AXIS one
-        for each axis, None for those that have no column.
+        Takes `Totals` and the number of the name in the group; returns a number. With AXIS it
+        returns one for each axis, None for axes without a column.
     """
 
     name: str
@@ -176,7 +176,7 @@ class Group(NamedTuple):
     Attributes
     ----------
     names : callable
-        Takes the scene; returns what NAME or FACE stands for. Columns without them are written
+        Takes the scene; returns the names for NAME or FACE. Columns without them are written
         once if there is any name.
     columns : tuple of Column
         In their order.

@@ -11,25 +11,25 @@ from pgimp.solver.decomposition import slab_predicate
 
 
 class Creation:
-    """Particles as a case describes them; others are created by what overrides the methods.
+    """Particles from a case; other sources override the methods.
 
     Parameters
     ----------
     scene : Scene
-        That of the first stage.
+        The scene of the first stage.
     """
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
 
     def layer_counts(self, counts: np.ndarray) -> np.ndarray:
-        """Particles of each layer, given those of the lattice there."""
+        """Particles of each layer, given the lattice particles there."""
         return counts
 
     def create(
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
-        """Particles of a slab's layers, and their number; `layer` holds that of each plane."""
+        """Particles of a slab's layers, and their number; `layer` has the layer of each plane."""
         own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
         begin, end = int(own[0]), int(own[1])
         particles = populate(

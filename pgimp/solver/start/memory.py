@@ -1,8 +1,8 @@
-"""Memory that a run will take, estimated and compared with what is free before it is used.
+"""Memory of a run, estimated and compared with free memory before it is used.
 
-The terms are those of what a rank allocates, with the transients of the phase that takes most.
-Measured peaks are within some ten per cent (tests/solver/test_memory.py); what a run needs besides,
-when bodies spread or many particles move to another rank at once, is not foreseen.
+The terms are a rank's allocations, with the transients of the largest phase. Measured peaks are
+within some ten per cent (tests/solver/test_memory.py). Further needs, when bodies spread or many
+particles move to another rank at once, are not foreseen.
 """
 
 from math import prod
@@ -23,7 +23,7 @@ from pgimp.scene.bodies.lattice_body import _SLAB
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.velocity_fields import assign, reach
 
-#: What a process takes besides, after its start: kernels, HDF5, buffers of MPI.
+#: Further memory of a process after its start: kernels, HDF5, buffers of MPI.
 BASE = 100_000_000
 
 #: Rows of a rank's particles are numbered by int32.
@@ -31,7 +31,7 @@ MOST_ROWS = 2**31 - 1
 
 
 class MemoryShortError(CaseError):
-    """A run does not fit into memory; `estimate` is that of the first rank."""
+    """A run does not fit into memory; `estimate` is for the first rank."""
 
     def __init__(self, text: str, estimate: "Estimate") -> None:
         super().__init__(text, estimate)
@@ -52,9 +52,9 @@ class Part(NamedTuple):
     size : float
         Bytes.
     advice : str
-        What would change that in the case.
+        Changes of the case that would reduce it.
     shared : bool
-        Whether more ranks make it less.
+        Whether more ranks reduce it.
     """
 
     what: str
@@ -64,7 +64,7 @@ class Part(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """Memory that a rank will take beyond what it has at its start.
+    """Memory of a rank beyond its memory at the start.
 
     Attributes
     ----------
@@ -73,9 +73,9 @@ class Estimate(NamedTuple):
     each : int
         Bytes for each of a rank's particles at the peak.
     parts : list of Part
-        What is there at the peak; the largest first.
+        Memory at the peak; the largest first.
     untouched : Part
-        What is allocated besides, but not touched where there are no particles.
+        Further allocations, not touched without particles.
     """
 
     particles: float
@@ -90,23 +90,23 @@ class Estimate(NamedTuple):
 
 
 def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
-    """Bytes of a particle: its columns, what a rank keeps for it, and more during output."""
+    """Bytes of a particle: its columns, a rank's data for it, and more during output."""
     p = Particles.empty(1, scene.carried)
     columns = sum(array.nbytes for array in p)
     widest = 8 * max(array.size for array in p)
     output = scene.case.output
     fields = [*ALWAYS.values(), *(scene.fields[name] for name in output.fields)]
     field = (4 if output.precision == "float32" else 8) * max(max(1, f.columns) for f in fields)
-    # Rows and their order; what goes to other ranks and comes from them; a compressed field. It is
+    # Rows and their order; migrants to and from other ranks; a compressed field. It is
     # more than a checkpoint needs.
     frame = (40 if ranks == 1 else 36 + 2 * field) + field * (output.compression != "none")
-    # Scratch for the widest column, order and spare order; what comes from other ranks.
+    # Scratch for the widest column, order and spare order; arrivals from other ranks.
     kept = columns * (1.0 if ranks == 1 else 1.125) + widest + 8
     return columns, int(kept), int(kept + frame)
 
 
 def window(scene: Scene, bodies: list[Extent], ranks: int) -> list[int]:
-    """Vertices along each direction where there are particles at the beginning, and a margin."""
+    """Vertices along each direction around the particles at the beginning, and a margin."""
     s, per_cell = scene.vertices, scene.case.method.particles_per_cell
     margin = 2 * (MARGIN + (LAG if ranks > 1 else 0))
     extent = []
@@ -118,7 +118,7 @@ def window(scene: Scene, bodies: list[Extent], ranks: int) -> list[int]:
 
 
 def _fields(scene: Scene, bodies: list[Extent]) -> float:
-    """Velocity fields at the beginning, those with the sums of volumes where bodies meet."""
+    """Velocity fields at the beginning, with the sums of volumes if bodies are in contact."""
     if not scene.pairs:
         return 1
     per_cell = np.array(scene.case.method.particles_per_cell)
@@ -142,15 +142,15 @@ def estimate(
     scene : Scene
         The scene.
     ranks : int
-        How many there are.
+        Number of ranks.
     first : bool
-        Whether it is the first one, which gathers sums.
+        Whether it is the first rank, which gathers sums.
     bodies : list of Extent
         See `extents`.
     count : float, optional
         Particles of all ranks; by default a lower bound, unless much of the bodies is surface.
     share : float, optional
-        The rank's part of the particles and layers; without it all ranks have the same.
+        The rank's part of the particles and layers; without it all ranks have equal parts.
     """
     case, D = scene.case, scene.dimension
     lattice, per_cell = points(case), case.method.particles_per_cell
@@ -176,7 +176,7 @@ def estimate(
     if scene.approached:
         plane += prod(extent[1:]) * fields * 8 * len(scene.faces)
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
-    # A layer's own planes; what is deferred at both ends, and received.
+    # A layer's own planes; deferred sums at both ends, and received ones.
     beside = s + (1.5 * s * (s - 1) if ranks > 1 else 0)
     grid = Part(
         f"the grid's window of {' x '.join(str(n) for n in extent[1:]) or 'a'} vertices a plane",
@@ -189,7 +189,7 @@ def estimate(
     plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.escapes)
     plane_sums += 8 * BOOKED * len(scene.pairs.way) if scene.pairs else 0
     plane_sums += 8 * TOOLED * len(scene.rigid_bodies)
-    # Of free bodies; their sums are over all planes, twice where ranks add them up.
+    # For free bodies; their sums are over all planes, twice where ranks add them up.
     answers = RESPONSE.itemsize * sum(
         bool(rigid_body.free) for rigid_body in case.rigid_bodies.values()
     )
@@ -246,18 +246,18 @@ def require(scene: Scene, comm: Communicator, count: int | None = None) -> Estim
     Returns
     -------
     Estimate
-        That of this rank.
+        The estimate of this rank.
 
     Raises
     ------
     MemoryShortError
-        The same on every rank.
+        On every rank alike.
     CaseError
-        The same, if a rank cannot number its particles.
+        Likewise, if a rank cannot number its particles.
     """
     found = estimate(scene, comm.size, comm.rank == 0, extents(scene.case), count)
     ranks = comm.allgather((found, limits()))
-    # What processes share a limit takes together; several may name the same with other figures.
+    # Total of the processes that share a limit; several may give it with other figures.
     needs: dict[str, float] = {}
     sharing: dict[str, list[Limit]] = {}
     for one, bounds in ranks:

@@ -36,7 +36,7 @@ _MET = (
 
 
 class Failure(NamedTuple):
-    """The step that failed; the same on every rank.
+    """The step that failed; equal on every rank.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Failure(NamedTuple):
 
 
 def collect_errors(rank: Rank, step: Step) -> Failure:
-    """Collect from all ranks why a step failed; collective.
+    """Collect from all ranks the reason of a failed step; collective.
 
     The message is about the first particle at fault in canonical order.
     """
@@ -73,7 +73,7 @@ def collect_errors(rank: Rank, step: Step) -> Failure:
 
 
 def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
-    """Describe the rank's first particle at fault: error, place and time, advice."""
+    """Describe the rank's first particle at fault: error, position and time, advice."""
     p, (row, error) = rank.particles, rank.errors[0].tolist()
     place = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
@@ -100,7 +100,7 @@ def explanation(rank: Rank, row: int, error: int) -> str:
 
 
 def origin(rank: Rank, row: int, time: float) -> str:
-    """Say in which rigid body a particle was that has left the domain; nothing for none."""
+    """Name the rigid body from which a particle left the domain; nothing for none."""
     inside = rank.keeping.inside(rank.particles, np.array([row], np.int32), time, 0.0)
     names = [name for name, n in zip(rank.scene.rigid_bodies.names, inside, strict=True) if n]
     return f", from inside the rigid body '{names[0]}'" if names else ""

@@ -1,4 +1,4 @@
-"""What a run has at its first step, and each stage at its own."""
+"""Start of a run, or of a stage: its state at the first step."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from pgimp.solver.time.energy_watch import EnergyWatch
 
 @dataclass
 class Start:
-    """The state that a simulation takes over; its attributes are those of `Simulation`.
+    """The state that a simulation takes over; for its attributes see `Simulation`.
 
-    Set-up fills it in the order in which it finds things: `clock`, `watch`, `balance`, then `rank`
+    Set-up fills it in order: `clock`, `watch`, `balance`, then `rank`
     and `rate`.
     """
 

@@ -14,19 +14,19 @@ from pgimp.solver.history.diagnostics import column_names
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.stability import require_stable, stability_warning, stable_courant
 
-#: Columns of the history that are zero where a stage does not have them; others are nan.
+#: Columns of the history that are zero in stages without them; other columns are nan.
 _SUMS = ("removed.", "escaped.", "stages.")
 
 
 def look_ahead(scenes: Sequence[Scene]) -> list[str]:
-    """Return the columns that the history of a run of several stages has, in their order.
+    """Return the columns of the history of a run of several stages, in their order.
 
-    Everything that can be checked in the stages without their particles is checked.
+    Stages are checked as far as possible without their particles.
 
     Parameters
     ----------
     scenes : sequence of Scene
-        Those of all stages.
+        The scenes of all stages.
 
     Raises
     ------
@@ -57,10 +57,10 @@ def stage_rate(scene: Scene, rates: Mapping[str, float]) -> float:
     Parameters
     ----------
     scene : Scene
-        The stage's.
+        The stage's scene.
     rates : dict of str to float
-        By name those of bodies whose materials vary, which keep their parameters in all stages: the
-        greatest of their particles. The rates of bodies that are not named are unknown.
+        By name, the greatest rate of the particles of bodies with varying materials. These keep
+        their parameters in all stages. The rates of other bodies are unknown.
     """
     found = [0.0]
     for body, name in enumerate(scene.body_names):
@@ -69,7 +69,7 @@ def stage_rate(scene: Scene, rates: Mapping[str, float]) -> float:
 
 
 def rates_at_rest(rank: Rank, scene: Scene, comm: Communicator) -> dict[str, float]:
-    """Return what `stage_rate` needs, from the particles at the start; collective."""
+    """Return the rates for `stage_rate`, from the particles at the start; collective."""
     still = rank.particles._replace(v=np.zeros_like(rank.particles.v))
     order, found = rank.population.order, {}
     for body, name in enumerate(scene.body_names):
@@ -80,12 +80,12 @@ def rates_at_rest(rank: Rank, scene: Scene, comm: Communicator) -> dict[str, flo
 
 
 def require_stable_stages(scenes: Sequence[Scene], rates: Mapping[str, float]) -> list[str]:
-    """Refuse fixed steps of later stages beyond the limit; warn of those near it or far below.
+    """Refuse fixed steps of later stages beyond the limit; warn of steps near it or far below.
 
     Parameters
     ----------
     scenes : sequence of Scene
-        Those of all stages.
+        The scenes of all stages.
     rates : dict of str to float
         See `stage_rate`.
 

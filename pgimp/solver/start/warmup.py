@@ -1,4 +1,4 @@
-"""Calls of every kernel of a scene without particles, so that they are compiled and cached."""
+"""Calls of every kernel of a scene without particles, for compilation into the cache."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -75,12 +75,12 @@ def _tools(scene: Scene, grid: Grid) -> Any:
 
 
 def warm_up(scene: Scene, comm: Communicator) -> None:
-    """Call each kernel once with the types that the scene's steps will use; collective."""
+    """Call each kernel once with the types of the scene's steps; collective."""
     shared_out(comm, _calls(scene))
 
 
 def _calls(scene: Scene) -> Iterator[Call]:
-    """The calls, with the seconds that each took to compile, in 3D on one machine."""
+    """The calls, with the seconds of each one's compilation, in 3D on one machine."""
     setting, frame, shape, vertices = scene.setting, scene.frame, scene.shape, scene.vertices
     shaped, material = setting.without_materials(), setting.without_shape()
     p = Particles.empty(1, scene.carried)

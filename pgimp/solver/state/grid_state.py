@@ -1,9 +1,9 @@
-"""The part of the grid where there are particles, as output shows it.
+"""The active part of the grid, for output.
 
-It is summed again from the particles as they are, just as the next step will do: the sums of the
-last step belong to where they were. So a frame of the grid belongs to the particles of
-the same time, also at the start, and after a resume. Of bodies in the initial configuration it is
-the grid at the start: vertices and cells stay where they were then.
+It is summed again from the current particles, as in the next step: the sums of the last step belong
+to their former positions. So a frame of the grid belongs to the particles of its time, also at the
+start, and after a resume. For bodies in the initial configuration it is the reference grid:
+vertices and cells keep their initial positions.
 """
 
 from typing import NamedTuple
@@ -30,18 +30,18 @@ _CORNERS = (
 
 
 class ActiveGrid(NamedTuple):
-    """Vertices and cells of a rank, in order of x, y, z; those of the ranks follow each other.
+    """Vertices and cells of a rank, in order of x, y, z; the ranks follow each other.
 
     Attributes
     ----------
     position : (n, 3) float64
-        Of the vertices: those with mass, and corners of the cells.
+        Positions of the vertices: all with mass, and corners of the cells.
     mass, momentum, force : (n,), (n, 3), (n, 3) float64
-        Sums over the particles; the force with that of gravity.
+        Sums over the particles; the force includes gravity.
     contact : (n, 3) float64
         See `_contact`; zeros where it is not requested.
     cells : (c, 2^D) int64
-        Vertices of the cells in which there are centres of particles, numbered over all ranks.
+        Vertices of the cells that contain centres of particles, numbered over all ranks.
     first : (int, int)
         Number of the rank's first vertex and cell.
     total : (int, int)
@@ -59,12 +59,12 @@ class ActiveGrid(NamedTuple):
 
 
 def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
-    """Sum the particles as they are into the grid, and take out where there are any; collective.
+    """Sum the current particles into the grid, and extract its active part; collective.
 
     Parameters
     ----------
     rank : Rank
-        What the rank holds.
+        The rank.
     time : float
         The time.
     dt : float
@@ -124,7 +124,7 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
 def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     """Find the forces of contact at the vertices of a rank's own planes, (planes, y, z, 3).
 
-    As the next step does, of the length `dt`, but for what is booked; collective.
+    As the next step does, of the length `dt`, without booking; collective.
     """
     scene, grid = rank.scene, rank.grid
     t = Step(1, time, dt, time + dt)
@@ -145,9 +145,9 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     cells : (own planes, y, z) bool
-        Those of this rank.
+        Cells of this rank.
     below : (y, z) bool
-        Those of the last plane of the lower rank.
+        Cells of the last plane of the lower rank.
     """
     grid, slab, own, window = rank.grid, rank.slab, rank.grid.owned, rank.grid.window
     p, order, frame = rank.particles, rank.population.order, rank.scene.frame

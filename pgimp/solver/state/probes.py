@@ -1,8 +1,8 @@
-"""Probes: a particle that is followed by its id, or the material at a place.
+"""Probes: a particle followed by its id, or the material at a fixed position.
 
-Work is done only when a line is due: a step knows nothing of probes. Values do not depend on the
-ranks: a particle is on one of them, and the sums at a place go layer by layer in
-canonical order, as those of the history.
+Work is done only when a line is due, outside the step. Values do not depend on the ranks. A
+particle is on one of them, and sums at a position go layer by layer in canonical order, as in the
+history.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 AXES = "xyz"
 #: Components of a symmetric tensor by the number of dimensions.
 _COMPONENTS = ((0, 1, 2), (0, 1, 2, 3), range(6))
-#: Those of a strain.
+#: Components of a strain.
 _STRAINS = ((0,), (0, 1, 3), range(6))
 
-#: Part of a cell's volume around a place that must be filled: a flat surface has half of it.
+#: Part of a cell's volume around a position that must be filled: a flat surface has half of it.
 FILLED = 0.25
 
 _BLOCK = 1 << 16
@@ -55,7 +55,7 @@ class Point:
         self._row = -1
 
     def known(self, population: Population) -> bool:
-        """Return whether the particle is on this rank, where it was last."""
+        """Return whether the particle is on this rank, in its last row."""
         p, row, self._row = population.particles, self._row, -1
         if 0 <= row < p.capacity and p.id[row] == self.number:
             layer = int(p.layer[row]) - population.first
@@ -76,7 +76,7 @@ class Point:
         return self._row >= 0
 
     def own(self, sim: Simulation) -> np.ndarray | None:
-        """Columns of the particle, None where it is not on this rank."""
+        """Columns of the particle, None on other ranks."""
         if self._row < 0:
             return None
         scene = sim.scene
@@ -93,7 +93,7 @@ class Point:
         return np.concatenate(found)
 
     def line(self, sim: Simulation, parts: list[np.ndarray | None]) -> Line:
-        """A line on rank 0, from each rank's part; nothing but the time once it is gone."""
+        """A line on rank 0, from each rank's part; nothing but the time after its removal."""
         names = []
         for name, components in _followed(sim.scene):
             parts_of = sim.scene.fields[name].components.split()
@@ -103,7 +103,7 @@ class Point:
 
 
 def _followed(scene: Scene) -> list[tuple[str, Sequence[int]]]:
-    """Quantities of a material point, and which of their components the case has."""
+    """Quantities of a material point, and their components in the case."""
     D = scene.dimension
     found: list[tuple[str, Sequence[int]]] = []
     for name in (*FOLLOWED, *scene.states.fields, *scene.variations.fields):
@@ -114,23 +114,23 @@ def _followed(scene: Scene) -> list[tuple[str, Sequence[int]]]:
 
 
 class Place:
-    """A place fixed in space: the mean over the particles around it.
+    """A position fixed in space: the mean over the particles around it.
 
-    A particle counts by the weight that a vertex of the grid there would have in linear
-    interpolation, w = product of max(0, 1 - |x_p - X|/L) over the directions. The columns are
-    those of `PLACE`. Where less than a quarter is filled, only the volume fraction is given.
+    A particle counts by the weight of a grid vertex there in linear interpolation,
+    w = product of max(0, 1 - |x_p - X|/L) over the directions. The columns are in `PLACE`. Where
+    less than a quarter is filled, only the volume fraction is given.
 
     Parameters
     ----------
     place : sequence of float
-        Where it is.
+        The position.
     """
 
     def __init__(self, place: Sequence[float]) -> None:
         self.place = tuple(place)
 
     def own(self, sim: Simulation) -> list[np.ndarray]:
-        """Sums of the layers of this rank whose particles may reach the place, in their order."""
+        """Sums of the layers of this rank whose particles may reach the position, in order."""
         population, frame, sums = sim.population, sim.scene.frame, []
         p = population.particles
         cell = floor((self.place[0] - frame.origin[0]) * frame.inverse[0]) + frame.ghost
@@ -155,7 +155,7 @@ class Place:
         return sums
 
     def line(self, sim: Simulation, parts: list[list[np.ndarray]]) -> Line:
-        """A line on rank 0, from the sums that each rank has."""
+        """A line on rank 0, from the sums of each rank."""
         D, S = sim.scene.dimension, sim.particles.sigma.shape[1]
         ends = {"AXIS": AXES[:D], "COMPONENT": TENSOR.split()[:S]}
         names = []
@@ -181,7 +181,7 @@ def _line(sim: Simulation, names: list[str], values: np.ndarray | None) -> Line:
 
 
 def nearest(sim: Simulation, body: int, at: Sequence[float]) -> Point:
-    """The particle of a body whose centre is closest to a place now; collective.
+    """The particle of a body whose centre is closest to a position now; collective.
 
     Of several that are equally close, the one with the lowest number.
     """
@@ -203,7 +203,7 @@ def nearest(sim: Simulation, body: int, at: Sequence[float]) -> Point:
 
 
 def sample(sim: Simulation, probes: Sequence[Point | Place]) -> list[Line]:
-    """Lines of probes about the present state on rank 0, empty elsewhere; collective."""
+    """Lines of probes about the current state on rank 0, empty elsewhere; collective."""
     comm, population = sim.comm, sim.population
     points = [probe for probe in probes if isinstance(probe, Point) and not probe.gone]
     if points:

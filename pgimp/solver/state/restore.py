@@ -27,7 +27,7 @@ def outline(scene: Scene, source: Any, comm: Communicator) -> tuple[State, np.nd
     Parameters
     ----------
     scene : Scene
-        That of the same case, but for what a resume may change.
+        The scene of the case, with the changes allowed to a resume.
     source : CheckpointFile
         The checkpoint.
     comm : communicator
@@ -61,9 +61,9 @@ def read_particles(
     scene, source, comm
         As in `outline`.
     slab : Slab
-        This rank's.
+        This rank's slab.
     state, layers
-        As from `outline`.
+        From `outline`.
 
     Returns
     -------
@@ -72,14 +72,14 @@ def read_particles(
     int
         Their number.
     (layers + 1,) int64
-        Where each layer begins.
+        Beginnings of the layers.
 
     Raises
     ------
     DamagedError
         On every rank, if particles of any cannot be of this scene.
     UsageError
-        On every rank, if frames are to have what the checkpoint does not hold.
+        On every rank, if frames request data that the checkpoint does not hold.
     """
     edges = np.concatenate([[0], np.cumsum(layers)])[slab.first : slab.first + slab.layers + 1]
     first, start = int(edges[0]), edges - edges[0]
@@ -183,7 +183,7 @@ def _read_rows(scene: Scene, source: Any, first: int, n: int) -> Particles:
 def _inconsistent(
     scene: Scene, slab: Slab, p: Particles, start: np.ndarray, n: int, count: int
 ) -> str:
-    """Return how particles cannot be of this scene, as a step requires; empty if they can."""
+    """Return the inconsistency of particles with this scene, as a step requires; else empty."""
     frame = scene.frame
     x = (scene.weighed(p, np.arange(n)) - frame.origin) * frame.inverse
     if ((x < 0.0) | (x > np.array(frame.cells, float))).any():

@@ -1,7 +1,7 @@
-"""The complete state of a simulation, as a checkpoint keeps it; `restore` puts it back.
+"""The complete state of a simulation in a checkpoint; `restore` puts it back.
 
-What is kept does not depend on the ranks: particles in canonical order, sums by plane. What follows
-from the case, or only saves time (the window, the holes between rows), is not kept.
+It does not depend on the ranks: particles in canonical order, sums by plane. Data that follow from
+the case, or only save time (the window, the holes between rows), are left out.
 """
 
 from collections.abc import Iterator, Mapping
@@ -51,7 +51,7 @@ class State(BaseModel):
 
     @classmethod
     def of(cls, source: Any) -> Self:
-        """State that a checkpoint holds.
+        """State in a checkpoint.
 
         Raises
         ------
@@ -72,14 +72,14 @@ class Ordered(Mapping[str, np.ndarray]):
     Parameters
     ----------
     rank : Rank
-        Whose particles; columns that the scene does not use are left out.
+        The rank of the particles; columns that the scene does not use are left out.
 
     Attributes
     ----------
     columns : dict of str to ndarray
-        The columns as they are stored, in another order and with holes.
+        The stored columns, in another order and with holes.
     order : ndarray of int64, shape (n,)
-        Where in them the particles are.
+        Rows of the particles in the columns.
     """
 
     def __init__(self, rank: Rank) -> None:
@@ -141,7 +141,7 @@ def capture(
     rows : mapping of str to ndarray
         This rank's particles.
     whole : dict of str to ndarray
-        Particles of each layer, and sums by plane; empty but on rank 0.
+        Particles of each layer, and sums by plane; empty except on rank 0.
     """
     own = rank.booked()
     parts = rank.comm.gather((np.diff(rank.population.start), (rank.clamped, rank.held), own))

@@ -67,8 +67,8 @@ class FixedClock:
     def time(self, done: Step) -> float:
         """Return the reported time at the end of a step.
 
-        The last step reports the case's end exactly; loads see n dt, so that a run that is
-        prolonged has the bits of a longer one.
+        The last step reports the case's end exactly. Loads are taken at n dt, so that a prolonged
+        run has the bits of a longer one.
         """
         return self.end if done.number == self._steps else done.end
 
@@ -76,7 +76,7 @@ class FixedClock:
 class CourantClock:
     """Steps of a given Courant number; only `stops` and the end shorten them, evenly.
 
-    They become shorter at once and longer rarely, see `pgimp.solver.time.held_rate`.
+    They shorten at once and lengthen rarely, see `pgimp.solver.time.held_rate`.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class CourantClock:
     ) -> None:
         #: Reduction of the Courant number, see `pgimp.solver.time.energy_watch`.
         self.part = 1.0
-        #: What the steps are taken by.
+        #: The rate of the steps.
         self.held = HeldRate()
         self._courant, self.rest_rate = courant, rest_rate or inf  # 0: dust, a gas at rest
         self._stops = sorted({t for t in stops if 0.0 < t < end} | {end})
@@ -109,7 +109,7 @@ class CourantClock:
         return done.end >= self.end
 
     def follow(self, rate: float) -> float:
-        """Return the rate that the next step is taken by; once a step."""
+        """Return the rate for the next step; once a step."""
         return self.held.follow(rate)
 
     def next(self, done: Step, rate: float) -> Step:
@@ -156,7 +156,7 @@ def clock_of(case: Case, rest_rate: float = inf, before: int = 0) -> FixedClock 
     rest_rate : float
         The largest c_p/L of its materials at rest.
     before : int
-        Steps before those of its length, if it is a stage.
+        Number of steps before the first of its steps, for a stage.
     """
     time = case.time
     if isinstance(time.step, float | int):

@@ -1,20 +1,20 @@
 """Spurious energy: the guard of steps that are as long as possible (`courant: auto`).
 
 Kinetic and strain energy are compared with the initial energy plus the work of the loads since. If
-the step is too long, energy grows without bound, from rounding on, and shows that long before
-anything else does: the steps then become shorter.
+the step is too long, energy grows without bound, from rounding on, long before other signs: the
+steps then become shorter.
 
-Velocities are half a step behind places, so that the sum of both energies swings in any wave. With
-theta = omega dt/2 of a wave, 1 at the limit, it swings by theta/(1 - theta), a third for waves of
-eight cells. The mean of K before and after a time, with that of the strain energies U,
+Velocities are half a step behind positions, so that the sum of both energies swings in any wave.
+With theta = omega dt/2 of a wave, 1 at the limit, it swings by theta/(1 - theta), a third for waves
+of eight cells. Take the mean of K before and after a time, with a mean of the strain energies U,
 
-    (K(n - 1/2) + K(n + 1/2))/2 + (U(n - 1) + 6 U(n) + U(n + 1))/8,
+    (K(n - 1/2) + K(n + 1/2))/2 + (U(n - 1) + 6 U(n) + U(n + 1))/8.
 
-swings by theta^4/(2 (1 - theta^2)), 3 % for such waves, and grows as all else if a wave is not
-stable. (Without the means (1 - theta^2) U + v(n - 1/2) v(n + 1/2)/2 would be constant, in either
-case.) Every `EVERY` steps both energies are summed; where that leaves a doubt every step is looked
-at, and the mean counts. Sums are taken layer by layer, as those of the history, so that they have
-the same bits on any number of ranks.
+It swings by theta^4/(2 (1 - theta^2)), 3 % for such waves, and grows without bound in an unstable
+wave. (Without the means (1 - theta^2) U + v(n - 1/2) v(n + 1/2)/2 would be constant, in either
+case.) Every `EVERY` steps both energies are summed; in doubt every step is checked, and the mean
+counts. Sums are taken layer by layer, as in the history, so that they have the same bits on any
+number of ranks.
 """
 
 from collections.abc import Sequence
@@ -29,28 +29,28 @@ from pgimp.solver.time.clock import CourantClock, FixedClock
 #: Steps from one check to the next.
 EVERY = 10
 
-#: Spurious energy, relative to the greatest energy so far, at which steps become shorter; the
-#: factor on the step; the next bound, relative to the spurious energy found.
+#: Spurious energy, relative to the greatest energy so far, at which steps become shorter. Then the
+#: factor on the step, and the next bound over the spurious energy found.
 BOUND, SHORTER, AGAIN = 0.05, 0.75, 1.5
 
-#: Steps in a row that have to be beyond the bound, and part of it from which each step is looked
-#: at; what was found before leaves no doubt.
+#: Steps in a row that have to be beyond the bound, and part of it from which each step is checked.
+#: An excess found before stays below this part.
 ROW, DOUBT = 6, 0.8
 
-#: How far beyond the bound one look is enough, by the sums that its energy is a mean of: about
-#: twice what waves of four cells in the longest steps swing by.
+#: Factor on the bound from which one check is enough, by the number of sums in the energy's mean.
+#: It is about twice the swing of waves of four cells in the longest steps.
 AT_ONCE = (100.0, 40.0, 10.0)
 
 #: The least part of the first Courant number, and the spurious energy that ends the run.
 LEAST, HOPELESS = 0.3, 10.0
 
 
-#: Negligible energy, over that of all mass at the speed of waves: far more than rounding.
+#: Negligible energy, over the energy of all mass at the wave speed: far more than rounding.
 NONE = 1e-12
 
 
 class EnergyWatch:
-    """The guard of a run whose Courant number is chosen by pgimp; the same on all ranks.
+    """The guard of a run whose Courant number is chosen by pgimp; equal on all ranks.
 
     Parameters
     ----------
@@ -60,9 +60,9 @@ class EnergyWatch:
     Attributes
     ----------
     part : float
-        Present Courant number, relative to that at the start.
+        Current Courant number, relative to the first one.
     said : list of str
-        Messages that have not been shown yet.
+        Messages not shown yet.
     """
 
     def __init__(self, speed: float) -> None:
@@ -71,14 +71,14 @@ class EnergyWatch:
         self.said: list[str] = []
         self._first = self._most = 0.0
         self._bound = BOUND
-        #: Kinetic energy, strain energy and work after the last steps, of those looked at in a row.
+        #: Kinetic energy, strain energy and work after the last steps checked in a row.
         self._kept: list[tuple[float, float, float]] = []
         #: Whether the reference lacks the steps after it; steps in a row beyond the bound.
         self._new, self._row = False, 0
 
     @property
     def close(self) -> bool:
-        """Whether the next step is to be looked at, too."""
+        """Whether the next step is to be checked, too."""
         return bool(self._kept)
 
     @property
@@ -102,7 +102,7 @@ class EnergyWatch:
         clock.part = min(max(self.part, LEAST), 1.0)
 
     def begin(self, rank: Any) -> None:
-        """Set the present energy as the reference, with that of the next steps; collective."""
+        """Set the current energy as the reference, with the next steps' energy; collective."""
         kinetic, strain, work, mass = self._sums(rank)
         self._kept = [(kinetic, strain, work)]
         self._first = kinetic + strain - work
@@ -161,7 +161,7 @@ class EnergyWatch:
         escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, scene.sums))
         rows = [found[:, :, which].sum(axis=1) for found in (sums, escaped)
                 for which in (KINETIC, STRAIN, MASS)]  # fmt: skip
-        # What walls that let go have taken cannot come from nothing.
+        # Energy taken by unilateral walls cannot come from nothing.
         parts = rank.comm.allgather((own.work - own.walls.sum(axis=(1, 2)), *rows))
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
         kinetic, strain, mass = (a + b for a, b in zip(found[:3], found[3:], strict=True))
@@ -169,7 +169,7 @@ class EnergyWatch:
 
 
 def _balanced(sums: Sequence[tuple[float, float, float]]) -> tuple[float, float]:
-    """Energy, as far as sums of one to three steps tell it at one time, and work until then."""
+    """Energy at one time, as far as sums of one to three steps give it, and work until then."""
     kinetic, strain, work = sums[-1]
     if len(sums) > 1:
         kinetic_before, now, work_before = sums[-2]

@@ -1,33 +1,32 @@
-"""The rate that controlled steps are taken by: it rises at once and falls rarely.
+"""The rate of controlled steps: it rises at once and falls rarely.
 
-Steps that become longer and shorter with the strain of a vibration feed it: what explicit steps of
-one length keep bounded then grows by about a percent a period, with any transfer.
-So a rate is held until a whole window of steps in a row would have done with a
-lower one. A rate that rises again soon after shows that the window was shorter than what made it
-rise and fall; the window is then doubled.
+Steps that become longer and shorter with the strain of a vibration feed it. Its energy, bounded
+with steps of one length, then grows by about a percent a period, with any transfer. So a rate is
+held until a whole window of steps in a row would have allowed a lower one. A rate that rises again
+soon after shows that the window was shorter than the vibration; the window is then doubled.
 """
 
 #: Steps of the first window, and of the longest.
 FIRST, LONGEST = 64, 512
 
-#: What lengthening must be worth, relative to the step.
+#: Least gain of lengthening, relative to the step.
 WORTH = 0.05
 
-#: This times the gain shortens a window, if it is above 1: what a spike leaves is no vibration.
+#: This times the gain shortens a window, if it is above 1: the end of a spike is no vibration.
 EAGER = 4.0
 
 
 class HeldRate:
-    """The greatest rate of a window of steps, or a greater one of before.
+    """The greatest rate of a window of steps, or an earlier greater one.
 
     Attributes
     ----------
     rate : float
-        The rate that steps are taken by, at least the present one; 0 before the first.
+        The rate of the steps, at least the current one; 0 before the first.
     window : int
-        Steps that have to do with a lower rate before it is taken.
+        Steps that must allow a lower rate before it is taken.
     lengthened, waited : int
-        How often the rate has been lowered, and steps that could have done with a lower one.
+        Number of reductions of the rate, and of steps that would have allowed a lower one.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""What limits the first step: waves, or the motion of a body; for messages."""
+"""Limit of the first step: waves, or the motion of a body; for messages."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from pgimp.scene.checks.facts import rest_rate
 if TYPE_CHECKING:
     from pgimp.scene.scene import Scene
 
-#: Part of a rate that what is found must have to be its cause: velocities in files are not seen.
+#: Least part of a rate for its cause: velocities in files are not included.
 _MOST = 0.1
 
 
 class Limit(NamedTuple):
-    """Cells that something crosses in a unit of time: the key of it in the case, and words."""
+    """Cells crossed in a unit of time: the cause's key in the case, and words."""
 
     rate: float
     key: str
@@ -27,7 +27,7 @@ class Limit(NamedTuple):
 
 
 def limiting(scene: Scene, rate: float) -> Limit:
-    """Return what crosses most cells in a unit of time at the start.
+    """Return the cause that crosses most cells in a unit of time at the start.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def _of_bodies(scene: Scene) -> list[Limit]:
 
 
 def _of_rigid(scene: Scene) -> list[Limit]:
-    """The greatest motion of each rigid body, of those that move freely the initial one."""
+    """The greatest motion of each rigid body, of free ones the initial motion."""
     rigid_bodies = scene.rigid_bodies
     if not rigid_bodies:
         return []

@@ -17,18 +17,19 @@ if TYPE_CHECKING:
 #: More controlled steps than this before the next stop mean that a run would never end.
 MOST_STEPS = 1e12
 
-#: A wave speed that has grown by this factor, with this number of steps left, is not physical: a
+#: A wave speed that has grown by this factor, with this number of steps left, is not physical. A
 #: run whose controlled step collapses would go on for weeks.
 BLOWN_UP, BLOWN_UP_STEPS = 1e5, 1e5
 
 _MOST_ENERGY = 1e280
 
-#: Courant number above which a step is refused. Warned about are steps above `Shape.stable`.
+#: Courant number above which a step is refused. Warnings begin above `Shape.stable`.
 REFUSED = 1.0
 
 
-#: Up to which mean dilatation is stable, by dimensions and Poisson's ratio: Courant number, and
-#: that times particles a cell (docs/hard-cases.md). For ratios above, `Shape.stable` is the limit.
+#: Stability limits with mean dilatation, by dimensions and Poisson's ratio: Courant number, and its
+#: product with particles a cell (docs/hard-cases.md). For ratios above, `Shape.stable` is the
+#: limit.
 _MEAN = {
     2: {0.3: (0.45, 0.9), 0.4: (0.45, 0.84), 0.45: (0.45, 0.8)},
     3: {0.3: (0.45, 0.65), 0.4: (0.4, 0.59), 0.45: (0.37, 0.53)},
@@ -38,7 +39,7 @@ _MEAN = {
 def stable_courant(case: Case) -> float:
     """Courant number up to which free surfaces stay stable; above, there is a warning.
 
-    That of the shape, with mean dilatation more where no body is nearly incompressible.
+    The shape's limit, raised with mean dilatation if no body is nearly incompressible.
     """
     method = case.method
     least = float(method.stable)

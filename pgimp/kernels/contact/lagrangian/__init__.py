@@ -1,1 +1,1 @@
-"""Contact of bodies in the initial configuration, at the vertices where they are now."""
+"""Contact of bodies in the initial configuration, at vertices of their current positions."""

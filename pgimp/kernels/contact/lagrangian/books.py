@@ -37,10 +37,10 @@ def _wall_of(end, walls):
 
 @inner_kernel
 def _book_areas(contact_pairs, walls, ledger):
-    """Book the areas at vertices that do not press, where one beside them does.
+    """Book the contact area at vertices without pressure next to vertices with pressure.
 
-    A vertex weights its neighbourhood, so that an area is divided between the two planes of
-    vertices next to it, of which one may transmit all of the pressure.
+    Weighting divides an area between the two planes of vertices next to it. One of them may
+    transmit all of the pressure.
     """
     for k in range(len(contact_pairs.ends)):
         end, row, axis = contact_pairs.ends[k], contact_pairs.states[k], 0
@@ -60,10 +60,10 @@ def _book_areas(contact_pairs, walls, ledger):
 
 @kernel
 def book_mirrored(contact_pairs, coupling, mirrors, ledger):
-    """Book what mirrors add to the exchanged impulses, in the first plane, as `book_contacts`.
+    """Book the mirrors' share of the exchanged impulses, in the first plane, as `book_contacts`.
 
-    What acts on vertices beyond a mirror acts on their images with the component across it, or all,
-    turned round: the face gives twice that.
+    An impulse on a vertex beyond a mirror acts on its image. The component across the mirror, or
+    every one, is reversed: the face gives twice the reversed part.
     """
     for k in range(len(contact_pairs.ends)):
         for side in range(2):
@@ -79,12 +79,12 @@ def book_mirrored(contact_pairs, coupling, mirrors, ledger):
 
 @kernel
 def book_contacts(contact, free, contact_pairs, coupling, values, walls, ledger):
-    """Book the exchanged impulses, in the first plane of the grid, whose owner calls this.
+    """Book the exchanged impulses in the first plane of the grid, on this plane's owner.
 
     Parameters
     ----------
     walls : SeparatingWalls
-        Their impulses and losses are booked as the faces'.
+        Impulses on them and their losses are booked as the faces'.
     """
     _book_areas(contact_pairs, walls, ledger)
     for k in range(len(contact_pairs.ends)):

@@ -1,4 +1,4 @@
-"""Particles near possible contact partners: by the cells in which the particles of others are."""
+"""Broad phase for particles: particles in cells near the particles of possible partners."""
 
 from typing import NamedTuple
 
@@ -7,28 +7,28 @@ from numpy.typing import NDArray
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
-#: What a block has of either group of a region: the first, the second.
+#: Marks of a block for each of a region's two groups: the first, the second.
 MARKS = (1, 2)
 
 
 class Regions(NamedTuple):
-    """Regions in which something may be met.
+    """Regions of possible contact.
 
     Attributes
     ----------
     ends : (n, 2, D) float64
         Least and greatest coordinates, in cells from the grid's origin.
     groups : (n, 2) int64
-        The two groups of bodies that may meet there; -1: any particle may meet a rigid body or a
-        wall.
+        The two groups of bodies that may touch there; -1: any particle may touch a rigid body or
+        a wall.
     blocks : (n, D) int64
-        How many blocks a region has by direction, where two groups may meet.
+        Number of blocks in a region by direction, where two groups may touch.
     size : (n,) int64
-        Cells along the side of a block; 0: there are none.
+        Cells along the side of a block; 0 without blocks.
     first : (n,) int64
-        Number of its first block.
+        Number of the region's first block.
     marks : (blocks,) uint8
-        Which of the groups are in or near a block, see `MARKS`; the last direction innermost.
+        Groups in or near a block, see `MARKS`; the last direction innermost.
     """
 
     ends: FloatArray
@@ -41,7 +41,7 @@ class Regions(NamedTuple):
 
 @inner_kernel
 def _block(frame, particles, p, regions, r):
-    """Number of a particle's block in a region, 0 if there are none; -1 if it is outside."""
+    """Number of a particle's block in a region, 0 without blocks; -1 for a particle outside."""
     place = 0
     for d in range(len(frame.origin)):
         x = (particles.x[p, d] - frame.origin[d]) * frame.inverse[d]
@@ -55,7 +55,7 @@ def _block(frame, particles, p, regions, r):
 
 @kernel
 def mark_blocks(frame, particles, rows, groups, regions):
-    """Mark the blocks in which particles are, `groups` being those of the bodies."""
+    """Mark the blocks that contain particles; `groups` has the group of each body."""
     for p in rows:
         group = groups[particles.body[p]]
         for r in range(len(regions.ends)):
@@ -68,7 +68,7 @@ def mark_blocks(frame, particles, rows, groups, regions):
 
 @kernel
 def find_near(frame, particles, rows, groups, regions, near):
-    """Find the particles that may meet something.
+    """Find the particles in possible contact.
 
     Parameters
     ----------
@@ -77,14 +77,14 @@ def find_near(frame, particles, rows, groups, regions, near):
     groups : (bodies,) int64
         The groups of bodies.
     regions : Regions
-        Where marks tell which group is near a block.
+        With the marks of groups near each block.
     near : (n,) int64
-        Filled with their places in `rows`.
+        Filled with offsets into `rows`.
 
     Returns
     -------
     int
-        How many there are.
+        Number of particles found.
     """
     found = 0
     for i in range(len(rows)):

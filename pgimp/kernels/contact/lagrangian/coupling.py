@@ -4,8 +4,8 @@ Each particle extrapolates its velocity to the contact vertex x_i with its veloc
 
     B_ij = sum_p m_p S_ip (S0_jp + grad S0_jp . F_p^-1 (x_i - x_p)) / sum_p m_p S_ip.
 
-So a motion that is affine is seen as it is at the vertex, not at the mean place of the particles
-around it: with the mean alone surfaces are stiff, and friction has too short a lever.
+So an affine motion is exact at the vertex, instead of averaged to the mean position of the
+particles around it. With the mean alone surfaces are stiff, and friction has too short a lever.
 """
 
 from typing import NamedTuple
@@ -17,8 +17,8 @@ from pgimp.kernels.contact.lagrangian.reference_grid import is_turned, reflectio
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
-#: Least part of the squares of a row of B at free vertices. Below it the few free ones would have
-#: to compensate for the others, which are prescribed, at many times the speed.
+#: Least part of the squares of a row of B at free vertices. Below it the few free vertices would
+#: have to compensate for the prescribed ones at many times the speed.
 LEAST_FREE = 0.25
 
 
@@ -28,16 +28,15 @@ class Coupling(NamedTuple):
     Attributes
     ----------
     start : (rows + 1,) int64
-        Where each row begins.
+        First entry of each row.
     column : (k,) int64
-        Numbers of vertices of the start.
+        Numbers of reference vertices.
     entry : (k, 3) float64
-        The entries of B, by component: a mirror turns that across it round.
+        The entries of B, by component: a mirror reverses the component across it.
     answer : (rows, 3) float64
-        sum_j B_ij^2/m_j, by component, without vertices that are held, see `LEAST_FREE`.
+        Inverse mass sum_j B_ij^2/m_j, by component, without held vertices, see `LEAST_FREE`.
     beyond : (rows, mirrors, 3) float64
-        Shares of the vertices beyond each mirror, as those before it turn them round: what it turns
-        round of an impulse.
+        Reversed share of an impulse, by mirror: the weight of the vertices beyond each mirror.
     """
 
     start: IntArray
@@ -62,7 +61,7 @@ def _answer(column, entry, first, last, values, part):
 
 @inner_kernel
 def _way(frame, row, number):
-    """Way from a particle to a vertex, as it was at the start, in cells."""
+    """Vector from a particle to a vertex, pulled back to the initial configuration, in cells."""
     u, v, w = 0.0, 0.0, 0.0
     for d in range(len(frame.cell)):
         x = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d] - row.position[d]
@@ -76,7 +75,7 @@ def _way(frame, row, number):
 
 @inner_kernel
 def _value(before, i, q, way):
-    """Weight of vertex `q` of a support at a way from its particle, by the weight's gradient."""
+    """Weight of vertex `q` of a support at a vector from its particle, by the weight's gradient."""
     w, g, local = before.w[i], before.g[i], before.local[q]
     x, y, z = w[0, local[0]], w[1, local[1]], w[2, local[2]]
     flat = x * y + g[0, local[0]] * way[0] * y + x * g[1, local[1]] * way[1]
@@ -92,11 +91,11 @@ def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, value
     table : (n,) NEAR_PARTICLE
         The particles.
     now, before : Supports
-        Theirs, at their present places and at those of the start.
+        Supports of the particles at their current and at their initial positions.
     mirrors
-        As of `copy_reference_vertices`.
+        See `copy_reference_vertices`.
     contact_pairs : ContactPairs
-        The pairs. In place of entries of `sums` they get the numbers of rows.
+        The pairs. Numbers of rows replace the entries of `sums` in them.
     sums : (m,) VERTEX_SUMS
         See `ContactVertices`.
     values : (k,) REFERENCE_VERTEX
@@ -150,7 +149,7 @@ def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, value
                 column, entry = longer, more
             x, y, z = weights_at(now, i, place_in[k])
             part = table[i].mass * (x * y * z) / sums[slots[r]].mass
-            moves = table[i].lagrangian == 0  # its own grid is the present one
+            moves = table[i].lagrangian == 0  # its own grid is the current one
             u, v, w = _way(frame, table[i], vertex_at(now, i, place_in[k]))
             for q in range(at0.shape[1]):
                 j = at0[i, q]

@@ -1,4 +1,4 @@
-"""Supports of what surfaces leave of particles' boxes, at their present places.
+"""Supports of cut boxes of particles at their current positions.
 
 For contact of bodies in the initial configuration, as `pgimp.kernels.contact.volumes` in the
 current one.
@@ -11,7 +11,7 @@ from pgimp.kernels.contact.volumes import LEAST, cut_weights
 
 
 def _narrow(shape, frame, half, x, offset, supports, i, d):
-    """Set the weights of support `i` along the directions from `d` on to those of a cut box."""
+    """Set the weights of a cut box in support `i`, along the directions from `d` on."""
 
 
 @specialise(_narrow)
@@ -32,16 +32,16 @@ def _narrow_along(shape, frame, half, x, offset, supports, i, d):
 
 @kernel
 def narrow_supports(shape, frame, table, whole, supports):
-    """Set supports to those of what is left of boxes that surfaces cut, of others to the whole.
+    """Set the supports of cut boxes; uncut particles keep their whole supports.
 
     Parameters
     ----------
     table : (n,) NEAR_PARTICLE
-        Particles at their present places.
+        Particles at their current positions.
     whole : Supports
-        Theirs.
+        Supports of their whole boxes.
     supports : Supports
-        Set, but for `at`.
+        Set, except `at`.
     """
     zero = frame.origin
     for i in range(len(table)):

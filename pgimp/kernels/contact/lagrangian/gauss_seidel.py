@@ -1,18 +1,18 @@
-"""Contact of bodies in the initial configuration: impulses found for all vertices together.
+"""Contact of bodies in the initial configuration: projected Gauss-Seidel over all vertices.
 
-A vertex i of the domain's grid sees the velocity that the vertices j of a body's own grid, that of
-the start, give to the particles around it:
+The velocity at a vertex i of the domain's grid follows from the vertices j of a body's reference
+grid, through the particles around i:
 
     w_i = sum_j B_ij v_j,
 
-with B from weights at present and those of the start (`pgimp.kernels.contact.lagrangian.coupling`).
-A body in the current configuration has vertex i itself, B_ij = 1 for j = i. An impulse J_i changes
-v_j by B_ij J_i/m_j: it changes the body's power by J_i . w_i, so that momentum is conserved
-exactly, and angular momentum up to the difference between the two grids. An impulse also moves its
-neighbours, the more so as the two weights smooth it. So impulses are found together: sweeps over
-all pairs that may meet, each with the true response sum_j B_ij^2/m_j, in which impulses accumulate
-and the law holds for the accumulated ones (projected Gauss-Seidel). All ranks do the same sweeps,
-with the same bits.
+with B from current and reference weights (`pgimp.kernels.contact.lagrangian.coupling`). A body in
+the current configuration has vertex i itself, B_ij = 1 for j = i. An impulse J_i changes v_j by
+B_ij J_i/m_j, and the body's power by J_i . w_i. So momentum is conserved exactly, and angular
+momentum up to the difference between the two grids. An impulse also moves neighbouring vertices,
+the more the two weights smooth it. So impulses are solved together: sweeps over all candidate
+pairs, each with its true inverse mass sum_j B_ij^2/m_j. Impulses accumulate, and the law holds for
+the accumulated impulses (projected Gauss-Seidel). All ranks do the same sweeps, with the same
+bits.
 """
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
@@ -23,7 +23,7 @@ from pgimp.kernels.contact.law import exchange
 
 @inner_kernel
 def _see(contact, a, r, coupling, values):
-    """Load velocity, mass and mobility of an end of a pair, with row `r`, as field `a`."""
+    """Load velocity, mass and inverse mass of an end of a pair, with row `r`, as field `a`."""
     row = contact.fields[a]
     start, entry = coupling.start, coupling.entry
     u, v, w, most = 0.0, 0.0, 0.0, 0.0
@@ -63,7 +63,7 @@ def _load_pair(contact, frame, contact_pairs, k, coupling, values):
 
 @inner_kernel
 def _give(r, J, sign, coupling, values):
-    """Apply an impulse to the vertices that make up an end of a pair, with row `r`."""
+    """Apply an impulse to the reference vertices of an end of a pair, with row `r`."""
     start, entry = coupling.start, coupling.entry
     for k in range(start[r], start[r + 1]):
         one = values[coupling.column[k]]
@@ -100,15 +100,15 @@ def solve_impulses(contact, free, contact_pairs, coupling, values, sweeps, enoug
     contact : Contact
         Laws and scratch.
     free : Holding
-        The empty one: what is held has no mobility.
+        No conditions: held components have zero inverse mass.
     contact_pairs : ContactPairs
-        The pairs; their impulses are added up in `states`.
+        The pairs; `states` accumulates their impulses.
     coupling : Coupling
         The response to impulses.
     values : (m,) REFERENCE_VERTEX
-        The vertices of the start; their velocities are changed here.
+        The reference vertices; their velocities are changed here.
     sweeps : int
-        The most sweeps over all pairs, forwards and backwards by turns.
+        Maximum number of sweeps over all pairs, alternately forwards and backwards.
     enough : float
         Tolerance: greatest change of an impulse in a sweep, relative to the greatest impulse.
 

@@ -1,4 +1,4 @@
-"""Numbers of keys: a hash table."""
+"""Hash table from keys to their numbers."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from pgimp.jit.kernel import inner_kernel, kernel
 
 @kernel
 def table_size(count):
-    """Places in a table for `count` keys."""
+    """Number of slots in a table for `count` keys."""
     size = 16
     while size <= 2 * count:
         size *= 2
@@ -21,7 +21,7 @@ def empty_table(count: int) -> np.ndarray:
 
 @inner_kernel
 def slot(hashes, key):
-    """Place of a key in a table, or of the free slot where it belongs."""
+    """Slot of a key in a table, or the free slot for it."""
     mask, mixed = len(hashes) - 1, key * 0x9E3779B97F4A7C1
     at = (mixed ^ (mixed >> 31)) & mask
     while hashes[at, 0] != key and hashes[at, 0] >= 0:
@@ -31,7 +31,7 @@ def slot(hashes, key):
 
 @kernel
 def insert_keys(keys, hashes):
-    """Enter the places of `keys` in a table: of duplicates, the first."""
+    """Insert the offsets of `keys` into a table; duplicates keep the first offset."""
     for i in range(len(keys)):
         at = slot(hashes, keys[i])
         if hashes[at, 0] < 0:
@@ -40,7 +40,7 @@ def insert_keys(keys, hashes):
 
 @inner_kernel
 def find_or_insert(hashes, key, found):
-    """Number of a key, which is entered as number `found` if it is new."""
+    """Number of a key; a new key is inserted with number `found`."""
     at = slot(hashes, key)
     if hashes[at, 0] < 0:
         hashes[at, 0], hashes[at, 1] = key, found

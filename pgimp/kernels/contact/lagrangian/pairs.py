@@ -1,4 +1,4 @@
-"""Contact pairs: groups of bodies, rigid bodies and walls that may act on each other at a vertex.
+"""Candidate pairs: groups of bodies, rigid bodies and walls that may touch at a vertex.
 
 For bodies in the initial configuration, whose sums at the vertices are in
 `pgimp.kernels.contact.lagrangian.vertices`.
@@ -25,8 +25,8 @@ from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
 from pgimp.physics.contact.base import UNILATERAL
 
-#: The ends of a pair: for either one the number of its entry in `ContactVertices`, later of its
-#: row in `Coupling`, or -1 - n for a rigid one, and its body; the entry of the law; the vertex.
+#: Ends of a pair: the entry of each in `ContactVertices`, later its row in `Coupling`, or -1 - n
+#: for a rigid end. Then the body of each; the entry of the law; the vertex.
 ENDS = np.dtype([
     ("rows", "i8", 2), ("bodies", "i8", 2), ("law", "i8"), ("vertex", "i8", 3)
 ], align=True)  # fmt: skip
@@ -37,14 +37,14 @@ FARTHEST = 0.9
 
 
 class ContactPairs(NamedTuple):
-    """Pairs that may act on each other at vertices.
+    """Candidate pairs at vertices.
 
     Attributes
     ----------
     ends : (pairs,) ENDS
         The bodies, their vertex, and their law.
     states : (pairs,) PAIR_STATE
-        As in `Contact`: normal, gap, and the impulses so far.
+        As in `Contact`: normal, gap, and accumulated impulses.
     rigid : (pairs, 2, 3) float64
         Velocities of rigid ends, first and second.
     """
@@ -59,12 +59,12 @@ class ContactPairs(NamedTuple):
         return cls(np.empty(count, ENDS), np.empty(count, PAIR_STATE), np.empty((count, 2, 3)))
 
     def chosen(self, which: Any) -> Self:
-        """Return some of them, by places or a slice."""
+        """Return the pairs at some offsets or in a slice."""
         return type(self)(self.ends[which], self.states[which], self.rigid[which])
 
 
 class SeparatingWalls(NamedTuple):
-    """Walls that let go, which count as rigid bodies.
+    """Unilateral walls, which count as rigid bodies.
 
     Attributes
     ----------
@@ -93,9 +93,9 @@ def _load(contact, a, row, cell):
 
 @inner_kernel
 def _is_far(frame, row, normal):
-    """Whether a vertex is farther than `FARTHEST` from the centre of mass of a group there.
+    """Whether a group's centre of mass is farther than `FARTHEST` from its vertex.
 
-    `row` are the group's sums there, `normal` has that of the pair.
+    `row` has the group's sums there, `normal` the pair's normal.
     """
     way, cell = 0.0, 0.0
     for d in range(len(frame.cell)):
@@ -106,10 +106,10 @@ def _is_far(frame, row, normal):
 
 @inner_kernel
 def _keep_pairs(contact, frame, sums, number, places, pairs, found, contact_pairs):
-    """Keep the pairs that `find_pairs` has found at a vertex, as far as there is room.
+    """Keep the pairs found by `find_pairs` at a vertex, up to the capacity.
 
-    `places` are the entries of the groups there in `sums`; fields behind them are rigid. Returns
-    how many pairs there are by now, `found` before.
+    `places` are the groups' entries in `sums`; fields behind them are rigid. Returns the number of
+    pairs so far, `found` before.
     """
     for k in range(pairs):
         far = False
@@ -139,7 +139,7 @@ def _keep_pairs(contact, frame, sums, number, places, pairs, found, contact_pair
 
 
 def _past_another(faces, axis, frame, number):
-    """Whether a vertex is beyond a wall of another direction than `axis`."""
+    """Whether a vertex is beyond a wall with another axis than `axis`."""
 
 
 @specialise(_past_another)
@@ -156,9 +156,9 @@ def _past_any_other(faces, axis, frame, number):
 
 @inner_kernel
 def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
-    """Find the pair of the group in the first place and a wall that lets go; 0 if there is none.
+    """Find the pair of the first group and a unilateral wall; 0 if there is none.
 
-    The wall is a rigid body that begins at it. Where other walls are, the neighbourhood ends.
+    The wall is a rigid body that begins at the wall's plane. Other walls end the neighbourhood.
     """
     axis, side = walls.planes[w].axis, walls.planes[w].side
     deep = depth(walls.planes[w], number)
@@ -179,7 +179,7 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
 
 @kernel
 def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, contact_pairs):
-    """Find the pairs that may act on each other at any vertex.
+    """Find the candidate pairs at all vertices.
 
     Parameters
     ----------
@@ -188,8 +188,8 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
     faces : Faces or ()
         All walls at rest, where neighbourhoods end.
     walls : SeparatingWalls
-        Those that let go.
-    contact_vertices : Present
+        The unilateral ones.
+    contact_vertices : ContactVertices
         The groups' sums at the vertices.
     contact_pairs : ContactPairs
         Filled with the pairs.
@@ -197,7 +197,7 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
     Returns
     -------
     int
-        Number of pairs; those beyond the capacity are not kept.
+        Number of pairs; pairs beyond the capacity are not kept.
     """
     keys, order, sums = contact_vertices.keys, contact_vertices.order, contact_vertices.sums
     found, i = 0, 0

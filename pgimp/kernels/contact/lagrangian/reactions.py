@@ -1,7 +1,7 @@
 """Reactions of faces and constraints to impulses of contact in the initial configuration.
 
-An impulse goes to all vertices of the start that have a share in it. Those that are held do not
-move: faces and constraints bear their share, as all forces there.
+An impulse is shared by all reference vertices in its row of B. Held vertices do not move: faces
+and constraints bear their share, as for all forces there.
 """
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
@@ -12,7 +12,7 @@ from pgimp.kernels.grid.conditions import Holding, hold
 
 @inner_kernel
 def _book_faces(holding, number, r, u, b, lost, m):
-    """Book the faces' share of `lost` at a vertex of mass m that moves at u; returns the rest.
+    """Book the faces' share of `lost` at a vertex of mass m and velocity u; returns the rest.
 
     Impulses are linear in the mass, so that the faces' other reactions cancel in the books.
     """
@@ -46,18 +46,18 @@ def _book_each_constraint(marked, r, rest, impulse):
 
 @kernel
 def book_held(holding, field, vertices, ledger):
-    """Book the impulses that are held at the vertices of the start that a rank owns.
+    """Book the impulses on held components at the reference vertices that a rank owns.
 
     Parameters
     ----------
     holding : Holding
         Faces and constraints.
     field : Field
-        As after `change_velocities`: what is held moves as prescribed.
+        After `change_velocities`: held components move as prescribed.
     vertices : ReferenceVertices
-        Those of all ranks.
+        The vertices of all ranks.
     ledger : Ledger
-        Impulses grow by the shares, and work by these times the velocities there.
+        Impulses grow by the shares, and work by the shares times the velocities there.
     """
     G, forcing = field.G, holding.forcing
     for n in range(len(vertices.keys)):

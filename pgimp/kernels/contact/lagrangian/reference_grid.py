@@ -1,7 +1,7 @@
-"""Vertices of the grid of the start near contact of bodies in the initial configuration.
+"""Reference vertices: vertices of the reference grid near contact, in the initial configuration.
 
-They are identified by a key, made of the vertex in the whole grid and of the velocity field: the
-same on all ranks.
+The key of a vertex combines its number in the whole grid and the velocity field, equal on all
+ranks.
 """
 
 from typing import NamedTuple
@@ -17,21 +17,21 @@ from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import held_velocity
 
-#: A face of the domain: its direction and side, the vertices on it along that, its number among
-#: the faces, and whether it turns all components of a reflected vector round.
+#: A face of the domain: direction, side, position along that direction as a vertex number, number
+#: of the face. Then whether it reverses all components of a reflected vector.
 FACE_PLANE = np.dtype([
     ("axis", "i8"), ("side", "i8"), ("vertex", "i8"), ("face", "i8"), ("sticks", "i8")
 ], align=True)  # fmt: skip
 
-#: A vertex of the start: mass, velocity, inverse mass by component, which is 0 where a face or a
-#: constraint holds it, and the impulse of contact that these bear.
+#: A reference vertex: mass, velocity, inverse mass by component (0 if held by a face or a
+#: constraint), and the contact impulse that these bear.
 REFERENCE_VERTEX = np.dtype([
     ("mass", "f8"), ("velocity", "f8", 3), ("inverse_mass", "f8", 3), ("held_impulse", "f8", 3)
 ], align=True)  # fmt: skip
 
 
 class ReferenceVertices(NamedTuple):
-    """Data of vertices of the grid of the start.
+    """Data of reference vertices.
 
     Attributes
     ----------
@@ -44,14 +44,14 @@ class ReferenceVertices(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """Marks of the vertices that have been copied.
+    """Marks of the copied vertices.
 
     Attributes
     ----------
     last : (planes * plane / 8,) int64
-        The step in which each was copied last.
+        The step of each vertex's last copy.
     step : int
-        The current one.
+        The current step.
     """
 
     last: IntArray
@@ -69,7 +69,7 @@ def _across(frame):
 
 @inner_kernel
 def _key(across, number, fields, field):
-    """Key of a vertex, given by its numbers, of one of `fields` velocity fields."""
+    """Key of a vertex, given by its numbers, for one of `fields` velocity fields."""
     return ((number[0] * across[0] + number[1]) * across[1] + number[2]) * fields + field
 
 
@@ -87,7 +87,7 @@ def is_turned(mirrors, n, number):
 
 @inner_kernel
 def image_of(mirrors, number):
-    """Numbers of the vertex that has the sums of one: its image, where it lies beyond a mirror."""
+    """Numbers of a vertex's image where it lies beyond a mirror, else its own numbers."""
     x, y, z = number
     for n in range(len(mirrors)):
         if is_turned(mirrors, n, number):
@@ -101,13 +101,13 @@ def image_of(mirrors, number):
 
 @inner_kernel
 def turns(mirrors, n, d):
-    """Whether mirror `n` turns component `d` round."""
+    """Whether mirror `n` reverses component `d`."""
     return mirrors[n].sticks != 0 or mirrors[n].axis == d
 
 
 @inner_kernel
 def reflection(mirrors, number, d, count):
-    """-1 where the first `count` mirrors turn component `d` of a vertex round, else 1."""
+    """-1 where the first `count` mirrors reverse component `d` of a vertex, else 1."""
     sign = 1.0
     for n in range(count):
         if turns(mirrors, n, d) and is_turned(mirrors, n, number):
@@ -124,7 +124,7 @@ def _has_weight(supports, i, q):
 
 @kernel
 def copy_reference_vertices(holding, field, table, supports, mirrors, seen, vertices):
-    """Copy the vertices that particles have weight on at the start.
+    """Copy the reference vertices on which particles have weight.
 
     Parameters
     ----------
@@ -133,18 +133,18 @@ def copy_reference_vertices(holding, field, table, supports, mirrors, seen, vert
     field : Field
         After the update of momentum.
     table, supports
-        The particles, and their supports at the start.
+        The particles, and their supports in the initial configuration.
     mirrors : (n,) FACE_PLANE
-        The walls that reflect, see `Mirror`; what is beyond has its image's sums.
+        The reflecting walls, see `Mirror`; a vertex beyond one has its image's sums.
     seen : Seen
-        Vertices that have been copied are marked.
+        Marks of the copied vertices, set here.
     vertices : ReferenceVertices
         Filled; it must be large enough.
 
     Returns
     -------
     int
-        How many there are.
+        Number of vertices copied.
     """
     frame, forcing, window, G = holding.frame, holding.forcing, field.window, field.G
     across, fields, found, D = _across(frame), field_count(window), 0, len(frame.origin)
@@ -180,18 +180,18 @@ def copy_reference_vertices(holding, field, table, supports, mirrors, seen, vert
 
 @allocating_kernel
 def number_reference_vertices(frame, table, supports, mirrors, fields, hashes):
-    """Set the numbers of the vertices of supports at the start.
+    """Set the numbers of the vertices of supports in the initial configuration.
 
-    Particles with the same first vertex have the same vertices: their numbers are found once.
+    Particles with one first vertex share all vertices: their numbers are found once.
 
     Parameters
     ----------
     table, supports
         The particles, of `fields` velocity fields, and their supports.
     mirrors
-        As of `copy_reference_vertices`.
+        See `copy_reference_vertices`.
     hashes
-        The numbers of the vertices' keys.
+        Hash table of the vertices' keys.
     """
     across, patch_of, patches = _across(frame), np.empty(len(table), np.int64), 0
     known = np.full((table_size(len(table)), 2), -1, np.int64)
@@ -215,7 +215,7 @@ def number_reference_vertices(frame, table, supports, mirrors, fields, hashes):
 
 @inner_kernel
 def place_of_key(frame, field, key):
-    """Place of a vertex in the records of a rank, -1 where it has none, and its numbers."""
+    """Offset of a vertex's record on a rank, -1 without one, and the vertex's numbers."""
     window = field.window
     size, count = field_size(window), field_count(window)
     ny, nz = _across(frame)
@@ -231,18 +231,18 @@ def place_of_key(frame, field, key):
 
 @kernel
 def change_velocities(frame, field, keys, changes, forcing, work):
-    """Change velocities and accelerations of the vertices that a rank has.
+    """Change velocities and accelerations of the vertices on a rank.
 
     Parameters
     ----------
     keys : (m,) int64
-        As of `copy_reference_vertices`, from all ranks.
+        See `copy_reference_vertices`, from all ranks.
     changes : (m, 3) float64
-        Of their velocities.
+        Changes of their velocities.
     forcing : Forcing
-        Gravity, whose work has been booked with the velocities before.
+        Gravity, whose work was booked with the old velocities.
     work : (planes,) float64
-        Grows by what the changes make of that work.
+        Grows by the changes' share of that work.
     """
     G, dt, gravity = field.G, forcing.dt, forcing.gravity
     for n in range(len(keys)):

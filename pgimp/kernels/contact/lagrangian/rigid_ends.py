@@ -1,8 +1,8 @@
 """Rigid ends of contact pairs: prescribed bodies, and free ones, which impulses accelerate.
 
-A free body has the velocity T V at a vertex, T = [1, -[r]x], and answers an impulse J there by the
-change C T^t J of V, its velocity and angular velocity; C is the inverse of its mass matrix. All
-ranks apply the same impulses, so that V, and the impulses so far, are the same on all.
+A free body has the velocity T V at a vertex, T = [1, -[r]x]. An impulse J there changes V, its
+velocity and angular velocity, by C T^t J; C is the inverse of its mass matrix. All ranks apply the
+same impulses, so that V and the accumulated impulses agree on all ranks.
 """
 
 from math import inf
@@ -17,7 +17,7 @@ from pgimp.kernels.rigid.bodies import (
 
 @inner_kernel
 def _arm(rigid_bodies, t, frame, number):
-    """From the centre of a rigid body to a vertex."""
+    """Vector from the centre of a rigid body to a vertex."""
     x, motion = place_of(frame, number), rigid_bodies.motion[t]
     return x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2]
 
@@ -28,14 +28,14 @@ def _free_number(rigid_bodies, s):
     t = -1 - s - rigid_bodies.bodies
     if (
         t >= len(rigid_bodies.lattice) or rigid_bodies.lattice[t].free < 0
-    ):  # a wall, or as prescribed
+    ):  # a wall, or a prescribed body
         return -1
     return t
 
 
 @inner_kernel
 def _prescribed(contact, a, rigid):
-    """Load a rigid end that moves as prescribed as field `a`."""
+    """Load a prescribed rigid end as field `a`."""
     row = contact.fields[a]
     row.mass = inf
     for d in range(3):
@@ -44,10 +44,10 @@ def _prescribed(contact, a, rigid):
 
 
 def load_rigid(contact, rigid_bodies, frame, a, s, number, rigid):
-    """Load a rigid end as field `a`: its velocity and, if it moves freely, its mobility.
+    """Load a rigid end as field `a`: its velocity and, if it moves freely, its inverse mass.
 
     `s` is minus 1 minus its number among all bodies, `rigid` the velocities of the pair's ends.
-    The mobility, by component, is a bound: rows of T C T^t by their sums of absolute values.
+    The inverse mass, by component, is a bound: absolute row sums of T C T^t.
     """
 
 

@@ -1,7 +1,7 @@
-"""Vertices that groups of bodies share, or have near something rigid, and the particles there.
+"""Vertices shared by several groups, or near rigid bodies and walls, and the particles there.
 
-Of the particles near a meeting most have no such vertex. Particles with the same first vertex have
-the same vertices, a patch of them, whose numbers are found once.
+Most of the particles near contact have no such vertex. Particles with one first vertex share all
+vertices, a patch, whose numbers are found once.
 """
 
 from typing import NamedTuple
@@ -15,16 +15,16 @@ from pgimp.kernels.data.particles import IntArray
 
 
 class Patches(NamedTuple):
-    """Particles that have weight on shared vertices, and the numbers of these.
+    """Particles with weight on shared vertices, and the numbers of these vertices.
 
     Attributes
     ----------
     rows : (n,) int64
-        The particles' places in their table.
+        The particles' offsets in their table.
     patch : (n,) int64
         The patch of each.
     numbers : (patches, k) int64
-        The numbers of the groups at the vertices of a patch; -1 where they are alone.
+        Entries of the groups at the vertices of a patch; -1 where a group shares no vertex.
     keys : (m,) int64
         Their keys, see `pgimp.kernels.contact.lagrangian.vertices.ContactVertices`.
     """
@@ -37,7 +37,7 @@ class Patches(NamedTuple):
 
 @inner_kernel
 def _vertex(begin, local, q):
-    """Numbers of vertex `q` of those that begin at one."""
+    """Numbers of vertex `q` of a patch that begins at `begin`."""
     return begin[0] + local[q, 0], begin[1] + local[q, 1], begin[2] + local[q, 2]
 
 
@@ -55,19 +55,19 @@ def _inside(boxes, number):
 
 @allocating_kernel
 def find_shared(table, local, within, boxes, contact_vertices):
-    """Find the particles that have vertices which are shared.
+    """Find the particles with shared vertices.
 
     Parameters
     ----------
     table : (n,) NEAR_PARTICLE
         Particles.
     local : (k, 3) uint32
-        As of `Supports`.
+        See `Supports`.
     within : (3,) int64
-        An axis, and the least and the greatest number along it of the vertices that count.
+        An axis, and the range of the vertices along it that count.
     boxes : (m, 2, 3) int64
-        Least and greatest numbers of the vertices where something rigid may be.
-    contact_vertices : Present
+        Least and greatest numbers of the vertices where rigid bodies or walls may be.
+    contact_vertices : ContactVertices
         Without entries.
 
     Returns

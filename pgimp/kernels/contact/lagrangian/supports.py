@@ -1,4 +1,4 @@
-"""Supports of single particles, in memory: for the few near contact.
+"""Supports of single particles, in memory: for the few particles near contact.
 
 Other supports are computed for four particles at once, on the stack, see
 `pgimp.kernels.transfer.supports`.
@@ -16,19 +16,19 @@ from pgimp.physics.shapes.base import weights
 
 
 class Supports(NamedTuple):
-    """Supports of n particles with k vertices each, some of which may be without weight.
+    """Supports of n particles with k vertices each; some vertices may have no weight.
 
     Attributes
     ----------
     first : (n, 3) int64
         The first vertex of each.
     w, g : (n, 3, 4) float64
-        Weights and gradients times the cell, by direction; along directions that the scene does
-        not have there is one vertex.
+        Weights and gradients times the cell, by direction; one vertex along directions that the
+        scene does not have.
     local : (k, 3) uint32
-        The vertices of any of them, counted from the first one, the last direction innermost.
+        Vertices of any support, counted from the first one, the last direction innermost.
     at : (n, k) int64
-        The numbers of the vertices in another table, or -1.
+        The vertices' numbers in another table, or -1.
     """
 
     first: IntArray
@@ -47,7 +47,7 @@ class Supports(NamedTuple):
 
 
 def local_vertices(vertices: int, dimensions: int) -> NDArray[np.uint32]:
-    """Return the vertices of any support, `vertices` a direction; see `Supports`."""
+    """Return the vertices of any support, `vertices` in each direction; see `Supports`."""
     across = (vertices,) * dimensions + (1,) * (3 - dimensions)
     return np.array([*np.ndindex(across)], np.uint32)
 
@@ -115,14 +115,14 @@ def _support_along(shape, frame, half, x, supports, i, d, like):
 
 @kernel
 def find_supports(shape, frame, table, current, supports):
-    """Set the supports of particles, but not `at`.
+    """Set the supports of particles, except `at`.
 
     Parameters
     ----------
     table : (n,) NEAR_PARTICLE
         The particles.
     current : bool
-        Whether their positions count; else those of their weights.
+        Whether to use their positions; else the positions of their weights.
     supports : Supports
         Set here.
     """

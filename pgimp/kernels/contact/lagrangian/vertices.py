@@ -1,15 +1,14 @@
 """Sums at contact vertices of bodies in the initial configuration, at their current positions.
 
-Their own grid is that of the start, without neighbours. Where they come near each other, a rigid
-body or a wall that lets go, the particles there are summed once more, at their present places, into
-the vertices of the domain's grid: part filled, surface, and gap follow as they do in
-the current configuration (`pgimp.kernels.contact.gap`). Pairs at such a vertex are in
-`pgimp.kernels.contact.lagrangian.pairs`, responses to impulses there in
+The reference grid has no neighbours. Near each other, rigid bodies or unilateral walls, particles
+are summed again, at their current positions, into the vertices of the domain's grid. Filled part,
+surface and gap follow as in the current configuration (`pgimp.kernels.contact.gap`). Candidate
+pairs are in `pgimp.kernels.contact.lagrangian.pairs`, the impulses in
 `pgimp.kernels.contact.lagrangian.gauss_seidel`.
 
-A vertex has a number for each *group* of bodies that are bonded; those of the vertices that are
-shared are found by hash tables (`pgimp.kernels.contact.lagrangian.shared_vertices`), so that memory
-does not grow with their distances.
+A vertex has an entry for each *group* of bonded bodies. Hash tables number the entries of shared
+vertices (`pgimp.kernels.contact.lagrangian.shared_vertices`), so that memory does not grow with
+distances.
 """
 
 from typing import NamedTuple
@@ -25,10 +24,10 @@ from pgimp.kernels.data.particles import IntArray
 from pgimp.kernels.transfer.first_vertex import deformation, first_vertex
 from pgimp.physics.shapes.base import size
 
-#: A particle near a meeting: position and that of its weights, mass, volume, way to the centroid of
-#: what is left of it, the curvature's share of the gap, whether it is cut, its body, group and
-#: field, whether its weights are those of the start, half-widths in cells, the inverse of its
-#: deformation gradient, and the first vertex of its present support.
+#: A particle near contact: position and position of its weights, mass, volume, vector to the
+#: centroid of its remaining part, curvature's share of the gap. Whether it is cut; its body, group
+#: and field; whether it has reference weights. Half-widths in cells, inverse of the deformation
+#: gradient, and first vertex of the current support.
 NEAR_PARTICLE = np.dtype([
     ("position", "f8", 3),
     ("weight_position", "f8", 3),
@@ -46,9 +45,9 @@ NEAR_PARTICLE = np.dtype([
     ("first_vertex", "i8", 3),
 ], align=True)  # fmt: skip
 
-#: Sums of a group at a vertex: mass, volume, surface, the offset's correction of the volume, the
-#: curvature's share of the gap and the number in its mean, body. `mass_offset` is the way to the
-#: centre of mass, times the mass, of bodies in the initial configuration: others have the vertex.
+#: Sums of a group at a vertex: mass, volume, surface, the offset's correction of the volume. The
+#: curvature's share of the gap, the count in its mean, and the body. `mass_offset` is the vector to
+#: the centre of mass, times the mass, in the initial configuration: others have the vertex.
 VERTEX_SUMS = np.dtype([
     ("mass", "f8"),
     ("volume", "f8"),
@@ -62,20 +61,20 @@ VERTEX_SUMS = np.dtype([
 
 
 class ContactVertices(NamedTuple):
-    """Sums of groups at the vertices of the domain's grid, one entry a group and vertex.
+    """Sums of groups at the vertices of the domain's grid, one entry for each group and vertex.
 
     Attributes
     ----------
     low, extent : (3,) int64
-        The least vertex, and how many there may be from it on, by direction.
+        The least vertex, and the greatest number of vertices from there, by direction.
     groups : int
-        How many groups there are.
+        Number of groups.
     keys : (m,) int64
-        Keys of the entries; in the order of x, y, z, group if sorted.
+        Keys of the entries; in the order x, y, z, group if sorted.
     sums : (m,) VERTEX_SUMS
         The sums.
     order : (n,) int64
-        The numbers of the entries with mass, so that keys ascend.
+        Numbers of the entries with mass, by ascending key.
     """
 
     low: IntArray
@@ -96,7 +95,7 @@ def key_of(contact_vertices, number, group):
 
 @inner_kernel
 def number_of(contact_vertices, vertex):
-    """Numbers of a vertex, which is a key over the number of groups."""
+    """Numbers of a vertex from a key divided by the number of groups."""
     low, extent = contact_vertices.low, contact_vertices.extent
     rest = vertex // extent[2]
     return rest // extent[1] + low[0], rest % extent[1] + low[1], vertex % extent[2] + low[2]
@@ -104,7 +103,7 @@ def number_of(contact_vertices, vertex):
 
 @inner_kernel
 def _clear_particle(row):
-    """Set what is added up, or has fewer directions than three, to zero."""
+    """Set accumulated fields, and fields with fewer than three directions, to zero."""
     row.cut = 0
     for d in range(3):
         row.position[d] = row.weight_position[d] = row.centroid_offset[d] = row.half_width[d] = 0.0
@@ -124,7 +123,7 @@ def _clear_sums(row):
 
 @kernel
 def copy_near_particles(setting, particles, rows, groups, fields, lagrangian, table):
-    """Copy the particles near a meeting, (n,) NEAR_PARTICLE, in canonical order.
+    """Copy the particles near contact, (n,) NEAR_PARTICLE, in canonical order.
 
     `groups`, `fields` and `lagrangian`, of the bodies, are as in `LagrangianContact`.
     """
@@ -158,19 +157,19 @@ def copy_near_particles(setting, particles, rows, groups, fields, lagrangian, ta
 
 @kernel
 def sum_at_contact_vertices(frame, table, supports, left, linear, patch, numbers, contact_vertices):
-    """Sum particles into the vertices at their present places, by group.
+    """Sum particles into the vertices at their current positions, by group.
 
     Parameters
     ----------
     table, supports
-        The particles, and their supports, of which `at` is set.
+        The particles, and their supports with `at`.
     left : Supports
-        Of what is left of cut particles, for the sums of volumes.
+        Supports of cut boxes, for the sums of volumes.
     linear : float
-        1 where these are the whole ones, and their change over the offset counts, else 0.
+        1 if `left` has the whole supports, corrected by their gradient over the offset; else 0.
     patch, numbers
         See `pgimp.kernels.contact.lagrangian.shared_vertices.Patches`.
-    contact_vertices : Present
+    contact_vertices : ContactVertices
         With keys; the sums are set.
     """
     D, sums = len(frame.origin), contact_vertices.sums

@@ -1,4 +1,4 @@
-"""Bodies that meet where they are: which are bonded, and how others act on each other."""
+"""Bonded bodies in the initial configuration, and the interaction of others."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pgimp.scene.scene import Scene
 
 
 def with_walls(scene: Scene) -> Pairs:
-    """The law of each pair; walls that let go are bodies after all others."""
+    """The law of each pair; unilateral walls are numbered after all bodies."""
     letting = [face for face in scene.faces if face.condition.approaches]
     names = [*scene.body_names, *scene.rigid_bodies.names]
     pairs = scene.pairs or Pairs.of((), names)
@@ -36,7 +36,7 @@ def with_walls(scene: Scene) -> Pairs:
 
 
 def separating_walls(scene: Scene) -> SeparatingWalls:
-    """Walls that let go, as bodies after all others; see `with_walls`."""
+    """Unilateral walls, numbered after all bodies; see `with_walls`."""
     frame = scene.frame
     letting = [(n, face) for n, face in enumerate(scene.faces) if face.condition.approaches]
     planes = [
@@ -50,11 +50,11 @@ def separating_walls(scene: Scene) -> SeparatingWalls:
 def bonded(
     pairs: Pairs, low: np.ndarray, high: np.ndarray, reach: np.ndarray, lagrangian: np.ndarray
 ) -> tuple[tuple[int, ...], np.ndarray]:
-    """Fields and groups of bodies by their boxes at the start, in cells.
+    """Fields and groups of bodies by their initial boxes, in cells.
 
-    Those under the law `tied` that share vertices there are one group. Others that do have fields
-    of their own, as few as possible. Those that are not in the initial one (`lagrangian`)
-    move over the grid: those that are tied are one group, and each group has a field of its own.
+    Bodies under the law `tied` with common vertices there are one group. Others with common
+    vertices have different fields, as few as possible. Bodies in the current configuration (not
+    `lagrangian`) move over the grid: tied ones are one group, and each group has its own field.
     """
     n = len(low)
     apart = np.full((n, n), -np.inf)

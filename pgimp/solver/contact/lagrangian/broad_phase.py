@@ -1,4 +1,4 @@
-"""Particles of bodies in the initial configuration that are near possible contact partners."""
+"""Broad phase: particles of bodies in the initial configuration near possible partners."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.bonds import acting
 from pgimp.solver.time.clock import Step
 
-#: Cells by which particles may come nearer to something before the next search; the most steps
-#: until then.
+#: Cells by which particles may approach a partner before the next search; the most steps until
+#: then.
 MARGIN, LONGEST = 1.0, 16
 
-#: Most blocks of a region; those of a larger one have sides of several cells.
+#: Most blocks of a region; the blocks of a larger one have sides of several cells.
 BLOCKS = 1 << 20
 
 
 def reach(scene: Scene, largest: bool = False) -> np.ndarray:
-    """Cells, by direction, from a particle to the farthest vertex that it has weight on.
+    """Cells, by direction, from a particle to the farthest vertex with weight.
 
-    That is at the start, or if it is as `largest` as a particle can become.
+    Initially, or for a particle as `largest` as it can become.
     """
     half = np.array(scene.shape.half)
     return 1.0 + (np.maximum(half, LARGEST) if largest else half)
 
 
 def no_regions(D: int) -> Regions:
-    """Return none at all."""
+    """Return an empty set of regions."""
     none, marks = np.empty(0, np.int64), np.empty(0, np.uint8)
     return Regions(
         np.empty((0, 2, D)),
@@ -49,7 +49,7 @@ def no_regions(D: int) -> Regions:
 
 
 class BroadPhase:
-    """The particles of a rank that are near other bodies, rigid bodies or walls that let go.
+    """The particles of a rank that are near other bodies, rigid bodies or unilateral walls.
 
     Parameters
     ----------
@@ -58,16 +58,16 @@ class BroadPhase:
     comm : communicator
         Of all ranks.
     pairs : Pairs
-        The bodies that act on each other.
+        The pairs of bodies in contact.
     walls : SeparatingWalls
-        The walls that let go.
+        The unilateral walls.
 
     Attributes
     ----------
     near : (n,) int64
-        Their places in the canonical order.
+        Their offsets in the canonical order.
     any : bool
-        Whether there are such particles on any rank.
+        Whether any rank has such particles.
     """
 
     def __init__(
@@ -101,11 +101,11 @@ class BroadPhase:
         groups : (bodies,) int64
             The groups of bonded bodies.
         rigid_bodies : RigidBodies or ()
-            The rigid bodies, in place.
+            The rigid bodies at their positions.
         t : Step
             The step.
         rate : float
-            Cells that rigid bodies that move freely cross in a unit of time.
+            Speed of free rigid bodies in cells per unit of time.
 
         Returns
         -------
@@ -116,14 +116,14 @@ class BroadPhase:
         if looked:
             self._look(population, groups, rigid_bodies, t, rate)
         self._pause -= 1
-        if looked or self.scene.mixed:  # others keep their places
+        if looked or self.scene.mixed:  # other particles keep their offsets
             self._select(population, groups)
         return looked
 
     def _look(
         self, population: Population, groups: np.ndarray, rigid_bodies: Any, t: Step, rate: float
     ) -> None:
-        """Find where something may be met, and the steps for which this holds; collective."""
+        """Find the regions of possible contact, and the steps for which they hold; collective."""
         scene, frame, p = self.scene, self.scene.frame, population.particles
         order, D = population.order, self.scene.dimension
         boxes = np.full((2, len(groups), D), np.inf)
@@ -159,7 +159,7 @@ class BroadPhase:
     def _marked(
         self, population: Population, groups: np.ndarray, ends: np.ndarray, meeting: Any
     ) -> Regions:
-        """Regions with marks near either of the two groups that may meet there; collective."""
+        """Regions with marks near either of their two groups; collective."""
         count, n = len(ends), len(meeting)
         if count == 0:
             return no_regions(self.scene.dimension)
@@ -190,7 +190,7 @@ class BroadPhase:
         return regions
 
     def _select(self, population: Population, groups: np.ndarray) -> None:
-        """Find the particles in the regions where something may be met; collective."""
+        """Find the particles in the regions of possible contact; collective."""
         order = population.order
         if len(self._storage) < len(order):
             self._storage = np.empty(len(order), np.int64)
@@ -208,7 +208,7 @@ class BroadPhase:
 
 
 def _widen(marks: np.ndarray, count: int) -> None:
-    """Mark what lies up to `count` blocks before or behind what is marked, along the first axis."""
+    """Mark blocks up to `count` before or behind marked ones, along the first axis."""
     found = marks.copy()
     for shift in range(1, min(count, len(marks) - 1) + 1):
         marks[shift:] |= found[:-shift]

@@ -1,6 +1,6 @@
-"""Contact of bodies in the initial configuration: each other, rigid bodies, walls that let go.
+"""Contact of bodies in the initial configuration: each other, rigid bodies, unilateral walls.
 
-Where bodies of both configurations are in one case, all of them meet in this way.
+In cases with both configurations all bodies use this contact.
 """
 
 from __future__ import annotations
@@ -38,20 +38,20 @@ from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
 #: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. A
-#: hundred sweeps to 1e-4 find the same motion, but disks that meet then lose more.
+#: hundred sweeps to 1e-4 find the same motion, but disks in contact then lose more energy.
 SWEEPS, ENOUGH = 30, 1e-3
 
-#: The same where rigid bodies move freely: all impulses on one change the velocities of all others.
+#: The tolerance with free rigid bodies: all impulses on one change the velocities of all others.
 TOGETHER = 200, 1e-6
 
 
 class LagrangianContact(NoContact):
     """Contact of bodies in the initial configuration, on one rank.
 
-    Particles that are near something are copied to the ranks that have a share of the vertices
-    where these are now, in canonical order, with the vertices of their own grid. There pairs are
-    found, and their responses. These go to all ranks, which then find the same impulses and apply
-    them to their own vertices: nothing depends on the ranks.
+    Particles near contact are copied to the ranks that share out the vertices round their current
+    positions, in canonical order, with their reference vertices. These ranks find the candidate
+    pairs and their rows of B. All ranks gather them, solve for the same impulses and apply these to
+    their own vertices: nothing depends on the ranks.
 
     Parameters
     ----------
@@ -63,12 +63,12 @@ class LagrangianContact(NoContact):
     Attributes
     ----------
     fields : tuple of int
-        Number of each body's velocity field on the grid of the start: bodies that touch there have
-        fields of their own unless they are bonded.
+        Number of each body's velocity field on the reference grid: bodies in initial contact have
+        different fields unless they are bonded.
     sweeps : int
-        Those of the last step.
+        Sweeps of the last step.
     free : FreeBodies or None
-        The rigid bodies that move freely, if there are any.
+        The rigid bodies that move freely, if any.
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
@@ -92,7 +92,7 @@ class LagrangianContact(NoContact):
 
     @property
     def rigid_bodies(self) -> Any:
-        """The rigid bodies for kernels, as they are in this step; () where there are none."""
+        """The rigid bodies for kernels, as they are in this step; () without any."""
         return self._contact.rigid_bodies
 
     def moved(self) -> None:
@@ -100,7 +100,7 @@ class LagrangianContact(NoContact):
         self._broad_phase.restart()
 
     def assign_fields(self, rank: RankState) -> None:
-        """See `NoContact.assign_fields`; once, to the groups of bodies bonded at the start."""
+        """See `NoContact.assign_fields`; once, for the groups of bodies bonded at the start."""
         if self._grouped:
             return
         self._grouped = True
@@ -124,8 +124,8 @@ class LagrangianContact(NoContact):
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`.
 
-        Velocities and accelerations of the vertices change. Bodies meet where they are now; faces
-        and constraints hold the vertices of the start, as at the start.
+        Velocities and accelerations of the vertices change. Contact is at current positions; faces
+        and constraints hold reference vertices, at initial positions.
         """
         rigid_bodies, free = self.rigid_bodies, self.free
         t, _, forcing, ledger = update
@@ -174,7 +174,7 @@ class LagrangianContact(NoContact):
             )  # fmt: skip
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
-        """Find the pairs of this rank's share, and their responses."""
+        """Find the candidate pairs in this rank's share, and their rows of B."""
         contact, call, frame = self._contact, self.call, self.scene.frame
         table, patches, contact_vertices, start, vertices = near
         now, mirrors = self._particles.supports(table, True), self._particles.mirrors
@@ -219,10 +219,10 @@ class LagrangianContact(NoContact):
 def unite(
     comm: Communicator, contact_pairs: ContactPairs, coupling: Coupling, vertices: ReferenceVertices
 ) -> tuple[ContactPairs, Coupling, ReferenceVertices]:
-    """Pairs and responses of all ranks, in the order of vertices, and what they need; collective.
+    """Pairs and rows of B of all ranks, in the order of vertices, with the vertices; collective.
 
-    Columns of the responses are then numbers of the vertices that are returned, and rows of the
-    pairs those of all responses.
+    Columns of B are then numbers of the returned vertices, and rows of the pairs are numbers in
+    the united matrix.
     """
     used, new = np.unique(coupling.column, return_inverse=True)
     mine = ReferenceVertices(vertices.keys[used], vertices.values[used])

@@ -1,4 +1,4 @@
-"""Particles near contact where they are now, with what their own grid, that of the start, has."""
+"""Particles near contact at their current positions, with data of their reference vertices."""
 
 from __future__ import annotations
 
@@ -35,20 +35,20 @@ from pgimp.solver.contact.lagrangian.shares import FAR, divide, undivided
 
 
 class Near(NamedTuple):
-    """What a rank needs for its share of the vertices.
+    """A rank's data for its share of the vertices.
 
     Attributes
     ----------
     table : (n,) NEAR_PARTICLE
-        The particles that have shared vertices there, in canonical order.
+        The particles with shared vertices there, in canonical order.
     patches : Patches
         The numbers of these vertices.
-    contact_vertices : Present
+    contact_vertices : ContactVertices
         Room for the sums there.
     start : Supports
-        The particles' supports at the start.
+        The particles' initial supports.
     vertices : ReferenceVertices
-        All of these, in the order of their keys.
+        All their vertices, in the order of their keys.
     """
 
     table: np.ndarray
@@ -59,7 +59,7 @@ class Near(NamedTuple):
 
 
 class NearParticles:
-    """Copies particles to the ranks that have a share of the vertices where these are now.
+    """Copies of particles on the ranks that share out the vertices round their current positions.
 
     Parameters
     ----------
@@ -68,14 +68,14 @@ class NearParticles:
     comm : communicator
         Of all ranks.
     rigid_bodies : RigidBodies or ()
-        The rigid bodies, in place.
+        The rigid bodies at their positions.
     walls : SeparatingWalls
-        The walls that let go.
+        The unilateral walls.
 
     Attributes
     ----------
     groups, fields : (bodies,) int64
-        Groups of bodies that are bonded, and their velocity fields on the grid of the start.
+        Groups of bonded bodies, and their velocity fields on the reference grid.
     """
 
     def __init__(
@@ -93,14 +93,14 @@ class NearParticles:
     def gather(
         self, grid: Grid, particles: Particles, rows: np.ndarray, holding: Holding, anew: bool
     ) -> Near:
-        """Gather what this rank needs for its share of the vertices; collective.
+        """Gather the data for this rank's share of the vertices; collective.
 
         Parameters
         ----------
         grid : Grid
             After the update of momentum.
         particles, rows
-            This rank's particles near something, in canonical order.
+            This rank's particles near contact, in canonical order.
         holding : Holding
             Faces and constraints.
         anew : bool
@@ -168,7 +168,7 @@ class NearParticles:
     def _take(
         self, grid: Grid, holding: Holding, table: np.ndarray, supports: Supports
     ) -> ReferenceVertices:
-        """The vertices of the start that the particles of a table have."""
+        """The reference vertices of the particles of a table."""
         last, step = self._seen
         if len(last) != len(grid.G) // 8:
             last, step = np.full(len(grid.G) // 8, -1, np.int64), 0
@@ -188,18 +188,18 @@ class NearParticles:
         return in_order(ReferenceVertices(mine.keys[:found], mine.values[:found]))
 
     def supports(self, table: np.ndarray, current: bool) -> Supports:
-        """Supports of the particles of a table, at their positions or at those of the start.
+        """Supports of the particles of a table, at their current or initial positions.
 
-        They hold until the next ones of the kind.
+        They hold until the next ones of this kind.
         """
         supports, scene = self._storage(len(table), "current" if current else "start"), self.scene
         self.call(find_supports, scene.shape, scene.frame, table, current, supports)
         return supports
 
     def left(self, table: np.ndarray, now: Supports) -> tuple[Supports, float]:
-        """Supports for the sums of volumes, and whether their change counts.
+        """Supports for the sums of volumes, and whether their gradient counts.
 
-        `now` are those at the particles' present places.
+        `now` are the supports at the particles' current positions.
         """
         if not isinstance(self.scene.shape, BOXES):
             return now, 1.0
@@ -220,7 +220,7 @@ class NearParticles:
 
 
 def in_order(vertices: ReferenceVertices) -> ReferenceVertices:
-    """The same vertices in the order of their keys, each once."""
+    """The vertices in the order of their keys, each once."""
     keys, first = np.unique(vertices.keys, return_index=True)
     return ReferenceVertices(keys, vertices.values[first])
 

@@ -1,4 +1,4 @@
-"""Shares of the ranks in contact where bodies are now, wherever their particles are at home."""
+"""Partition of contact vertices among the ranks, independent of the particles' slabs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FAR = 1 << 40
 
 
 class Shares(NamedTuple):
-    """Which rank finds the pairs of which vertices: a run along one axis for each.
+    """The rank that finds the pairs of each vertex: a run of vertices along one axis for each.
 
     No bit of the results depends on it.
 
@@ -22,7 +22,7 @@ class Shares(NamedTuple):
     axis : int
         The axis.
     ends : (ranks + 1,) int64
-        The first vertex of each rank, and the end of the last one's: all vertices have a rank.
+        The first vertex of each rank, and the end of the last: all vertices have a rank.
     """
 
     axis: int
@@ -38,28 +38,28 @@ class Shares(NamedTuple):
         Parameters
         ----------
         first : (n, 3) float64
-            The first vertex of each, of `vertices` a direction.
+            The first vertex of each, with `vertices` in each direction.
         """
         begin = first[:, self.axis]
         return (begin < self.ends[rank + 1]) & (begin + vertices > self.ends[rank])
 
 
 def undivided(ranks: int) -> Shares:
-    """Return shares of which the first of some ranks has all."""
+    """Return a partition with all vertices on the first of some ranks."""
     return Shares(0, np.array([-FAR, *[FAR] * ranks]))
 
 
 def divide(comm: Communicator, first: np.ndarray, vertices: int, most: np.ndarray) -> Shares:
-    """Divide the particles of all ranks evenly, along the axis where they need least copies.
+    """Divide the particles of all ranks evenly, along the axis with the fewest copies.
 
-    Collective; the same on all ranks.
+    Collective; equal on all ranks.
 
     Parameters
     ----------
     first : (n, 3) float64
-        The first vertex of each particle of this rank, of `vertices` a direction.
+        The first vertex of each particle of this rank, with `vertices` in each direction.
     most : (D,) int64
-        Number of vertices along each axis; what is beyond counts as at the end.
+        Number of vertices along each axis; vertices beyond count as at the end.
     """
     counts = [
         np.bincount(np.clip(first[:, d], 0, many - 1).astype(np.int64), minlength=many)

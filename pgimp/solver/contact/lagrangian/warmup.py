@@ -1,4 +1,4 @@
-"""Calls of the kernels of contact in the initial configuration, so that they are compiled."""
+"""Calls of the contact kernels in the initial configuration, for compilation."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ from pgimp.solver.contact.lagrangian.near_particles import mirrors_of, plain
 def calls(
     scene: Scene, grid: Grid, particles: Any, forcing: Forcing, faces: Any, ledger: Ledger
 ) -> Iterator[Call]:
-    """Calls of the kernels on nothing; see `pgimp.solver.start.warmup`."""
+    """Calls of the kernels without particles; see `pgimp.solver.start.warmup`."""
     rigid_bodies: Any = scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
     pairs, count = with_walls(scene), len(scene.faces)
     contact = Contact.empty(pairs, np.empty(0), 1, 2, count, rigid_bodies)
