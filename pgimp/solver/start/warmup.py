@@ -9,6 +9,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
+from pgimp.jit.compiled.collector import spared
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.forces import contact_forces
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
@@ -76,7 +77,8 @@ def _tools(scene: Scene, grid: Grid) -> Any:
 
 def warm_up(scene: Scene, comm: Communicator) -> None:
     """Call each kernel once with the types of the scene's steps; collective."""
-    shared_out(comm, _calls(scene))
+    with spared():
+        shared_out(comm, _calls(scene))
 
 
 def _calls(scene: Scene) -> Iterator[Call]:

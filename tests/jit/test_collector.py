@@ -1,0 +1,29 @@
+import gc
+
+import pytest
+
+from pgimp.jit.compiled.collector import spared
+
+
+def test_objects_are_spared_meanwhile():
+    """What exists is not searched for garbage; afterwards all is as before, also on errors."""
+    gc.collect()
+    tracked = len(gc.get_objects())
+    with spared():
+        assert gc.get_freeze_count() >= 0.9 * tracked
+        assert len(gc.get_objects()) < 0.1 * tracked
+    assert gc.get_freeze_count() == 0
+    with pytest.raises(ValueError, match="wrong"), spared():
+        raise ValueError("wrong")
+    assert gc.get_freeze_count() == 0
+
+
+def test_a_program_that_spares_its_objects_keeps_them():
+    gc.freeze()
+    try:
+        frozen = gc.get_freeze_count()
+        with spared():
+            assert gc.get_freeze_count() == frozen
+        assert gc.get_freeze_count() == frozen
+    finally:
+        gc.unfreeze()
