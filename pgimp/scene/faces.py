@@ -1,4 +1,4 @@
-"""Faces of the domain with a condition, as the solver sees them."""
+"""Faces of the domain with a condition, in the form that the solver uses."""
 
 from collections.abc import Sequence
 from typing import Any, get_args, get_type_hints
@@ -22,7 +22,7 @@ from pgimp.physics.boundaries import BOUNDARIES
 
 AXES = "xyz"
 
-#: Part of a cell by which rounding may bring a particle past a wall.
+#: Fraction of a cell by which rounding may carry a particle past a wall.
 SLACK = 1e-6
 
 
@@ -47,8 +47,8 @@ class Face:
     def wall(self, frame: Frame, end: float) -> tuple[float, float] | None:
         """Coordinate to which the face moves particles that pass it, and its velocity there.
 
-        None where it lets them pass, since it draws the material out of the domain or leaves it
-        free along its normal.
+        None where particles may pass: the face draws material out of the domain, or does not
+        constrain the normal motion.
         """
         speed = self.condition.speed(self.axis, end)
         if speed is None or speed * self.side > 0.0:
@@ -56,15 +56,15 @@ class Face:
         origin, cells, place = frame.origin[self.axis], frame.cells[self.axis], self.place(frame)
         if self.side < 0:
             return place, speed
-        # Just within the last cell: on the face itself a point would have its gradient on vertices
-        # beyond, without mass, and lose the force that balances the one on the face.
+        # Just within the last cell: the gradient of a point on the face itself would act on
+        # massless vertices beyond, and the force that balances the face's would be lost.
         while (place - origin) * frame.inverse[self.axis] >= cells:
             place = float(np.nextafter(place, -np.inf))
         return place, speed
 
 
 def _numbers(parameters: Any) -> list[float]:
-    """All numbers of nested tuples, one after the other."""
+    """Numbers of nested tuples, flattened in order."""
     if isinstance(parameters, tuple):
         return [number for each in parameters for number in _numbers(each)]
     return [float(parameters)]
@@ -80,7 +80,7 @@ def _example(hint: Any) -> Any:
 def table_of(parameters: Sequence[Any]) -> Faces:
     """Make the kernels' table of the parameters of each face's condition.
 
-    It has all registered conditions, whichever are in use, so that kernels are compiled once.
+    It has all registered conditions, used or not, so that kernels are compiled once.
     """
     entries = [get_type_hints(entry.parameters)["return"] for entry in BOUNDARIES.values()]
     kinds = {kind: _example(kind) for kind in entries}
@@ -104,7 +104,7 @@ class FaceTable:
     Parameters
     ----------
     faces : sequence of Face
-        All with a condition.
+        All faces with a condition.
     """
 
     def __init__(self, faces: Sequence[Face]) -> None:
@@ -142,9 +142,9 @@ def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
 def position_bounds(faces: Sequence[Face], frame: Frame) -> tuple[tuple[float, float], ...]:
     """Coordinates between which bodies in the initial configuration have to stay.
 
-    A body that lies on a wall at rest, or is held by it, cannot pass it; one that has passed it
-    came from elsewhere, and the wall, whose vertices hold what lies on them at the start, could not
-    see it. Other faces are no limit.
+    A body that starts on a wall at rest, or is held by it, cannot pass it. A body from elsewhere
+    can: the wall's vertices act only on material that lies on them at the start. Other faces are
+    no limit.
     """
     position_bounds = [[-np.inf, np.inf] for _ in frame.cell]
     for face in faces:
@@ -155,7 +155,7 @@ def position_bounds(faces: Sequence[Face], frame: Frame) -> tuple[tuple[float, f
 
 
 def walls_approached(faces: Sequence[Face]) -> list[Wall]:
-    """Make `find_clearances`' walls from the faces that let bodies approach."""
+    """Walls for `find_clearances`, made of the faces that bodies may approach."""
     return [
         Wall(face.axis, face.side, number)
         for number, face in enumerate(faces)
@@ -164,7 +164,7 @@ def walls_approached(faces: Sequence[Face]) -> list[Wall]:
 
 
 def sides_approached(faces: Sequence[Face], frame: Frame) -> tuple[Any, ...]:
-    """Make the particles' data of these walls; () if there is none."""
+    """Particle data of the walls that bodies may approach; () if there are none."""
     sides: list[Any] = []
     for d, cell in enumerate(frame.cell):
         ends = frame.origin[d], frame.origin[d] + frame.cells[d] * cell
@@ -172,9 +172,9 @@ def sides_approached(faces: Sequence[Face], frame: Frame) -> tuple[Any, ...]:
             ends[face.side > 0] for face in faces if face.axis == d and face.condition.approaches
         ]
         if not own:
-            sides.append(Sides(0.0, 0.0, 0.0, 0.0))  # no particle is near it
+            sides.append(Sides(0.0, 0.0, 0.0, 0.0))  # no particle nearby
             continue
-        # Vertices on the wall see no farther; two walls share the space between them.
+        # The range of vertices on the wall; two walls share the space between them.
         peak = min(1.25, 0.25 * frame.cells[d] if len(own) > 1 else 1.25) * cell
         sides.append(Sides(min(own), max(own), 0.5 * (min(own) + max(own)), peak))
     return tuple(sides) if any(side.peak > 0.0 for side in sides) else ()

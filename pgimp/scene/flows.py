@@ -1,4 +1,4 @@
-"""The bodies of a scene that flow, whose particles are kept to the space that they fill."""
+"""Flowing bodies of a scene, whose particles are kept to the space that they fill."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from pgimp.scene.faces import Face
 
 
 class SceneFlows:
-    """The liquids, grains and loose soils of a scene.
+    """Liquids, grains and loose soils of a scene.
 
     Parameters
     ----------
     materials : sequence of Material
-        Those in use.
+        Materials in use.
     material_of : (bodies,) int64
         Material of each body.
     current : (bodies,) bool
-        Whether it is in the current configuration: others do not flow.
+        Whether each body is in the current configuration: others do not flow.
     faces : sequence of Face
         Faces with a condition.
     cell : tuple of float
@@ -30,31 +30,30 @@ class SceneFlows:
     pairs : Pairs or None
         The laws of contact.
     calms : bool
-        Whether velocities of soil that no vertex sees fade.
+        Whether velocity modes of soil that are invisible to the grid decay.
 
     Attributes
     ----------
     rates : (bodies,) float64
-        Speed of waves over the least side of a cell, 0 for bodies that do not flow, and for those
-        that pass through others of the current configuration: what they share is no surplus.
+        Wave speed over the least side of a cell; 0 for bodies that do not flow. Also 0 for bodies
+        that pass through others of the current configuration: shared space is no surplus.
     gap : (bodies,) int64
-        Column of the state that has the gap by which a body has opened; -1 for others.
+        State column of the gap by which a body has opened; -1 for others.
     most : (bodies,) float64
-        The greatest J without voids, of bodies that flow and have no gap; 0 for others.
+        Greatest J without voids, for flowing bodies without a gap; 0 for others.
     fields : tuple of int
-        Number of each body's field of J: such bodies of a material share one, but for those that
-        are calmed where there is contact, as neighbours may slide along each other; see
-        `fields_of`.
+        Number of each body's field of J. Flowing bodies of a material share one, except calmed
+        bodies where there is contact, as neighbours may slide along each other; see `fields_of`.
     relaxes : bool
-        Whether there are such bodies.
+        Whether there are flowing bodies without a gap.
     calms : (bodies,) float64
-        1 for bodies whose velocities are kept to what vertices see of them, 0 for others.
+        1 for bodies whose velocities are reduced to the part that the grid represents, else 0.
     walls : list of Mirror
-        Faces that nothing can pass.
+        Impermeable faces.
     sides : (6,) bool
-        The same: the low and the high end of x, y, z.
+        Whether a face is impermeable: the low and the high end of x, y, z.
     fills : (rigid bodies,) bool
-        Which rigid bodies fill space: those that nothing that flows passes through.
+        Whether a rigid body displaces all flowing bodies: none of them passes through it.
     """
 
     def __init__(
@@ -90,16 +89,16 @@ class SceneFlows:
             self.sides[2 * wall.axis + (wall.side > 0)] = True
 
     def fields_of(self, apart: Sequence[int] | np.ndarray) -> tuple[int, ...]:
-        """Numbers of the bodies' fields, where calmed ones of different numbers `apart` differ.
+        """Numbers of the bodies' fields; calmed bodies with different numbers `apart` differ.
 
-        Bodies of one field are calmed at one rate: else they would not keep their momentum.
+        Bodies of one field are calmed at one rate: different rates would not conserve momentum.
         """
         keys = np.stack([self._of_materials, self.calms * (np.array(apart) + 1)], axis=1)
         return tuple(int(i) for i in np.unique(keys, axis=0, return_inverse=True)[1].ravel())
 
 
 def _gap_of(entry: Any, dimensions: int) -> int:
-    """Column of a material's state that has the gap by which it has opened; -1 for others."""
+    """State column of the gap by which a material has opened; -1 for others."""
     before = 0
     for state in entry.states if entry.flow_speed > 0.0 else ():
         if state.name == "gap":
@@ -112,6 +111,6 @@ def flows_of(
     materials: Sequence[Any], material_of: np.ndarray, current: np.ndarray,
     faces: Sequence[Face], cell: tuple[float, ...], pairs: Pairs | None, calms: bool,
 ) -> SceneFlows | None:  # fmt: skip
-    """The bodies of a scene that flow; None if it has none."""
+    """Flowing bodies of a scene; None if there are none."""
     flows = SceneFlows(materials, material_of, current, faces, cell, pairs, calms)
     return flows if flows.rates.any() else None

@@ -25,7 +25,7 @@ from pgimp.scene.scene import LEAST, MOST
 from pgimp.scene.variations import tables
 from pgimp.schema.messages import dotted
 
-#: Ratio of sizes of body and grid that suggests another unit, and the ratio of the units.
+#: Size ratio of body and grid that suggests another unit, and the ratio of the units.
 _FAR_TOO_LARGE, _MILLI = 50.0, 0.001
 
 
@@ -44,7 +44,7 @@ def share(case: Case, comm: Communicator) -> None:
     Raises
     ------
     CaseError
-        The same on every rank: a file that cannot be used, or a body beyond the domain.
+        The same on every rank: an unusable file, or a body beyond the domain.
     """
     with located(case):
         _share(case, comm)
@@ -74,7 +74,7 @@ def _share(case: Case, comm: Communicator) -> None:
 
 
 def _from_files(case: Case) -> dict[str, Region]:
-    """Regions of the bodies that lie in files, by the bodies' names."""
+    """Regions from files, by the bodies' names."""
     return {
         name: body.region
         for name, body in case.bodies.items()
@@ -83,7 +83,7 @@ def _from_files(case: Case) -> dict[str, Region]:
 
 
 def _beyond(case: Case) -> list[str]:
-    """Return parts of bodies in files beyond the domain, and whether another unit explains it."""
+    """Problems of bodies from files that exceed the domain, with another unit as explanation."""
     messages = []
     for name, region in _from_files(case).items():
         path = ("bodies", name, "region")
@@ -95,14 +95,14 @@ def _beyond(case: Case) -> list[str]:
 
 
 def _unit(case: Case, region: Region) -> str:
-    """Return how a region would fit that is far too large for the domain; empty if it would not."""
+    """Describe the unit in which a far too large region would fit; empty if it would not."""
     if not isinstance(region, Mesh | Points):
         return ""
     low, high = (np.array(end) for end in region.bounds())
     origin, corner = (np.array(end, float) for end in (case.grid.origin, case.grid.corner))
     if not ((high - low) > _FAR_TOO_LARGE * (corner - origin)).any():
         return ""
-    about = np.zeros(case.dimensions)  # of which it is scaled
+    about = np.zeros(case.dimensions)  # centre of the scaling
     if isinstance(region, Mesh) and region.translate is not None:
         about += region.translate
     low, high = about + _MILLI * (low - about), about + _MILLI * (high - about)
@@ -118,7 +118,7 @@ def _unit(case: Case, region: Region) -> str:
 
 
 def _away(case: Case) -> list[str]:
-    """Return which probes are not in their bodies."""
+    """Problems of probes outside their bodies."""
     messages, regions = [], _from_files(case)
     for name, probe in case.probes.items():
         region = regions.get(getattr(probe, "body", None) or "")
@@ -237,10 +237,10 @@ def _read_tables(case: Case, comm: Communicator) -> None:
 
 
 def _most_particles(case: Case, comm: Communicator) -> int | None:
-    """Particles that fit into the memory of all ranks, without anything else; collective."""
+    """Number of particles that would fill the memory of all ranks; collective."""
     row = Particles.empty(1, Carried(case.dimensions))
     mine = min(limits(), key=lambda limit: limit.free, default=None)
-    # Some ranks share the memory of a node.
+    # Ranks of one node share its memory.
     pools: dict[str, int] = {}
     for limit in comm.allgather(mine):
         if limit is None:
@@ -250,7 +250,7 @@ def _most_particles(case: Case, comm: Communicator) -> int | None:
 
 
 def take_as_empty(case: Case, comm: Communicator) -> None:
-    """Treat the bodies in files as empty, where their particles exist already."""
+    """Treat bodies from files as empty, if their particles exist already."""
     for _, mesh in _meshes(case):
         mesh.__dict__["surface"] = nothing(case.dimensions)
     for body in case.bodies.values():
@@ -259,7 +259,7 @@ def take_as_empty(case: Case, comm: Communicator) -> None:
 
 
 def release(case: Case) -> None:
-    """Free the data that were read; they are read again when needed."""
+    """Free the data from files; they are read again when needed."""
     for _, mesh in _meshes(case):
         mesh.__dict__.pop("surface", None)
     for body in case.bodies.values():

@@ -17,9 +17,9 @@ from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
 
 
 def covered_fractions(low: float, high: float, edges: np.ndarray) -> np.ndarray:
-    """Fraction of each of the lattice's columns, given by their `edges`, that [low, high] covers.
+    """Covered fraction of each lattice column, given by `edges`, for the interval [low, high].
 
-    Small parts merge inwards, as those of particles do.
+    Small fractions merge inwards, as for particles.
     """
     begin, end = edges[:-1], edges[1:]
     part = (np.minimum(end, high) - np.maximum(begin, low)) / (end - begin)
@@ -43,9 +43,9 @@ class SceneLoads:
     materials : list of str
         Names of the materials in use, in the order of their parameters.
     force : NamedTuple or ()
-        Parameters of the body force, or of the exact solution that needs one.
+        Parameters of the body force, or of an exact solution with a body force.
     walls : tuple of Sides or ()
-        The walls whose clearances are needed, see `Loads`.
+        Walls whose clearances are needed, see `Loads`.
     follows : (bodies,) bool
         Whether the size of each body's particles follows the deformation.
     """
@@ -71,7 +71,7 @@ class SceneLoads:
         self.relaxation: Any = case.method.rate or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
         self.affine: Any = 1.0 if case.method.affine else ()
-        volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # in 1D alike
+        volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # same in 1D
         self.mean: Any = 1.0 if volumetric == "mean" else ()
         law = [case.materials[body.material] for body in case.bodies.values()]
         rests = np.array([entry.RESTS for entry in law])
@@ -101,7 +101,7 @@ class SceneLoads:
 
     @property
     def carried(self) -> dict[str, Any]:
-        """Columns of particles for the loads, see `Carried`."""
+        """Particle columns of the loads, see `Carried`."""
         return {
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
@@ -137,7 +137,7 @@ class SceneLoads:
         return tuple(entry.parameters(start, end) for entry in self.constraints)
 
     def displacement(self, number: int, t: float) -> tuple[float | None, ...]:
-        """Displacement that a constraint has prescribed until `t`, in stages before too."""
+        """Displacement that a constraint has prescribed until `t`, with previous stages."""
         name, entry = list(self.case.constraints)[number], self.constraints[number]
         before = self.case.staged.displacements.get(name, (0.0,) * len(entry.velocity))
         return tuple(
@@ -172,7 +172,7 @@ class SceneLoads:
     def held(self, body: int, x: np.ndarray) -> np.ndarray:
         """Constraint of each particle of a body, in its initial state, (n,) int64.
 
-        Constraints are numbered from 1, the last of several holds it; 0 stands for none.
+        Constraints are numbered from 1; the last of several takes precedence; 0 stands for none.
         """
         number = np.zeros(len(x), np.int64)
         for i, entry in enumerate(self.constraints):
@@ -186,7 +186,7 @@ class SceneLoads:
         Parameters
         ----------
         counts : (constraints + 1,) int64
-            Particles by the number that `held` gives them.
+            Number of particles of each constraint, numbered as in `held`.
 
         Raises
         ------
@@ -224,7 +224,7 @@ class SceneLoads:
     def scale_patches(self, population: Population, comm: Communicator) -> None:
         """Scale the patches of each traction to the whole area of its face; collective.
 
-        Small parts that were merged into other particles leave some area without a carrier.
+        Small parts merged into other particles leave some area without a carrier.
         """
         if not self.tractions:
             return

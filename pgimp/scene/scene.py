@@ -38,7 +38,7 @@ from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.variations import Variations
 from pgimp.schema.tables import VectorTable
 
-#: Cells that a particle may cross in a step whose length pgimp chooses.
+#: Most cells that a particle crosses in a step whose length pgimp chooses.
 MOST_CELLS = 0.5
 
 #: Masses outside of this would leave the range of float64 in sums and products.
@@ -53,36 +53,36 @@ class Scene:
     dimension : int
         Directions D of the scene.
     lagrangian : (bodies,) bool
-        Which bodies are in the initial configuration, where particles keep their layers, and the
-        weights of the start; `initial` if all are, `mixed` if some.
+        Which bodies are in the initial configuration, where particles keep their layers and
+        initial weights. `initial`: all are; `mixed`: some are.
     frame : Frame
-        Where the grid lies.
+        Position and size of the grid.
     shape : NamedTuple
-        Parameters of the shape; `vertices` a direction in a support.
+        Parameters of the shape; its support has `vertices` per direction.
     materials : tuple of NamedTuple
-        Parameters of the materials in use, with typical numbers where they vary in space (see
-        `variations`); `material_of` the one of each body.
+        Parameters of the materials in use; where they vary in space (see `variations`), typical
+        values. `material_of` is the material of each body.
     losses : tuple of str
-        Those of `LOSSES` that a material in use reports; `sums` is the columns of `layer_sums`.
+        Entries of `LOSSES` that a material in use reports; `sums` is the columns of `layer_sums`.
     faces : list of Face
         Faces with a condition, x-min to z-max.
     mirrors : list of Mirror
-        Those that reflect what lies beyond.
+        Faces that reflect the part of supports beyond them.
     most_mass : float
-        Mass that the domain can hold at most.
+        Greatest mass that the domain can hold.
     pairs : Pairs or None
-        The laws of contact; None where all bodies share one velocity field.
+        Contact laws; None where all bodies share one velocity field.
     flows : SceneFlows or None
-        The bodies that flow, if there are any.
+        The flowing bodies, if there are any.
     rigid_bodies : SceneRigidBodies
-        The rigid bodies; false where there are none.
+        The rigid bodies; false if there are none.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     setting : Setting
-        The scene for kernels; for those of bodies in the initial configuration beside others,
-        `setting_lagrangian`.
+        The scene for kernels; `setting_lagrangian` is for bodies in the initial configuration
+        beside others.
     placing : Frame, InitialFrame or MixedFrame
-        The frame of kernels that put particles in order.
+        The frame for kernels that sort particles.
     """
 
     def __init__(self, case: Case) -> None:
@@ -94,7 +94,7 @@ class Scene:
         )
         self.initial = bool(self.lagrangian.all())
         self.mixed = bool(self.lagrangian.any()) and not self.initial
-        remote = self.initial or self.mixed  # contact where bodies are, not on their own grid
+        remote = self.initial or self.mixed  # contact at present positions, not on own grids
         parameters = shape.fixed if self.initial else shape.parameters
         self.shape = parameters(tuple(case.grid.cell))
         self.vertices: int = self.shape.vertices()
@@ -128,8 +128,8 @@ class Scene:
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
         self.faces = [Face(name, named[name]) for name in order if name in named]
-        #: Whether bodies in the initial configuration meet walls that let go: at their present
-        #: place, not on their own grid. These walls then come last.
+        #: Whether bodies in the initial configuration meet unilateral walls: at their present
+        #: position, not on their own grid. These walls then come last.
         self.unilateral_walls = remote and any(face.condition.approaches for face in self.faces)
         if self.unilateral_walls:
             self.faces.sort(key=lambda face: face.condition.approaches)
@@ -141,7 +141,7 @@ class Scene:
         self.escapes = bool(self.exits) or case.staged.escapes
         #: Whether there may be fewer particles than at the start.
         self.loses = self.escapes or bool(case.staged.removed)
-        # Those that may let go come last: where they meet others, they use the sums of both.
+        # Unilateral walls come last: where they meet other walls, they use the sums of both.
         self.mirrors = sorted(
             (
                 Mirror(face.axis, face.side, number, face.condition.releases, face.condition.sticks)
@@ -152,7 +152,7 @@ class Scene:
             ),
             key=lambda mirror: mirror.releases,
         )
-        # Points give no gap: it would jump by half a cell as they move.
+        # Point particles give no gap: it would jump by half a cell as they move.
         near = [] if shape.chi == "point" or remote else self.faces
         self.approached = walls_approached(near)
         entries = [case.materials[name] for name in used]
@@ -174,7 +174,7 @@ class Scene:
         )
         self.states = States(used, self.materials, self.dimension)
         self.variations = Variations(case, used, self.materials, self.states.width)
-        #: Greatest density of a particle at the start, where materials vary, once it is known.
+        #: Greatest initial density of a particle, set where materials vary once computed.
         self.densest: float | None = None
         self.fields = EVERY | self.states.fields | self.variations.fields
         self.carried = Carried(
@@ -191,7 +191,7 @@ class Scene:
             ]
         )
         self._walls = None if varies else walls(self.faces, self.frame, 0.0)
-        #: Coordinates within which particles must stay, where the grid does not limit them.
+        #: Coordinate limits of particles that the grid does not limit.
         self.bounds = position_bounds(self.faces, self.frame) if remote else None
         D = self.dimension
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
@@ -225,29 +225,29 @@ class Scene:
 
     @property
     def ends(self) -> int:
-        """Least number of layers of the first and of the last rank."""
+        """Least number of layers of the first rank and of the last rank."""
         # A vertex beyond a face and its mirror image are on the same rank.
         if self.mirrors or self.flows:
             return 2 * self.vertices
-        # A vertex beyond a wall that lets go, and that on the wall, whose clearance it has.
+        # A vertex beyond a unilateral wall uses the clearance of the vertex on the wall.
         return self.vertices if self.approached else 0
 
     @property
     def origins(self) -> bool:
-        """Whether particles keep their initial position."""
+        """Whether particles store their initial position."""
         lagrangian = self.initial or self.mixed
         return lagrangian or bool(self.exact) or "displacement" in self.case.output.fields
 
     @property
     def controlled(self) -> bool | float:
-        """Whether steps follow the fastest wave, and how, see `pgimp.kernels.update.pace`."""
+        """How steps follow the fastest wave, if at all; see `pgimp.kernels.update.pace`."""
         courant = self.case.courant
         if courant is None or not self.case.watched:
             return courant is not None
         return courant / MOST_CELLS
 
     def gravity(self, t: float) -> tuple[float, float, float]:
-        """Body force per mass at a time; zero in directions that the scene does not have."""
+        """Gravity at a time, force per mass; zero in directions that the scene does not have."""
         b = self.case.gravity
         if b is None:
             return (0.0, 0.0, 0.0)
@@ -260,7 +260,7 @@ class Scene:
         return self._face_table.at(start, end)
 
     def standing_faces(self) -> Any:
-        """All faces with a condition, for kernels that only need their places."""
+        """All faces with a condition, for kernels that only need their positions."""
         return FaceTable(self.faces).at(0.0, 1.0)
 
     def walls(self, start: float, end: float) -> np.ndarray:
@@ -273,7 +273,7 @@ class Scene:
         return found
 
     def weighed(self, particles: Particles, rows: np.ndarray) -> np.ndarray:
-        """Places at which the weights of particles are taken, (n, D): now, or at the start."""
+        """Positions that the weights of particles refer to, (n, D): present or initial."""
         if self.initial:
             return particles.origin[rows]
         if self.mixed:
@@ -292,7 +292,7 @@ class Scene:
 
 
 def count_particles(scene: Scene, comm: Communicator) -> tuple[Lattice, np.ndarray, list[str]]:
-    """Lattice, counts of its particles by body and plane, and notes; collective.
+    """Count the particles: lattice, counts by body and plane, and notes; collective.
 
     Raises
     ------

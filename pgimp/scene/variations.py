@@ -35,7 +35,7 @@ class Own(NamedTuple):
     state : (n, k) float64
         State at the start.
     values : (n, keys) float64
-        Values of the keys that vary.
+        Values of the varying keys.
     """
 
     columns: Reals
@@ -53,22 +53,22 @@ class Variations:
     case : Case
         The case.
     names : list of str
-        Of the materials in use.
+        Names of the materials in use.
     materials : tuple of NamedTuple
-        Their parameters, with typical numbers.
+        Their parameters, with typical values.
     states : int
-        State variables of a particle.
+        Number of state variables of a particle.
 
     Attributes
     ----------
     width : int
-        Columns of a particle.
+        Number of columns of a particle.
     materials : tuple of NamedTuple
         The parameters with `Own` in place of varying ones, for kernels.
     typical : (materials, width) float64
         Columns of a typical particle.
     fields : dict of str to Field
-        Fields of them for frames: nan for particles of materials without it.
+        Fields of varying parameters for frames: nan for particles of materials without them.
     """
 
     def __init__(self, case: Case, names: list[str], materials: tuple[Any, ...], states: int):
@@ -98,7 +98,7 @@ class Variations:
         return any(self.layouts)
 
     def _field(self, path: tuple[str, ...]) -> Field:
-        """The field of a parameter that varies in one material at least."""
+        """Field of a parameter that varies in at least one material."""
         place, constant, meaning = [], [], ""
         for name, layout in zip(self.names, self.layouts, strict=True):
             varies = layout is not None and path in layout.paths
@@ -117,12 +117,12 @@ class Variations:
         return Field(values, f"{'.'.join(path)} of the particle's material: {meaning}")
 
     def of(self, block: ParticleBlock, material: int) -> Own | None:
-        """Return the particles' own parameters; None where nothing of their material varies.
+        """Return the particles' own parameters; None if their material is uniform.
 
         Raises
         ------
         CaseError
-            If a parameter has no value at one of them, or one that it may not have.
+            If a parameter has no value, or an invalid one, at a particle.
         """
         layout = self.layouts[material]
         if layout is None:
@@ -171,7 +171,7 @@ class Variations:
         return Own(*(part[which] for part in found))
 
     def _particle(self, block: ParticleBlock, row: int, body: str) -> str:
-        """Name a particle, by the line of its file or by its place."""
+        """Name a particle, by the line of its file or by its position."""
         place = ", ".join(f"{x:.6g}" for x in block.positions[row])
         region = self.case.bodies[body].region
         text = f"the particle at ({place}) of body '{body}'"
@@ -181,7 +181,7 @@ class Variations:
         return text
 
     def entry(self, material: int, own: Reals) -> Any:
-        """Return the entry of a particle's material with its parameters, from its column `own`."""
+        """Return the entry of a particle's material with its own parameters, from column `own`."""
         layout, entry = self.layouts[material], self.case.materials[self.names[material]]
         if layout is None:
             return entry
@@ -191,7 +191,7 @@ class Variations:
 def _refused(
     name: str, layout: Layout, row: list[float], particle: str, error: Exception
 ) -> str:
-    """Describe which value of a particle is not allowed."""
+    """Describe a particle's invalid value."""
     if isinstance(error, ValidationError):
         where = error.errors(include_url=False)[0]["loc"]
         key, text = ".".join((name, *map(str, where))), first_text(error)
@@ -208,7 +208,7 @@ def _listed(layout: Layout, row: list[float]) -> str:
 
 
 def _constant(entry: Any, path: tuple[str, ...]) -> float:
-    """A number of a material that has it, else nan."""
+    """A number of a material if present, else nan."""
     try:
         value = value_at(entry, path)
     except StopIteration:
@@ -217,7 +217,7 @@ def _constant(entry: Any, path: tuple[str, ...]) -> float:
 
 
 def tables(case: Case) -> list[tuple[str, TableVariation]]:
-    """Tables in files, each with the key of its parameter."""
+    """Tables from files, each with the key of its parameter."""
     return [
         (f"materials.{name}.{'.'.join(path)}", part)
         for name, entry in case.materials.items()

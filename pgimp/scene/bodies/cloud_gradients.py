@@ -1,9 +1,9 @@
 """Velocity gradients of particles from a file that only has their velocities.
 
-With `method.affine` every particle carries the gradient of the velocity around it. That of a body
-with a motion of its own follows from the motion; that of a cloud from the velocities of the
-particles nearby, by weighted least squares: exact for a field that is linear in space, and the
-solution of least norm where the particles nearby lie on a line or in a plane.
+With `method.affine` every particle carries the gradient of the velocity around it. For a body with
+a prescribed initial motion the gradient follows from the motion. For a cloud it follows from the
+velocities of nearby particles, by weighted least squares. The fit is exact for a field linear in
+space; if the nearby particles lie on a line or in a plane, it is the solution of least norm.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ from pgimp.scene.bodies.point_cloud import Cloud
 
 Reals = NDArray[np.float64]
 
-#: Distance within which neighbours are sought, over the largest particle's size.
+#: Search radius for neighbours, over the largest particle's size.
 _REACH = 2.0
 
-#: Limits of that size, over that of the lattice's particles: files may have anything.
+#: Limits of the particle size, over the lattice particles' size: files may have anything.
 _SMALLEST, _LARGEST = 0.25, 4.0
 
-#: Cells along a direction: numbers of cells stay below 2^63.
+#: Cells along a direction: cell numbers stay below 2^63.
 _MOST_CELLS = 2**20
 
 
 def with_gradients(
     cloud: Cloud, box: Sequence[float], blocks: list[ParticleBlock]
 ) -> list[ParticleBlock]:
-    """Add velocity gradients to some of a cloud's particles, where the file lacks them.
+    """Add velocity gradients to particles of a cloud whose file has none.
 
-    They do not depend on the division into blocks.
+    The gradients do not depend on the division into blocks.
 
     Parameters
     ----------
@@ -42,12 +42,12 @@ def with_gradients(
     box : sequence of float
         Size of a lattice box by direction.
     blocks : list of ParticleBlock
-        The particles in question; returned as they are if the file gives no velocities.
+        The particles to complete; returned unchanged if the file gives no velocities.
 
     Raises
     ------
     CaseError
-        If the file cannot be read any more.
+        If the file is no longer readable.
     """
     if not blocks or blocks[0].velocities is None or blocks[0].gradients is not None:
         return blocks

@@ -1,4 +1,4 @@
-"""Count of all particles before any is created, each rank a share, and checks of overlaps."""
+"""Particle counts before creation, each rank a share of the planes, and overlap checks."""
 
 from typing import Any, NamedTuple
 
@@ -10,7 +10,7 @@ from pgimp.scene.bodies.lattice import Lattice
 
 
 class Counts(NamedTuple):
-    """Counts known to all ranks before any particle exists.
+    """Particle counts on all ranks before any particle exists.
 
     `counts` holds the particles of each body in each plane, (bodies, planes); `notes` says which
     bodies share cells.
@@ -21,7 +21,7 @@ class Counts(NamedTuple):
 
 
 def count_all(lattice: Lattice, comm: Communicator) -> Counts:
-    """Count all particles, each rank a share of the planes, and check what bodies contain.
+    """Count all particles, each rank a share of the planes, and check for overlaps.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def count_all(lattice: Lattice, comm: Communicator) -> Counts:
         raise CaseError(failure)
     counts = np.concatenate([result[0] for result in results], axis=1)
     overlaps = [overlap for result in results for overlap in result[1]]
-    overlaps.sort(key=lambda overlap: overlap[0])  # of a pair the first point along x stays first
+    overlaps.sort(key=lambda overlap: overlap[0])  # each pair's first point along x stays first
     problems = [message for _, message in overlaps[:1]]
     for body, name in enumerate(lattice.names):
         if counts[body].sum() == 0:

@@ -1,4 +1,4 @@
-"""Number of particles of a case, estimated by bounds that cost no memory."""
+"""Bounds of a case's number of particles, computed without storing particles."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from pgimp.case.schema import Case
 from pgimp.geometry.regions import Points
 from pgimp.geometry.regions.base import Region
 
-#: Bricks that are examined, times the parts of the regions: a fraction of a second.
+#: Limit of bricks examined times parts of the regions: a fraction of a second.
 _LOOKS = 400_000
 
 
@@ -19,11 +19,11 @@ class Extent(NamedTuple):
     Attributes
     ----------
     low, high : tuple of int
-        Corners of the part of the lattice in which it lies.
+        Corners of the part of the lattice that holds the body.
     least, most : float
-        Bounds of its number of particles.
+        Bounds of the number of particles.
     surface : float
-        Boxes that its surface may cut, about.
+        Approximate number of boxes that the surface may cut.
     """
 
     low: tuple[int, ...]
@@ -34,12 +34,12 @@ class Extent(NamedTuple):
 
     @property
     def boxes(self) -> tuple[int, ...]:
-        """Boxes of that part of the lattice along each direction."""
+        """Number of boxes from `low` to `high` along each direction."""
         return tuple(b - a for a, b in zip(self.low, self.high, strict=True))
 
 
 def points(case: Case) -> tuple[int, ...]:
-    """Boxes of the lattice along each direction."""
+    """Number of lattice boxes along each direction."""
     return tuple(
         cells * each
         for cells, each in zip(case.grid.cells, case.method.particles_per_cell, strict=True)
@@ -75,7 +75,7 @@ def _extent(
     high: tuple[int, ...],
     looks: int,
 ) -> Extent:
-    """Divide bricks that the surface may cut, until they are boxes or have become too many."""
+    """Subdivide bricks that the surface may cut, down to boxes or up to `_LOOKS`."""
     D = len(low)
     a, b = np.array([low], float), np.array([high], float)
     least = cut_through = surface = 0.0

@@ -1,9 +1,9 @@
 """The initial particles: on a lattice of `particles_per_cell` points a cell, where bodies are.
 
-Particles are made slab by slab: first every rank counts those of its share of the lattice's
-planes, then, with the counts known to all, it makes the particles of its own layers only. No rank
-ever holds more. Ids number the particles by body, then by position (x first). The part of
-the body that a particle at its surface has is found by `pgimp.scene.bodies.lattice_body`.
+Particles are made slab by slab. First every rank counts the particles of its share of the
+lattice's planes. After the counts are shared, each rank makes the particles of its own layers only
+and never holds more. Ids number the particles by body, then by position (x first). Volume
+fractions of particles at a surface are computed in `pgimp.scene.bodies.lattice_body`.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -38,7 +38,7 @@ class ParticleBlock(NamedTuple):
         Points of the lattice.
     ids : (n,) int64
     fractions : (n,) float64
-        Volumes, over that of a particle that no surface cuts.
+        Volumes, over the volume of an uncut particle.
     centroids : (n, D) float64
         Centres of mass of the particles' parts of the body.
     velocities : (n, D) float64 or None
@@ -46,8 +46,8 @@ class ParticleBlock(NamedTuple):
     gradients : (n, D * D) float64 or None
         Of the velocity.
     states : dict of str to (n, k) float64
-        State variables of the material, and columns that its parameters are, by name. All four as
-        a file of particles gives them.
+        State variables of the material, and columns that serve as its parameters, by name. These
+        and the three entries above come from a particle file.
     rows : (n,) int64 or None
         Rows of the file.
     """
@@ -65,7 +65,7 @@ class ParticleBlock(NamedTuple):
 
 
 class Lattice:
-    """The points at which particles may start, and the bodies that fill the boxes round them.
+    """Initial particle positions, and the bodies that fill the boxes around them.
 
     Parameters
     ----------
@@ -95,9 +95,10 @@ class Lattice:
         ]
 
     def excess(self, block: ParticleBlock) -> NDArray[np.float64]:
-        """The curvature's share of the mean gap from a plane, (n,), of particles that it cuts.
+        """Part of the mean gap from a plane that is due to curvature, (n,), for cut particles.
 
-        See `LatticeBody.excess`; 0 for others, and for those from a file, whose surface is unknown.
+        See `LatticeBody.excess`. It is 0 for whole particles, and for particles from a file, whose
+        surface is unknown.
         """
         found, body = np.zeros(len(block.ids)), self.bodies[block.body]
         cut = np.flatnonzero((block.centroids != block.positions).any(axis=1))
@@ -116,7 +117,7 @@ class Lattice:
         return [float(edges[1] - edges[0]) for edges in self.edges]
 
     def count(self, planes: tuple[int, int]) -> np.ndarray:
-        """Particles of each body in each plane of a range, (bodies, planes) int64."""
+        """Particle counts of each body in each plane of a range, (bodies, planes) int64."""
         counts = np.zeros((len(self.bodies), planes[1] - planes[0]), np.int64)
         for number, body in enumerate(self.bodies):
             if isinstance(body, Cloud):
@@ -131,16 +132,16 @@ class Lattice:
 
     @contextmanager
     def _named(self, body: int) -> Iterator[None]:
-        """Add the key of a body's region to errors about it."""
+        """Prefix errors about a body with the key of its region."""
         try:
             yield
         except (TangledError, CaseError) as error:
             raise CaseError(f"bodies.{self.names[body]}.region: {error}") from None
 
     def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
-        """Pairs of bodies that may share a cell, with the part of the lattice where they may.
+        """Pairs of bodies that may share a cell, with that part of the lattice.
 
-        Those of a file's particles are checked by `pgimp.scene.checks.overlap`.
+        `pgimp.scene.checks.overlap` checks particles from files.
         """
         for a, first in enumerate(self.bodies):
             for b in range(a + 1, len(self.bodies)):
@@ -155,7 +156,7 @@ class Lattice:
                     yield a, b, self._whole_cells([(min(pair), max(pair)) for pair in ends])
 
     def _whole_cells(self, box: Ranges) -> Ranges:
-        """A part of the lattice widened to whole cells, and by a cell to each side."""
+        """Part of the lattice widened to whole cells, and by a cell to each side."""
         return [
             (max((a // n - 1) * n, 0), min((-(-b // n) + 1) * n, len(x)))
             for (a, b), n, x in zip(box, self.per_cell, self.coordinates, strict=True)
@@ -164,7 +165,7 @@ class Lattice:
     def find_overlaps(
         self, planes: tuple[int, int]
     ) -> tuple[list[tuple[tuple[int, int], str]], set[tuple[str, str]]]:
-        """Find where bodies meet, among the points of a range of planes.
+        """Find overlaps of bodies among the points of a range of planes.
 
         Returns
         -------
@@ -207,10 +208,10 @@ class Lattice:
     def _overlap(
         both: list[VolumeFractions], bodies: tuple[LatticeBody, LatticeBody]
     ) -> str | None:
-        """The first point at which two bodies overlap, as text.
+        """Describe the first point at which two bodies overlap.
 
-        Bodies may share a box that a surface cuts if their parts fit into it: an excess, beyond the
-        uncertainty from their surfaces' curvature, is an overlap.
+        Bodies may share a cut box if their parts fit into it. An excess beyond the uncertainty
+        from their surfaces' curvature is an overlap.
         """
         first, second = both
         places = np.flatnonzero(first.exists & second.exists)
@@ -224,7 +225,7 @@ class Lattice:
         return ", ".join(f"{x:g}" for x in points[over.argmax()])
 
     def _cells(self, volumes: VolumeFractions) -> set[int]:
-        """Numbers of the cells, within whole cells, that hold more than small parts of a body."""
+        """Numbers of the cells in which more than a small part of a body lies."""
         places = np.flatnonzero(volumes.exists)
         places = places[volumes.fraction(places) >= LEAST_FRACTION]
         sizes = tuple(end - begin for begin, end in volumes.ranges)
@@ -251,8 +252,8 @@ class Lattice:
         only : int, optional
             The one body.
         own : callable, optional
-            Selects particles that are not on the lattice by their coordinates along x; by default
-            those within the planes.
+            Selects particles that are not on the lattice by their x coordinates; by default the
+            particles within the planes.
         """
         ends = np.cumsum(counts.ravel()).reshape(counts.shape)
         for number, body in enumerate(self.bodies):

@@ -1,18 +1,18 @@
 """Volume fractions of a body in the lattice boxes, and the particles made from them.
 
-A lattice box is the box of a particle's full size round a lattice point. One that the surface
-cuts takes the share of volume, mass and momentum of its part inside (3-5), so that the sums over a
-body are those of the body (7, 8); it keeps its full size and its place at the lattice point. A part
-below `LEAST_FRACTION` of a box merges inwards: it goes to the fullest of the neighbours.
+A lattice box is the box of a particle's full size around a lattice point. A cut box takes the
+volume, mass and momentum of its part inside (3-5), so the sums over a body are exact (7, 8). It
+keeps its full size and its position at the lattice point. A part below `LEAST_FRACTION` of a box
+merges inwards, into the fullest neighbour.
 
-The sums are exact to rounding for boxes, their unions and differences. The mass of a ball
-converges with fourth order: its error is 2e-4, 2e-5, 9e-7, 7e-8 where the radius is 2, 4, 8, 16
-boxes; that of whole particles, 6e-2, 1e-2, 3e-3, 1e-3, with an order between one and two. A rim
-that no plane along the grid contains, as of a tilted cylinder, leaves 1e-3, 1e-4, 6e-5, 8e-6.
+The sums are exact to rounding for boxes, their unions and differences. For a ball of radius 2, 4,
+8, 16 boxes the error of the mass is 2e-4, 2e-5, 9e-7, 7e-8: fourth order. With whole particles the
+error is 6e-2, 1e-2, 3e-3, 1e-3: an order between one and two. A rim in no grid-aligned plane, as
+of a tilted cylinder, leaves 1e-3, 1e-4, 6e-5, 8e-6.
 
-Not covered by the sums: a cut particle stands at its lattice point, not at the centroid
-of its part, so that the centre of mass of a body is off by at most half a box's size times the part
-of the mass that is in cut particles: by second order.
+One error remains: a cut particle stays at its lattice point, not at the centroid of its part. The
+centre of mass of a body is off by at most half a box times the mass fraction of cut particles:
+second order.
 """
 
 from collections.abc import Iterator
@@ -24,33 +24,33 @@ from pgimp.geometry.measure import measure
 from pgimp.geometry.regions.base import Region
 from pgimp.scene.bodies.volume_fractions import Places, Ranges, Reals, VolumeFractions
 
-#: Points examined at a time one by one, and boxes at a time in slabs of planes.
+#: Points per block that are tested one by one; also boxes per block in slabs of planes.
 _BLOCK = 200_000
 _SLAB = 4_000_000
 
-#: Part of a box below which a cut box merges into a neighbour, if one has more.
+#: Volume fraction below which a cut box merges into a neighbour, if one is fuller.
 LEAST_FRACTION = 1e-3
 
-#: Up to this number, all parts of a region are tested on all boxes. Of more parts only those that
-#: reach a block of boxes, which has this number of boxes along each direction.
+#: Up to `_FEW` parts of a region are all tested on all boxes. Of more parts, only the parts that
+#: reach a block of boxes are tested; a block has `_NEAR` boxes along each direction.
 _FEW, _NEAR = 8, 16
 
-#: Of a cell: step of the differences for curvatures; curvature from which on it is an edge.
+#: In cells: step of the differences for curvatures; curvature that counts as an edge.
 _STEP, _SHARP = 0.25, 0.5
 
-#: Points of a brick, for which one test may decide.
+#: Points of a brick, which one test may classify together.
 _BRICK = 512
 
 
 def _points(axes: list[Reals], ranges: Ranges, places: Places) -> NDArray[np.float64]:
-    """Points of a lattice by their numbers in a part of it, (n, D)."""
+    """Lattice points, given by their numbers in a part of the lattice, (n, D)."""
     index = np.unravel_index(places, tuple(end - begin for begin, end in ranges))
     parts = [x[i + r[0]] for x, i, r in zip(axes, index, ranges, strict=True)]
     return np.stack(parts, axis=1)
 
 
 class LatticeBody:
-    """The boxes of the lattice that a body fills.
+    """Lattice boxes that a body fills.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class LatticeBody:
     edges, centres : list of (n + 1,) and of (n,) float64
         Coordinates of the lattice's boxes by direction.
     cut : bool
-        Whether surfaces cut boxes; otherwise those whose centres lie inside are whole.
+        Whether surfaces cut boxes; otherwise boxes with their centres inside are whole.
     """
 
     def __init__(self, region: Region, edges: list[Reals], centres: list[Reals], cut: bool) -> None:
@@ -72,12 +72,12 @@ class LatticeBody:
             self.box.append((max(0, begin), min(len(e) - 1, end)))
         self.size = np.array([(e[-1] - e[0]) / (len(e) - 1) for e in edges])
         self.radius = 0.5 * float(np.sqrt((self.size * self.size).sum())) * (1.0 + 1e-9)
-        # Fractions and moments by the part of the lattice: a rank counts first, then creates.
+        # Fractions and moments by part of the lattice: needed for the count, then for creation.
         self._measured: dict[tuple[tuple[int, int], ...], tuple[Reals, Reals]] = {}
         self._filled: dict[
             tuple[tuple[int, int], ...], tuple[NDArray[np.uint8], VolumeFractions]
         ] = {}
-        # Part of a box that rounding of coordinates may add or remove.
+        # Fraction of a box that rounding of coordinates may add or remove.
         reach = max(
             float(np.abs(e[[0, -1]]).max() / h) for e, h in zip(edges, self.size, strict=True)
         )
@@ -90,7 +90,7 @@ class LatticeBody:
             return
         row = int(np.prod([end - begin for begin, end in self.box[1:]], initial=1))
         deep = max(1, _SLAB // row)
-        halo = 2 if self.cut else 0  # a small box's neighbour, and the small ones around that
+        halo = 2 if self.cut else 0  # a small box's neighbour, and the small boxes around it
         for begin in range(first, last, deep):
             end = min(begin + deep, last)
             wide = (max(begin - halo, self.box[0][0]), min(end + halo, self.box[0][1]))
@@ -133,7 +133,7 @@ class LatticeBody:
         return VolumeFractions(ranges, whole, places[keep], fractions[keep], moments[keep])
 
     def _fill(self, ranges: Ranges) -> VolumeFractions | None:
-        """Volume fractions of a region that measures all boxes itself; None of another."""
+        """Volume fractions from a region that measures all boxes itself, else None."""
         key = tuple(ranges)
         if key not in self._filled:
             found = self.region.fill(self.edges, ranges)
@@ -143,7 +143,7 @@ class LatticeBody:
             fractions, moments = self._rounded(fractions, moments)
             whole[places] = fractions == 1.0
             keep = (fractions > 0.0) & (fractions != 1.0)
-            # The boxes inside are many: kept as bits.
+            # Inside boxes are many: kept as bits.
             none = np.zeros(0, bool)
             volumes = VolumeFractions(ranges, none, places[keep], fractions[keep], moments[keep])
             self._filled[key] = np.packbits(whole), volumes
@@ -152,13 +152,13 @@ class LatticeBody:
         return volumes._replace(whole=np.unpackbits(bits, count=number).view(bool))
 
     def excess(self, x: Reals, cell: Reals) -> Reals:
-        """Curvature's share of the mean gap from a plane, a length, at boxes that it cuts, (n,).
+        """Part of the mean gap from a plane that is due to curvature, a length, at cut boxes, (n,).
 
-        A surface of the curvature k along a direction is k s^2/2 farther from a plane at the
-        distance s from where it touches it. The mean of that over the tent of a vertex is k/12, in
-        cells; vertices lie up to half a cell from there, which adds up to k/8, half of it here.
-        Curvatures are second differences of the distance, over a quarter of a cell; more than
-        `_SHARP` is an edge, and counts as none.
+        A surface of curvature k along a direction departs from its tangent plane by k s^2/2 at
+        distance s. The mean over the tent of a vertex is k/12, in cells. Vertices lie up to half a
+        cell from the contact point, which adds up to k/8; half of it is added here. Curvatures are
+        second differences of the distance, over a quarter of a cell; a curvature above `_SHARP`
+        is an edge and counts as zero.
 
         Parameters
         ----------
@@ -186,7 +186,7 @@ class LatticeBody:
     def _measure(
         self, ranges: Ranges, shape: tuple[int, ...], places: Places
     ) -> tuple[Reals, Reals]:
-        """Fractions and moments of boxes."""
+        """Volume fractions and moments of boxes."""
         index = [i + r[0] for i, r in zip(np.unravel_index(places, shape), ranges, strict=True)]
         low = np.stack([e[i] for e, i in zip(self.edges, index, strict=True)], axis=1)
         high = np.stack([e[i + 1] for e, i in zip(self.edges, index, strict=True)], axis=1)
@@ -196,7 +196,7 @@ class LatticeBody:
         return self._rounded(volume, moment)
 
     def _rounded(self, volume: Reals, moment: Reals) -> tuple[Reals, Reals]:
-        """Over the volume of a box, exactly 0 or 1 where it differs by rounding only."""
+        """Volumes and moments over a box's volume, set to exactly 0 or 1 within rounding."""
         full = float(np.prod(self.size))
         volume /= full
         moment /= full
@@ -205,10 +205,10 @@ class LatticeBody:
         return volume, moment
 
     def _neighbourhoods(self, index: list[Places]) -> Iterator[tuple[Places, Region]]:
-        """Boxes by block of the lattice, with the parts of a region that reach there.
+        """Boxes by block of the lattice, with the parts of a region that reach the block.
 
-        The blocks are those of the whole lattice, so that the bits depend neither on the ranks nor
-        on other boxes.
+        Blocks are defined on the whole lattice, so the bits depend neither on the ranks nor on
+        other boxes.
         """
         if self.region.parts <= _FEW:
             yield np.arange(len(index[0])), self.region
@@ -225,11 +225,11 @@ class LatticeBody:
                 yield rows, region
 
     def points(self, ranges: Ranges, places: Places) -> NDArray[np.float64]:
-        """Centres of the boxes with these numbers in a part of the lattice, (n, D)."""
+        """Box centres, given by box numbers in a part of the lattice, (n, D)."""
         return _points(self.centres, ranges, places)
 
     def _bricks(self, ranges: Ranges) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Boxes in bricks that lie inside entirely, and in bricks that may meet the surface."""
+        """Masks of the boxes in bricks entirely inside, and in bricks that may meet the surface."""
         side = round(_BRICK ** (1.0 / len(ranges)))
         middles, square = [], 0.0
         for e, (begin, end) in zip(self.edges, ranges, strict=True):
@@ -254,9 +254,9 @@ class LatticeBody:
         return masks[0], masks[1]
 
     def _merge(self, volumes: VolumeFractions) -> VolumeFractions:
-        """Merge small cut boxes into the fullest neighbour, of equals the nearest, then the first.
+        """Merge small cut boxes into the fullest neighbour, among equals the nearest, then first.
 
-        Near means that few coordinates differ.
+        The nearest neighbour is the one with the fewest different coordinates.
         """
         small = np.flatnonzero(volumes.fractions < LEAST_FRACTION)
         if len(small) == 0:

@@ -1,4 +1,4 @@
-"""A body whose particles are the user's own: what `LatticeBody` is to a body on the lattice."""
+"""A body of particles from a file, the counterpart of `LatticeBody` for bodies on the lattice."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ class Cloud:
 
     def __init__(self, region: Points, edges: list[Reals]) -> None:
         self.region, self.edges = region, edges
-        #: The lattice's boxes that hold some; no box is filled.
+        #: Lattice boxes that contain particles; no box is filled.
         self.box: Ranges = [(0, 0)] * len(edges)
 
     def _planes(self, x: Reals) -> NDArray[np.int64]:
-        """Plane of each coordinate; those on the domain's far face belong to the last one."""
+        """Plane of each coordinate; the domain's far face belongs to the last plane."""
         edges = self.edges[0]
         return np.clip(np.searchsorted(edges, x, "right") - 1, 0, len(edges) - 2)
 
     def count(self, planes: tuple[int, int]) -> NDArray[np.int64]:
-        """Particles in each plane of a range."""
+        """Particle counts in each plane of a range."""
         if planes[0] >= planes[1]:
             return np.zeros(0, np.int64)
         total = np.zeros(len(self.edges[0]) - 1, np.int64)
@@ -46,12 +46,12 @@ class Cloud:
         return total[planes[0] : planes[1]]
 
     def between(self, x: Reals, planes: tuple[int, int]) -> Mask:
-        """Return which coordinates are in a range of planes."""
+        """Mask of the coordinates within a range of planes."""
         plane = self._planes(x)
         return (planes[0] <= plane) & (plane < planes[1])
 
     def make(
         self, planes: tuple[int, int], own: Callable[[Reals], Mask] | None
     ) -> Iterator[tuple[NDArray[np.int64], Block]]:
-        """Yield rows and particles of a range of planes, or those with an x that is `own`."""
+        """Yield rows and particles of a range of planes, or with x coordinates in `own`."""
         return self.region.chosen(own or (lambda x: self.between(x, planes)))

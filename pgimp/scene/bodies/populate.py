@@ -22,7 +22,7 @@ def populate(
     planes: tuple[int, int],
     own: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> Particles:
-    """Particles of a range of lattice planes, ordered by body and position.
+    """Create the particles of a range of lattice planes, ordered by body and position.
 
     Parameters
     ----------
@@ -31,9 +31,9 @@ def populate(
     planes : (int, int)
         First plane and end.
     own : callable, optional
-        See `Lattice.make`; its choice need not match the counts of the planes.
+        See `Lattice.make`; its selection may differ from the counts of the planes.
     """
-    # The number of particles in files is only known once they are read.
+    # Files must be read before their number of particles is known.
     files: list[list[ParticleBlock] | None] = []
     for body, found in enumerate(lattice.bodies):
         blocks = None
@@ -57,8 +57,8 @@ def populate(
     for block in chain.from_iterable(every):
         rows = slice(row, row + len(block.ids))
         p.x[rows] = block.positions
-        # A field linear in space has its mean over a part (5) at the part's centroid; an exact
-        # solution refers to the particle's place.
+        # A field linear in space has its mean over a part (5) at the part's centroid. An exact
+        # solution refers to the particle's position.
         places = block.positions if scene.moves else block.centroids
         if block.velocities is None:
             p.v[rows] = velocities(scene, block.body, places)
@@ -87,7 +87,7 @@ def populate(
 
 
 def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:
-    """Set stress and state of a block's particles, and parameters that vary with their mass."""
+    """Set stress, state, varying parameters and mass of a block's particles."""
     material = scene.body_material[block.body]
     if block.stresses is not None:
         p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
@@ -97,12 +97,12 @@ def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) ->
     _vary(scene, p, rows, block)
     for name, values in block.states.items():
         first = scene.states.first(name, material)
-        if first >= 0:  # else a parameter that varies
+        if first >= 0:  # else a varying parameter
             p.state[rows, first : first + values.shape[1]] = values
 
 
 def prestressed(scene: Scene) -> list[int]:
-    """Bodies whose particles remember the stress of their file by other states."""
+    """Bodies whose particles store the stress from their file in other states."""
     return [
         number
         for number, body in enumerate(scene.case.bodies.values())
@@ -153,7 +153,7 @@ def _velocity_gradients(scene: Scene, body: int, positions: np.ndarray) -> np.nd
 
 
 def _vary(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:
-    """Set parameters that vary in space, and the mass, state and stress that follow."""
+    """Set spatially varying parameters, and the mass, state and stress that follow."""
     own = scene.variations.of(block, scene.body_material[block.body])
     if own is None:
         return

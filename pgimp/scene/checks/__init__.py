@@ -1,1 +1,1 @@
-"""What a scene is warned of, or refused for, before it runs."""
+"""Warnings and errors about a scene before it runs."""

@@ -16,16 +16,16 @@ from pgimp.scene.checks.sanity import strains
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
-#: Displacement in cells, and strain, from which the configuration makes a difference.
+#: Displacement in cells, and strain, above which the configuration matters.
 _FAR, _MUCH = 0.5, 0.05
 
-#: Angle from which spin that is lost shows; strain from which sizes of particles matter.
+#: Angle above which lost spin is noticeable; strain above which particle sizes matter.
 _TURN, _LARGE = 1.0, 0.15
 
 #: Shapes whose boxes keep their size.
 _CONSTANT = ("gimp", "bspline-quadratic")
 
-#: Poisson's ratio from which volume locks.
+#: Poisson's ratio above which volumetric locking occurs.
 _LOCKS = 0.45
 
 #: Shapes that reach two cells and more.
@@ -33,10 +33,10 @@ _WIDE = ("fuzzy-constant", "bspline-cubic")
 
 
 def advice(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
-    """Return what would do better than the configuration and the method of this case.
+    """Return advice on configuration and method that give less error or cost for this case.
 
-    Nothing where they are on a front of docs/error-against-cost.md, or near one, as far as what
-    the bodies do can be seen before the run: whether they move, turn, or are strained by loads.
+    None if they are on or near a front of docs/error-against-cost.md. The bodies' motion is judged
+    before the run: whether they move, turn, or are strained by loads.
     """
     began = _configuration(case, bodies)
     sizes = () if began else _sizes(case, bodies)
@@ -44,9 +44,9 @@ def advice(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
 
 
 def _configuration(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
-    """Whether bodies that move, turn or stretch would do better in the initial one.
+    """Advise the initial configuration for bodies that move, turn or stretch.
 
-    That is for elastic bodies; what has no law of contact with what it meets would stick to it.
+    Only for elastic bodies; bodies that meet without a contact law would stick together.
     """
     if not all(_fits(case, body) for body in case.bodies.values()):
         return []
@@ -70,7 +70,7 @@ def _configuration(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
 
 
 def _points(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
-    """Points that cross cells; with `affine` there is a warning."""
+    """Advise on point particles that cross cells; with `affine` there is a warning."""
     crossing = [b.name for b in bodies if _moves(case, b) and _current(case, b.name)]
     if crossing and case.method.shape == "mpm" and not case.method.affine:
         yield (
@@ -80,7 +80,7 @@ def _points(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
 
 
 def _wide(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
-    """Wide shapes of elastic bodies that move; nearly incompressible ones they are good for."""
+    """Advise on wide shapes of moving elastic bodies, except nearly incompressible ones."""
     moving = [
         body.name
         for body in bodies
@@ -97,7 +97,7 @@ def _wide(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
 
 
 def _spin(case: Case) -> Iterator[str]:
-    """Bodies that turn without `affine`."""
+    """Advise on bodies that turn without `affine`."""
     turning = [
         name
         for name, body in case.bodies.items()
@@ -112,7 +112,7 @@ def _spin(case: Case) -> Iterator[str]:
 
 
 def _sizes(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
-    """Strong compression or tension of boxes that keep their size."""
+    """Advise on strong compression or tension of boxes of constant size."""
     shape = case.method.shape
     strained = [
         body.name
@@ -130,12 +130,12 @@ def _sizes(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
 
 
 def _moves(case: Case, body: BodyFacts) -> bool:
-    """Whether a body crosses a part of a cell."""
+    """Whether a body moves by more than a part of a cell."""
     return body.top_speed * case.time.end > _FAR * min(case.grid.cell)
 
 
 def _hit(case: Case) -> bool:
-    """Whether bodies meet under `contact`, or walls that let go."""
+    """Whether bodies meet under `contact`, or meet unilateral walls."""
     if case.contact:
         return True
     near, boxes = nearness.reach(case), moving_boxes(case, instants(case))
@@ -156,5 +156,5 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _fits(case: Case, body: Any) -> bool:
-    """Whether a body is elastic, and not in the initial configuration yet."""
+    """Whether a body is elastic and in the current configuration."""
     return body.configuration == "current" and case.materials[body.material].ELASTIC

@@ -33,16 +33,16 @@ class BodyFacts:
         At rest; the greatest initial speed of a particle.
     density : float
     low, high : tuple of float
-        Corners of the box that it fills.
+        Corners of its bounding box.
     velocity : tuple of float
         Mean of the particles' initial velocities.
     rigid : bool
-        Whether all particles start with that velocity.
+        Whether all particles start with `velocity`.
     rest_rate : float
         See `rest_rate`.
     varies : dict of str to (float, float, float)
-        Least, mean and greatest value of parameters of its material that vary in space, by key;
-        density, wave speed and rate are then the greatest.
+        Least, mean and greatest value of spatially varying material parameters, by key. Density,
+        wave speed and rate are then maxima.
     """
 
     name: str
@@ -64,7 +64,7 @@ class BodyFacts:
 
     @property
     def extent(self) -> float:
-        """The largest of its sizes."""
+        """Largest extent."""
         return max(self.sizes)
 
 
@@ -76,14 +76,14 @@ class Findings:
     ----------
     bodies : list of BodyFacts
     held : (constraints + 1,) int64
-        Particles that each constraint holds, from the second entry on.
+        Number of particles that each constraint holds, from the second entry on.
     away : dict of str to float
-        For each probe, how far the closest particle is: of a material point from the particle's
-        centre, of a place the largest component in cells.
+        For each probe, the distance of the closest particle. For a material point: from the
+        particle's centre. For a fixed position: the largest component, in cells.
     later : list of LaterConstraint
         Constraints of later stages.
     held_later : (len(later),) int64
-        Particles that are where these will hold some.
+        Number of particles in the regions of the later constraints.
     """
 
     bodies: list[BodyFacts]
@@ -104,12 +104,12 @@ def examine(
     lattice, counts
         See `count_particles`.
     stages : sequence of Case
-        Those of all stages.
+        The cases of all stages.
 
     Raises
     ------
     CaseError
-        As a run at its start, if a constraint holds no particle.
+        If a constraint holds no particle, as at the start of a run.
     """
     later = later_constraints(stages)
     found = Findings(
@@ -147,7 +147,7 @@ def _examine(
             bodies = np.full(len(block.ids), body, np.int32)
             found.held_later += held(found.later, bodies, block.positions)
         _measure_probes(scene, block, ends, found)
-    # Boxes round the particles, unless the region itself is smaller.
+    # Boxes around the particles, unless the region itself is smaller.
     half = 0.5 * np.array(scene.frame.cell) / lattice.per_cell
     low, high = low - half, high + half
     region = scene.case.bodies[scene.body_names[body]].region
@@ -169,7 +169,7 @@ def _examine(
 
 
 class _Speeds:
-    """Bounds and the mean of velocities, and the greatest speed."""
+    """Bounds and mean of velocities, and the greatest speed."""
 
     def __init__(self, dimension: int) -> None:
         self.top = self.mass = 0.0
@@ -187,7 +187,7 @@ class _Speeds:
 
 
 class _Varied:
-    """Wave speed, density and rate at rest of a body, the greatest where its material varies."""
+    """Wave speed, density and rate at rest of a body; maxima where its material varies."""
 
     def __init__(self, scene: Scene, body: int) -> None:
         self._scene, self._body = scene, body
@@ -226,23 +226,23 @@ class _Varied:
 
 def wave_speed(scene: Scene, body: int, points: tuple[_Reals, _Reals] | None = None) -> float:
     """Wave speed of a body at rest; see `rest_rate`."""
-    # With cells so large that viscosity is negligible.
+    # Cells are so large here that viscosity is negligible.
     return rest_rate(scene, body, 2.0**-200, points) * 2.0**200
 
 
 def rest_rate(
     scene: Scene, body: int, inverse: float = 0.0, points: tuple[_Reals, _Reals] | None = None
 ) -> float:
-    """Rate that limits the step of a body at rest, of waves and viscosity, 1/time.
+    """Rate that limits the step of a body at rest, by waves and viscosity, 1/time.
 
     Parameters
     ----------
     scene, body : Scene, int
         The body's number in a scene.
     inverse : float
-        The inverse of the side of a cell; by default it is the scene's.
+        Inverse of the side of a cell; by default the scene's.
     points : ((n, own), (n, k)) float64, optional
-        Columns `own` and `state` of particles whose material varies; by default a typical one's.
+        Columns `own` and `state` of particles whose material varies; by default typical ones.
     """
     number = scene.body_material[body]
     if points is None:
@@ -257,7 +257,7 @@ def rest_rate(
 
 
 def _gap(ends: tuple[_Reals, _Reals], low: Any, high: Any) -> _Reals:
-    """Distance of two boxes by direction; zero where they overlap."""
+    """Distance between two boxes by direction; zero where they overlap."""
     return np.maximum(0.0, np.maximum(ends[0] - high, np.array(low) - ends[1]))
 
 
@@ -278,7 +278,7 @@ def _measure_probes(
     for name, probe in scene.case.probes.items():
         place = isinstance(probe, PlaceProbe)
         at = np.array(probe.place if place else probe.at, float)
-        # No closer than the box around them; a place has no need of the closest one.
+        # Lower bound from the bounding box; a fixed position needs no closest particle.
         apart = _gap(ends, at, at)
         if place:
             if found.away[name] < 1.0 or (apart / cell).max() >= 1.0:

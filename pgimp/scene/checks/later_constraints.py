@@ -1,4 +1,4 @@
-"""Constraints that begin in a later stage: what they would hold where bodies are at the start."""
+"""Constraints that begin in a later stage, and the particles in their regions at the start."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pgimp.case.schema import Case
 
 
 class LaterConstraint(NamedTuple):
-    """A constraint that chooses its particles as a stage after the first begins.
+    """A constraint that selects its particles at the beginning of a later stage.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class LaterConstraint(NamedTuple):
 
 
 def later_constraints(cases: Sequence[Case]) -> list[LaterConstraint]:
-    """Those of the cases of all stages."""
+    """Later constraints of all stages, given by their cases."""
     return [
         LaterConstraint(now, name, list(now.bodies).index(entry.body), entry.region)
         for before, now in pairwise(cases)
@@ -45,7 +45,7 @@ def later_constraints(cases: Sequence[Case]) -> list[LaterConstraint]:
 def held(
     later: Sequence[LaterConstraint], body: NDArray[np.int32], x: NDArray[np.float64]
 ) -> NDArray[np.int64]:
-    """Number of particles that are in the region of each of them now, (constraints,)."""
+    """Number of particles in the region of each constraint now, (constraints,)."""
     return np.array(
         [np.count_nonzero(one.region.contains(x[body == one.body])) for one in later], np.int64
     )
@@ -54,7 +54,7 @@ def held(
 def idle_warnings(
     later: Sequence[LaterConstraint], counts: NDArray[np.int64]
 ) -> list[str]:
-    """Say which of them would hold nothing, given what `held` counts of all particles."""
+    """Warn of constraints that would hold nothing, by the counts of `held` over all particles."""
     return [
         f"time.stages.{one.case.staged.number - 1}.constraints.{one.name}.region: where the bodies "
         f"are at the start it holds no particle of '{list(one.case.bodies)[one.body]}'; if none "

@@ -1,4 +1,4 @@
-"""Whether bodies of a case would lock, or have stripes of stress: a matter of ``volumetric``."""
+"""Warnings of volumetric locking and stress stripes, which ``volumetric`` governs."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _NEARLY_HALF = 0.45
 
 
 def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[str]:
-    """Yield a warning about each solid that is nearly incompressible, and so too stiff.
+    """Yield a warning for each nearly incompressible solid, which locks: too stiff.
 
     Parameters
     ----------
     case : Case
         The case.
     poisson : mapping of str to float, optional
-        The greatest Poisson's ratio of bodies whose own varies in space.
+        Greatest Poisson's ratio of bodies where it varies in space.
     """
     for body, name, material in _pointwise(case):
         ratio = _ratio(body, material, poisson)
@@ -33,9 +33,9 @@ def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
 
 
 def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[str]:
-    """Yield a note about each solid that flows plastically, so that its stress has stripes.
+    """Yield a note for each plastically flowing solid, whose stress shows stripes.
 
-    Liquids and grains have none, nor what `locking` warns of. Parameters are those of `locking`.
+    None for liquids, grains and bodies that `locking` warns of. Parameters as in `locking`.
     """
     for body, name, material in _pointwise(case):
         plastic = "plastic-work" in material.LOSSES and not material.VOLUME_ONLY
@@ -48,7 +48,7 @@ def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
 
 
 def _pointwise(case: Case) -> Iterator[tuple[str, str, Any]]:
-    """Bodies, with their material and its name, where particles have each their own volume."""
+    """Bodies with pointwise volumes, with their material and its name."""
     method = case.method
     if case.dimensions == 1 or method.volumetric == "mean" or method.shape == "fuzzy-constant":
         return
@@ -57,7 +57,7 @@ def _pointwise(case: Case) -> Iterator[tuple[str, str, Any]]:
 
 
 def _ratio(body: str, material: Any, poisson: Mapping[str, float] | None) -> float:
-    """Poisson's ratio; 0 where there is none, or the greatest is not known yet."""
+    """Poisson's ratio; 0 if there is none or its maximum is not yet known."""
     ratio = (poisson or {}).get(body, getattr(material, "poisson", 0.0))
     return float(ratio) if isinstance(ratio, float | int) else 0.0
 

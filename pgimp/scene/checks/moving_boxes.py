@@ -1,6 +1,6 @@
-"""Boxes round the bodies, and their motion if only walls and constraints stop them.
+"""Bounding boxes of the bodies, and their motion if only walls and constraints stop them.
 
-From the case alone: gravity, the velocities at the start, constraints, and faces that hold.
+Only the case is used: gravity, initial velocities, constraints, and faces that hold.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ TOUCH = 1e-6
 
 
 class Box(NamedTuple):
-    """The box round a body over time.
+    """Bounding box of a body over time.
 
     Attributes
     ----------
     name : str
     low, high : (instants, D) float64
-        Its corners, round all directions of a body that turns from the second instant on.
+        Corners; for a body that turns, they enclose all its orientations from the second instant.
     """
 
     name: str
@@ -41,13 +41,13 @@ class Box(NamedTuple):
 
 
 def instants(case: Case) -> np.ndarray:
-    """Times at which the boxes are evaluated, from the start to the end."""
+    """Times of the boxes, from the start to the end."""
     number = min(_INSTANTS, max(_FEWEST_INSTANTS, _PLACES // len(case.bodies)))
     return np.linspace(0.0, case.time.end, number)
 
 
 def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
-    """Boxes of all bodies of a material at some times, the first of them the start."""
+    """Bounding boxes of all bodies of a material at `times`, the first of which is the start."""
     fall = _integral(_fall(case, times), times)
     boxes = []
     for name, body in case.bodies.items():
@@ -72,7 +72,7 @@ def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
 
 
 def _velocity(entry: Any, middle: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Initial velocity of a point of a body, (D,), and whether the body turns."""
+    """Initial velocity of a body's point, (D,), and whether the body turns."""
     if isinstance(entry, tuple):
         return np.array(entry, float), False
     D, rate = len(middle), entry.rotation.rate
@@ -122,7 +122,7 @@ def _held(case: Case, low: np.ndarray, high: np.ndarray) -> Iterator[bool]:
 
 
 def _stopped(case: Case, low: np.ndarray, high: np.ndarray, displacement: np.ndarray) -> np.ndarray:
-    """Displacement of a box that walls stop."""
+    """Displacement of a box, limited by walls."""
     for _, _, axis, side in faces_with_condition(case):
         if side < 0:
             least = min(0.0, case.grid.origin[axis] - low[axis])

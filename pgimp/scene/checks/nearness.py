@@ -1,10 +1,10 @@
-"""Bodies that come near each other, or a wall, and share a velocity field: they stick together.
+"""Bodies that stick to each other, or to a wall, because they share a velocity field.
 
-A particle shares vertices of the grid with everything within its reach. Between the surfaces of
-two bodies, whose outermost particles lie half a particle's spacing inside, that is
-2 (1 + d) - 1/n cells, with the half-width d of chi_p in cells and n particles a cell: 2 with boxes.
-From a wall it is half of that. Pairs of bodies with an entry of `contact` follow its law. Fluids,
-gases and grains flow together where they meet, and a wall holds back none without tension.
+A particle shares vertices of the grid with everything within its reach. The outermost particles
+lie half a particle's spacing inside the surface. So the reach between two surfaces is
+2 (1 + d) - 1/n cells: d is the half-width of chi_p in cells, n the particles a cell; 2 with boxes.
+From a wall the reach is half as large. Pairs of bodies with an entry of `contact` follow its law.
+Fluids, gases and grains flow together where they meet; without tension no wall holds them back.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.scene.scene import Scene
 
-#: Of the part of the grid where two bodies may meet, if they are to be compared cell by cell.
+#: Most cells, where two bodies may meet, for a comparison cell by cell.
 _MOST_CELLS = 20_000_000
-#: Pairs of bodies that are compared so, each in some hundredths of a second.
+#: Most pairs of bodies for that comparison, each in some hundredths of a second.
 _MOST_PAIRS = 100
-#: Pairs that are named; of more, the number.
+#: Most pairs that are named; beyond it only their number is given.
 _NAMED = 3
 
 
 def reach(case: Case) -> np.ndarray:
-    """Distance from which two surfaces feel each other, by direction, (D,) in cells."""
+    """Distance within which two surfaces interact, by direction, (D,) in cells."""
     half = np.array(case.method.parameters(tuple(case.grid.cell)).half)
     return 2.0 * (1.0 + half) - 1.0 / np.array(case.method.particles_per_cell)
 
 
 def warnings(case: Case) -> list[str]:
-    """Return which bodies and walls near each other; from the case alone, so that it costs nothing.
+    """Return warnings of bodies and walls that approach each other; only the case is used.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def warnings(case: Case) -> list[str]:
 
 
 def notes(case: Case) -> list[str]:
-    """Return which bodies come near walls; as `warnings`."""
+    """Return notes on bodies that come near walls; as `warnings`."""
     lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
     boxes = moving_boxes(case, instants(case))
     boxes = [box for box, initial in zip(boxes, lagrangian, strict=True) if not initial]
@@ -71,20 +71,20 @@ def notes(case: Case) -> list[str]:
 
 
 def meet(case: Case) -> bool:
-    """Whether bodies may approach each other, or a wall, from a distance at the start."""
+    """Whether bodies that start apart may approach each other, or a wall."""
     boxes = moving_boxes(case, times := instants(case))
     pairs = _pairs_that_meet(case, boxes, times, sharing(case))
     return bool(pairs or [*_walls(case, boxes, at_once=False)])
 
 
 def _sticking(case: Case) -> np.ndarray:
-    """Which pairs of bodies stick together where they meet, as `sharing`: not two that flow."""
+    """Pairs of bodies that stick together where they meet, as `sharing`, without flowing pairs."""
     flows = np.array([case.materials[body.material].VOLUME_ONLY for body in case.bodies.values()])
     return sharing(case) & ~(flows[:, None] & flows)
 
 
 def _pairs_that_meet(case: Case, boxes: list[Box], times: np.ndarray, shared: np.ndarray) -> str:
-    """Return names of `shared` pairs that are apart at the start, and come into reach."""
+    """Names of `shared` pairs that are apart at the start, and come into reach."""
     cell, near = np.array(case.grid.cell), reach(case)
     low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
     met: list[tuple[float, str]] = []
@@ -104,7 +104,7 @@ def _pairs_that_meet(case: Case, boxes: list[Box], times: np.ndarray, shared: np
 
 
 def _passing(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
-    """Return what bodies in the initial configuration approach without contact."""
+    """Warnings of bodies that one in the initial configuration approaches without contact."""
     if names := _pairs_that_meet(case, boxes, times, sharing(case)):
         yield (
             f"bodies: {names} may meet, but in the initial configuration they do not feel each "
@@ -113,7 +113,7 @@ def _passing(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
 
 
 def _held(case: Case, boxes: list[Box]) -> Iterator[str]:
-    """Return which walls bodies in the initial configuration come to, and do not feel."""
+    """Warnings of walls that act on no approaching body in the initial configuration."""
     for text in _walls(case, boxes, at_once=False):
         face, _, who = text.partition(": ")
         yield (
@@ -124,7 +124,7 @@ def _held(case: Case, boxes: list[Box]) -> Iterator[str]:
 
 
 def _pairs(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
-    """Return which bodies are apart at the start, and come nearer, into each other's reach."""
+    """Warnings of bodies that are apart at the start and come into each other's reach."""
     if names := _pairs_that_meet(case, boxes, times, _sticking(case)):
         near = reach(case)
         yield (
@@ -136,7 +136,7 @@ def _pairs(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
 
 
 def _walls(case: Case, boxes: list[Box], at_once: bool) -> Iterator[str]:
-    """Return which bodies are, or will be, within a wall's reach without touching it."""
+    """Warnings of bodies within a wall's reach, now or later, without touching it."""
     near = 0.5 * reach(case)
     for face, condition, axis, side in faces_with_condition(case):
         if condition.approaches and case.method.chi != "point":
@@ -164,7 +164,7 @@ def _walls(case: Case, boxes: list[Box], at_once: bool) -> Iterator[str]:
 
 
 def _rigid(case: Case) -> Iterator[str]:
-    """Return which bodies may meet a rigid body without an entry of contact."""
+    """Warnings of bodies that may meet a rigid body without an entry of contact."""
     names = [*case.bodies, *case.rigid_bodies]
     if not case.rigid_bodies:
         return
@@ -191,9 +191,9 @@ def _range(values: np.ndarray) -> str:
 
 
 def bonded(scene: Scene, lattice: Any, counts: np.ndarray) -> Iterator[str]:
-    """Return which bodies share vertices of the grid from the start, though no cell.
+    """Notes on bodies that share vertices of the grid from the start, but no cell.
 
-    Those that share a cell are in the notes of `pgimp.scene.bodies.counts`.
+    Bodies that share a cell are in the notes of `pgimp.scene.bodies.counts`.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def bonded(scene: Scene, lattice: Any, counts: np.ndarray) -> Iterator[str]:
         if not shared[i, j]:
             continue
         low, high = np.maximum(lows[i], lows[j]), np.minimum(highs[i], highs[j])
-        # Cells in which particles of both may share vertices.
+        # Cells in which particles of both bodies may share vertices.
         first = np.floor((np.minimum(low, high) - origin) / cell - near).astype(int)
         shape = np.ceil((np.maximum(low, high) - origin) / cell + near).astype(int) - first
         if shape.prod() > _MOST_CELLS:
@@ -235,7 +235,7 @@ def bonded(scene: Scene, lattice: Any, counts: np.ndarray) -> Iterator[str]:
 
 
 def _close(low: np.ndarray, high: np.ndarray, near: np.ndarray) -> list[tuple[int, int]]:
-    """Pairs of boxes that are no farther from each other than `near`; of many the closest."""
+    """Pairs of boxes within a distance `near` of each other; of many the closest."""
     found = []
     for i in range(len(low)):
         gap = np.maximum(low[i] - high[i + 1 :], low[i + 1 :] - high[i])
@@ -252,7 +252,7 @@ def _marks(
     first: np.ndarray,
     shape: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Cells, from `first` on, that hold centres of a body's particles, and vertices they reach."""
+    """Cells from `first` on with centres of a body's particles, and vertices in their supports."""
     cells, vertices = np.zeros(shape, bool), np.zeros(shape, bool)
     cell, origin, half = scene.frame.cell, scene.frame.origin, np.array(scene.shape.half)
     n = lattice.per_cell[0]

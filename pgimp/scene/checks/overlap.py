@@ -1,7 +1,7 @@
-"""Overlaps of a file's particles with one another, with another body, or with another file's.
+"""Overlaps of a file's particles with each other, another body, or another file's particles.
 
-Of two bodies only the common box is examined; without one, nothing is read. Refused are only
-certain mistakes, such as the same file twice: bodies in contact may overlap a little.
+Of two bodies only the common box is examined; without one, nothing is read. Only certain mistakes
+are errors, such as the same file twice: bodies in contact may overlap a little.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from pgimp.scene.bodies.point_cloud import Cloud
 Reals = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: How deep in another body a particle may lie, and how close to one of another file, over its size.
+#: Allowed depth in another body, and least distance from another file's particle; over the size.
 _DEEP, _CLOSE = 0.25, 0.1
 
-#: How close two particles of one file may not be, over a box of the lattice; rows that are named.
+#: Distance, over a lattice box, below which a file's particles coincide; most rows in a message.
 _SAME, _NAMED = 1e-6, 10
 
-#: Distances to parts of a region that are computed at most, and at a time.
+#: Distances to parts of a region: most in total, and per block.
 _LOOKS, _BLOCK = 100_000_000, 1_000_000
 
 #: Hash multiplier, from the golden ratio: combines the numbers of a cell with few collisions.
@@ -47,7 +47,7 @@ def overlaps(
     box: Sequence[float],
     planes: tuple[int, int],
 ) -> Iterator[tuple[tuple[int, int], str]]:
-    """Yield for each body from a file, and each pair with one, the first overlap along x.
+    """Yield the first overlap along x of each body from a file, and of each pair with one.
 
     Parameters
     ----------
@@ -56,17 +56,17 @@ def overlaps(
     box : sequence of float
         Size of a box of the lattice by direction.
     planes : (int, int)
-        Range of the lattice's planes that is searched; findings in a plane do not depend on it.
+        Range of the lattice's planes to search; findings in a plane do not depend on it.
 
     Yields
     ------
     (int, int), str
-        The bodies' numbers, twice the same for one body, and what is wrong, with the key.
+        The bodies' numbers, equal for a single body, and the problem as text, with the key.
 
     Raises
     ------
     CaseError
-        If a file cannot be read any more.
+        If a file is no longer readable.
     """
     for a, cloud in enumerate(bodies):
         if isinstance(cloud, Cloud) and (found := _coincident(cloud, planes, _SAME * min(box))):
@@ -110,7 +110,7 @@ def _inside(
 ) -> str:
     """Name the first particle that lies in a body on the lattice, called `name`."""
     here = _taken(cloud, box, planes, None)
-    # Of many particles and many parts a sample must do, the same on any ranks.
+    # Of many particles and parts only a sample is tested, the same on any number of ranks.
     some = here.rows % (1 + cloud.region.summary.number * body.region.parts // _LOOKS) == 0
     here = _CloudParticles(*(column[some] for column in here))
     found = [np.zeros(0, np.int64)]
@@ -129,7 +129,7 @@ def _inside(
 def _close(
     first: Cloud, second: Cloud, box: tuple[Reals, Reals], planes: tuple[int, int], size: float
 ) -> str:
-    """Name the first two particles of two files that are at nearly the same place."""
+    """Name the first two particles of two files at nearly the same position."""
     reach = _CLOSE * size
     wide = (box[0] - reach, box[1] + reach)
     one, other = (_taken(cloud, wide, planes, 4.0 * reach) for cloud in (first, second))
@@ -141,7 +141,7 @@ def _close(
     limit = np.minimum(limit, reach)
     found = []
     for left, right in _pairs(x, reach):
-        # The first body's stand before the second's.
+        # The first body's particles precede the second's.
         apart = (left < len(one.x)) & (right >= len(one.x))
         left, right = left[apart], right[apart]
         away = np.sqrt(np.square(x[left] - x[right]).sum(axis=1))
@@ -165,9 +165,9 @@ def _close(
 
 
 def _coincident(cloud: Cloud, planes: tuple[int, int], limit: float) -> str:
-    """Name the particles of a file at one place, the first that several share.
+    """Name the particles of a file at the first shared position.
 
-    Only zero distance between particles of a file is refused: how they were made is unknown.
+    Only zero distance between particles of a file is an error: how they were made is unknown.
     """
     if planes[0] >= planes[1]:
         return ""
@@ -187,14 +187,14 @@ def _coincident(cloud: Cloud, planes: tuple[int, int], limit: float) -> str:
 
 
 def _pairs(x: Reals, reach: float) -> Iterator[tuple[Ints, Ints]]:
-    """Yield pairs of rows, the lower one first, among them those of points closer than `reach`.
+    """Yield pairs of rows, the lower row first, including all points closer than `reach`.
 
-    The points are sorted into cells, of twice that size, on lattices that are shifted against each
-    other by half a cell in every combination of directions: two points so close share a cell of
-    one of them. Of many in a cell each has its neighbour in the list.
+    The points are sorted into cells of twice that size, on lattices that are shifted by half a cell
+    in every combination of directions. Two points so close share a cell of at least one lattice.
+    Of many points in a cell, each is paired with its neighbour in the list.
     """
     for shift in product((0.0, 0.5), repeat=x.shape[1]):
-        # Cells by one number: where two have the same, the distance decides.
+        # One hash per cell; where two cells have the same, the distance decides.
         cell = np.zeros(len(x), np.int64)
         for d, by in enumerate(shift):
             along = np.floor(x[:, d] / (2.0 * reach) + by).astype(np.int64)
@@ -225,7 +225,7 @@ def _taken(
 
 
 def _first(x: Reals) -> int:
-    """Row of the point that comes first by x, then y, then z; of equal ones the first row."""
+    """Row of the first point by x, then y, then z; of equal points the first row."""
     rows = np.arange(len(x))
     for along in x.T:
         rows = rows[along[rows] == along[rows].min()]

@@ -1,4 +1,4 @@
-"""Initial stress of particles beyond the strength of their material, which a step cuts."""
+"""Initial stress of particles beyond the strength of their material, which the first step cuts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ROUNDING = 1e-6
 
 
 def stressed(scene: Scene) -> list[int]:
-    """Bodies that flow plastically and whose particles begin with the stress of a file."""
+    """Plastically flowing bodies whose particles begin with the stress from a file."""
     return [
         number
         for number, body in enumerate(scene.case.bodies.values())
@@ -30,13 +30,13 @@ def stressed(scene: Scene) -> list[int]:
 
 
 def measure(scene: Scene, particles: Particles, count: int, comm: Communicator) -> list[str]:
-    """Return a warning about each body whose stress its material cuts; collective.
+    """Return a warning for each body whose stress the material cuts; collective.
 
     Parameters
     ----------
     scene : Scene
     particles : Particles
-        The rank's, which remember their stress; the first `count` are looked at.
+        The rank's particles, which store their stress; the first `count` are examined.
     count : int
     comm : Comm
     """
@@ -48,7 +48,7 @@ def measure(scene: Scene, particles: Particles, count: int, comm: Communicator) 
 
 
 def foresee(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Iterator[str]:
-    """Yield the warnings of `measure` before there are particles, a block at a time."""
+    """Yield the warnings of `measure` before particles exist, a block at a time."""
     memory = prestressed(scene)
     for body in stressed(scene):
         parts = []
@@ -66,7 +66,7 @@ def foresee(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Iterator[str]
 
 
 def _cut(scene: Scene, particles: Particles, rows: np.ndarray) -> tuple[int, int, float, float]:
-    """Particles, how many are cut, the greatest part that one loses, and the greatest loss."""
+    """Number of particles, number of cut ones, greatest relative loss, and greatest loss."""
     if not len(rows):
         return 0, 0, 0.0, 0.0
     before = particles.sigma[rows]

@@ -1,4 +1,4 @@
-"""Sanity checks of a case, of units mostly, before an hour is lost."""
+"""Sanity checks of a case before the run, mostly of its units."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from pgimp.schema.tables import Table, VectorTable
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
-#: No elastic solid is strained more than this by loads.
+#: Greatest plausible strain of an elastic solid by loads.
 _MOST_STRAIN = 0.5
-#: Durations of runs in transits: long enough to see waves; short enough for explicit steps.
+#: Durations of runs in wave transits: enough for waves to matter, few enough for explicit steps.
 _FEWEST_TRANSITS, _MOST_TRANSITS = 0.1, 1.0e6
-#: Below this, most steps are wasted.
+#: Courant number below which most steps are wasted.
 _LEAST_COURANT = 0.01
-#: Cells across a body below which it is thin, and from a wall within which a face is at it.
+#: Cells across a thin body, at most; cells between a wall and a face at the wall, at most.
 _THIN, _AT_WALL = 1.0 - 1e-9, 0.5
-#: Cells along a body's longest side below which `affine` makes a quarter of its energy and more
+#: Cells along a body's longest side below which `affine` adds a quarter of its energy or more
 #: (tests/kernels/test_affine.py).
 _FEW = 3.0 - 1e-9
 #: Spacings of particles within which a probe's particle lies, with a margin for a file's.
@@ -35,7 +35,7 @@ AXES = "xyz"
 
 
 def strains(case: Case, body: BodyFacts) -> dict[str, float]:
-    """Return the strains of a body by its loads, were it linear.
+    """Return the linear estimates of a body's strains by its loads.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def strains(case: Case, body: BodyFacts) -> dict[str, float]:
     Returns
     -------
     dict
-        The strain of each load, by words for it; always of weight and velocity.
+        The strain by each load, by the load's description; always of weight and velocity.
     """
     c = body.wave_speed
     modulus = body.density * c * c
@@ -85,7 +85,7 @@ def body_warnings(case: Case, body: BodyFacts, duration: float) -> Iterator[str]
     body : BodyFacts
         One of its bodies.
     duration : float
-        How long the run lasts.
+        Duration of the run.
     """
     if max(strains(case, body).values()) > _MOST_STRAIN:
         yield (
@@ -124,7 +124,7 @@ def _coarse(key: str, variation: Variation, case: Case) -> Iterator[str]:
 
 
 def case_warnings(case: Case, found: Findings) -> Iterator[str]:
-    """Yield warnings about the whole: thin bodies, idle probes and tractions, unsuitable methods.
+    """Yield warnings about the case: thin bodies, idle probes and tractions, unsuitable methods.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def case_warnings(case: Case, found: Findings) -> Iterator[str]:
 
 
 def _pressed(case: Case) -> set[str]:
-    """Names of the bodies that may meet others under a law of friction."""
+    """Names of the bodies that may meet others under a friction law."""
     names: set[str] = set()
     for entry in case.contact:
         if entry.law.way == UNILATERAL:
@@ -195,7 +195,7 @@ def _pressed(case: Case) -> set[str]:
 
 
 def _ineffective_tractions(case: Case) -> Iterator[str]:
-    """Yield the tractions that a wall bears entirely."""
+    """Yield the tractions that a wall supports entirely."""
     for name, entry in case.tractions.items():
         condition = case.boundaries.get(entry.face)
         if condition is None:

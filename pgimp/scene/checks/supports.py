@@ -1,4 +1,4 @@
-"""Supports of a body at the start, and its strain by its own weight on them."""
+"""Supports of a body at the start, and its strain under its own weight."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ _CLAMPED = 0.5
 
 
 class Support(NamedTuple):
-    """A part of a body that is held.
+    """A held part of a body.
 
     Attributes
     ----------
     name : str
     low, high : tuple of float
-        The box that it is in.
+        Corners of its bounding box.
     held : tuple of bool
         Directions in which the body is held there.
     """
@@ -40,7 +40,7 @@ class Support(NamedTuple):
 
 
 def supports(case: Case, body: BodyFacts) -> Iterator[Support]:
-    """Yield the supports of a body: faces with a condition at which it lies, and constraints.
+    """Yield the supports of a body: adjacent faces with a condition, and constraints.
 
     Parameters
     ----------
@@ -90,11 +90,11 @@ def greatest(load: Any, dimensions: int) -> np.ndarray:
 
 
 def own_weight(case: Case, body: BodyFacts) -> dict[str, float]:
-    """Strains of a linear body by its weight, by words for how it bears that.
+    """Strains of a linear body under its weight, by a description of its support.
 
-    As a column, rho g h/M with the wave modulus M. Where it is clamped at the side, also as a beam:
-    3 rho g l^2/(E h) at the root of a cantilever whose end sinks by 1.5 rho g l^4/(E h^2), a sixth
-    of the strain where both ends are clamped.
+    As a column: rho g h/M with the wave modulus M. If clamped at the side, also as a cantilever
+    whose end sinks by 1.5 rho g l^4/(E h^2): the strain at its root is 3 rho g l^2/(E h). With
+    both ends clamped it is a sixth.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Numbers of materials in SI units, where the case names its units, and doubts about them."""
+"""Material parameters in SI units, where the case names its units, and warnings about them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "um": 1e-6, "µm": 1e-6
 _TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 _MASSES = {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "tonne": 1e3, "Mg": 1e3}
 
-#: Units of keys, as their descriptions end: powers of length, mass and time, and the name in SI.
+#: Units by the endings of key descriptions: powers of length, mass and time, and the name in SI.
 _UNITS = {
     "mass/volume": ((-3, 1, 0), "kg/m^3"),
     "stress": ((-1, 1, -2), "Pa"),
@@ -27,15 +27,15 @@ _UNITS = {
     "energy/(mass temperature)": ((2, 0, -2), "J/(kg K)"),
     "temperature": ((0, 0, 0), "K"),
 }
-#: What no material is beyond: from aerogel to osmium, jelly to diamond, and metals at their coldest
-#: to hydrogen; widened. Of water and soil moduli are often taken lower, as waves need not be right.
+#: Ranges of all materials, widened: from aerogel to osmium, jelly to diamond, and metals at their
+#: coldest to hydrogen. Moduli of water and soil are often reduced on purpose, to slow the waves.
 _RANGES = {
     "density": (0.5, 3.0e4),
     "young": (1.0, 3.0e12),
     "bulk": (1.0, 3.0e12),
     "specific-heat": (20.0, 2.0e4),
 }
-#: Waves [m/s], from jelly to diamond; widened.
+#: Wave speeds [m/s], from jelly to diamond; widened.
 _WAVES = (0.05, 3.0e4)
 #: Plastic strain within which no metal melts by its own work.
 _NO_MELTING = 0.2
@@ -55,9 +55,9 @@ def scales(units: str) -> tuple[float, float, float] | None:
 
 
 def in_si(case: Case, name: str) -> dict[str, tuple[float, str]]:
-    """Numbers of a material in SI units, by key: value and unit; empty if units are not known.
+    """Material parameters in SI units, by key: value and unit; empty if units are unknown.
 
-    Those that vary in space, and those without a unit, are left out.
+    Parameters that vary in space, or have no unit, are left out.
     """
     known = scales(case.units)
     if known is None:
@@ -77,7 +77,7 @@ def in_si(case: Case, name: str) -> dict[str, tuple[float, str]]:
 
 
 def unlikely(case: Case, body: BodyFacts) -> Iterator[str]:
-    """Yield values that no material has, in units with a known label, such as "mm, t, s"."""
+    """Yield warnings of implausible values, in units with a known label, such as "mm, t, s"."""
     name = case.bodies[body.name].material
     entry, known = case.materials[name], scales(case.units)
     found = in_si(case, name)
@@ -107,7 +107,7 @@ def unlikely(case: Case, body: BodyFacts) -> Iterator[str]:
 
 
 def _melting(name: str, entry: Any) -> Iterator[str]:
-    """Whether a metal would melt by the work of a small plastic strain."""
+    """Warn of a metal that would melt by the work of a small plastic strain."""
     if not isinstance(entry, JohnsonCook):
         return
     numbers = (entry.a, entry.density, entry.specific_heat, entry.melting, entry.temperature)

@@ -1,4 +1,4 @@
-"""Mass, centre and inertia of free rigid bodies, measured like the mass of others."""
+"""Mass, centre and inertia of free rigid bodies, from volume fractions of boxes."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pgimp.errors import CaseError
 from pgimp.geometry.regions.base import Region
 from pgimp.scene.bodies.lattice_body import LatticeBody
 
-#: Boxes along the longest side of a body, by the number of directions, and along the shortest at
-#: least, as long as there are no more than `_MOST`. Volume and centre are exact for boxes and of
-#: fourth order for what is round, the inertia of third order and better.
+#: Boxes along the longest side of a body, by the number of directions; fewest along the shortest
+#: side, within `_MOST` in total. Volume and centre are exact for boxes and of fourth order for
+#: round bodies; the inertia is of third order or better.
 _BOXES, _ACROSS, _MOST = (1000, 256, 64), 48, 1_000_000
 
 
@@ -35,28 +35,28 @@ class Bulk(NamedTuple):
 
 
 def everywhere(D: int) -> NDArray[np.float64]:
-    """Return corners of an infinite box, (2, D)."""
+    """Corners of an infinite box, (2, D)."""
     return np.repeat([[-np.inf], [np.inf]], D, axis=1)
 
 
 def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
-    """Measure a body with a density that fills the part of a finite region in a box.
+    """Inertia of a homogeneous body: the part of a finite region within a box.
 
     Parameters
     ----------
     within : (2, D) float64
-        Corners of the box, which may be infinite.
+        Corners of the box, possibly infinite.
 
     Raises
     ------
     CaseError
-        If there is no such part.
+        If that part is empty.
     """
     D = within.shape[1]
     low, high = np.clip(np.array(region.bounds(), float), *within)
     if not (high - low).min() > 0.0:
         raise CaseError("lies wholly beyond a plane of symmetry")
-    # A half has half of the whole's boxes, so that it has half of its mass to rounding.
+    # Half a body gets half the boxes of the whole, so it has half its mass to rounding.
     halves = 1 + ((low == within[0]) != (high == within[1]))
     extent = (high - low) * halves
     side = min(float(extent.max()) / _BOXES[D - 1], float(extent.min()) / _ACROSS)
@@ -76,7 +76,7 @@ def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
     for d in range(D):
         for e in range(D):
             second[d, e] = (part * arm[:, d] * arm[:, e]).sum()
-        # Of a box itself; a cut one counts as a smaller box of the same shape.
+        # A box's own second moment; a cut box counts as a smaller box of the same shape.
         second[d, d] += (part * part ** (2.0 / D)).sum() * body.size[d] ** 2 / 12.0
     unit = density * float(np.prod(body.size))
     inertia = unit * (np.trace(second) * np.identity(3) - second)

@@ -1,4 +1,4 @@
-"""Checks of rigid bodies: slow enough, apart from others, and the same as before."""
+"""Checks of rigid bodies: speed, overlaps with others, and no change since the run began."""
 
 from __future__ import annotations
 
@@ -22,9 +22,8 @@ from pgimp.scene.rigid.free_body import State
 from pgimp.scene.rigid.measure import is_symmetry
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 
-#: Cells within which surfaces of regions touch, and surfaces rounded by a lattice of distances;
-#: depth to which a free rigid body may overlap what it does not feel; distance for the closer
-#: check.
+#: In cells: contact tolerance between surfaces of regions, and between surfaces rounded by a
+#: lattice of distances; allowed depth in walls and rigid bodies; distance for the closer check.
 _TOUCH, _ROUNDED, _PAST, _NEAR = 0.05, 0.2, 0.5, 0.3
 
 
@@ -41,7 +40,7 @@ def require_slow(rigid_bodies: SceneRigidBodies, dt: float) -> None:
 
 
 def require_same(rigid_bodies: SceneRigidBodies, checksum: str) -> None:
-    """Refuse to go on with other rigid bodies than a run began with."""
+    """Refuse to resume a run whose rigid bodies have changed."""
     if checksum != rigid_bodies.checksum:
         raise UsageError(
             "the rigid bodies are not those of the run: has the file of a mesh changed? Put it "
@@ -56,8 +55,8 @@ def require_apart(
 ) -> None:
     """Refuse bodies that overlap rigid ones at the start; collective.
 
-    The depth follows from the regions, at particles that lie in both. Bodies of a file have none: a
-    particle's centre may be inside by half its size.
+    The depth follows from the regions, at particles that lie in both. Bodies from files have no
+    depth: there a particle's centre may be inside by half its size.
 
     Parameters
     ----------
@@ -104,9 +103,9 @@ def _depths(
     x: NDArray[np.float64],
     distance: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Depth of a body in a rigid one, by particle near it; zero without overlap.
+    """Depth of a body in a rigid one, at each particle nearby; zero without overlap.
 
-    Between two surfaces that have passed each other the distances from them add up to the depth.
+    Between two overlapping surfaces the distances from both add up to the depth.
     """
     cell = np.array(rigid_bodies.frame.cell)
     if region.WHOLE_BODY:
@@ -122,7 +121,7 @@ def _depths(
 
 
 def may_collide(rigid_bodies: SceneRigidBodies, faces: Sequence[Face], states: list[State]) -> bool:
-    """Whether a sphere round any free rigid body meets a wall, or a rigid body."""
+    """Whether a sphere around any free rigid body meets a wall, or a rigid body."""
     if len(rigid_bodies) > len(states):
         return True
     frame = rigid_bodies.frame
@@ -147,7 +146,7 @@ def collisions(
     time: float,
     first: bool,
 ) -> Iterator[tuple[float, float, str, str]]:
-    """Yield overlaps of free rigid bodies with walls and rigid bodies, which they do not feel.
+    """Yield overlaps of free rigid bodies with walls and rigid bodies, which do not act on them.
 
     At the `first` instant they may only touch.
 
@@ -158,7 +157,7 @@ def collisions(
     depth : float
         Depth, in cells.
     name, what : str
-        The body's name, and what it overlaps.
+        Names of the body and of the overlapped wall or body.
     """
     frame, points = rigid_bodies.frame, rigid_bodies.surface_at(rigid_bodies.poses(time, states))
     placed, least = rigid_bodies.at(time, time, states), min(frame.cell)
@@ -186,7 +185,7 @@ def collisions(
             if other != number:
                 distances(placed, other, frame, mine, distance)
                 depth = max(0.0, -float(distance.min(initial=0.0))) / least
-                # Deeper than half of a thin body it would leave on the other side.
+                # Beyond half the thickness the body would leave on the other side.
                 limit = min(_ROUNDED if first else _PAST, 0.25 * rigid_bodies.thick[other] / least)
                 yield depth - limit, depth, rigid_bodies.names[number], f"the rigid body '{name}'"
 
@@ -206,7 +205,7 @@ def require_clear(
     time: float,
     comm: Communicator,
 ) -> None:
-    """Refuse free rigid bodies that are in walls or rigid ones; collective.
+    """Refuse free rigid bodies that overlap walls or rigid bodies; collective.
 
     Parameters
     ----------

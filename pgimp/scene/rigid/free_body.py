@@ -1,4 +1,4 @@
-"""A rigid body that moves freely: its state, its inertia, and how both change in a step.
+"""State and inertia of a free rigid body, and their change in a step.
 
 Plain Python arithmetic on float64 in one order of operations: the same bits on every rank.
 """
@@ -24,18 +24,18 @@ STATE = 16
 
 
 class State(NamedTuple):
-    """State of motion of a body.
+    """State of motion of a free rigid body.
 
     Attributes
     ----------
     centre : (3,) float
         Its centre of mass.
     turn : (4,) float
-        The unit quaternion, its real part first, of its rotation since the start.
+        Unit quaternion of its rotation since the start, real part first.
     momentum, spin : (3,) float
-        Momentum; moment of momentum about the centre.
+        Momentum; angular momentum about the centre.
     angle : (3,) float
-        The integral of its angular velocity since the start.
+        Integral of its angular velocity since the start.
     """
 
     centre: Triple
@@ -46,7 +46,7 @@ class State(NamedTuple):
 
     @property
     def numbers(self) -> list[float]:
-        """All of them, `STATE`."""
+        """All `STATE` numbers of the state."""
         return [x for part in self for x in part]
 
     @classmethod
@@ -60,7 +60,7 @@ class State(NamedTuple):
 
 
 class FreeBody:
-    """Constants of a rigid body that moves freely.
+    """Constants of a free rigid body.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ class FreeBody:
         return tuple(found)
 
     def mass_matrix(self, inertia: Matrix) -> list[list[float]]:
-        """Return the mass matrix, 6 x 6: momenta from velocities; ones where held."""
+        """Return the mass matrix, 6 x 6, from velocities to momenta; identity where held."""
         M = [[0.0] * 6 for _ in range(6)]
         for i in range(6):
             for j in range(6):
@@ -135,7 +135,7 @@ class FreeBody:
         return M
 
     def momenta(self, inertia: Matrix, velocities: list[float]) -> tuple[Triple, Triple]:
-        """Return momentum and moment of momentum of velocities along and about x, y, z."""
+        """Return linear and angular momentum for velocities along and about x, y, z."""
         M = self.mass_matrix(inertia)
         p = [
             sum(M[i][j] * velocities[j] for j in range(6)) if self.may[i] else 0.0
@@ -145,7 +145,7 @@ class FreeBody:
 
     def velocities(self, state: State) -> Six:
         """Return velocity and angular velocity."""
-        if self._last[0] is not state:  # a step asks for them several times
+        if self._last[0] is not state:  # needed several times a step
             found = self._velocities((*state.momentum, *state.spin), self.inertia(state.turn))
             self._last = state, found
         return self._last[1]
@@ -154,7 +154,7 @@ class FreeBody:
         return tuple(solve(self.mass_matrix(inertia), [*momenta]))
 
     def halfway(self, state: State, dt: float) -> Matrix:
-        """Return the moments of inertia at its rotation after half a step.
+        """Return the moments of inertia at the rotation after half a step.
 
         With these a body without forces conserves its energy to second order in the step.
         """
@@ -172,7 +172,7 @@ class FreeBody:
         )  # fmt: skip
 
     def pushed(self, state: State, given: list[float]) -> State:
-        """Return the state after an impulse and a moment, where it may follow them."""
+        """Return the state after an impulse and an angular impulse, along its free directions."""
         p = tuple(
             own + (J if may else 0.0)
             for own, J, may in zip((*state.momentum, *state.spin), given, self.may, strict=True)
@@ -180,19 +180,19 @@ class FreeBody:
         return state._replace(momentum=_triple(p), spin=_triple(p[3:]))
 
     def pose(self, state: State) -> Pose:
-        """Return where it is."""
+        """Return the pose: position and rotation."""
         return Pose(state.centre, matrix(state.turn))
 
     def moments(self, state: State) -> Six:
-        """Return momentum, and moment of momentum about the origin of the coordinates."""
+        """Return momentum, and angular momentum about the origin of the coordinates."""
         return (*state.momentum, *add(state.spin, cross(state.centre, state.momentum)))
 
     def angle(self, state: State) -> tuple[float, ...]:
-        """Return the integral of its angular velocity since the start."""
+        """Return the integral of the angular velocity since the start."""
         return state.angle
 
     def energy(self, state: State) -> float:
-        """Return its kinetic energy."""
+        """Return the kinetic energy."""
         v = self.velocities(state)
         return 0.5 * sum(a * b for a, b in zip(v, (*state.momentum, *state.spin), strict=True))
 
@@ -207,7 +207,7 @@ def add(a: Triple, b: Triple) -> Triple:
 
 
 def cross(a: Triple, b: Triple) -> Triple:
-    """Return the vector product of two vectors."""
+    """Return the cross product of two vectors."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
@@ -224,7 +224,7 @@ def matrix(turn: tuple[float, ...]) -> Matrix:
 def turned(
     turn: tuple[float, float, float, float], by: Triple
 ) -> tuple[float, float, float, float]:
-    """Return the quaternion of a rotation and then another, by an angle about an axis."""
+    """Return the quaternion of a rotation followed by one about an axis by an angle."""
     angle = hypot(*by)
     part = 0.5 if angle < 1e-8 else sin(0.5 * angle) / angle
     a, b, c, d = cos(0.5 * angle), part * by[0], part * by[1], part * by[2]
@@ -238,7 +238,7 @@ def turned(
 
 
 def solve(M: list[list[float]], b: list[float]) -> list[float]:
-    """Solve a system of a few equations."""
+    """Solve a small system of linear equations."""
     n = len(b)
     rows = [[*row, value] for row, value in zip(M, b, strict=True)]
     for i in range(n):

@@ -16,13 +16,13 @@ from pgimp.physics.rigid import Free, Motion, RigidBody
 from pgimp.scene.rigid.bulk import Bulk, bulk, everywhere
 from pgimp.schema.tables import VectorTable
 
-#: Instants at which a body that does not turn is placed, to find the part of it that matters.
+#: Instants at which a body that does not turn is placed, to find the part that enters the domain.
 _INSTANTS = 2000
 
-#: Least density of a free body, over that of the material around it; and the inverse.
+#: Least density of a free body, over the material's around it; the greatest is the inverse.
 LIGHTEST = 1e-10
 
-#: Points that a lattice may have: about 1 GB.
+#: Most points of a lattice: about 1 GB.
 _MOST_POINTS = 30_000_000
 
 _Ends = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -37,7 +37,7 @@ class Measured(NamedTuple):
     thick : float
         Its thickness.
     inertia : Bulk or None
-        Of one that moves freely.
+        Inertia of a free body.
     """
 
     field: DistanceField
@@ -67,12 +67,12 @@ def require_densities(case: Case) -> None:
 
 
 def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
-    """Measure a body; meshes are in memory only meanwhile.
+    """Measure a rigid body; its mesh is in memory only meanwhile.
 
     Raises
     ------
     CaseError
-        If it is too thin for the cells, or too large.
+        If the body is too thin for the cells, or too large.
     """
     D = len(frame.cell)
     try:
@@ -89,12 +89,12 @@ def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
 
 
 def is_symmetry(face: str, condition: Any, free: Free, D: int) -> bool:
-    """Whether a face is a plane of symmetry for a free rigid body, too, which may lie across it."""
+    """Whether a face is a plane of symmetry also for a free rigid body, which may lie across it."""
     return isinstance(condition, Slip) and free.mirrored("xyz".index(face[0]), D)
 
 
 def _symmetric_part(case: Case, free: Free) -> NDArray[np.float64]:
-    """Return the box, (2, D), beyond whose sides lies the other half of a body."""
+    """Box of a body's symmetric part, (2, D): the other half lies beyond its sides."""
     D = len(case.grid.cell)
     ends = everywhere(D)
     for face, condition in case.boundaries.items():
@@ -105,7 +105,7 @@ def _symmetric_part(case: Case, free: Free) -> NDArray[np.float64]:
 
 
 def lattice_points(case: Case, frame: Frame, entry: RigidBody) -> float:
-    """Return the number of points at which the distance from a body is kept."""
+    """Number of points at which the distance from a body is stored."""
     return _points(entry, frame.cell, _within(case, frame, entry))
 
 
@@ -132,7 +132,7 @@ def _distances(case: Case, frame: Frame, entry: RigidBody) -> DistanceField:
 
 
 def _within(case: Case, frame: Frame, entry: RigidBody) -> _Ends | None:
-    """Ends of the part of a body, where it is at the start, that comes into the domain."""
+    """Ends of the part of a body that enters the domain, in its initial position."""
     motion = entry.rigid
     if not isinstance(motion, Motion) or motion.rotation is not None:
         return None

@@ -1,4 +1,4 @@
-"""The rigid bodies of a scene, and their places in each step."""
+"""The rigid bodies of a scene, and their poses in each step."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ from pgimp.physics.rigid import Motion, Pose, Triple
 from pgimp.scene.rigid.free_body import FreeBody, State
 from pgimp.scene.rigid.measure import lattice_points, measure, require_densities
 
-#: Compliance of a free body against held fields, over its own as a free one: of a step's change of
-#: velocity this part remains, divided among the vertices that it is on. From 1e-6 to 1e-2 a ball
-#: that falls on a held body comes to rest at the same place, to a per cent of its path, with a
-#: hundredth of the material's density as with a hundred times it.
+#: Compliance of a free body against held fields, over its compliance as a free body. This fraction
+#: of a step's velocity change remains, divided among the body's vertices. With 1e-6 to 1e-2 a ball
+#: falling on a held body comes to rest at the same position, to a per cent of its path. That holds
+#: for a hundredth and for a hundred times the material's density.
 SOFT = 1e-3
 
 
@@ -45,7 +45,7 @@ class Surface(NamedTuple):
 
 
 class SceneRigidBodies:
-    """The rigid bodies: of those that move as prescribed, also where they are in each step.
+    """The rigid bodies of a scene, with the poses of prescribed ones in each step.
 
     Parameters
     ----------
@@ -61,10 +61,9 @@ class SceneRigidBodies:
     fields : list of DistanceField
         Their distances, after `measure`.
     rate : float
-        Cells that a point of any body that moves as prescribed crosses in a unit of time, at most;
-        likewise.
+        Most cells that a point of a prescribed body crosses per unit of time; likewise.
     free : dict of int to FreeBody
-        Those that move freely, by number; likewise.
+        The free bodies, by number; likewise.
     arms : list of float
         Greatest distance of their surfaces from their centres of mass; likewise.
     thick : list of float
@@ -82,11 +81,11 @@ class SceneRigidBodies:
         self._kept: Any = None
 
     def __len__(self) -> int:
-        """Return how many there are."""
+        """Return the number of rigid bodies."""
         return len(self.entries)
 
     def points(self) -> float:
-        """Return the number of points of all lattices but those of meshes."""
+        """Return the number of points of all lattices, except lattices of meshes."""
         return sum(
             lattice_points(self.case, self.frame, entry)
             for entry in self.entries
@@ -99,7 +98,7 @@ class SceneRigidBodies:
         Raises
         ------
         CaseError
-            On every rank: a body that is too thin, too large, too light or too heavy.
+            On every rank, if a body is too thin, too large, too light or too heavy.
         """
         with located(self.case):
             require_densities(self.case)
@@ -114,13 +113,13 @@ class SceneRigidBodies:
             ):
                 if one.inertia:
                     self.free[number] = FreeBody(name, entry, one.inertia, len(self.frame.cell))
-        # Steps depend on these: one rank computes them, as machines may round differently.
+        # Steps depend on these: one rank computes them, because machines may round differently.
         self.rate = on_root(comm, self._greatest_rate)
         self.arms = on_root(comm, self._greatest_arms)
         self._kept = None
 
     def borrow(self, other: SceneRigidBodies) -> None:
-        """Take the measures of the same bodies in another stage: as good to compile kernels for."""
+        """Reuse another stage's measures of the same bodies as placeholders for compiling."""
         numbers = [other.names.index(name) for name in self.names]
         self.fields = [other.fields[number] for number in numbers]
         self.free = {
@@ -129,7 +128,7 @@ class SceneRigidBodies:
 
     @cached_property
     def surface(self) -> Surface:
-        """The surfaces where the bodies are at the start."""
+        """Surfaces of the bodies in their initial poses."""
         D = len(self.frame.cell)
         points, cells, body = [np.zeros((0, 3))], [np.zeros((0, 2 ** (D - 1)), np.int64)], []
         for number, field in enumerate(self.fields):
@@ -144,11 +143,11 @@ class SceneRigidBodies:
 
     @property
     def first(self) -> list[State]:
-        """Initial states of those that move freely, in their order."""
+        """Initial states of the free bodies, in order."""
         return [body.first for body in self.free.values()]
 
     def rates(self, states: list[State]) -> list[float]:
-        """Return the cells that points of those that move freely cross in a unit of time."""
+        """Return the most cells that a point of each free body crosses per unit of time."""
         inverse, found = max(self.frame.inverse), []
         for body, state, arm in zip(self.free.values(), states, self.arms, strict=True):
             v = body.velocities(state)
@@ -157,11 +156,11 @@ class SceneRigidBodies:
 
     @property
     def first_rate(self) -> float:
-        """Cells that a point of any body crosses in a unit of time at the start, at most."""
+        """Most cells that a point of any body crosses per unit of time at the start."""
         return max([self.rate, *self.rates(self.first)])
 
     def reference(self, number: int) -> Triple:
-        """Return the point of a body that its motion refers to, where it is at the start."""
+        """Return the reference point of a body's motion, in its initial position."""
         if number in self.free:
             return self.free[number].bulk.centre
         motion = self.entries[number].rigid
@@ -169,7 +168,7 @@ class SceneRigidBodies:
         return motion.reference
 
     def poses(self, time: float, states: list[State]) -> list[Pose]:
-        """Return the poses of all at a time, of those that move freely in these states."""
+        """Return the poses of all bodies at a time; `states` are the free bodies'."""
         free = zip(self.free.items(), states, strict=True)
         placed = {number: body.pose(state) for (number, body), state in free}
         return [
@@ -178,7 +177,7 @@ class SceneRigidBodies:
         ]
 
     def surface_at(self, poses: list[Pose]) -> NDArray[np.float64]:
-        """Return the vertices of `surface` where the bodies are there, (n, 3)."""
+        """Return the vertices of `surface` for these poses, (n, 3)."""
         points = self.surface.points.copy()
         for number, (centre, turn) in enumerate(poses):
             mine = self.surface.body == number
@@ -187,10 +186,10 @@ class SceneRigidBodies:
         return points
 
     def at(self, start: float, end: float, states: list[State] | None = None) -> RigidBodies:
-        """Return them for the kernels of a step from `start` to `end`.
+        """Return the kernels' rigid bodies for a step from `start` to `end`.
 
-        `states` are those, at its start, of the bodies that move freely; their velocity at its end
-        is set to the same.
+        `states` are the free bodies' states at the start of the step; their velocity at its end
+        is set to the velocity at its start.
         """
         rigid_bodies, states = self.arrays(), self.first if states is None else states
         free = dict(zip(self.free, states, strict=True))
@@ -208,7 +207,7 @@ class SceneRigidBodies:
         return rigid_bodies
 
     def speeds(self) -> dict[int, float]:
-        """Return the greatest speed over time of a point of each body that moves as prescribed."""
+        """Return the greatest speed over time of a point of each prescribed body."""
         found = {}
         for number, entry in enumerate(self.entries):
             motion = entry.rigid
@@ -233,13 +232,13 @@ class SceneRigidBodies:
 
     @cached_property
     def checksum(self) -> str:
-        """Checksum of these bodies, with their meshes; empty without any."""
+        """Checksum of the bodies with their meshes; empty without bodies."""
         if not self.fields:
             return ""
         return sha256(b"".join(field.values.tobytes() for field in self.fields)).hexdigest()
 
     def arrays(self) -> RigidBodies:
-        """Return the constant data, and storage for the rest."""
+        """Return the kernels' constant data, and storage for the other data."""
         if self._kept is None:
             count = len(self.entries)
             motion, lattice = np.zeros(count, MOTION), np.zeros(count, LATTICE)
@@ -261,21 +260,21 @@ class SceneRigidBodies:
         return self._kept
 
     def in_planes(self, planes: int) -> RigidBodies:
-        """Return them for the kernels, as at the start, with storage for some planes."""
+        """Return the kernels' rigid bodies in their initial poses, with storage for some planes."""
         return self.at(0.0, 0.0)._replace(responses=self._answers(planes))
 
     def _answers(self, planes: int) -> Any:
         return np.zeros((planes, len(self.free)), RESPONSE) if self.free else ()
 
     def _bound(self, row: NDArray, lattice: NDArray, field: DistanceField) -> None:
-        """Set the least and the greatest vertex near a body."""
+        """Set the first and the last vertex near a body."""
         far = field.low + field.spacing * (field.shape - 1)
         ends = zip(field.low, far, strict=True)
         corners = np.array(list(product(*ends))) - row["reference"]
         for d, (origin, inverse) in enumerate(
             zip(self.frame.origin, self.frame.inverse, strict=True)
         ):
-            # Not by a product of matrices, which machines may round differently.
+            # No matrix product: machines may round it differently.
             a, b, c = (corners[:, k] * row["rotation"][d, k] for k in range(3))
             placed = a + b + c + row["centre"][d]
             low, high = placed.min(), placed.max()

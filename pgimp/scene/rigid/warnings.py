@@ -15,24 +15,24 @@ from pgimp.scene.checks.facts import wave_speed
 from pgimp.scene.faces import Face
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 
-#: Part of the speed of waves above which a rigid body that moves as prescribed is fast: at half of
-#: it rubber gets some per cent too little momentum on cells of a twelfth of the block, at 2.7 times
-#: half of it.
+#: Fraction of the wave speed above which a prescribed rigid body is fast. At half the wave speed
+#: rubber gets some per cent too little momentum on cells of a twelfth of the block, at 2.7 times
+#: the wave speed half of it.
 _FAST = 0.3
 
-#: Instants of a stage at which bodies are looked at; depths in cells from which they reach beyond a
-#: plane, and into the domain, where the vertices of the plane are no longer pushed; part of the
-#: greatest speed that is rounding.
+#: Instants of a stage at which bodies are examined. Least depth in cells beyond a plane; least
+#: depth in the domain, where the body no longer pushes the plane's vertices. Part of the greatest
+#: speed that counts as rounding.
 _INSTANTS, _BEYOND, _WITHIN, _STILL = 100, 0.05, 1.0, 1e-9
 
 
 def motion_warnings(scenes: Sequence[Any]) -> list[str]:
-    """Return which rigid bodies move as nothing they meet can follow, or miss a load.
+    """Return warnings of rigid bodies that are too fast for the material, or miss a load.
 
     Parameters
     ----------
     scenes : sequence of Scene
-        Those of all stages, of which the first has its rigid bodies measured.
+        The scenes of all stages; in the first the rigid bodies are measured.
     """
     found: list[str] = []
     scene = scenes[0]
@@ -65,7 +65,7 @@ def motion_warnings(scenes: Sequence[Any]) -> list[str]:
 
 
 def _through_planes(scenes: Sequence[Any]) -> list[str]:
-    """Return which bodies that move as prescribed turn on `slip` walls, or move through them."""
+    """Warnings of prescribed bodies that turn on `slip` walls, or move through them."""
     rigid_bodies = scenes[0].rigid_bodies
     found: dict[tuple[str, str], str] = {}
     for scene in scenes:
@@ -85,9 +85,9 @@ def _through_planes(scenes: Sequence[Any]) -> list[str]:
 def _conflict(
     rigid_bodies: SceneRigidBodies, number: int, face: Face, times: NDArray[np.float64]
 ) -> str:
-    """Say how a motion conflicts with a plane of symmetry; empty if it does not.
+    """Describe the conflict of a motion with a plane of symmetry; empty if there is none.
 
-    A body may lie across it and move to and fro, as a piston: what counts is its part within.
+    A body may lie across it and move to and fro, as a piston: only its part within counts.
     """
     frame, motion, axis = rigid_bodies.frame, rigid_bodies.entries[number].rigid, face.axis
     assert isinstance(motion, Motion)
@@ -105,7 +105,7 @@ def _conflict(
             continue
         depth = face.side * (x[:, axis] - plane) / cell[axis]
         beyond, within = bool(depth.max() > _BEYOND), bool(depth.min() < -_WITHIN)
-        # On a plane that it turns across some points move in and others out.
+        # If a body turns across a plane, some points move in and others out.
         spin = np.array(motion.velocities(time)[1])
         turning = np.abs(np.cross(spin, arm)[:, axis]).max() > _STILL * np.abs(spin).max() * cell[0]
         if beyond and within and turning:
