@@ -1,4 +1,4 @@
-"""Quantities of vertices, and columns of probes: name, meaning, function."""
+"""Vertex quantities and probe columns: name, meaning, function."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Vertex(NamedTuple):
 
 
 def _velocity(sums: Any) -> Array:
-    """Return the velocity; a corner without mass stands still."""
+    """Return the velocity; zero for a vertex without mass."""
     return sums.momentum / np.where(sums.mass > 0.0, sums.mass, 1.0)[:, None]
 
 
@@ -48,7 +48,7 @@ GRID: dict[str, Vertex] = {
 }
 """What ``output.grid`` may name, at the vertices."""
 
-#: Fields of the particle that a material point follows, after time and step; states come to them.
+#: Fields of the particle that a material point follows, after time and step and before states.
 FOLLOWED = (
     "position", "displacement", "velocity", "stress", "strain", "pressure", "von-mises", "volume",
     "density",
@@ -56,11 +56,11 @@ FOLLOWED = (
 
 
 def patterns(name: str, components: int) -> str:
-    """How a quantity's columns are named: AXIS stands for x, y, z and COMPONENT for xx to xz."""
+    """Column names of a quantity: AXIS stands for x, y, z and COMPONENT for xx to xz."""
     return f"{name}-{'AXIS' if components == 3 else 'COMPONENT'}" if components else name
 
 
-#: What the lines of all probes begin with.
+#: First columns of all probes.
 WHEN = {"time": "simulated time [time]", "step": "steps done"}
 
 POINT: dict[str, str] = WHEN | {
@@ -70,7 +70,7 @@ POINT: dict[str, str] = WHEN | {
 
 
 class Around(NamedTuple):
-    """Sums over the particles around a place: of their volume w V over that of a cell, and more."""
+    """Sums over the particles around a position: volume w V over a cell's volume, and more."""
 
     fraction: float
     volume: float
@@ -82,12 +82,12 @@ class Around(NamedTuple):
 
     @property
     def mean(self) -> Array:
-        """Their mean stress, (1, 3 to 6)."""
+        """Mean stress of the particles, (1, 3 to 6)."""
         return self.stress[None] / self.volume
 
 
 class Mean(NamedTuple):
-    """A column of a place: function, which returns as many numbers as it has columns; meaning."""
+    """A quantity at a fixed position: function, which returns one number a column; meaning."""
 
     values: Callable[[Around], Any]
     meaning: str

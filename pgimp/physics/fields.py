@@ -1,4 +1,4 @@
-"""The quantities of a particle that frames, probes and plots show: name, meaning, function."""
+"""Particle quantities in frames, probes and plots: name, meaning, function."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ Array = np.ndarray
 #: Components of a symmetric tensor.
 TENSOR = "xx yy zz xy yz xz"
 
-#: What fields of parameters that vary in space are called: this, then their keys in the case.
+#: Prefix of the fields of spatially varying parameters, before their keys in the case.
 PREFIX = "parameter-"
 
 
 class Source(NamedTuple):
-    """Where a field takes its values.
+    """Data from which fields are computed.
 
     Attributes
     ----------
     particles : Particles
         The rank's particles, in storage order with holes.
     rows : ndarray of int64, shape (n,)
-        The storage indices wanted.
+        Storage indices of the selected particles.
     dimension : int
-        1, 2 or 3.
+        Dimensions of the case: 1, 2 or 3.
     body_material : tuple of int
         The material of each body.
     rank : int
@@ -40,13 +40,13 @@ class Source(NamedTuple):
     rank: int = 0
 
     def take(self, symbol: str) -> Array:
-        """Return the wanted rows of an array of the particles: (n,) or (n, k)."""
+        """Return the selected rows of an array of the particles: (n,) or (n, k)."""
         # Several times faster than indexing with the rows.
         return np.take(getattr(self.particles, symbol), self.rows, axis=0)
 
 
 class Field(NamedTuple):
-    """A quantity of a particle: what it means, and how it gets into a frame.
+    """A quantity of a particle: its function, meaning and format in frames.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Field(NamedTuple):
 
 
 def _padded(values: Array, columns: int) -> Array:
-    """Fill up an (n, k) array with zeros to (n, columns)."""
+    """Pad an (n, k) array with zeros to (n, columns)."""
     if values.shape[1] == columns:
         return values
     full = np.zeros((len(values), columns))
@@ -84,7 +84,7 @@ def _padded(values: Array, columns: int) -> Array:
 
 
 def no_fault(source: Source) -> Array:
-    """Return 0 for each particle: nothing is wrong with it."""
+    """Return 0, no fault, for each particle."""
     return np.zeros(len(source.rows), np.int32)
 
 
@@ -145,12 +145,12 @@ def von_mises_of(sigma: Array) -> Array:
 
 
 def displacement(source: Source) -> Array:
-    """Return position less initial position, zero in missing directions."""
+    """Return position minus initial position, zero in missing directions."""
     return _padded(source.take("x") - source.take("origin"), 3)
 
 
 def deformation(source: Source) -> Array:
-    """Return the deformation gradient by rows, one on the diagonal in missing directions."""
+    """Return the deformation gradient, row-major, one on the diagonal in missing directions."""
     dimension, local = source.dimension, source.take("F")
     if dimension == 3:
         return local
@@ -166,7 +166,7 @@ def strain(source: Source) -> Array:
     full = np.zeros((len(source.rows), 6))
     for column, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))):
         if max(i, j) < D:
-            # Sums of products, as a library's would depend on where in the array a particle is.
+            # Explicit sums: a library's result would depend on the particle's array index.
             product = local[:, i] * local[:, j]
             for k in range(1, D):
                 product += local[:, k * D + i] * local[:, k * D + j]
@@ -294,7 +294,7 @@ EVERY = FIELDS | FAILURE
 
 
 def components_of(name: str, columns: int) -> list[str]:
-    """Names of the components of a field of a frame, also of one that some material has added."""
+    """Component names of a frame's field, also of a field that a material has added."""
     if name in EVERY:
         return EVERY[name].components.split()
     return TENSOR.split() if columns == 6 else [str(i) for i in range(columns)]

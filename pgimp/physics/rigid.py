@@ -1,4 +1,4 @@
-"""Rigid bodies: their entry in the case; of those that move as prescribed, where they are."""
+"""Rigid bodies: their entries in the case, and poses of prescribed motions."""
 
 from __future__ import annotations
 
@@ -37,19 +37,19 @@ class Turning(Model):
         return self
 
     def angle(self, t: float) -> float:
-        """Return the angle turned through from time 0 to `t`."""
+        """Return the angle of rotation from time 0 to `t`."""
         return self.rate.integral(t) if isinstance(self.rate, Table) else self.rate * t
 
 
 class Pose(NamedTuple):
-    """Where a rigid body is.
+    """Position and rotation of a rigid body.
 
     Attributes
     ----------
     centre : (3,) float
-        Its reference point: that of its rotation, else the origin of the coordinates moved along.
+        Reference point: of its rotation, else the origin of coordinates displaced with the body.
     turn : tuple of 9 float
-        The matrix, row by row, that turns its directions at the start into those now.
+        Rotation matrix, row-major, from the initial to the present orientation.
     """
 
     centre: Triple
@@ -68,7 +68,7 @@ class Motion(Model):
 
     @property
     def moves(self) -> bool:
-        """Whether it moves at all."""
+        """Whether there is any motion."""
         return self.velocity is not None or self.rotation is not None
 
     def displacement(self, t: float) -> Triple:
@@ -91,13 +91,13 @@ class Motion(Model):
 
     @property
     def axis(self) -> Triple:
-        """The unit vector that it turns about."""
+        """Unit vector of the axis of rotation."""
         x, y, z = self.rotation.axis if self.rotation else (0.0, 0.0, 1.0)
         length = hypot(x, y, z)
         return (x / length, y / length, z / length)
 
     def pose(self, t: float) -> Pose:
-        """Return where the body is at time `t`: exact, not summed up over steps."""
+        """Return the pose at time `t`: exact, not summed over steps."""
         shift, start, (x, y, z) = self.displacement(t), self.reference, self.axis
         angle = self.rotation.angle(t) if self.rotation else 0.0
         c, s = cos(angle), sin(angle)
@@ -135,7 +135,7 @@ class Motion(Model):
         return max(hypot(*value) for value in values), max(map(abs, rates))
 
 
-#: The degrees of freedom of a body; those that a free rigid body lacks are `fixed`.
+#: Degrees of freedom of a body; `fixed` lists those that a free rigid body lacks.
 FREEDOMS = ("x", "y", "z", "rotation-x", "rotation-y", "rotation-z")
 
 
@@ -165,9 +165,9 @@ class Free(Model):
         )
 
     def mirrored(self, axis: int, dimensions: int) -> bool:
-        """Whether a body that a plane across `axis` cuts in half keeps to it for good.
+        """Whether a body stays symmetric about a plane across `axis`.
 
-        So it does where it can move along the plane, and turn about its normal, only.
+        It does if it can only move along the plane and turn about the plane's normal.
         """
         may = self.may(dimensions)
         return not may[axis] and not any(may[3 + d] for d in range(3) if d != axis)
@@ -197,10 +197,10 @@ class RigidBody(Model):
 
     @property
     def free(self) -> Free | None:
-        """What says that it moves freely; None of one that moves as prescribed."""
+        """Entry of a free motion; None for a prescribed motion."""
         return self.rigid if isinstance(self.rigid, Free) else None
 
     @property
     def moves(self) -> bool:
-        """Whether it may move at all."""
+        """Whether the body may move."""
         return isinstance(self.rigid, Free) or self.rigid.moves

@@ -1,9 +1,9 @@
 """Conditions on faces of the domain, one file each.
 
 A condition is the entry of the case (a `Boundary`) whose ``parameters(axis, side, ...)`` gives a
-NamedTuple with one kernel as a static method: ``constrain(face, v, a) -> (v, a)``, called for each
-vertex on the face and beyond it after the momentum update, with the vertex's new velocity and its
-acceleration, tuples of three. Faces that the case does not name are open: nothing is done.
+NamedTuple with one kernel as a static method: ``constrain(face, v, a) -> (v, a)``. The kernel is
+called after the momentum update, for each vertex on the face and beyond it. Its arguments are the
+vertex's new velocity and acceleration, tuples of three. Faces that the case does not name are open.
 """
 
 from pgimp.physics.boundaries.base import Boundary

@@ -10,7 +10,7 @@ from pgimp.schema.base import Model
 class Boundary(Model):
     """Base of the entries ``boundaries.FACE``."""
 
-    #: Whether the face reflects what particles carry beyond it, where their shape asks for that.
+    #: Whether the face reflects the part of supports beyond it, if the shape has mirrors.
     mirrors: ClassVar[bool] = True
 
     #: Whether nothing moves on the face, neither across it nor along it.
@@ -19,24 +19,24 @@ class Boundary(Model):
     #: Whether the material may leave the face.
     releases: ClassVar[bool] = False
 
-    #: Whether the parameters have a static method ``approach(face, v, a, clearance)`` in place of
-    #: ``constrain(face, v, a)``: with the distance of bodies from the face [m].
+    #: Whether the kernel is ``approach(face, v, a, clearance)`` in place of
+    #: ``constrain(face, v, a)``; the clearance is the distance of bodies from the face [m].
     approaches: ClassVar[bool] = False
 
     @property
     def varies(self) -> bool:
-        """Whether the parameters change in time, so that they are computed for every step."""
+        """Whether the parameters depend on time and are computed for every step."""
         return False
 
     def speed(self, axis: int, end: float) -> float | None:
-        """Velocity along direction `axis` at time `end` of what the face holds in.
+        """Normal velocity of the face along `axis` at time `end`.
 
-        None if it does not say how the material moves along its normal.
+        None if the face does not prescribe the material's normal motion.
         """
         return 0.0
 
     def motion(self, end: float) -> tuple[float, float, float] | None:
-        """Velocity at time `end` of what the face holds; None where it leaves a component free."""
+        """Velocity that the face prescribes at time `end`; None if a component is free."""
         return None
 
     @abstractmethod
@@ -46,16 +46,16 @@ class Boundary(Model):
         Parameters
         ----------
         axis, side
-            The face: direction 0 to 2, and -1 for its low end or 1 for its high end.
+            Direction of the face, 0 to 2; -1 at the low end or 1 at the high end.
         start, end
-            Times at which the step begins and ends.
+            Times at the step's beginning and end.
         """
 
 
 def constrain(face, v, a, clearance):
-    """Velocity and acceleration of a vertex on the face or beyond, by its condition.
+    """Velocity and acceleration of a vertex on the face or beyond, by the face's condition.
 
-    `clearance`, a length, is for those that let bodies come near, see `Boundary.approaches`.
+    `clearance`, a length, is for conditions that bodies approach, see `Boundary.approaches`.
     """
 
 

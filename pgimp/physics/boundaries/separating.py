@@ -1,4 +1,4 @@
-"""A wall that lets go: bodies that reach it are held while they move into it; with friction."""
+"""A unilateral wall with friction: it stops bodies that move into it, and they part freely."""
 
 from math import sqrt
 from typing import ClassVar, NamedTuple
@@ -11,7 +11,7 @@ from pgimp.physics.contact.friction import AnyFriction, coefficients, coulomb_pa
 
 
 class SeparatingParameters(NamedTuple):
-    """The face, static and kinetic coefficient of friction, and the step's length."""
+    """Face, static and kinetic coefficient of friction, and length of the step."""
 
     axis: int
     side: int
@@ -21,16 +21,16 @@ class SeparatingParameters(NamedTuple):
 
     @staticmethod
     def approach(face, v, a, clearance):
-        """Stop what moves into the wall, and brake what slides on it, as far as it is pressed.
+        """Stop normal motion into the wall, and apply friction to sliding.
 
-        As in contact of bodies: first the velocity from the particles, then that after forces,
-        which also changes the acceleration. The gap to the wall may close within the step.
+        As in contact of bodies: first to the velocity from the particles, then to the velocity
+        after forces, which also changes the acceleration. The gap may close within the step.
         """
         dt = face.dt
         gap_rate = clearance / dt
         brought = (v[0] - dt * a[0], v[1] - dt * a[1], v[2] - dt * a[2])
         left = _brake(face, brought, gap_rate)
-        u = (  # v itself, not but for rounding, where nothing was changed
+        u = (  # exactly v where nothing was changed, without rounding
             v[0] if left[0] == brought[0] else left[0] + dt * a[0],
             v[1] if left[1] == brought[1] else left[1] + dt * a[1],
             v[2] if left[2] == brought[2] else left[2] + dt * a[2],
@@ -74,5 +74,5 @@ class Separating(Boundary):
     def parameters(self, axis: int, side: int, start: float, end: float) -> SeparatingParameters:
         """See `Boundary.parameters`."""
         static, kinetic = coefficients(self.friction)
-        dt = max(end - start, 1e-300)  # none where nothing is computed but what is held
+        dt = max(end - start, 1e-300)  # zero if only the held components are computed
         return SeparatingParameters(axis, side, float(static), float(kinetic), dt)

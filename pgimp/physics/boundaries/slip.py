@@ -1,7 +1,7 @@
-"""A frictionless wall that holds on: normal v = a = 0, tangential motion free.
+"""A frictionless bilateral wall: normal v = a = 0, tangential motion free.
 
-Ghost vertices beyond the face keep their own tangential motion: dropping them would drag (2 % of
-the tangential speed).
+Ghost vertices beyond the face keep their own tangential motion: without them there would be drag
+(2 % of the tangential speed).
 """
 
 from typing import NamedTuple

@@ -9,7 +9,7 @@ from pgimp.schema.tables import Component, Table, prescribed
 
 
 class VelocityParameters(NamedTuple):
-    """The face, the components held, their velocities and accelerations; 0 where free."""
+    """Face, held components, their velocities and accelerations; 0 where free."""
 
     axis: int
     side: int
@@ -19,7 +19,7 @@ class VelocityParameters(NamedTuple):
 
     @staticmethod
     def constrain(face, v, a):
-        """Set the components that are held."""
+        """Set the held components."""
         h, u, r = face.held, face.velocity, face.rate
         return (
             (u[0] if h[0] else v[0], u[1] if h[1] else v[1], u[2] if h[2] else v[2]),

@@ -1,4 +1,4 @@
-"""Contact of bodies: the laws, one file each, and which pair of bodies has which.
+"""Contact laws, one file each, and the law of each pair of bodies.
 
 A law is an entry of the case (a `ContactLaw`). If it is unilateral its ``parameters(entry)`` gives
 a NamedTuple of floats with two kernels as static methods, see `pgimp.physics.contact.base.Sliding`.

@@ -1,4 +1,4 @@
-"""Coulomb's law: surfaces slide where the tangential impulse exceeds a part of the normal one."""
+"""Coulomb's law: surfaces slide where the tangential impulse exceeds mu times the normal one."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def coefficients(friction: float | Friction) -> tuple[float, float]:
 
 @kernel
 def coulomb_part(static, kinetic, cohesion, pressed, sticking):
-    """Part of the tangential impulse of sticking that Coulomb's law transmits; 1 where it sticks.
+    """Fraction of the tangential impulse of sticking that Coulomb's law transmits; 1: sticking.
 
     See `pgimp.physics.contact.base.Sliding`.
     """
@@ -61,12 +61,12 @@ class CoulombParameters(NamedTuple):
 
     @staticmethod
     def sliding_part(law, cohesion, pressed, stress, sticking):
-        """Part of the tangential impulse of sticking."""
+        """Transmitted fraction of the tangential impulse of sticking."""
         return coulomb_part(law.static, law.kinetic, cohesion, pressed, sticking)
 
     @staticmethod
     def slope(law, pressed, stress):
-        """Derivative of the tangential impulse by the normal one while surfaces slide."""
+        """Derivative of the tangential impulse by the normal impulse during sliding."""
         return law.kinetic
 
 

@@ -1,4 +1,4 @@
-"""Bodies that do not feel each other."""
+"""The contact law of bodies that pass through each other."""
 
 from typing import ClassVar
 

@@ -1,4 +1,4 @@
-"""Contact of bodies: the entries in the case, and the law of each pair."""
+"""Contact entries of the case, and the law of each pair of bodies."""
 
 from __future__ import annotations
 
@@ -77,11 +77,11 @@ class ContactEntry(Model):
 
     @property
     def name(self) -> str:
-        """What the columns of the history call it."""
+        """Name in the columns of the history."""
         return self.bodies if isinstance(self.bodies, str) else "+".join(self.bodies)
 
     def pairs(self) -> Iterator[tuple[str, str]]:
-        """Names of the pairs, in the order of the entry; none for all."""
+        """Names of the pairs, in the order of the entry; none if the entry is for all."""
         return combinations(self.bodies if isinstance(self.bodies, tuple) else (), 2)
 
 
@@ -91,18 +91,18 @@ class Pairs(NamedTuple):
     Attributes
     ----------
     entry : (bodies, bodies) int64
-        Number of the pair's entry, from 1, in the row of the body that has the smaller number;
-        negative if the entry names the other one first. 0: bodies that pass through each other.
+        Number of the pair's entry, from 1, in the row of the body with the smaller number. It is
+        negative if the entry names the other body first, 0 if the bodies pass through each other.
     way : (entries + 1,) int64
-        `TIED` or `UNILATERAL`; the last one is for pairs without an entry, which are tied.
+        `TIED` or `UNILATERAL`; the last is for pairs without an entry, which are tied.
     kinds : tuple of NamedTuple
         Parameters of each registered unilateral law; only their types matter.
     kind : (entries + 1,) int64
-        Which of them the law is.
+        Index of the entry's law in `kinds`.
     parameters : (entries + 1, n) float64
-        Its parameters.
+        Parameters of the entry's law.
     adhesion : (entries + 1, 3) float64
-        Normal and shear strength, and the gap up to which they hold; 0 where there is none.
+        Normal and shear strength, and the gap up to which they hold; 0 without adhesion.
     """
 
     entry: np.ndarray
@@ -114,7 +114,7 @@ class Pairs(NamedTuple):
 
     @classmethod
     def of(cls, entries: Sequence[ContactEntry], bodies: Sequence[str]) -> Pairs:
-        """Find the law of each pair; an entry for all is for those that no other one names."""
+        """Find the law of each pair; an entry for all applies to pairs that no other one names."""
         count = len(bodies)
         entry = np.full((count, count), len(entries) + 1, np.int64)
         number = {name: i for i, name in enumerate(bodies)}
@@ -142,13 +142,13 @@ class Pairs(NamedTuple):
         )
 
     def ties(self, count: int) -> bool:
-        """Whether of the first `count` bodies any are tied."""
+        """Whether any of the first `count` bodies are tied."""
         pairs = np.abs(self.entry[np.triu_indices(count, 1)])
         return bool((self.way[pairs[pairs > 0] - 1] == TIED).any())
 
 
 def parameters_of(law: type[ContactLaw]) -> Any:
-    """Return the type of a unilateral law's parameters; None of others."""
+    """Return the type of a unilateral law's parameters; None for other laws."""
     if law.way != UNILATERAL:
         return None
     return get_type_hints(law.parameters)["return"]
@@ -159,7 +159,7 @@ def _width(kinds: Sequence[Any]) -> int:
 
 
 def sharing(case: Any) -> np.ndarray:
-    """Return which pairs of the bodies with particles no entry is for, (n, n); i < j counts."""
+    """Mask of the pairs of bodies with particles that have no entry, (n, n); i < j counts."""
     entry = Pairs.of(case.contact, [*case.bodies, *case.rigid_bodies]).entry
     n = len(case.bodies)
     return np.abs(entry[:n, :n]) > len(case.contact)

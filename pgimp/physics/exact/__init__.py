@@ -1,10 +1,10 @@
 """Exact solutions, one file each.
 
-A solution is the entry of the case (a `Solution`) whose ``parameters(case)`` gives a NamedTuple
-with kernels as static methods and ``scale(t)``, the stress that the error (47) refers to:
+A solution is the entry of the case (a `Solution`) whose ``parameters(case)`` gives a NamedTuple.
+The tuple has ``scale(t)``, the reference stress of the error (47), and kernels as static methods:
 
 - ``state(solution, X, x, t) -> (u, v, sigma)``: displacement, velocity and Cauchy stress of the
-  particle with initial position X that is now at x;
+  particle with initial position X and present position x;
 - ``force(solution, X, t) -> b``: body force per mass, where the solution is `forced`.
 """
 

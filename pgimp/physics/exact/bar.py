@@ -1,4 +1,4 @@
-"""What the solutions of the elastic bar have in common: s = E (F - 1) (41), a bar from x-min on."""
+"""Common base of the elastic bar's solutions: s = E (F - 1) (41), a bar from x-min on."""
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
@@ -10,12 +10,12 @@ from pgimp.physics.exact.base import Solution
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import WHOLE
 
-#: Conditions that hold the end of a bar; one that lets go does as long as the bar pushes.
+#: Conditions that hold the end of a bar; a unilateral one does as long as the bar pushes.
 HOLDS = ("fixed", "slip")
 
 
 class Bar(NamedTuple):
-    """Where the bar begins, its initial length, Young's modulus and initial density."""
+    """Coordinate of the bar's beginning, initial length, Young's modulus and initial density."""
 
     wall: float
     length: float
@@ -48,7 +48,7 @@ class BarSolution(Solution):
 
     @abstractmethod
     def unlike(self, case: Any, name: str, velocity: float, bar: Bar) -> Iterator[Problem]:
-        """As `mismatches`, for a bar in its place, whose body has an initial velocity."""
+        """As `mismatches`, for a bar at the right position; `velocity` is its initial velocity."""
 
     def _wrong_place(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
         region, low, high = body.region, case.grid.origin[0], case.grid.corner[0]
@@ -65,7 +65,7 @@ class BarSolution(Solution):
 
 
 def bar_of(case: Any) -> Bar:
-    """The bar of a case that fits."""
+    """The bar of a case without mismatches."""
     (body,) = case.bodies.values()
     material = case.materials[body.material]
     low, high = body.region.min[0], body.region.max[0]

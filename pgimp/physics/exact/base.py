@@ -1,4 +1,4 @@
-"""What the entries of all exact solutions have in common, and the kernels' view of a solution."""
+"""Base of the entries of exact solutions, and the kernels' view of a solution."""
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
@@ -18,16 +18,16 @@ class Solution(Model):
     forced: ClassVar[bool] = False
     #: Whether the solution gives the particles their initial velocity.
     moves: ClassVar[bool] = False
-    #: The material model that it is a solution for.
+    #: Material model of the solution.
     model: ClassVar[str]
 
     @property
     def walls(self) -> Mapping[str, tuple[str, ...]]:
-        """The faces that need a condition, and which may be named; all others must be open."""
+        """Faces that need a condition, with the allowed ones; all other faces must be open."""
         return {}
 
     def problems(self, case: Any) -> Iterator[Problem]:
-        """Yield what in a case, sound otherwise, the solution does not fit; paths from its top."""
+        """Yield the problems of an otherwise sound case with this solution; paths from its top."""
         if case.dimensions not in self.DIMENSIONS:
             allowed = " and ".join(f"{d}D" for d in self.DIMENSIONS)
             yield Problem(
@@ -76,11 +76,11 @@ class Solution(Model):
 
     @abstractmethod
     def mismatches(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
-        """As `problems`, for what is particular to the solution; `name` is that of the body."""
+        """As `problems`, specific to the solution; `name` is the body's."""
 
     @abstractmethod
     def parameters(self, case: Any) -> Any:
-        """Parameters of the kernels, from a case that fits."""
+        """Parameters of the kernels, from a case without problems."""
 
 
 def no_gravity(case: Any) -> Iterator[Problem]:
@@ -90,16 +90,16 @@ def no_gravity(case: Any) -> Iterator[Problem]:
 
 
 class BodyForce(NamedTuple):
-    """Body force at a time: of a manufactured solution, or of `pgimp.physics.loads`."""
+    """Body force at a time, from a manufactured solution or from `pgimp.physics.loads`."""
 
     source: Any
     time: float
 
 
 def state(solution, X, x, t):
-    """Exact displacement, velocity and Cauchy stress of the particle from `X`, now at `x`.
+    """Exact displacement, velocity and Cauchy stress of a particle initially at `X`, now at `x`.
 
-    Positions and vectors are tuples of D numbers; the stress is one as ``particles.sigma``.
+    Positions and vectors are tuples of D numbers; the stress is a tuple as in ``particles.sigma``.
     """
 
 
@@ -109,7 +109,7 @@ def _state(solution, X, x, t):
 
 
 def body_force(solution, X, t):
-    """Body force per mass on the particle from `X`, a tuple of D numbers."""
+    """Body force per mass on the particle initially at `X`, a tuple of D numbers."""
 
 
 @specialise(body_force)

@@ -1,11 +1,11 @@
-"""A bar under a body force that grows with time (4.1): in equilibrium, or with the waves it sends.
+"""A bar under a body force that grows with time (4.1): in equilibrium, or with waves.
 
 With s = E (F - 1) the wave equation in the initial coordinate Z is linear for any strain:
 rho0 u_tt = E u_ZZ + rho0 b. In equilibrium u = rho0 b/E (L Z - Z^2/2). Under the ramp b = b' t
-that displacement, linear in time, satisfies the wave equation as well, but moves from the start;
-the exact solution adds the free vibration w with w = 0 and w_t = -r(Z), the rate of the other, at
-t = 0. By d'Alembert w = -(R(Z + c t) - R(Z - c t))/(2 c), with R the integral of r, continued oddly
-about Z = 0 and evenly about Z = L. It vanishes at all multiples of 2 L/c.
+this displacement also satisfies the wave equation, but its initial velocity r(Z) is not zero.
+The exact solution adds the free vibration w with w = 0 and w_t = -r(Z) at t = 0. By d'Alembert
+w = -(R(Z + c t) - R(Z - c t))/(2 c). R is the integral of r, continued oddly about Z = 0 and
+evenly about Z = L. w vanishes at all multiples of 2 L/c.
 """
 
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ from pgimp.schema.tables import VectorTable
 
 @kernel
 def load(times, loads, t):
-    """Body force and its rate at a time: linear between the rows of a table, held at both ends."""
+    """Body force and its rate at a time: linear between table rows, constant beyond the ends."""
     if t < times[0]:
         return loads[0], 0.0
     for k in range(1, len(times)):
@@ -49,7 +49,7 @@ class StaticParameters(NamedTuple):
 
     @staticmethod
     def state(solution, X, x, t):
-        """Stress (42) where the particle is now; displacement and velocity of the material."""
+        """Stress (42) at the particle's position; displacement and velocity of the material."""
         b, rate = load(solution.times, solution.loads, t)
         z, length = X[0] - solution.wall, solution.length
         compliance = solution.density / solution.young
@@ -97,12 +97,12 @@ class DynamicParameters(NamedTuple):
 
     @staticmethod
     def state(solution, X, x, t):
-        """Stress where the particle is now; displacement and velocity of the material."""
+        """Stress at the particle's position; displacement and velocity of the material."""
         z, length = X[0] - solution.wall, solution.length
         square = solution.young / solution.density
         c, f = sqrt(square), solution.rate / square
         u, v, strain = ramp(z, length, c, t)
-        # The material that is now at x, by a step of Newton's method from the particle's own.
+        # Material point now at x, by a step of Newton's method from the particle's own.
         z += (x[0] - X[0] - f * u) / (1.0 + f * strain)
         strain = ramp(z, length, c, t)[2]
         return (f * u,), (f * v,), (solution.young * f * strain, 0.0, 0.0)
@@ -118,7 +118,7 @@ class Compaction(BarSolution):
     )
 
     def unlike(self, case: Any, name: str, velocity: float, bar: Bar) -> Iterator[Problem]:
-        """The load is a table, with `dynamic` one ramp from zero on; the column starts at rest."""
+        """The load must be a table, a ramp from zero if `dynamic`; the column starts at rest."""
         if velocity:
             text = "the exact solution starts at rest; leave this out"
             yield Problem(("bodies", name, "velocity"), text)

@@ -1,9 +1,9 @@
 """Generalized vortex of Kamojjala, Brannon, Sadeghirad and Guilkey (2015): a ring that turns.
 
 Every circle of the ring turns by alpha(R, t) = A sin(2 pi t/T) h(R), h = (1 - 4 s^2)^2 with
-s = (R - mean radius)/width: h = h' = 0 at both radii, which stay at rest and free of traction. The
-volume does not change. Seen along the turned radius and circle, with the shear k = R alpha', the
-stress is (0, mu k; mu k, mu k^2), and the balance of momentum asks for the body force
+s = (R - mean radius)/width. Both radii have h = h' = 0, and stay at rest and free of traction. The
+volume does not change. In the basis turned by alpha, with the shear k = R alpha', the stress is
+(0, mu k; mu k, mu k^2). The balance of momentum then gives the body force
 
     b_r     = -R alpha_t^2 + mu/rho0 R alpha'^2
     b_theta = R alpha_tt - mu/rho0 (R alpha'' + 3 alpha')
@@ -43,13 +43,13 @@ class GeneralizedVortexParameters(NamedTuple):
     frequency: float
 
     def scale(self, t: float) -> float:
-        """Return the shear stress at the mean radius if h were steepest there."""
+        """Return the shear stress at the mean radius for the steepest slope of h."""
         steepest = 32.0 / (3.0 * sqrt(3.0) * 2.0) / self.width
         return self.mu * abs(self.amplitude) * self.mean * steepest
 
     @staticmethod
     def state(solution, X, x, t):
-        """Of the material point."""
+        """Displacement, velocity and stress of the material point."""
         a, w = solution.amplitude, solution.frequency
         X0, X1 = X[0] - solution.centre[0], X[1] - solution.centre[1]
         R = sqrt(X0 * X0 + X1 * X1)
@@ -98,7 +98,7 @@ class GeneralizedVortex(Solution):
     period: Positive = Field(description="time in which it turns to and fro [time]")
 
     def mismatches(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
-        """The region is a ring; no gravity."""
+        """The region must be a ring, without gravity."""
         yield from no_gravity(case)
         parts = body.region.root if isinstance(body.region, Difference) else ()
         if len(parts) != 2 or not all(isinstance(part, Ball) for part in parts):

@@ -1,8 +1,8 @@
 """A bar that is thrown at a wall (4.2): a front runs to the free end and comes back.
 
-Behind the first front the bar is at rest with F = 1 - |v0|/c (46), behind the reflected one it is
-unstressed and flies back at |v0|. In the initial coordinate Z both run at c = sqrt(E/rho0),
-for any strain. At t = 2 L/c the whole bar leaves the wall.
+Behind the first front the bar is at rest with F = 1 - |v0|/c (46). Behind the reflected front it
+is unstressed and flies back at |v0|. In the initial coordinate Z both fronts run at
+c = sqrt(E/rho0), for any strain. At t = 2 L/c the whole bar leaves the wall.
 """
 
 from collections.abc import Iterator, Mapping
@@ -29,7 +29,7 @@ class ShockParameters(NamedTuple):
 
     @staticmethod
     def state(solution, X, x, t):
-        """Of the material point, before, between or behind the fronts."""
+        """Displacement, velocity and stress before, between or behind the fronts."""
         c = sqrt(solution.young / solution.density)
         z, v = X[0] - solution.wall, solution.velocity
         arrival = z / c
@@ -50,7 +50,7 @@ class Shock(BarSolution):
         return {"x-min": (*HOLDS, "separating")}
 
     def unlike(self, case: Any, name: str, velocity: float, bar: Bar) -> Iterator[Problem]:
-        """The bar flies at the wall, slower than sound, and does not leave it."""
+        """The bar must fly at the wall, slower than sound, and the run end before it leaves it."""
         yield from no_gravity(case)
         if not -bar.speed < velocity < 0.0:
             yield Problem(

@@ -6,15 +6,15 @@ With Z the initial position from the block's centre and L_i its sides, x = centr
 
 and Q a rotation at a constant rate. The stretches F_i = 1 + A_i sin(pi t/T)^2 f_i' are 1 on the
 block's faces, for f_i' = (1 + cos(2 pi Z_i/L_i))/2. For the neo-Hookean solid without lambda
-(poisson = 0) the first Piola stress is Q diag(mu (F_i - 1/F_i)): the faces are free of traction,
-and the balance of momentum asks for the body force per mass
+(poisson = 0) the first Piola stress is Q diag(mu (F_i - 1/F_i)). The faces are free of traction.
+The balance of momentum gives the body force per mass
 
     b = Q (w x (w x y) + 2 w x y_t + y_tt - mu/rho0 (1 + 1/F_i^2) dF_i/dZ_i)
 
-It does not follow a block that lags behind: where the sum of b.x over the mass is negative, as it
-is for a block that only spins, an error in the angle grows as exp(rate t). In every plane of
-rotation the stretching should outweigh the spin: mu (F^2 - 1) summed over both directions more than
-rho0 (rate r)^2, with F the mean stretch and r the radius of gyration.
+b does not follow a block that lags behind. Where the sum of b.x over the mass is negative, as for
+a block that only spins, an error in the angle grows as exp(rate t). In every plane of rotation the
+stretching should outweigh the spin: mu (F^2 - 1), summed over both directions, should exceed
+rho0 (rate r)^2. F is the mean stretch and r the radius of gyration.
 """
 
 from collections.abc import Iterator
@@ -40,7 +40,7 @@ OptionalVector = Annotated[
 
 
 def three(X):
-    """Three coordinates from those of the scene's directions."""
+    """Three coordinates from the scene's D coordinates."""
 
 
 @specialise(three)
@@ -51,7 +51,7 @@ def _three(X):
 
 
 def components(like, V):
-    """Vector of the scene's directions from one of three."""
+    """Vector of the scene's D components from three components."""
 
 
 @specialise(components)
@@ -62,7 +62,7 @@ def _components(like, V):
 
 
 def symmetric_components(like, S):
-    """Symmetric tensor of the scene's dimension from one of six components."""
+    """Symmetric tensor of the scene's dimension from six components."""
 
 
 @specialise(symmetric_components)
@@ -97,7 +97,7 @@ def turned(Q, a):
 
 @kernel
 def cross(a, b):
-    """Vector product."""
+    """Cross product."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -138,7 +138,7 @@ class SpinningBlockParameters(NamedTuple):
 
     @staticmethod
     def state(solution, X, x, t):
-        """Of the material point."""
+        """Displacement, velocity and stress of the material point."""
         P, o, n = three(X), solution.centre, solution.axis
         Z = P[0] - o[0], P[1] - o[1], P[2] - o[2]
         p, q, r = stretching(solution, Z, 0), stretching(solution, Z, 1), stretching(solution, Z, 2)
@@ -212,7 +212,7 @@ class SpinningBlock(Solution):
     )
 
     def mismatches(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
-        """The region is a box, Poisson's ratio zero, vectors of the case's dimension."""
+        """The region must be a box, Poisson's ratio zero, vectors of the case's dimension."""
         yield from no_gravity(case)
         if not isinstance(body.region, Box):
             yield Problem(("bodies", name, "region"), "the exact solution needs a box")

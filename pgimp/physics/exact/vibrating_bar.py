@@ -16,7 +16,7 @@ from pgimp.schema.problems import Problem
 
 
 class VibratingBarParameters(NamedTuple):
-    """Where the bar begins, E, amplitude, wave number k and angular frequency c k."""
+    """Coordinate of the bar's beginning, E, amplitude, wave number k, angular frequency c k."""
 
     wall: float
     young: float
@@ -30,7 +30,7 @@ class VibratingBarParameters(NamedTuple):
 
     @staticmethod
     def state(solution, X, x, t):
-        """Of the material point."""
+        """Displacement, velocity and stress of the material point."""
         a, k, w = solution.amplitude, solution.wave, solution.frequency
         z = X[0] - solution.wall
         return (
@@ -60,7 +60,7 @@ class VibratingBar(BarSolution):
         return (self.mode - (0.5 if self.end == "free" else 0.0)) * pi / length
 
     def unlike(self, case: Any, name: str, velocity: float, bar: Bar) -> Iterator[Problem]:
-        """No load, and no point of the bar squeezed to nothing."""
+        """There must be no load, and no point of the bar compressed to zero length."""
         yield from no_gravity(case)
         most = 1.0 / self._wave(bar.length)
         if abs(self.amplitude) >= most:

@@ -1,11 +1,11 @@
-"""Loads and prescribed motion: their entries in the case, and what kernels get of them.
+"""Loads and prescribed motion: their entries in the case, and their parameters for kernels.
 
 A body force is one file here: the entry of the case (a `BodyForceEntry`) whose ``parameters()``
 gives a NamedTuple with a kernel as static method:
 
-- ``acceleration(force, x, v, t) -> b``: force per mass (17) on the particle that is at x and moves
-  at v at the beginning of a step, at time t; tuples of three numbers, zero in the directions that
-  the case does not have.
+- ``acceleration(force, x, v, t) -> b``: force per mass (17) on a particle with position x and
+  velocity v at time t, the beginning of a step. Vectors are tuples of three numbers, zero in
+  directions that the case does not have.
 """
 
 from pgimp.physics.loads.bodyforce import BodyForceEntry

@@ -16,13 +16,13 @@ class BodyForceEntry(Model):
         """Parameters of the kernels, see `pgimp.physics.loads`."""
 
     def check(self, dimensions: int) -> Problems:
-        """Yield what does not fit the dimensions of the case; paths from the entry."""
+        """Yield problems with the dimensions of the case; paths from the entry."""
         for name in type(self).model_fields:
             yield from length((name,), getattr(self, name), dimensions)
 
 
 def acceleration(force, x, v, t):
-    """Force per mass on the particle at x that moves at v: tuples of three numbers."""
+    """Force per mass on a particle with position x and velocity v: tuples of three numbers."""
 
 
 @specialise(acceleration)

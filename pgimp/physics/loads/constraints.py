@@ -12,7 +12,7 @@ from pgimp.schema.tables import Component, Table, prescribed
 
 
 class Constraint(NamedTuple):
-    """A constraint during one step: components held, velocity at its end, change over it by dt."""
+    """A constraint in one step: held components, velocity at its end, mean acceleration."""
 
     held: tuple[bool, bool, bool]
     velocity: tuple[float, float, float]
@@ -33,7 +33,7 @@ class ConstraintEntry(Model):
 
     @property
     def varies(self) -> bool:
-        """Whether the parameters change in time."""
+        """Whether the parameters depend on time."""
         return any(isinstance(component, Table) for component in self.velocity)
 
     def parameters(self, start: float, end: float) -> Constraint:
@@ -41,7 +41,7 @@ class ConstraintEntry(Model):
         return Constraint(*prescribed(self.velocity, start, end))
 
     def displacement(self, t: float) -> tuple[float | None, ...]:
-        """Return the displacement prescribed from time 0 to `t`, None where it is free."""
+        """Return the displacement prescribed from time 0 to `t`, None for free components."""
         return tuple(
             v.integral(t) if isinstance(v, Table) else None if v is None else v * t
             for v in self.velocity

@@ -13,12 +13,12 @@ from pgimp.schema.sizes import Problems, length
 
 
 def _zeros(schema: dict[str, Any]) -> None:
-    """Document the default of a vector whose length the dimensions of the case decide."""
+    """Document the default of a vector whose length depends on the dimensions of the case."""
     del schema["default"]
 
 
 def zero_vector(description: str) -> Any:
-    """Return a field for a vector that is zero where the case leaves it out."""
+    """Return a field for a vector that is zero by default."""
     return Field(
         default=(), validate_default=False, description=description, json_schema_extra=_zeros
     )

@@ -1,7 +1,7 @@
-"""The forces of a frame that turns: centrifugal and Coriolis force.
+"""Centrifugal and Coriolis forces of a rotating frame.
 
-In a grid that turns with a rotor, the rotor is at rest and only vibrates. Its particles feel
-b = -omega x (omega x (x - about)) - 2 omega x v.
+In a grid that turns with a rotor, the rotor is at rest and only vibrates. The force per mass on its
+particles is b = -omega x (omega x (x - about)) - 2 omega x v.
 """
 
 from typing import ClassVar, NamedTuple
@@ -12,7 +12,7 @@ from pgimp.schema.sizes import Problems
 
 
 class RotatingFrameParameters(NamedTuple):
-    """A point of the axis, and the angular velocity; zeros where the case has no direction."""
+    """Point on the axis, and angular velocity; zeros in directions that the case lacks."""
 
     about: tuple[float, float, float]
     omega: tuple[float, float, float]

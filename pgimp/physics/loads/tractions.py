@@ -12,17 +12,17 @@ from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.tables import Table, VaryingVector, VectorTable
 
-#: Less of a column's area is rounding, or below zero where a small part was merged into the next.
+#: Part of a column's area below which it is rounding, or negative after merging a small part.
 _LEAST = 1e-9
 
 
 def overlaps(width: float, spacing: float) -> int:
-    """Columns of particles after which the inner end of one chi_p meets the outer end of another.
+    """Number of particle columns from the inner end of one chi_p to the outer end of another.
 
     Parameters
     ----------
     width, spacing : float
-        Width of what falls from one to zero there, half a tent or a box, and of a column.
+        Width over which chi_p falls from one to zero, half a tent or a box; width of a column.
     """
     return max(1, round(width / spacing))
 
@@ -39,8 +39,8 @@ class Traction(NamedTuple):
     reach : float
         Distance of a patch's centre from its particle's along the axis, in the initial state.
     half : tuple of float
-        Half-widths of a patch by direction in the initial state: along the axis that of a box,
-        across it those of chi_p; zeros for points.
+        Half-widths of a patch by direction in the initial state: along the axis a box's
+        half-width, across it chi_p's; zeros for points.
     tents : bool
         Whether chi_p, and so the patch across the axis, is a tent and not a box.
     ends : bool
@@ -95,7 +95,7 @@ class TractionEntry(Model):
 
     @property
     def varies(self) -> bool:
-        """Whether the parameters change in time."""
+        """Whether the parameters depend on time."""
         return isinstance(self.traction, VectorTable) or isinstance(self.pressure, Table)
 
     @property
@@ -105,7 +105,7 @@ class TractionEntry(Model):
 
     @property
     def side(self) -> int:
-        """Which end along the axis: -1 or 1."""
+        """End along the axis: -1 or 1."""
         return -1 if self.face.endswith("min") else 1
 
     def parameters(
@@ -125,7 +125,7 @@ class TractionEntry(Model):
         ends : bool
             See `Traction`.
         follows : bool
-            Whether its size follows the deformation.
+            Whether the size of chi_p follows the deformation.
         t : float
             The time.
         """
@@ -135,7 +135,7 @@ class TractionEntry(Model):
         x, y, z = (*(float(c) for c in vector), 0.0, 0.0, 0.0)[:3]
         wide = [0.0 if chi == "point" else float(h) for h in half]
         # A sum of tents falls from one to zero between a particle's centre and its outer end.
-        # A sum of boxes does at once, or in steps at the outer ends of as many as overlap.
+        # A sum of boxes falls at once, or in steps at the outer ends of overlapping boxes.
         gap = float(spacing[self.axis])
         boxes = 0.5 * overlaps(2.0 * wide[self.axis], gap) * gap
         reach = {"point": 0.0, "box": boxes}.get(chi, 0.5 * wide[self.axis])
@@ -148,7 +148,7 @@ class TractionEntry(Model):
     def areas(
         self, parts: list[np.ndarray], columns: list[np.ndarray], spacing: np.ndarray, overlap: int
     ) -> np.ndarray:
-        """Areas of the particles' patches of the face, zeros for those that carry none.
+        """Areas of the particles' patches of the face, zero without a patch.
 
         Parameters
         ----------
@@ -169,7 +169,7 @@ class TractionEntry(Model):
         first, last = int(inside[0]), int(inside[-1])
         part = parts[self.axis][first : last + 1][:: self.side].copy()
         if len(part) > 1:
-            part[0] = 1.0  # the other face's affair
+            part[0] = 1.0  # belongs to the other face
         share = part / overlap
         share[:-overlap] -= part[overlap:] / overlap
         share[share < _LEAST] = 0.0

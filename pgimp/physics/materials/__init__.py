@@ -2,21 +2,20 @@
 
 A material is the entry of the case (a `Material`) whose ``parameters()`` gives a NamedTuple with
 a ``density`` and three kernels as static methods. `F`, `J` = det F and the velocity gradient `L`
-are those at the end of the step, tensors are tuples as in `pgimp.jit.algebra`:
+refer to the end of the step. Tensors are tuples as in `pgimp.jit.algebra`:
 
-- ``stress(material, F, J, sigma, L, dt)``: Cauchy stress, `sigma` the one before the step;
+- ``stress(material, F, J, sigma, L, dt)``: Cauchy stress; `sigma` is the stress before the step;
 - ``energy(material, F, J, sigma)``: strain energy per initial volume;
 - ``speed(material, F, J)``: speed of the fastest wave through the deformed material.
 
-A material with a memory declares what its particles remember as a class attribute of the entry,
-``STATE: ClassVar = (State("damage", "1", "what it is"),)``. The functions then have one argument
-more, ``state``, a tuple of floats in the order of the declaration, and ``stress`` returns a pair:
-the stress, and the state at the end of the step. `OPTIONAL` of
-`base.py` names what else there may be.
+A material with state variables declares them in a class attribute of the entry,
+``STATE: ClassVar = (State("damage", "1", "what it is"),)``. The functions then have one more
+argument, ``state``, a tuple of floats in the order of the declaration. ``stress`` returns a pair:
+the stress, and the state at the end of the step. `OPTIONAL` of `base.py` lists further quantities.
 
-They are asked for four particles at once, where they can: without branches (`choose` stands for
-one), with + - * /, abs, max, min, math's sqrt and floor, and `pgimp.jit.functions`. With anything
-else they are asked for one particle after the other. `pgimp.register_material` takes in others.
+Functions are evaluated for four particles at once if they have no branches (`choose` replaces
+them). They may use + - * /, abs, max, min, math's sqrt and floor, and `pgimp.jit.functions`.
+Other functions are evaluated particle by particle. `pgimp.register_material` adds materials.
 """
 
 from pgimp.jit.choose import choose

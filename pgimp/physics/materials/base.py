@@ -1,4 +1,4 @@
-"""What all materials have in common: the entry of a case, and what its parameters' type says."""
+"""Base of all materials: the entry of a case, and attributes of its parameters' type."""
 
 import re
 from inspect import getattr_static
@@ -26,15 +26,15 @@ class ArtificialViscosity(Model):
     quadratic: NonNegative = Field(description="c2 [1]")
 
 
-#: What a material may say of energy that it does not give back: columns of the history.
+#: Irreversible energies that a material may report: columns of the history.
 LOSSES = ("plastic-work", "viscous-work", "heat")
 
-#: What a state variable may be called.
+#: Allowed names of state variables.
 STATE_NAME = re.compile("[a-z][a-z0-9-]*")
 
 
 class State(NamedTuple):
-    """A state variable of a material: what its particles remember besides their stress.
+    """A state variable of a material's particles, besides their stress.
 
     Attributes
     ----------
@@ -43,13 +43,13 @@ class State(NamedTuple):
     unit : str
         Its unit, ``1`` for none.
     meaning : str
-        What it is, for the reference and for the datasets of frames.
+        Its description, for the reference and for the datasets of frames.
     initial : float or str
-        Its value at the start, or the name of a number among the material's parameters.
+        Initial value, or the name of a number among the material's parameters.
     tensor : bool
         Whether it is a symmetric tensor, with the components of a stress, or one number.
     least : float
-        The least that a file of particles may give, of one number.
+        Least value that a file of particles may give, for a scalar.
     """
 
     name: str
@@ -60,7 +60,7 @@ class State(NamedTuple):
     least: float = -inf
 
     def width(self, dimensions: int) -> int:
-        """Numbers that it takes."""
+        """Number of its components."""
         return (3, 4, 6)[dimensions - 1] if self.tensor else 1
 
 
@@ -101,7 +101,7 @@ class Material(Varying):
 
     @property
     def states(self) -> tuple[State, ...]:
-        """What particles of this very entry remember: `STATE`, or less."""
+        """State variables of this entry's particles: `STATE`, or fewer."""
         return self.STATE
 
     RESTS: ClassVar[bool] = False
@@ -113,44 +113,44 @@ class Material(Varying):
 
     @property
     def flow_speed(self) -> float:
-        """Speed of waves at rest of a liquid, or of loose soil; 0 for all other materials.
+        """Wave speed at rest of a liquid, or of loose soil; 0 for all other materials.
 
-        Particles of what flows are kept to the space that they fill. If it remembers a `gap` by
-        which it has opened, that closes where space is full; else J loses what exerts no force.
+        Particles of flowing materials are kept to the space that they fill. Where space is full,
+        the state variable `gap` closes if there is one; else J loses the part without force.
         """
         return 0.0
 
     @property
     def most_filled(self) -> float:
-        """The greatest J without voids of what flows."""
+        """Greatest J without voids of a flowing material."""
         return inf
 
     @property
     def initial_pressure(self) -> float:
-        """Pressure of a particle at the start, unless a file of particles gives its stress."""
+        """Initial pressure of a particle, unless a file of particles gives its stress."""
         return 0.0
 
     @property
     def needs_pressure(self) -> bool:
-        """Whether it bears nothing at all without pressure."""
+        """Whether it has no strength without pressure."""
         return False
 
     def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
-        """Say of a particle whose ``margin`` is used up what is wrong, and what to try.
+        """Describe the failure of a particle whose ``margin`` is used up, and a remedy.
 
         Parameters
         ----------
         J : float
             Its current over its initial volume.
         state : tuple of float
-            What it remembers.
+            Its state variables.
         """
         return "is out of the range of its material", "smaller steps (time.step), slower loading"
 
     def exact_path(
         self, path: str, value: Any, rate: float, confine: float
     ) -> dict[str, Any] | None:
-        """Return what is known exactly along a path of ``pgimp element``.
+        """Return the exact curves along a path of ``pgimp element``.
 
         Parameters
         ----------
@@ -159,15 +159,15 @@ class Material(Varying):
         value : (n,) ndarray
             Its value, from 0 on; it may turn back.
         rate : float
-            Of the value, 1/time.
+            Rate of the value, 1/time.
         confine : float
             Pressure from all sides at the start [stress].
 
         Returns
         -------
         dict of str to (n,) ndarray, or None
-            Columns of ``pgimp element`` by name, nan in rows of which nothing is known; None where
-            that is all of them.
+            Columns of ``pgimp element`` by name, nan in rows without an exact value; None if all
+            rows are.
         """
         return None
 
@@ -183,17 +183,17 @@ def states_of(parameters: type) -> tuple[State, ...]:
     return getattr(parameters, "STATE", ())
 
 
-#: What the type of a material's parameters has from its entry, besides the state variables.
+#: Attributes that the type of a material's parameters takes from its entry, besides the states.
 _SWITCHES = ("VOLUME_ONLY", "TAKES_VISCOUS_PRESSURE")
 
 
 def with_states(entry: Material, parameters: Any) -> Any:
-    """Parameters of an entry, whose type says from now on what its particles remember.
+    """Attach an entry's state variables and switches to the type of its parameters.
 
     Raises
     ------
     ValueError
-        If entries with other state variables have parameters of the same type.
+        If entries with different state variables have parameters of the same type.
     """
     kind = type(parameters)
     if entry.states != states_of(kind) and "STATE" in vars(kind):
@@ -207,29 +207,29 @@ def with_states(entry: Material, parameters: Any) -> Any:
 
 
 def state_width(parameters: type, dimensions: int) -> int:
-    """Numbers that particles of a material remember, all its state variables together."""
+    """Total number of components of a material's state variables."""
     return sum(each.width(dimensions) for each in states_of(parameters))
 
 
-#: Quantities that a material need not have, and what they are without: the diffusivity of
-#: momentum, length^2/time, that limits the step; how far the material is from the end of its range,
-#: at which the run stops; the energies that it does not give back, see `LOSSES`; the state of a
-#: particle that begins with a stress, without which it is what it was (None).
+#: Optional quantities of a material, with their defaults. diffusivity: momentum diffusivity,
+#: length^2/time, which limits the step. margin: distance from the end of the material's range, at
+#: which the run stops. losses: irreversible energies, see `LOSSES`. initial_state: state of a
+#: particle that begins with a stress; by default it stays unchanged (None).
 OPTIONAL: dict[str, Any] = {
     "diffusivity": 0.0, "margin": 1.0, "losses": (0.0, 0.0, 0.0), "initial_state": None,
 }  # fmt: skip
 
 
 def has(parameters: type, quantity: str) -> bool:
-    """Whether materials whose parameters are of a type have one of the `OPTIONAL` quantities."""
+    """Whether materials with this type of parameters have one of the `OPTIONAL` quantities."""
     return isinstance(getattr_static(parameters, quantity, None), staticmethod)
 
 
 def volume_only(parameters: type) -> bool:
-    """Whether of such materials' deformation only the volume is followed."""
+    """Whether only the volume of the deformation is tracked for materials of this type."""
     return getattr(parameters, "VOLUME_ONLY", False)
 
 
 def takes_viscous_pressure(parameters: type) -> bool:
-    """Whether such materials are heated by the artificial viscosity."""
+    """Whether the artificial viscosity heats materials of this type."""
     return getattr(parameters, "TAKES_VISCOUS_PRESSURE", False)

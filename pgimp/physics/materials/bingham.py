@@ -1,13 +1,13 @@
 """Bingham's fluid: rigid below a yield stress, viscous above it, p by Tait's equation of state.
 
-Below the yield stress it is elastic, with a shear modulus G so high that it hardly deforms. With
-tau the root of J2, each step's elastic trial stress tau_tr (`pgimp.physics.materials.laws.hencky`)
-relaxes towards the yield stress,
+Below the yield stress the fluid is elastic, with a shear modulus G so high that it hardly deforms.
+With tau the root of J2, the elastic trial stress tau_tr of a step
+(`pgimp.physics.materials.laws.hencky`) relaxes towards the yield stress,
 
     tau = (tau_tr + (G dt/mu) tau_y)/(1 + G dt/mu)  where tau_tr > tau_y,
 
-implicit Euler for d tau/dt = G (rate - (tau - tau_y)/mu): the plug is exact, and no step is too
-long for the viscosity. In steady flow tau = tau_y + mu rate whatever G.
+implicit Euler for d tau/dt = G (rate - (tau - tau_y)/mu). The plug is exact, and the viscosity
+does not limit the step. In steady flow tau = tau_y + mu rate for any G.
 """
 
 from math import sqrt
@@ -30,12 +30,12 @@ from pgimp.physics.materials.laws.tait import (
 )
 from pgimp.schema.problems import Problem, raise_problems
 
-#: The shear modulus, as part of the bulk modulus, where the case does not say.
+#: Default of the shear modulus, over the bulk modulus.
 _STIFF = 0.5
 
 
 class BinghamParameters(NamedTuple):
-    """K/g, the exponent g, least pressure, G, viscosity, yield stress and initial density."""
+    """K/g, exponent g, least pressure, G, viscosity, yield stress and initial density."""
 
     stiffness: float
     exponent: float
@@ -47,10 +47,10 @@ class BinghamParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt, state):
-        """Pressure of the volume, and the deviator, elastic up to the yield stress."""
+        """Pressure from the volume, and deviator, elastic up to the yield stress."""
         s = elastic_trial(
             material.shear, J, sigma, L, dt
-        )  # of Kirchhoff's stress, J times Cauchy's
+        )  # Kirchhoff stress, J times Cauchy's
         trial = shear_stress(s)
         whole = min(J, 1.0)  # without voids
         mu, strength = material.mu * whole, material.strength * whole
@@ -80,7 +80,7 @@ class BinghamParameters(NamedTuple):
 
     @staticmethod
     def margin(material, F, J, sigma, state):
-        """How far it is from a compression at which it is no liquid."""
+        """Distance from the greatest compression of a liquid."""
         return J - LEAST
 
 

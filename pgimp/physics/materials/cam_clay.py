@@ -14,10 +14,10 @@ p_c = p (1 + t^2) and q = M t p on the ellipse: the plastic volume strain
 
 gives p = p_tr exp(-v theta/kappa), and normal flow, with the multiplier from q, is
 
-    t theta - M^2/(6 G) (q_tr/M - t p)(1 - t^2) = 0,
+    t theta - M^2/(6 G) (q_tr/M - t p)(1 - t^2) = 0.
 
-whose left side is smooth, and of opposite signs at t = 0 and 1 where the clay is compacted, at
-t = 1 and q_tr/(M p_tr) where it swells. Newton's method, kept between these, finds the root.
+The left side is smooth. It changes sign between t = 0 and 1 in compaction, and between t = 1 and
+q_tr/(M p_tr) in swelling. Newton's method, bracketed by these, finds the root.
 """
 
 from math import sqrt
@@ -37,15 +37,15 @@ from pgimp.physics.materials.laws.invariants import TINY, mean, shear_stress
 from pgimp.schema.base import Positive
 from pgimp.schema.problems import Problem, raise_problems
 
-#: Newton's steps, kept in their bracket; more than it takes from trials that stable steps give.
+#: Steps of the bracketed Newton method; more than trial stresses of stable steps need.
 _SWEEPS = 16
-#: Least pressure, as part of the preconsolidation pressure at the start: less is none.
+#: Least pressure, over the initial preconsolidation pressure; less counts as zero.
 _LEAST = 1e-9
 _SQRT3 = sqrt(3.0)
 
 
 def on_ellipse(A, a, b, c, p, q):
-    """Place t on the yield ellipse to which a trial stress returns; see the head of this file.
+    """Parameter t of the point on the yield ellipse to which a trial stress returns; see above.
 
     Parameters
     ----------
@@ -95,9 +95,9 @@ class CamClayParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt, state):
-        """Stress on or within the ellipse; p_c, the plastic compaction and work.
+        """Stress on or within the ellipse; p_c, plastic compaction and plastic work.
 
-        Stresses are Kirchhoff's, J times Cauchy's.
+        Stresses in the code are Kirchhoff's, J times Cauchy's.
         """
         a, b, M = material.swells, material.hardens, material.slope
         s = elastic_trial(material.shear, J, sigma, L, dt)
@@ -128,7 +128,7 @@ class CamClayParameters(NamedTuple):
 
     @staticmethod
     def speed(material, F, J, state):
-        """Longitudinal wave at the greatest pressure that the clay may have, p_c."""
+        """Longitudinal wave at the clay's greatest pressure, p_c."""
         bulk = material.swells * state[0]
         return sqrt((bulk + 4.0 / 3.0 * material.shear) / material.density)
 

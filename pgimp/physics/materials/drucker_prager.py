@@ -1,17 +1,16 @@
 """Drucker and Prager's soil: tau <= alpha p + k, with dilation, apex and tension cut-off.
 
-With p the pressure and tau the root of J2. The trial stress of
+p is the pressure and tau the root of J2. The trial stress of
 `pgimp.physics.materials.laws.hencky` returns to the cone along the flow of the cone with the angle
 of dilation,
 
     dl = max(0, tau_tr - alpha p_tr - k)/(G + K alpha alpha'),  tau = tau_tr - G dl,
-    p = p_tr + K alpha' dl,
+    p = p_tr + K alpha' dl.
 
-and where p is then below -t, the tension that the soil bears at most, to p = -t and
-tau <= k - alpha t: that is the apex, unless the tension is cut off before it. The volume by which
-the soil opens there is remembered, and has to be closed before pressure rises again: without that,
-each time that loose soil is pulled apart would leave it larger (Tampubolon et al., ACM Trans.
-Graph. 36, 2017).
+Where p is then below -t, with t the greatest tension of the soil, it returns to p = -t and
+tau <= k - alpha t: the apex, unless the tension is cut off before it. The volume by which the soil
+opens there is a state variable, and has to close before pressure rises again. Otherwise loose soil
+would grow each time that it is pulled apart (Tampubolon et al., ACM Trans. Graph. 36, 2017).
 """
 
 from math import sqrt
@@ -45,9 +44,9 @@ class DruckerPragerParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt, state):
-        """Stress on or within the cone; the volume that is open, plastic shear and work.
+        """Stress on or within the cone; open volume, plastic shear and plastic work.
 
-        Kirchhoff's, J times Cauchy's, with the strength J k.
+        Stresses in the code are Kirchhoff's, J times Cauchy's, with the strength J k.
         """
         bulk, shear, alpha, least = material.bulk, material.shear, material.alpha, -material.tension
         k, least = material.k * J, least * J
@@ -58,7 +57,7 @@ class DruckerPragerParameters(NamedTuple):
         # On the cone, or within it:
         slip = max(tau - alpha * p - k, 0.0) / (shear + bulk * alpha * material.flow)
         p_cone = p + bulk * material.flow * slip
-        # At the greatest tension, where it opens until the elastic pressure is that:
+        # At the greatest tension, the soil opens until the elastic pressure equals it:
         slip_open = max(tau - (k + alpha * least), 0.0) / shear
         p_open = p + bulk * material.flow * slip_open
         opens = p_open < least
@@ -83,7 +82,7 @@ class DruckerPragerParameters(NamedTuple):
 
     @staticmethod
     def speed(material, F, J, state):
-        """Longitudinal wave: rho0 c^2 = (K + 4 G/3)(1 - ln J) where it is compressed."""
+        """Longitudinal wave: rho0 c^2 = (K + 4 G/3)(1 - ln J) in compression."""
         modulus = material.bulk + 4.0 / 3.0 * material.shear
         return sqrt(modulus * (1.0 - log(min(J, 1.0))) / material.density)
 

@@ -1,9 +1,9 @@
 """Hypoelastic Hooke's law, integrated after Hughes and Winget (1980) about the mid-point.
 
-With the step's velocity gradient L referred to the step's beginning, the gradient referred to the
-mid-point configuration is G = L (1 + dt/2 L)^-1; the strain increment is dt sym(G), and the stress
-is turned by Q = (1 - dt/2 W)^-1 (1 + dt/2 W), W = skew(G), a rotation to rounding. sym(L) instead
-of sym(G) would see a spurious strain of order (dt W)^2/2 in every step of a rotation.
+The step's velocity gradient L refers to the step's beginning. Referred to the mid-point
+configuration it is G = L (1 + dt/2 L)^-1. The strain increment is dt sym(G). The stress is turned
+by Q = (1 - dt/2 W)^-1 (1 + dt/2 W), W = skew(G), a rotation to rounding. sym(L) in place of sym(G)
+would add a spurious strain of order (dt W)^2/2 in every step of a rotation.
 """
 
 from math import sqrt

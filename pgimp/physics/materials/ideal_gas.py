@@ -1,11 +1,11 @@
 """Ideal gas: p = (g - 1) rho e, with the internal energy e as a state.
 
-In a step the gas gains the work of the mean pressure, and of the artificial viscosity's q,
+In a step the gas gains the work of the mean pressure and of the artificial viscosity q,
 
     rho0 (e' - e) = -((p + p')/2 + q) (J' - J),
 
-which with p' = (g - 1) rho0 e'/J' is linear in e'. Shocks heat it by q alone: without artificial
-viscosity what they lose stays as noise in the velocities.
+which with p' = (g - 1) rho0 e'/J' is linear in e'. Shocks heat the gas by q only: without
+artificial viscosity their dissipation stays as noise in the velocities.
 """
 
 from math import sqrt
@@ -49,7 +49,7 @@ class IdealGasParameters(NamedTuple):
 
     @staticmethod
     def margin(material, F, J, sigma, state):
-        """The internal energy that is left."""
+        """Remaining internal energy."""
         return state[0]
 
 
@@ -96,7 +96,7 @@ class IdealGas(Material):
         if J is None:
             return None
         columns = isotropic_columns(start * J**-self.gamma)
-        if confine != start:  # Its steps give the gas another energy than an isentrope's.
+        if confine != start:  # Confinement gives an energy off the isentrope.
             return columns
         return columns | {"internal-energy": self.energy * J ** (1.0 - self.gamma)}
 

@@ -1,15 +1,15 @@
 """Johnson and Cook's metal: hardening, rate, heat by flow, damage, and pressure behind shocks.
 
 sigma_y = (A + B alpha^n)(1 + C ln max(1, alpha'/rate))(1 - T*^m), T* = (T - T0)/(Tm - T0) between
-0 and 1; alpha' is the plastic rate of the step itself, found with the flow by Newton's method, so
-that nothing rings. Flow heats by dT = beta q dalpha/(rho0 c), without conduction. Elasticity is
-as in `pgimp.physics.materials.laws.hencky`.
+0 and 1. alpha' is the plastic rate of the step itself, found with the flow by Newton's method, so
+the stress does not oscillate. Flow heats by dT = beta q dalpha/(rho0 c), without conduction.
+Elasticity is as in `pgimp.physics.materials.laws.hencky`.
 
 Damage grows by dalpha/eps_f, eps_f = (d1 + d2 exp(d3 sigma*))(1 + d4 ln max(1, alpha'/rate))
 (1 + d5 T*), sigma* the mean over the equivalent stress (Johnson, Cook 1985). At 1 a particle has
 failed: it bears pressure only, as rubble, and keeps its mass.
 
-Here with the pressure -K ln J / J; with that of shocks in `johnson_cook_shock`.
+The pressure here is -K ln J / J; `johnson_cook_shock` has the pressure of shocks.
 """
 
 from typing import Any, ClassVar, Literal, NamedTuple
@@ -76,7 +76,7 @@ class JohnsonCookDamageParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt, state):
-        """Radial return, then failure; what that sets free counts as plastic work."""
+        """Radial return, then failure; the energy released by failure counts as plastic work."""
         k = material.strength
         s, q, x, work, hot = plastic_step(k, J, sigma, L, dt, state)
         r = 1.0 / J
@@ -85,7 +85,7 @@ class JohnsonCookDamageParameters(NamedTuple):
         damage = damaged(material.damage, k, x, hot, mean, q * r, dt, state[3])
         sound = choose(damage < 1.0, 1.0, 0.0)
         held = choose(damage < 1.0, mean, min(mean, 0.0))
-        # The elastic energy that is lost as it fails.
+        # Elastic energy released by failure.
         stretched = max(ln, 0.0)
         stored = 0.25 / k.shear * contract(s, s) + 0.5 * k.bulk * stretched * stretched
         freed = choose(state[3] < 1.0, 1.0 - sound, 0.0) * stored
@@ -95,7 +95,7 @@ class JohnsonCookDamageParameters(NamedTuple):
 
     @staticmethod
     def energy(material, F, J, sigma, state):
-        """Elastic energy per initial volume; none of stretched rubble."""
+        """Elastic energy per initial volume; zero for stretched rubble."""
         k, ln = material.strength, log(J)
         ln = choose(state[3] < 1.0, ln, min(ln, 0.0))
         return 0.5 * k.bulk * ln * ln + distortion_energy(k.shear, J, sigma)
@@ -108,7 +108,7 @@ class JohnsonCookDamageParameters(NamedTuple):
 
     @staticmethod
     def speed(material, F, J, state):
-        """Longitudinal elastic wave of the sound material."""
+        """Longitudinal elastic wave of the undamaged material."""
         return elastic_speed(material.strength, J)
 
 
@@ -206,14 +206,14 @@ class JohnsonCook(Material):
 
     @property
     def states(self) -> tuple[State, ...]:
-        """Damage and internal energy are remembered where they matter."""
+        """State variables: damage and internal energy only if the entry uses them."""
         strain, temperature, work, damage, energy = self.STATE
         found = [strain, temperature._replace(initial="temperature"), work]
         return (*found, *([damage] if self.damage else []), *([energy] if self.eos else []))
 
     @property
     def TAKES_VISCOUS_PRESSURE(self) -> bool:  # type: ignore[override]
-        """The pressure of shocks is heated by it."""
+        """Whether viscous pressure heats the material: with an equation of state."""
         return self.eos is not None
 
     def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
@@ -227,7 +227,7 @@ class JohnsonCook(Material):
         )
 
     def parameters(self) -> Any:
-        """Parameters of the kernels: the less is asked for, the less they have."""
+        """Parameters of the kernels, only for the features that the entry uses."""
         lam, mu = lame(self.young, self.poisson)
         strength = Strength(
             lam + 2.0 / 3.0 * mu, mu, self.density, self.a, self.b, self.n, self.c, self.m,

@@ -1,6 +1,6 @@
 """Johnson and Cook's metal behind shocks: with Mie and Gruneisen's pressure.
 
-The flow and the damage are those of `pgimp.physics.materials.johnson_cook`.
+Flow and damage are as in `pgimp.physics.materials.johnson_cook`.
 """
 
 from math import sqrt
@@ -22,7 +22,7 @@ from pgimp.physics.materials.laws.rate_flow import Damage, Strength, damaged, pl
 def shocked(material, J, sigma, L, dt, q, before, heat):
     """Pressure, internal energy and temperature after a step.
 
-    `before` has temperature and energy, `heat` is that of plastic flow.
+    `before` has temperature and energy, `heat` comes from plastic flow.
     """
 
 
@@ -92,9 +92,9 @@ class JohnsonCookShockDamageParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt, q, state):
-        """Radial return, pressure, then failure, after which no tension is borne nor does work.
+        """Radial return, pressure, then failure, after which there is no tension and no work of it.
 
-        What failure sets free becomes heat as plastic work does.
+        The energy released by failure becomes heat, like plastic work.
         """
         k = material.strength
         s, left, x, work, hot = plastic_step(k, J, sigma, L, dt, state)
@@ -123,7 +123,7 @@ class JohnsonCookShockDamageParameters(NamedTuple):
 
     @staticmethod
     def speed(material, F, J, state):
-        """Longitudinal wave of the sound material at constant entropy."""
+        """Longitudinal wave of the undamaged material at constant entropy."""
         return sqrt(shock_speed_squared(material.eos, J, state[4], material.strength.shear))
 
     @staticmethod

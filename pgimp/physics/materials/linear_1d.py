@@ -16,7 +16,7 @@ class Linear1dParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt):
-        """Axial stress (41); uniaxial stress, so the lateral ones are zero."""
+        """Axial stress (41); uniaxial, so the lateral stresses are zero."""
         return material.young * (F[0] - 1.0), 0.0, 0.0
 
     @staticmethod

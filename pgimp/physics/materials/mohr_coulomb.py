@@ -1,16 +1,16 @@
-"""Mohr and Coulomb's soil, with dilation and tension cut-off, returned to in principal stresses.
+"""Mohr and Coulomb's soil, with dilation and tension cut-off; return map in principal stresses.
 
 The elastic law is Hencky's: the Kirchhoff stress, J times Cauchy's, is linear in the logarithm of
-the elastic stretch. What is kept of that is b_e - 1, b_e = F_e F_e^T, a tensor that is small. With
+the elastic stretch. The state variable is b_e - 1, b_e = F_e F_e^T, a small tensor. With
 principal stresses s1 >= s2 >= s3, S and s the sines of the angles of friction and dilation,
 
     f_ij = s_i - s_j + (s_i + s_j) S - 2 c cos(friction) <= 0,
 
-the trial stress returns to the plane f_13 = 0, to one of its edges, where f_12 or f_23 is zero as
-well, or to the apex (De Souza Neto, Peric and Owen, Computational Methods for Plasticity, 2008,
-sec. 8.2). All four are computed, and the first that leaves the order of the stresses is taken.
-What is then above the greatest tension is cut off. Where all three are, the soil opens, and the
-volume by which it does is closed first (see `drucker_prager`).
+the trial stress returns to the plane f_13 = 0, to one of its edges (f_12 or f_23 is zero as
+well), or to the apex (De Souza Neto, Peric and Owen, Computational Methods for Plasticity, 2008,
+sec. 8.2). All four returns are computed; the first that preserves the order of the stresses is
+used. Stresses above the greatest tension are then cut off. Where all three are, the soil opens,
+and the open volume has to close before pressure rises (see `drucker_prager`).
 """
 
 from math import cos, radians, sin, sqrt
@@ -33,7 +33,7 @@ _BOUNDLESS = 1e200
 
 
 def returned(material, s1, s2, s3, J):
-    """Principal Kirchhoff stresses on or within the pyramid, from those of a trial, in order."""
+    """Principal Kirchhoff stresses on or within the pyramid, from ordered trial stresses."""
 
 
 @specialise(returned)
@@ -70,7 +70,7 @@ def _returned(material, s1, s2, s3, J):
 
 
 def choose_all(condition, a, b):
-    """Of two tuples the entries of `a` where the condition is true, else those of `b`."""
+    """Entries of tuple `a` where the condition is true, else entries of `b`."""
 
 
 @specialise(choose_all)
@@ -100,9 +100,9 @@ def _stretched(material, m, a, b, c):
 
 
 class MohrCoulombParameters(NamedTuple):
-    """Moduli; sines and strength; what stresses change by (A, B, E) and edges (a, b, b); tensions.
+    """Moduli; sines and strength; stress changes (A, B, E) and edges (a, b, b); tensions.
 
-    The elastic constants lambda and mu, bulk modulus; sines of friction and dilation; 2 c cos;
+    Elastic constants lambda and mu, bulk modulus; sines of friction and dilation; 2 c cos;
     A, B, E, a, and b of the right and the left edge, see `returned`; tension at the apex, greatest
     tension, density.
     """
@@ -125,7 +125,7 @@ class MohrCoulombParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt, state):
-        """Stress; b_e - 1, the volume that is open, and the plastic shear."""
+        """Stress; b_e - 1, open volume, and plastic shear."""
         lam, twice = material.lam, 2.0 * material.mu
         gap, sheared, work = state[-3], state[-2], state[-1]
         trial = carry(scaled(dt, L), state[:-3])
@@ -145,7 +145,7 @@ class MohrCoulombParameters(NamedTuple):
         r1, r2, r3 = min(r1, most), min(r2, most), min(r3, most)
         sheared = sheared + ((s1 - s3) - (r1 - r3)) / twice
         kept = (s1 <= r1) & (s3 >= r3) & (s2 <= r2) & (gap == 0.0)
-        # Back to the order of the eigenvectors, by how many of the others each is not below.
+        # Back to the order of the eigenvectors, by the rank of each principal stress.
         ab, ac, bc = (
             choose(a >= b, 1.0, 0.0), choose(a >= c, 1.0, 0.0), choose(b >= c, 1.0, 0.0),
         )  # fmt: skip
@@ -164,16 +164,16 @@ class MohrCoulombParameters(NamedTuple):
 
     @staticmethod
     def initial_state(material, F, J, sigma, state):
-        """b_e - 1 from the stress; the rest as it is."""
+        """b_e - 1 from the stress; the other states unchanged."""
         values, Q = eigen(sigma)
         a, b, c = J * values[0], J * values[1], J * values[2]
         return (*spectral(stretched(material, (a + b + c) / 3.0, a, b, c), Q), *state[-3:])
 
     @staticmethod
     def energy(material, F, J, sigma, state):
-        """Elastic energy of the stretch that it remembers, per initial volume.
+        """Elastic energy of the stored stretch, per initial volume.
 
-        As the stress of a step it follows other moduli of a later stage at once.
+        If a later stage changes the moduli, it changes at once, as the stress does.
         """
         values = eigen(state[:-3])[0]
         x, y, z = (
@@ -189,13 +189,13 @@ class MohrCoulombParameters(NamedTuple):
 
     @staticmethod
     def speed(material, F, J, state):
-        """Longitudinal wave, rho0 c^2 = lambda + 2 mu, less the stress along it."""
+        """Longitudinal wave, rho0 c^2 = lambda + 2 mu, minus the stress along it."""
         modulus = (material.lam + 2.0 * material.mu) * (1.0 - log(min(J, 1.0)))
         return sqrt(modulus / material.density)
 
 
 def _placed(rank, r1, r2, r3):
-    """Of stresses in order the one of which two (r1), one (r2) or none (r3) are not greater."""
+    """Select r1, r2 or r3 by rank: the number of other stresses not above, 2, 1 or 0."""
 
 
 @specialise(_placed)

@@ -12,8 +12,8 @@ In a step from the elastic trial stress tau_tr, rate = (tau_tr - tau)/(G dt), so
     tau^2 - b tau + h = 0,  b = mu_2 p + tau_tr + a,  h = mu_2 p tau_tr + mu_s p a,
     a = G dt I0 sqrt(p/rho_s)/d,
 
-closed and stable at any rate. Grains further apart than at the start, J > 1, touch no more and have
-no stress; p = K (1/J - 1) depends on the volume alone, so that a heap does not swell.
+a closed form, stable at any rate. Grains farther apart than at the start, J > 1, do not touch and
+have no stress. p = K (1/J - 1) depends only on the volume, so a heap does not swell.
 """
 
 from math import sqrt
@@ -47,7 +47,7 @@ class MuIParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt, state):
-        """Stress of grains at rest or flowing, none of grains apart; the plastic shear."""
+        """Stress of grains at rest or flowing, zero for separated grains; plastic shear."""
         s = elastic_trial(
             material.shear, J, sigma, L, dt
         )  # J times Cauchy's
@@ -77,12 +77,12 @@ class MuIParameters(NamedTuple):
 
     @staticmethod
     def speed(material, F, J, state):
-        """Longitudinal wave; of grains apart that of grains that touch."""
+        """Longitudinal wave; separated grains have the speed of touching grains."""
         return sqrt((material.bulk + 4.0 / 3.0 * material.shear) / material.density)
 
     @staticmethod
     def margin(material, F, J, sigma, state):
-        """How far it is from a compression that grains do not have."""
+        """Distance from the greatest compression of grains."""
         return J - LEAST
 
 
@@ -150,7 +150,7 @@ class MuI(Material):
             return isotropic_columns(K * np.maximum(1.0 / J - 1.0, 0.0))
         if confine == 0.0:
             return isotropic_columns(0.0 * J)
-        number = rate * self.grain * sqrt(self.grain_density / confine)  # I, if all is flow
+        number = rate * self.grain * sqrt(self.grain_density / confine)  # I, if all is plastic
         return sheared(
             value, confine, G, before, self.mu_s * confine,
             lambda part: confine

@@ -1,7 +1,7 @@
 """Newtonian fluid, weakly compressible: s = -p 1 + 2 mu dev(D), p by Tait's equation of state.
 
-Where it has expanded, J > 1, and cannot pull, it is fluid and void: the part 1/J of the volume,
-which carries the viscous stress.
+Expanded fluid without tension, J > 1, consists of fluid and voids. The fluid is 1/J of the volume,
+and carries the viscous stress.
 """
 
 from math import sqrt
@@ -24,7 +24,7 @@ from pgimp.physics.materials.laws.tait import (
 
 
 class InviscidParameters(NamedTuple):
-    """K/g, the exponent g, least pressure and initial density."""
+    """K/g, exponent g, least pressure and initial density."""
 
     stiffness: float
     exponent: float
@@ -33,7 +33,7 @@ class InviscidParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt):
-        """Pressure of the volume."""
+        """Pressure from the volume."""
         p = pressure(material.stiffness, material.exponent, material.least, 1.0 / J)
         return isotropic(0.0, symmetric(L), -p)
 
@@ -54,7 +54,7 @@ class InviscidParameters(NamedTuple):
 
 
 class NewtonianParameters(NamedTuple):
-    """K/g, the exponent g, least pressure, shear viscosity and initial density."""
+    """K/g, exponent g, least pressure, shear viscosity and initial density."""
 
     stiffness: float
     exponent: float
@@ -64,7 +64,7 @@ class NewtonianParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt, state):
-        """Pressure of the volume, viscous stress of the rate of deformation, and its work."""
+        """Pressure from the volume, viscous stress from the rate of deformation, and its work."""
         D, r = symmetric(L), 1.0 / J
         twice = 2.0 * material.mu * min(r, 1.0)
         rate = D[0] + D[1] + D[2]
@@ -90,7 +90,7 @@ class NewtonianParameters(NamedTuple):
 
     @staticmethod
     def diffusivity(material, F, J, state):
-        """Of momentum: mu/rho, rho the density of the fluid without voids."""
+        """Momentum diffusivity mu/rho, with rho the density of the fluid without voids."""
         return material.mu / material.density * min(J, 1.0)
 
     @staticmethod
@@ -109,7 +109,7 @@ class Newtonian(Liquid):
 
     @property
     def states(self) -> tuple[State, ...]:
-        """Without viscosity it remembers nothing."""
+        """State variables; none without viscosity."""
         return self.STATE if self.shear_viscosity else ()
 
     def exact_path(

@@ -1,8 +1,8 @@
-"""Materials by their name in the case: pgimp's own, and those that others register.
+"""Materials by their name in the case: pgimp's own, and registered ones.
 
-A case is data and never names code. What a name in ``model:`` stands for is said by the program
-that registers it (`register_material`), by a file that the command line names (``--import``), or by
-an installed package, with an entry point in the group ``pgimp.materials``.
+A case is data and never names code. The material behind a name in ``model:`` is registered by a
+program (`register_material`), by a file on the command line (``--import``), or by an installed
+package with an entry point in the group ``pgimp.materials``.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from pgimp.physics.materials.base import Material
 
 M = TypeVar("M", bound=type[Material])
 
-#: The group of entry points in which packages name their materials, or modules that register them.
+#: Group of entry points for packages' materials, or modules that register them.
 GROUP = "pgimp.materials"
 
 
 class Registry(dict[str, type[Material]]):
-    """Materials by name; the first question for an unknown one looks into installed packages."""
+    """Materials by name; the first look-up of an unknown name loads installed packages."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -39,7 +39,7 @@ class Registry(dict[str, type[Material]]):
         return super().__contains__(name)
 
     def complete(self) -> None:
-        """Add those of installed packages, once."""
+        """Add the materials of installed packages, once."""
         if not self._complete:
             self._complete = True
             self._load_packages()
@@ -81,7 +81,7 @@ def name_of(entry: object) -> str:
     Raises
     ------
     UsageError
-        If it is no material, or says no name.
+        If it is no material, or has no name.
     """
     if not (isinstance(entry, type) and issubclass(entry, Material)):
         raise UsageError(f"cannot register {entry!r}: it is no class derived from Material")
@@ -99,8 +99,8 @@ def _place(entry: type) -> str:
     return f"{entry.__module__}.{entry.__qualname__}"
 
 
-#: The materials by their name in the case, ``materials: {NAME: {model: ...}}``; pgimp's own are put
-#: in by the package.
+#: The materials by their name in the case, ``materials: {NAME: {model: ...}}``; the package adds
+#: pgimp's own.
 MATERIALS = Registry()
 
 
@@ -111,7 +111,7 @@ def register_material(entry: M) -> M:
     ----------
     entry : type
         A class derived from `pgimp.physics.materials.Material`. Its field
-        ``model: Literal["my-material"]`` says its name in a case, its ``parameters()`` gives the
+        ``model: Literal["my-material"]`` is its name in a case. Its ``parameters()`` gives the
         kernels' view of it, see `pgimp.physics.materials`. Registered again, as by a notebook's
         cell, it replaces itself.
 
@@ -123,7 +123,7 @@ def register_material(entry: M) -> M:
     Raises
     ------
     UsageError
-        If it is not what is said above, or if the name is taken.
+        If it is no such class, or if the name is taken.
     """
     return MATERIALS.add(entry)
 
@@ -133,7 +133,7 @@ _FOLDER = (
     "--import {name}/FILE.py"
 )
 
-#: What `import_file` has imported, as absolute paths or names of modules, in order.
+#: Imports of `import_file`, as absolute paths or names of modules, in order.
 imported: list[str] = []
 
 
@@ -143,20 +143,20 @@ def import_file(name: str) -> None:
     Parameters
     ----------
     name : str
-        ``fluid.py``, ``path/fluid.py``, or ``package.module``. Modules beside a file can be
-        imported by it.
+        ``fluid.py``, ``path/fluid.py``, or ``package.module``. A file can import modules beside
+        it.
 
     Raises
     ------
     UsageError
-        If there is none, if its name is that of another module, or for any error in it.
+        If there is none, if another module has its name, or for any error in it.
     """
     path = Path(name).resolve() if name.endswith(".py") or "/" in name else None
     try:
         if path is None:
             sys.path.append("")
             spec = importlib.import_module(name).__spec__
-            if spec is not None and spec.origin is None:  # a package without anything in it
+            if spec is not None and spec.origin is None:  # an empty package
                 raise UsageError(_FOLDER.format(name=name))
         else:
             _import_path(path, name)
@@ -169,7 +169,7 @@ def import_file(name: str) -> None:
 
 
 def _import_path(path: Path, name: str) -> None:
-    """Import a file under its own name, by which Numba's cache finds its classes again."""
+    """Import a file under its own name, which Numba's cache needs to find its classes."""
     if path.is_dir():
         raise UsageError(_FOLDER.format(name=name.rstrip("/")))
     if not path.is_file():
@@ -195,7 +195,7 @@ def _reason(error: BaseException) -> str:
 
 
 def _line(error: BaseException, path: Path) -> str:
-    """Where in the file an error was raised."""
+    """Line of the file at which an error was raised, as text."""
     if isinstance(error, SyntaxError):
         return f"line {error.lineno}: "
     frames = traceback.extract_tb(error.__traceback__)

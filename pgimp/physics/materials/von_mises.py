@@ -1,14 +1,14 @@
-"""Metals with von Mises' yield condition: hardening that is linear, saturates, or is kinematic.
+"""Metals with von Mises' yield condition: linear, saturating or kinematic hardening.
 
-q = sqrt(3/2) |s - beta| <= sigma_y(alpha), of the deviator s of the Kirchhoff stress, the back
-stress beta and the plastic strain alpha; sigma_y = yield + H alpha + Q (1 - exp(-b alpha)) (Voce).
-Elastic strains are logarithmic (`pgimp.physics.materials.laws.hencky`), the pressure is -K ln J /
-J. A step flows back radially onto the yield surface of its end (backward Euler; Simo, Hughes,
-Computational Inelasticity, box 3.2), exact wherever the direction of s does not change.
+q = sqrt(3/2) |s - beta| <= sigma_y(alpha), with the deviator s of the Kirchhoff stress, the back
+stress beta and the plastic strain alpha. sigma_y = yield + H alpha + Q (1 - exp(-b alpha)) (Voce).
+Elastic strains are logarithmic (`pgimp.physics.materials.laws.hencky`), the pressure is
+-K ln J / J. A step returns radially to the yield surface of its end (backward Euler; Simo, Hughes,
+Computational Inelasticity, box 3.2). This is exact wherever the direction of s is constant.
 
 The back stress grows by 2/3 H_k times the plastic strain and turns with the rotation R of F = V R
-(Green, Naghdi): with the spin W of Jaumann's rate its shear stress would oscillate in simple shear
-(Nagtegaal, de Jong 1982), with that of R it grows steadily (Dienes 1979).
+(Green, Naghdi). In simple shear its shear stress then grows steadily (Dienes 1979). With the spin W
+of Jaumann's rate it would oscillate (Nagtegaal, de Jong 1982).
 """
 
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
@@ -96,8 +96,8 @@ class VonMisesParameters(NamedTuple):
 def saturating_flow(material, q, alpha, stiffness):
     """Plastic strain of a step: the root x of q - stiffness x = sigma_y(alpha + x), 0 if elastic.
 
-    Four steps of Newton's method from 0: the residual falls and is convex, so that they never pass
-    the root, and reach it to rounding while b x < 1 and Q b is well below 3 G.
+    Four steps of Newton's method from 0. The residual decreases and is convex, so they never pass
+    the root. They reach it to rounding if b x < 1 and Q b is well below 3 G.
     """
 
 
@@ -116,7 +116,7 @@ def _saturating_flow(material, q, alpha, stiffness):
 
 
 def saturating_work(material, alpha):
-    """The integral of sigma_y over the plastic strain."""
+    """Integral of sigma_y over the plastic strain."""
 
 
 @specialise(saturating_work)
@@ -130,7 +130,7 @@ def _saturating_work(material, alpha):
 
 
 class SaturatingParameters(NamedTuple):
-    """As `VonMisesParameters`, with saturation Q at a rate b."""
+    """As `VonMisesParameters`, with saturation Q at rate b."""
 
     bulk: float
     shear: float
@@ -168,7 +168,7 @@ class SaturatingParameters(NamedTuple):
 
 
 class KinematicParameters(NamedTuple):
-    """As `SaturatingParameters`, with the modulus H_k of the back stress, which is state."""
+    """As `SaturatingParameters`, with the modulus H_k of the back stress, a state variable."""
 
     bulk: float
     shear: float
@@ -196,13 +196,13 @@ class KinematicParameters(NamedTuple):
 
     @staticmethod
     def energy(material, F, J, sigma, state):
-        """Elastic energy, and what the back stress stores, 3/(4 H_k) beta : beta."""
+        """Elastic energy, and the energy stored by the back stress, 3/(4 H_k) beta : beta."""
         back = state[1:]
         return elastic_energy(material, J, sigma) + 0.75 / material.kinematic * contract(back, back)
 
     @staticmethod
     def losses(material, F, J, sigma, state):
-        """Plastic work per initial volume that is not stored by the back stress."""
+        """Plastic work per initial volume, without the energy stored by the back stress."""
         return saturating_work(material, state[0]), 0.0, 0.0
 
     @staticmethod
@@ -245,11 +245,11 @@ class VonMises(Material):
 
     @property
     def states(self) -> tuple[State, ...]:
-        """The back stress is remembered where there is kinematic hardening."""
+        """State variables; the back stress only with kinematic hardening."""
         return self.STATE if self.kinematic else self.STATE[:1]
 
     def parameters(self) -> VonMisesParameters | SaturatingParameters | KinematicParameters:
-        """Parameters of the kernels: the less the hardening needs, the less they have."""
+        """Parameters of the kernels, only for the hardening in use."""
         lam, mu = lame(self.young, self.poisson)
         elastic = lam + 2.0 / 3.0 * mu, mu, self.yield_stress, self.hardening
         voce = (self.saturation.stress, self.saturation.rate) if self.saturation else (0.0, 1.0)
@@ -262,7 +262,7 @@ class VonMises(Material):
     def exact_path(
         self, path: str, value: Any, rate: float, confine: float
     ) -> dict[str, Any] | None:
-        """See `Material.exact_path`; without saturation, confinement or a turn, in closed form."""
+        """See `Material.exact_path`; in closed form without saturation, confinement or a turn."""
         if self.saturation is not None or confine or not first_leg(value).all():
             return None
         lam, G = lame(self.young, self.poisson)
@@ -270,14 +270,14 @@ class VonMises(Material):
         e, sign = np.abs(value), np.sign(value)
         H = self.hardening + self.kinematic
         if path in ("uniaxial-strain", "oedometer", "undrained"):
-            trial = (2.0 if path != "undrained" else 3.0) * G * e  # q = 3 G h, h the strain's part
+            trial = (2.0 if path != "undrained" else 3.0) * G * e  # q = 3 G h, h from the strain
             alpha = np.maximum(trial - self.yield_stress, 0.0) / (3.0 * G + H)
             q = trial - 3.0 * G * alpha
             volume = np.zeros_like(e) if path == "undrained" else value
             mean = K * volume * np.exp(-volume)
             sigma = mean + 2.0 / 3.0 * sign * q * np.exp(-volume)
             return {"plastic-strain": alpha, "q": q * np.exp(-volume), "stress-xx": sigma}
-        if path == "uniaxial-stress":  # tau = E (e - alpha), and (sigma_y + H alpha) where it flows
+        if path == "uniaxial-stress":  # tau = E (e - alpha), and (sigma_y + H alpha) in flow
             alpha = np.maximum(self.young * e - self.yield_stress, 0.0) / (self.young + H)
             tau = sign * self.young * (e - alpha)
             return {"plastic-strain": alpha, "stress-xx": tau * np.exp(-tau / (3.0 * K))}

@@ -3,14 +3,14 @@
 A shape is the entry of the case (a `Shape`) whose ``parameters(cell)`` gives a NamedTuple with two
 kernels as static methods, in units of cells:
 
-- ``size(shape, cell, F)``: half-widths of chi_p by direction for a deformation gradient, at most 1,
-  and 1 if they had to be clamped to that, else 0;
-- ``weights(shape, half, f)``: the weights S_vp (19) of the ``vertices`` vertices of the support
-  along one direction and their gradients (20) times the cell size; `f` is the particle's
-  coordinate less that of the first vertex, floor(xi - half), so it lies in [half, half + 1).
+- ``size(shape, cell, F)``: half-widths of chi_p by direction for a deformation gradient, at most 1;
+  and 1 if they had to be clamped, else 0.
+- ``weights(shape, half, f)``: weights S_vp (19) along one direction and their gradients (20) times
+  the cell size, for the ``vertices`` vertices of the support. `f` is the particle's coordinate
+  relative to the first vertex, floor(xi - half), so it lies in [half, half + 1).
 
-Where weights are not products of those along the directions there is ``edges(shape, F)`` in place
-of ``weights``: see `pgimp.physics.shapes.cpdi_corners`.
+Shapes whose weights are not products over the directions have ``edges(shape, F)`` in place of
+``weights``: see `pgimp.physics.shapes.cpdi_corners`.
 """
 
 from pgimp.physics.shapes.base import Shape

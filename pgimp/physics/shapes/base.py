@@ -1,4 +1,4 @@
-"""What the entries of all shapes have in common, and the kernels' view of a shape."""
+"""Base of the entries of shapes, and the kernels' view of a shape."""
 
 from abc import abstractmethod
 from typing import Annotated, Any, ClassVar, Literal
@@ -46,24 +46,24 @@ class Shape(Model):
         "(gimp, finite-gimp, cpdi), in either configuration; in 1D it makes no difference",
     )
 
-    #: Vertices a direction in a support.
+    #: Vertices per direction in a support.
     vertices: ClassVar[int]
 
-    #: Courant number up to which free surfaces stay stable wherever they lie in their cells, up to
-    #: four particles a cell and direction (``scripts/hard courant``), with pointwise volumes.
+    #: Courant number up to which free surfaces stay stable at any position in their cells. With
+    #: pointwise volumes and up to four particles a cell and direction (``scripts/hard courant``).
     stable_pointwise: ClassVar[float] = 0.45
 
     @property
     def rate(self) -> float:
-        """The rate at which all particles relax to the grid's velocity."""
+        """Rate at which all particles relax to the grid's velocity."""
         return 0.0 if self.relaxation == "auto" else float(self.relaxation)
 
     @property
     def stable(self) -> float:
         """Courant number up to which free surfaces stay stable; above, there is a warning.
 
-        Outermost vertices get more force from cells than from particles, the more so the smaller
-        these are, so that mean dilatation needs shorter steps.
+        Mean dilatation needs shorter steps. There the outermost vertices get more force from cells
+        than from particles, the more so the smaller the particles.
         """
         if self.volumetric == "pointwise" or len(self.particles_per_cell) == 1:
             return self.stable_pointwise
@@ -71,10 +71,10 @@ class Shape(Model):
         return min(most, of_one / max(self.particles_per_cell))
 
     def largest_courant(self, dimensions: int) -> float:
-        """Largest Courant number that has been found stable with these particles and transfer.
+        """Largest Courant number measured as stable with these particles and transfer.
 
-        That is `stable` where nobody has measured (``scripts/hard courant``), see `LIMITS`, and
-        with mean dilatation, of which the table is not.
+        See `LIMITS`. It is `stable` where nothing was measured (``scripts/hard courant``), and
+        with mean dilatation, which the table does not cover.
         """
         # The name is a field of each shape.
         name = f"{getattr(self, 'shape', '')}{', affine' if self.affine else ''}"
@@ -96,7 +96,7 @@ class Shape(Model):
     #: Kind of the characteristic function chi_p.
     chi: ClassVar[Literal["point", "box", "tent"]] = "box"
 
-    #: Whether weights are the means of the tent over the ends of a box, and not over all of it.
+    #: Whether weights are means of the tent over the ends of a box, not over all of it.
     ends: ClassVar[bool] = False
 
     @property
@@ -106,7 +106,7 @@ class Shape(Model):
 
     @property
     def separable(self) -> bool:
-        """Whether weights are products of those along the grid's directions."""
+        """Whether weights are products over the grid's directions."""
         return True
 
     @abstractmethod
@@ -114,21 +114,21 @@ class Shape(Model):
         """Parameters of the kernels, in units of the sides of a cell."""
 
     def fixed(self, cell: tuple[float, ...]) -> Any:
-        """Parameters of the kernels for weights that stay those of the start.
+        """Parameters of the kernels for constant initial weights.
 
-        Where the size follows the deformation, of a shape with the same weights whose size does
-        not: those of undeformed particles.
+        If the size follows the deformation, they belong to a shape of constant size with the
+        weights of undeformed particles.
         """
         return self.parameters(cell)
 
     @property
     def mirrors(self) -> bool:
-        """Whether walls reflect what lies beyond them."""
+        """Whether walls reflect the part of supports beyond them."""
         return False
 
 
 def beyond_walls(default: str) -> Any:
-    """Field ``wall`` of the shapes whose particles have a size, with the default of one."""
+    """Field ``wall`` of the shapes whose particles have a size, with this default."""
     return Field(
         default=default,
         description="what happens to the part of a particle beyond a face with a condition: "
@@ -164,7 +164,7 @@ class PointShape(Shape):
 
 
 def size(shape, cell, F):
-    """Half-widths of a particle's chi_p by direction, in cells, and the largest before clamping."""
+    """Half-widths of chi_p by direction, in cells, and the largest before clamping."""
 
 
 @exact(size)  # all kernels must find the same layer, in any code
@@ -182,7 +182,7 @@ def _weights(shape, half, f):
 
 
 def edges(shape, F):
-    """Half edges of a particle's parallelogram, a tuple of D, each of D components in cells."""
+    """Half edges of a particle's parallelogram: D tuples of D components, in cells."""
 
 
 @exact(edges)

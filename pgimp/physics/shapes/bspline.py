@@ -1,15 +1,15 @@
-"""B-splines of second and third order, as other codes have them: chi_p is as wide as a cell.
+"""B-splines of second and third order, as in other codes: chi_p is as wide as a cell.
 
-The quadratic one is the grid's tent averaged over a box of one cell, which is gimp's weight (40)
-with a half-width of half a cell for any particles per cell; the cubic one is its average over
-a tent of one cell either way, that of a fuzzy particle of constant size. So both have the kernels
-of these shapes. Weights are smooth, once and twice differentiable, and the particles of a cell
-overlap, so that little noise comes from those that change cells.
+The quadratic weight is the grid's tent averaged over a box of one cell: gimp's weight (40) with a
+half-width of half a cell for any particles per cell. The cubic weight is the tent averaged over a
+tent of one cell to either side, as for a fuzzy particle of constant size. So both use the kernels
+of these shapes. Weights are smooth, once and twice differentiable. The particles of a cell overlap,
+so there is little cell-crossing noise.
 
-The price is a blurred surface. Inside a body the chi_p add up to one; at its surface they fall to
-zero over a cell, half of which lies outside, its mass staying exact. At faces with a condition
-``wall: mirror`` reflects what lies beyond, so that the body ends there as it should. At free
-surfaces nothing can be done with a fixed support: bending is too soft, see ``docs/methods.md``.
+The price is a blurred surface. Inside a body the chi_p add up to one. At its surface they fall to
+zero over a cell, half of it outside; the mass stays exact. At faces with a condition
+``wall: mirror`` reflects the part beyond, so that the body ends at the face. At free surfaces a
+fixed support has no remedy: bending is too soft, see ``docs/methods.md``.
 """
 
 from typing import ClassVar, Literal

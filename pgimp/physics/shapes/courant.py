@@ -1,10 +1,10 @@
-"""Largest stable Courant numbers, as ``scripts/hard courant`` has measured them.
+"""Largest stable Courant numbers, measured by ``scripts/hard courant``.
 
-Of free bodies at many offsets to the grid, by shape and transfer, dimensions and particles per cell
-along each direction: see docs/hard-cases.md. A test holds this to the table there.
+For free bodies at many offsets to the grid, by shape and transfer, dimensions and particles per
+cell along each direction. A test compares them with the table in docs/hard-cases.md.
 """
 
-#: By name of shape, with ", affine" if so; then by dimensions; then by particles per cell.
+#: By name of shape (with ", affine" if affine), dimensions, and particles per cell.
 LIMITS: dict[str, dict[int, dict[int, float]]] = {
     "gimp": {
         1: {1: 0.69, 2: 0.6, 4: 0.48},

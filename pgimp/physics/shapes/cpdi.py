@@ -3,14 +3,14 @@
 After Sadeghirad, Brannon and Burghardt, A convected particle domain interpolation technique,
 Int. J. Numer. Meth. Engng 86, 1435-1456 (2011), along each direction: the tent is taken at the two
 ends of the box and is linear in between. The ends then move exactly with the grid, so that the
-boxes of neighbours stay contiguous where the stretch jumps, and bars do not tear. Gradients are
-those of boxes (`finite-gimp`): the difference of the ends' values over the width.
+boxes of neighbours stay contiguous where the stretch jumps, and bars do not tear. Gradients are as
+for boxes (`finite-gimp`): the difference of the ends' values over the width.
 
-In two and three dimensions weights are products of those along the directions, and the widths are
-those of the box, along the grid's directions, with the same second moments as the deformed one. The
-corners follow stretches along the grid; under shear and rotation they do not tilt: what that costs
-is in docs/methods.md. A half-width is held at one cell: with two particles a cell beyond stretches
-of four, neighbours then no longer touch, which the log counts.
+In two and three dimensions weights are products over the directions. The widths belong to the
+grid-aligned box with the same second moments as the deformed box. The corners follow stretches
+along the grid, but do not tilt under shear and rotation; docs/methods.md has the cost. A half-width
+is at most one cell. With two particles a cell and stretches beyond four, neighbours then no longer
+touch; the log counts such particles.
 """
 
 from typing import ClassVar, Literal, NamedTuple
@@ -40,7 +40,7 @@ class CpdiParameters(NamedTuple):
     def weights(shape, half, f):
         """Means of the tent at f - l and f + l, for f in [l, 1 + l) and half-widths up to a cell.
 
-        With a = f - l, in [0, 1), and b_j = max(b - j, 0) for b = f + l the values at b are
+        a = f - l lies in [0, 1). With b = f + l and b_j = max(b - j, 0) the values at b are
         1 - b + b_1, b - 2 b_1 + b_2, b_1 - 2 b_2 and b_2.
         """
         a = f - half

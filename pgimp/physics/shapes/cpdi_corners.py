@@ -1,21 +1,21 @@
 """Convected particle domains in full: weights are means of the grid's over a particle's corners.
 
 After Sadeghirad, Brannon and Burghardt, A convected particle domain interpolation technique,
-Int. J. Numer. Meth. Engng 86, 1435-1456 (2011): F makes a particle's box a parallelogram, in 3D a
-parallelepiped, with the corners x_c = x_p + sum_j s_cj F e_j l_j, s_cj = -1 or 1, l_j being the
-half-widths at the start, and
+Int. J. Numer. Meth. Engng 86, 1435-1456 (2011). F makes a particle's box a parallelogram, in 3D a
+parallelepiped. Its corners are x_c = x_p + sum_j s_cj F e_j l_j, s_cj = -1 or 1, with the initial
+half-widths l_j. Weights and gradients are
 
     S_vp = 2^-D sum_c S_v(x_c),    grad S_vp = 2^-D sum_c S_v(x_c) A^-T s_c,    A = F diag(l),
 
-the gradient being the mean, over the parallelogram, of that of what is multilinear between its
-corners. Corners move with the grid: neighbours stay contiguous under any even deformation, also
-shear and rotation, under which the boxes of `cpdi`, along the grid's directions, do not. Where F
-is diagonal the two are the same, in 1D always.
+The gradient is the mean, over the parallelogram, of the gradient of the multilinear interpolation
+between its corners. Corners move with the grid. Neighbours stay contiguous under any uniform
+deformation, also under shear and rotation, where the grid-aligned boxes of `cpdi` do not. Both
+shapes are equal where F is diagonal, and always in 1D.
 
-The weights are no products of those along the directions, but each corner's are: the transfers go
-from corner to corner, see `pgimp.kernels.transfer.corners`. A support reaches no more than four
-vertices a direction: along a direction of the grid in which the parallelogram extends over more
-than a cell to either side, it is shrunk to that, which the log counts.
+Only a corner's weights are products over the directions, so the transfers go from corner to corner,
+see `pgimp.kernels.transfer.corners`. A support has at most four vertices a direction. If a
+parallelogram extends over more than a cell to either side along a grid direction, it is shrunk to
+a cell; the log counts such particles.
 """
 
 from typing import Any, ClassVar, Literal, NamedTuple
@@ -29,7 +29,7 @@ from pgimp.physics.shapes.stretch import LARGEST
 
 
 def _extents(half, cell, F):
-    """Half-widths of the deformed box's own box along the grid, sum_j |F_ij| l_j, in cells."""
+    """Half-widths of the deformed box's grid-aligned bounding box, sum_j |F_ij| l_j, in cells."""
 
 
 @exact(_extents)
@@ -57,7 +57,7 @@ def _extents_of(half, cell, F):
 
 
 def _clamped(half, cell, F):
-    """The extents, at most `LARGEST`, and the largest before that."""
+    """Half-widths limited to `LARGEST`, and the largest before the limit."""
 
 
 @exact(_clamped)
@@ -87,7 +87,7 @@ def _half_edges_of(half, cell, F):
 
         def edges2(half, cell, F):
             x, y = _extents(half, cell, F)
-            # The least factors that count: LARGEST over an extent of zero would be infinite.
+            # Factors of at most 1: LARGEST over an extent of zero would be infinite.
             x, y = min(LARGEST / x, 1.0) / cell[0], min(LARGEST / y, 1.0) / cell[1]
             a, b = half[0] * cell[0], half[1] * cell[1]
             return (F[0] * a * x, F[2] * a * y), (F[1] * b * x, F[3] * b * y)
@@ -121,12 +121,12 @@ class CpdiCornersParameters(NamedTuple):
 
     @staticmethod
     def size(shape, cell, F):
-        """Half-widths of the box along the grid that holds all corners."""
+        """Half-widths of the grid-aligned box around all corners."""
         return _clamped(shape.half, cell, F)
 
     @staticmethod
     def edges(shape, F):
-        """Half edges of the parallelogram, for each a tuple of its components in cells."""
+        """Half edges of the parallelogram, each a tuple of components in cells."""
         return _half_edges(shape.half, shape.cell, F)
 
 
@@ -149,10 +149,10 @@ class CpdiCorners(WideShape):
         return len(self.particles_per_cell) == 1
 
     def parameters(self, cell: tuple[float, ...]) -> Any:
-        """Parameters of the kernels; in 1D those of `cpdi`."""
+        """Parameters of the kernels; in 1D of `cpdi`."""
         half = tuple(0.5 / n for n in self.particles_per_cell)
         return CpdiParameters(half) if self.separable else CpdiCornersParameters(half, tuple(cell))
 
     def fixed(self, cell: tuple[float, ...]) -> FixedCpdiParameters:
-        """See `Shape.fixed`: the corners of undeformed boxes are those of `cpdi`."""
+        """See `Shape.fixed`: undeformed boxes have the same corners as in `cpdi`."""
         return FixedCpdiParameters(tuple(0.5 / n for n in self.particles_per_cell))

@@ -1,12 +1,12 @@
 """Contiguous-particle GIMP whose particles' boxes follow the deformation (36-39).
 
 In one dimension this is the paper's Finite GIMP: half-width l_p F. In two and three dimensions a
-deformed box is approximated by the box, along the grid's directions, with the same second moments:
-exact under stretches along the grid, and a cube keeps its size under rotation by any angle. Under
-shear it has the parallelepiped's spread along each direction but not its tilt: neighbours overlap
-here and leave gaps there, on a part of the volume that grows with the square of the shear (a simple
-shear g makes boxes wider by g^2/2), so that the particles are a partition of unity to first order.
-The same holds for boxes of a lattice that has turned, which stay along the grid.
+deformed box is approximated by the grid-aligned box with the same second moments. This is exact
+under stretches along the grid, and a cube keeps its size under any rotation. Under shear the box
+has the parallelepiped's spread along each direction but not its tilt. Neighbours then overlap or
+leave gaps, on a part of the volume that grows with the square of the shear: a simple shear g widens
+boxes by g^2/2. So the particles are a partition of unity to first order. The same holds for boxes
+of a rotated lattice, which stay along the grid.
 """
 
 from typing import ClassVar, Literal, NamedTuple
@@ -37,7 +37,7 @@ class FiniteGimpParameters(NamedTuple):
     def weights(shape, half, f):
         """Mean of the tent over the box, for f in [l, 1 + l), exact for half-widths up to a cell.
 
-        As `gimp`'s, but that a box of more than half a cell may reach a fourth vertex: with
+        As in `gimp`, but a box of more than half a cell may reach a fourth vertex. With
         a_j = max(f + l - j, 0) the outer weights are (t^2 - u^2)/(4 l), (a_1^2 - 2 a_2^2)/(4 l) and
         a_2^2/(4 l).
         """
@@ -72,5 +72,5 @@ class FiniteGimp(WideShape):
         return FiniteGimpParameters(tuple(0.5 / n for n in self.particles_per_cell))
 
     def fixed(self, cell: tuple[float, ...]) -> GimpParameters:
-        """See `Shape.fixed`: undeformed boxes are those of `gimp`."""
+        """See `Shape.fixed`: undeformed boxes are as in `gimp`."""
         return GimpParameters(self.parameters(cell).half)

@@ -1,13 +1,13 @@
 """Fuzzy particles (Fig. 3): chi_p is a tent, so that neighbours overlap and weights are cubic.
 
 `fuzzy-nearest` has the half-width d = L/(particles per cell): a particle overlaps its neighbours
-only, and chi_p(x_p) = 1. `fuzzy-constant` has d = L for any particles per cell, and the height
-1/(particles per cell). Either way the tents of a lattice sum to one inside a body, and S_vp, which
-is normalised by V_p, is the convolution of the grid's tent with a tent of unit area.
+only, and chi_p(x_p) = 1. `fuzzy-constant` has d = L and the height 1/(particles per cell). In both
+the tents of a lattice sum to one inside a body. S_vp, normalised by V_p, is the convolution of the
+grid's tent with a tent of unit area.
 
-At a body's surface the tents sum to one half only, and reach as far beyond it: nothing is added
-there, so the surface is smeared over d, its mass staying exact. Beyond a wall that means mass that
-the grid loses (``wall: ghost``) or gets back by reflection (``wall: mirror``).
+At a body's surface the tents sum to only one half, and reach equally far beyond it. Nothing is
+added there, so the surface is smeared over d; the mass stays exact. Beyond a wall the grid loses
+this mass (``wall: ghost``) or gets it back by reflection (``wall: mirror``).
 """
 
 from typing import ClassVar, Literal, NamedTuple
@@ -26,9 +26,9 @@ def tents(half, f):
 @specialise(tents)
 def _tents(half, f):
     def convolve(half, f):
-        # The particle's tent lies right of the first vertex, so that a weight is the sum of third
-        # powers of its low end's, middle's and high end's distance to where a grid tent ends:
-        # t, u, s to where that of the first vertex does, a_j and b_j from vertex j.
+        # The particle's tent lies right of the first vertex. A weight is then a sum of third powers
+        # of distances from its low end, middle and high end to the end of a grid tent: t, u, s to
+        # the end of the first vertex's tent, a_j and b_j from vertex j.
         t, u, s = 1.0 + half - f, max(1.0 - f, 0.0), max(1.0 - half - f, 0.0)
         b1 = max(f - 1.0, 0.0)
         a1, a2 = max(f + half - 1.0, 0.0), max(f + half - 2.0, 0.0)

@@ -27,7 +27,7 @@ class GimpParameters(NamedTuple):
         """Weights (40), for f in [l, 1 + l), without branches: a branch costs 40 % here.
 
         With t = 1 + l - f, u = max(1 - l - f, 0), s = max(f - 1 + l, 0) the outer weights are
-        (t^2 - u^2)/(4 l) and s^2/(4 l); the middle one makes the sum 1 (23).
+        (t^2 - u^2)/(4 l) and s^2/(4 l). The middle weight makes the sum 1 (23).
         """
         t = 1.0 + half - f
         u = max(1.0 - half - f, 0.0)

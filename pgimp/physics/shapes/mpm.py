@@ -19,15 +19,15 @@ class MpmParameters(NamedTuple):
 
     @staticmethod
     def size(shape, cell, F):
-        """A point has none."""
+        """Zero for a point."""
         return shape.half, 0.0
 
     @staticmethod
     def weights(shape, half, f):
         """Tent functions of the cell's two vertices (35).
 
-        The gradient reaches the second vertex also when the particle stands on the first; so that
-        the vertex then has a velocity, the weight is never exactly zero.
+        The gradient reaches the second vertex even if the particle is on the first vertex. The
+        weight is never exactly zero, so that the second vertex then has a velocity.
         """
         f = max(f, 1e-60)
         return (1.0 - f, f), (-1.0, 1.0)
@@ -40,8 +40,8 @@ class Mpm(PointShape):
 
     vertices: ClassVar[int] = MpmParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "point"
-    #: No step is stable at every free surface: the lighter the last vertex, the shorter it has to
-    #: be. At this much a last vertex with a hundredth of a particle still is.
+    #: No step is stable at every free surface: a lighter last vertex needs a shorter step. This
+    #: Courant number is stable for a last vertex with a hundredth of a particle's mass.
     stable_pointwise: ClassVar[float] = 0.1
 
     def parameters(self, cell: tuple[float, ...]) -> MpmParameters:

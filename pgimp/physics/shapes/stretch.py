@@ -11,8 +11,8 @@ LARGEST = 1.0
 def stretched(half0, cell, F):
     """Half-widths l_i = sqrt(sum_j (F_ij l0_j)^2), in cells, and the largest before clamping.
 
-    These are the half-widths of the box with the second moments of the deformed box: they keep
-    their size under any rotation. `half0` is in cells of the initial state, `cell` the cells' size.
+    The box has the second moments of the deformed box, so a cube keeps its size under rotation.
+    `half0` is in cells of the initial state, `cell` the cells' size.
     """
 
 

@@ -1,9 +1,9 @@
 """Parameters of materials that vary in space: by a table, layers, a column, at random.
 
-In place of a number a case has a mapping that says how to get it from the place of a particle at
-the start, ``young: {table: [[0.0, 5e6], [10.0, 4e7]], over: depth, surface: 12.0}``. Each way is a
-type here, with its values at places; what the numbers then do to the material is in
-`pgimp.physics.materials.parameters.vary`.
+In place of a number a case has a mapping that gives it from a particle's initial position,
+``young: {table: [[0.0, 5e6], [10.0, 4e7]], over: depth, surface: 12.0}``. Each kind of variation
+is a type here, with its values at positions. `pgimp.physics.materials.parameters.vary` inserts the
+numbers into the material.
 """
 
 from pgimp.physics.variation.along import LayersVariation, TableVariation

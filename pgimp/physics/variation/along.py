@@ -17,7 +17,7 @@ from pgimp.schema.paths import FileName
 from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.sizes import AXES
 
-#: How far beyond the ends of a table, as a part of its length, a place may lie for rounding.
+#: Tolerance for rounding beyond the ends of a table, over the table's length.
 _SLACK = 1e-9
 
 
@@ -42,7 +42,7 @@ class _Along(Variation):
         return self
 
     def coordinate(self, x: Reals) -> Reals:
-        """Return what the values depend on, (n,)."""
+        """Return the coordinate that the values depend on, (n,)."""
         if self.surface is not None:
             return self.surface - x[:, -1]
         return x[:, AXES.index(self.over)]
@@ -98,7 +98,7 @@ class TableVariation(_Along):
         return self
 
     def called(self, name: str) -> None:
-        """Learn the name of the parameter, which is that of the file's column if none is given."""
+        """Set the parameter's name, the default for the name of the file's column."""
         self.__dict__["parameter"] = name
 
     def read(self) -> Rows:
@@ -107,13 +107,13 @@ class TableVariation(_Along):
         Raises
         ------
         CaseError
-            With the file, the line and what is wrong.
+            With the file, the line and the problem.
         """
         return read_profile(self.table, self.over, self.column or self.__dict__["parameter"])
 
     @cached_property
     def rows(self) -> Rows:
-        """The rows, of the case or of the file."""
+        """Rows from the case or from the file."""
         return self.read() if isinstance(self.table, str) else self.table
 
     def release(self) -> None:
@@ -152,7 +152,7 @@ class TableVariation(_Along):
         t = np.minimum(np.maximum(t, at[0]), at[-1])
         after = np.clip(np.searchsorted(at, t, "right"), 1, len(at) - 1)
         t0, t1, v0, v1 = at[after - 1], at[after], value[after - 1], value[after]
-        # At the rows themselves exactly their values.
+        # Exact values at the rows.
         return np.where(t == t1, v1, v0 + (v1 - v0) / (t1 - t0) * (t - t0))
 
 

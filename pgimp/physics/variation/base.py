@@ -1,4 +1,4 @@
-"""What all ways in which a parameter may vary in space have in common."""
+"""Base of all kinds of variation of a parameter in space."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Path = tuple[str | int, ...]
 
 
 class Places(NamedTuple):
-    """Places of particles at the start, (n, D), and what a file of particles has besides.
+    """Initial positions of particles, (n, D), and further columns of a file of particles.
 
     `columns` has (n,) values by the names of columns.
     """
@@ -31,20 +31,19 @@ class Places(NamedTuple):
 
 
 class NoValueError(Exception):
-    """There is no value at a place: row of the place, and why."""
+    """There is no value at a position: row of the position, and the reason."""
 
     def __init__(self, row: int, text: str) -> None:
         super().__init__(text)
         self.row = row
 
 
-#: What a parameter may be in place of a number, by the key that says so; the first one counts. The
-#: package fills it.
+#: Kinds of variation by their key in the case; the first key present counts. The package fills it.
 KINDS: dict[str, type[Variation]] = {}
 
 
 class _ByKind(Dispatch):
-    """A mapping whose key says how a parameter varies."""
+    """A mapping whose key names the kind of variation."""
 
     what = "variation"
 
@@ -69,7 +68,7 @@ class _ByKind(Dispatch):
         return {"$comment": COMMENT + self.what}
 
 
-#: What ``{table: ...}`` and so on are validated by.
+#: Validator of ``{table: ...}`` and the other kinds.
 VARIATION = _ByKind()
 
 
@@ -85,12 +84,12 @@ class Variation(Model):
     )
 
     def values(self, places: Places) -> Reals:
-        """Values at places, (n,).
+        """Values at positions, (n,).
 
         Raises
         ------
         NoValueError
-            If there is none at one of them.
+            If there is no value at one of the positions.
         """
         found = self.own_values(places)
         if isinstance(self.times, Variation):
@@ -102,11 +101,11 @@ class Variation(Model):
         """As `values`, without `times`."""
 
     def _known(self) -> list[tuple[Path, float]]:
-        """The numbers that the values are made of, and where they stand, if they are known."""
+        """Numbers that define the values, with their paths, as far as known."""
         return []
 
     def known(self) -> list[tuple[Path, float]]:
-        """Values that it may have, and where in it they stand; none where particles decide."""
+        """Possible values, with their paths in the variation; none if particles define them."""
         factor = 1.0 if self.times is None else self.times
         if isinstance(factor, Variation):
             return []
@@ -118,7 +117,7 @@ class Variation(Model):
 
     @property
     def typical(self) -> float | None:
-        """A value from the middle of its range; None as long as a file has not been read."""
+        """A value from the middle of the range; None until a file has been read."""
         found, factor = self._typical(), self.times
         if isinstance(factor, Variation):
             factor = factor.typical
@@ -127,24 +126,24 @@ class Variation(Model):
         return None if found is None or factor is None else found * factor
 
     def parts(self) -> Iterator[Variation]:
-        """Yield it, and what it is multiplied with."""
+        """Yield the variation itself, and the variations that multiply it."""
         yield self
         if isinstance(self.times, Variation):
             yield from self.times.parts()
 
     def release(self) -> None:
-        """Forget what was read from files."""
+        """Free the data from files."""
 
     def called(self, name: str) -> None:
-        """Learn the name of the parameter."""
+        """Set the name of the parameter."""
 
     @property
     def columns(self) -> list[str]:
-        """Columns of a file of particles that it needs, not those of `times`."""
+        """Columns of a file of particles that it needs, without the columns for `times`."""
         return []
 
     def problems(self, dimensions: int) -> Iterator[Problem]:
-        """Yield what does not fit the dimensions of a case, below the parameter's key."""
+        """Yield problems with the dimensions of a case; paths below the parameter's key."""
         yield from self._own_problems(dimensions)
         if isinstance(self.times, Variation):
             for found in self.times.problems(dimensions):

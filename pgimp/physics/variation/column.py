@@ -25,7 +25,7 @@ class FromColumn(Variation):
         return [self.column]
 
     def learn(self, mean: float) -> None:
-        """Take the mean of the column."""
+        """Set the mean of the column."""
         self.__dict__["mean"] = mean
 
     def release(self) -> None:

@@ -1,4 +1,4 @@
-"""What varies in an entry: found among what a case says of it, and replaced by numbers."""
+"""Variations in an entry of a case: search, and replacement by numbers."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from pgimp.physics.variation import VARIATION, Variation
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import Problem, raise_problems
 
-#: What varies, by its keys.
+#: Variations by their keys.
 Variations = dict[tuple[str, ...], Variation]
 
-#: Parts that are numbers of the method, not of the material.
+#: Keys that belong to the method, not to the material.
 _NOT_SPATIAL = (("viscosity",),)
 
 
 def _plain_type(annotation: Any) -> list[Any]:
-    """The types that an annotation allows, without what is annotated."""
+    """Types that an annotation allows, without metadata."""
     if get_origin(annotation) is Annotated:
         return _plain_type(get_args(annotation)[0])
     if get_origin(annotation) in (Union, UnionType):
@@ -30,7 +30,7 @@ def _plain_type(annotation: Any) -> list[Any]:
 
 
 def _below(annotation: Any) -> type[BaseModel] | None:
-    """The model of a key that has keys of its own."""
+    """Model of a key that has keys of its own."""
     for each in _plain_type(annotation):
         if isinstance(each, type) and issubclass(each, BaseModel):
             return each
@@ -40,19 +40,19 @@ def _below(annotation: Any) -> type[BaseModel] | None:
 def split(
     model: type[BaseModel], data: Mapping[str, Any]
 ) -> tuple[dict[str, Any], Variations]:
-    """Find what varies in a material as a case has it.
+    """Find the variations in a material's entry.
 
     Returns
     -------
     data : dict
-        The same, with keys as the model spells them.
+        The same entry, with keys as the model spells them.
     variations : dict of tuple of str to Variation
-        What varies, by its keys.
+        Variations by their keys.
 
     Raises
     ------
     ValidationError
-        For everything that is wrong in it.
+        For all errors in the variations.
     """
     found: Variations = {}
     problems: list[Problem] = []
@@ -116,7 +116,7 @@ def value_at(entry: BaseModel, path: Sequence[str]) -> Any:
 
 
 def described(model: type[BaseModel], path: Sequence[str]) -> str:
-    """Return what an entry says of the number at keys of the case, with its unit."""
+    """Return an entry's description of the number at keys of the case, with its unit."""
     *above, last = names_of(model, tuple(path))
     for name in above:
         below = _below(model.model_fields[name].annotation)

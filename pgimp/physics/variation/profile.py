@@ -32,7 +32,7 @@ def read_profile(name: str, over: str, column: str) -> tuple[tuple[float, float]
     Raises
     ------
     CaseError
-        With the file, the line and what is wrong.
+        With the file, the line and the problem.
     """
     try:
         text = read_plain(name, _LARGEST).decode("utf-8-sig")

@@ -80,7 +80,7 @@ class RandomField(Model):
         return found if isinstance(found, tuple) else (float(found),) * dimensions
 
     def values(self, x: Reals) -> Reals:
-        """Values at places, (n, D)."""
+        """Values at positions, (n, D)."""
         lengths = self.lengths(x.shape[1])
         g = waves(self.covariance, lengths, self.seed, self.modes).at(x)
         if self.distribution == "lognormal":

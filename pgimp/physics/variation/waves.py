@@ -1,4 +1,4 @@
-"""Gaussian random fields as functions of the place: sums of waves, the same wherever asked.
+"""Gaussian random fields as functions of position: sums of waves, evaluated anywhere.
 
 A homogeneous Gaussian field with mean 0, variance 1 and covariance rho(r) is the limit of
 
@@ -6,12 +6,13 @@ A homogeneous Gaussian field with mean 0, variance 1 and covariance rho(r) is th
 
 with wave vectors drawn from the spectrum of rho and phases f_m uniform in [0, 1) (Shinozuka and
 Deodatis, Appl. Mech. Rev. 44, 1991). With r^2 = sum_d (x_d/l_d)^2, l the correlation lengths, the
-spectrum of exp(-r) is Cauchy's multivariate distribution, that of exp(-r^2) a normal one. Over all
-seeds mean, variance and covariance are exact with any number M of waves; of one field the
-covariance is off by up to some 1/sqrt(2 M), and values are normal but for a kurtosis of -3/(2 M).
+spectrum of exp(-r) is Cauchy's multivariate distribution, the spectrum of exp(-r^2) a normal one.
+Over all seeds mean, variance and covariance are exact with any number M of waves. In one field the
+covariance is off by up to some 1/sqrt(2 M), and values are normal except for a kurtosis of
+-3/(2 M).
 
-Only sums, products, divisions, roots and pgimp's own logarithm and exponential are used, none of
-them contracted, and of NumPy's generators the raw numbers: bits depend on nothing but the place.
+Bits depend only on the position. So only sums, products, divisions, roots and pgimp's own logarithm
+and exponential are used, without contraction, and only the raw numbers of NumPy's generators.
 """
 
 from functools import lru_cache
@@ -26,12 +27,12 @@ from pgimp.jit.kernel import exact, kernel
 
 Reals = NDArray[np.float64]
 
-#: The covariances: what is in the exponent.
+#: Kinds of covariance, by its exponent.
 EXPONENTIAL, GAUSSIAN = "exponential", "gaussian"
 
 
 def _sine_series() -> tuple[float, ...]:
-    """Coefficients of sin(pi/2 z)/z in z^2, from the first on: the rest is below 2e-18."""
+    """Coefficients of sin(pi/2 z)/z in z^2, ascending; the remainder is below 2e-18."""
     quarter = 1.5707963267948966
     term, found = quarter, [quarter]
     for k in range(1, 11):
@@ -45,7 +46,7 @@ _TWO_PI = 6.283185307179586
 
 
 def cosine_of_turns(t):
-    """cos(2 pi t); to 1e-15 of its largest value, for |t| up to 1e9 to what t itself is known."""
+    """cos(2 pi t), to 1e-15 of its largest value; for |t| up to 1e9 within the rounding of t."""
 
 
 @exact(cosine_of_turns)
@@ -61,7 +62,7 @@ def _cosine_of_turns(t):
 
 
 def sum_of_waves(x, i, waves, phases):
-    """The sum of all waves at the place ``x[i]``, in their order."""
+    """Sum of all waves at the position ``x[i]``, in order."""
 
 
 @exact(sum_of_waves)
@@ -79,7 +80,7 @@ def _sum_of_waves(x, i, waves, phases):
 
 
 def _normal_pair(u, v):
-    """Two independent normal numbers from two uniform ones in [0, 1) (Box and Muller)."""
+    """Two independent normal numbers from two uniform numbers in [0, 1) (Box and Muller)."""
 
 
 @exact(_normal_pair)
@@ -125,7 +126,7 @@ class Waves(NamedTuple):
     phases: Reals
 
     def at(self, x: Reals) -> Reals:
-        """Values of the field at places, (n, D), normal with mean 0 and variance 1."""
+        """Values of the field at positions, (n, D), normal with mean 0 and variance 1."""
         out = np.empty(len(x))
         _add_waves(np.ascontiguousarray(x, dtype=float), self.vectors, self.phases, out)
         return sqrt(2.0 / len(self.phases)) * out
@@ -142,9 +143,9 @@ def waves(kind: str, lengths: tuple[float, ...], seed: int, number: int) -> Wave
     lengths : tuple of D float
         Correlation lengths.
     seed, number : int
-        Which field, and of how many waves.
+        Seed of the field, and number of its waves.
     """
-    columns = 4  # normal numbers of a wave, an even number of them
+    columns = 4  # normal numbers per wave, an even number
     source: Any = np.random.Generator(np.random.PCG64(seed))
     uniform = source.random((number, columns + 1))
     normal = np.empty((number, columns))
@@ -159,7 +160,7 @@ def waves(kind: str, lengths: tuple[float, ...], seed: int, number: int) -> Wave
 
 
 def lognormal(g: Reals, mean: float, cov: float) -> Reals:
-    """Lognormal values of a mean and a coefficient of variation, from normal ones."""
+    """Lognormal values with a mean and a coefficient of variation, from normal values."""
     variance, out = np.empty(1), np.empty(len(g))
     _logarithms(np.array([1.0 + cov * cov]), variance)
     _exponentials(sqrt(variance[0]) * g, out)

@@ -2,12 +2,12 @@
 
 Kirchhoff's stress throughout, as in `pgimp.physics.materials.cam_clay`. Isotropic: ln p falls by
 v/kappa per volume strain, and in first compression, where p = p_c, by v/lambda. Undrained: the
-volume stays, so what the clay yields it swells,
+volume is constant, so elastic swelling balances plastic compaction,
 
-    p = p_y ((1 + (eta_y/M)^2)/(1 + (eta/M)^2))^Lambda,  eta = q/p,  Lambda = 1 - kappa/lambda,
+    p = p_y ((1 + (eta_y/M)^2)/(1 + (eta/M)^2))^Lambda,  eta = q/p,  Lambda = 1 - kappa/lambda.
 
-and the plastic shear strain, the integral of 2 eta/(M^2 - eta^2) over the plastic compaction, is
-2 Lambda kappa/(v M) (artanh(eta/M) - arctan(eta/M)) in closed form, arcoth on the dry side.
+The plastic shear strain is the integral of 2 eta/(M^2 - eta^2) over the plastic compaction. In
+closed form it is 2 Lambda kappa/(v M) (artanh(eta/M) - arctan(eta/M)), arcoth on the dry side.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 from pgimp.physics.materials.exact.rows import Array, first_leg
 
 _HALVINGS = 100
-#: artanh(eta/M) by which eta has become M.
+#: artanh(eta/M) from which eta equals M to rounding.
 _ALL = 20.0
 
 
@@ -37,8 +37,8 @@ class Clay(NamedTuple):
 
 def path_of_clay(clay: Clay, path: str, value: Array, confine: float) -> dict[str, Array] | None:
     """Return the exact columns of a clay, see `Material.exact_path`."""
-    first = -log(clay.consolidated / clay.pressure) / clay.swells  # ln J where it first yields
-    # ln J where Cauchy's pressure is the confining one.
+    first = -log(clay.consolidated / clay.pressure) / clay.swells  # ln J at first yield
+    # ln J where Cauchy's pressure is the confining pressure.
     before = -log(confine / clay.pressure) / (clay.swells + 1.0)
     if before < first:
         before = first - (log(confine / clay.consolidated) + first) / (clay.compacts + 1.0)
@@ -64,7 +64,7 @@ def _isotropic(clay: Clay, first: float, volume: Array) -> tuple[Array, Array, A
 
 
 def _undrained(clay: Clay, first: float, before: float, value: Array) -> dict[str, Array]:
-    """Shear at constant volume, up to the critical state; nan where it would snap back."""
+    """Curves of shear at constant volume, up to the critical state; nan beyond a snap-back."""
     M, stiffness, e = clay.slope, 3.0 * clay.shear, np.abs(value)
     start = _isotropic(clay, first, np.array([before]))
     p0, consolidated, compaction = (float(each[0]) for each in start)
@@ -73,7 +73,7 @@ def _undrained(clay: Clay, first: float, before: float, value: Array) -> dict[st
     factor = 2.0 * part / (clay.swells * M)
 
     def stress(y: Array) -> tuple[Array, Array, Array]:
-        """Of y = artanh(eta/M) or arcoth: eta/M, p, and the shear strain since it yielded."""
+        """eta/M, p, and shear strain since yield, for y = artanh(eta/M) or arcoth."""
         x = np.tanh(y) if wet else 1.0 / np.tanh(y)
         p = p0 * ((1.0 + x0 * x0) / (1.0 + x * x)) ** part
         strain = factor * (y - y0 - np.arctan(x) + np.arctan(x0))

@@ -1,12 +1,13 @@
 """Exact curves of fluids, gases and grains, `Material.exact_path`.
 
 Elastic simple shear by g: principal logarithmic strains +-h and a shear stress 2 G h/cosh(h) with
-h = arsinh(g/2). In steady flow at a rate the elastic strain stays the same: with tau the root of
+h = arsinh(g/2). In steady flow at a rate the elastic strain is constant. With tau the root of
 J2 and h = tau/(2 G) it is turned by tan(angle) = exp(-2 h), so that
 
     plastic rate = rate/cosh(tau/G),  shear stress = tau/cosh(tau/G),
 
-and the normal stress along the flow is tau tanh(tau/G) more than the mean (G, tau of Kirchhoff's).
+and the normal stress along the flow exceeds the mean by tau tanh(tau/G). G and tau refer to
+Kirchhoff's stress.
 """
 
 from __future__ import annotations
@@ -17,13 +18,13 @@ import numpy as np
 
 from pgimp.physics.materials.exact.rows import Array, first_leg
 
-#: Shear, in multiples of tau/G, after which what came before the flow has decayed to 1e-15 or so.
+#: Shear, in multiples of tau/G, after which the initial transient has decayed to about 1e-15.
 _FADED = 40.0
 _ROUNDS = 100
 
 
 def isotropic_columns(pressure: Array) -> dict[str, Array]:
-    """Columns of a pressure and nothing else."""
+    """Columns of a purely isotropic stress."""
     none = np.zeros_like(pressure)
     return {
         "pressure": pressure, "stress-xx": -pressure, "stress-yy": -pressure,
@@ -32,7 +33,7 @@ def isotropic_columns(pressure: Array) -> dict[str, Array]:
 
 
 def volumes(path: str, value: Array, before: float) -> Array | None:
-    """Return J along a path of given volumes, None of any other; `before` is J at its start."""
+    """Return J along a path of given volumes, None for other paths; `before` is J at the start."""
     if path in ("isotropic", "uniaxial-strain", "oedometer"):
         return before * np.exp(value)
     if path in ("simple-shear", "undrained"):
@@ -46,7 +47,7 @@ def moves(value: Array) -> Array:
 
 
 def viscous(path: str, pressure: Array, part: Array, mu: float, rates: Array) -> dict[str, Array]:
-    """Columns of a Newtonian fluid of which `part` of the volume is no void."""
+    """Columns of a Newtonian fluid that fills `part` of the volume."""
     columns = isotropic_columns(pressure)
     if path == "simple-shear":
         shear = mu * part * rates
@@ -72,9 +73,9 @@ def sheared(
     pressure, G, J : float
         Pressure, shear modulus (of Kirchhoff's stress), volume ratio.
     least : float
-        Shear stress at which it begins to flow.
+        Shear stress at the beginning of flow.
     law : callable
-        Takes the part of the rate that is plastic; returns the shear stress of flow.
+        Takes the plastic part of the rate; returns the shear stress of flow.
     """
     g, sign = np.abs(value), np.sign(value)
     h = np.arcsinh(0.5 * g)

@@ -1,10 +1,10 @@
 """Exact curves of soils with friction along paths about the x-axis, `Material.exact_path`.
 
-On such paths the Kirchhoff stress has a mean K theta, with theta the elastic volume strain, and an
-axial less a lateral part of size 2 G m, with m that of the elastic strain. Both cones, Drucker and
-Prager's and Mohr and Coulomb's, are then lines, w 2 G m + z K theta <= c J, and plastic flow adds
-d times as much to the volume as it takes from m. Total strains being given, or the lateral
-stress, that is one linear equation, or one for theta.
+On such paths the Kirchhoff stress has the mean K theta, with theta the elastic volume strain. Its
+axial minus lateral part is 2 G m, with m the axial minus lateral elastic strain, in amount. The
+cones of Drucker and Prager and of Mohr and Coulomb are then lines, w 2 G m + z K theta <= c J.
+Plastic flow adds d times as much to the volume as it takes from m. With given total strains this
+is one linear equation; with a given lateral stress, one equation for theta.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pgimp.physics.materials.base import lame
 from pgimp.physics.materials.exact.rows import Array, first_leg, solved
 from pgimp.physics.materials.laws.friction import Soil
 
-#: Strains below which there is none but rounding.
+#: Strains below which there is only rounding.
 _NONE = 1e-15
 
 
@@ -28,13 +28,13 @@ class Line(NamedTuple):
     Attributes
     ----------
     w, z, c : float
-        See the head of this file.
+        Coefficients of the line, see the head of this file.
     d : float
-        Plastic volume strain over that of m.
+        Plastic volume strain over the plastic part of m.
     share : float
         ``plastic-shear`` over the plastic part of m.
     mean : bool
-        Whether the greatest tension is one of the mean stress, or of every principal stress.
+        Whether the greatest tension limits the mean stress, or every principal stress.
     """
 
     w: float
@@ -51,7 +51,7 @@ def cone(alpha: float, flow: float, k: float) -> Line:
 
 
 def edge(soil: Soil, side: float) -> Line:
-    """Mohr and Coulomb's edge, where two of the principal stresses are the lateral one."""
+    """Mohr and Coulomb's edge, where two principal stresses equal the lateral stress."""
     angle = radians(soil.friction_angle)
     S, s = sin(angle), sin(radians(soil.dilation_angle))
     strength = 2.0 * soil.cohesion * cos(angle)
@@ -103,7 +103,7 @@ def path_of_soil(
 def _strained(
     G: float, K: float, line: Line, side: float, tension: float, volume: Array, M: Array
 ) -> dict[str, Array]:
-    """Curves where all strains are given: the volume's, and axial less lateral, M."""
+    """Curves for given total strains: volume strain, and axial minus lateral strain M."""
     J = np.exp(volume)
     over = line.w * 2.0 * G * M + line.z * K * volume - line.c * J
     slip = np.maximum.accumulate(
@@ -156,7 +156,7 @@ def _stressed(
     p = confine - side * most / 3.0
 
     def plastic(x: Array) -> tuple[Array, Array]:
-        """Total less elastic volume, less d times the plastic part of m."""
+        """Total minus elastic volume strain, minus d times the plastic part of m."""
         J = np.exp(x)
         slip = 0.5 * (3.0 * e - side * (x - before)) - 0.5 * most / G * J
         return (
@@ -166,7 +166,7 @@ def _stressed(
 
     q = np.where(flows, most, q)
     columns = {"stress-xx": side * q - confine, "pressure": confine - side * q / 3.0, "q": q}
-    if opens:  # How it opens depends on what it went through.
+    if opens:  # Opening depends on the history.
         unknown = np.where(flows, np.nan, 0.0)
         return columns | {"det-F": np.exp(volume) + unknown, "plastic-shear": unknown}
     volume = np.where(flows, solved(plastic, volume), volume)

@@ -1,4 +1,4 @@
-"""What exact curves have in common: rows before a path's first turn, roots."""
+"""Common tools of exact curves: rows before a path's first turn, roots."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 Array = np.ndarray
 
-#: Newton's steps, on functions that are nearly linear.
+#: Steps of Newton's method, for nearly linear functions.
 _ROUNDS = 30
 
 
 def first_leg(value: Array) -> Array:
-    """Whether rows come before a path's first turn, (n,)."""
+    """Mask of the rows before a path's first turn, (n,)."""
     size = np.abs(value)
     same = (np.diff(size, prepend=0.0) >= 0.0) & (value * value[1] >= 0.0)
     return np.logical_and.accumulate(same)

@@ -18,9 +18,9 @@ Match = Literal["plane-strain", "plane-strain-flow", "compression", "extension"]
 
 
 def slope(angle: float, match: Match) -> float:
-    """Slope of the cone for an angle in degrees of friction, or of dilation.
+    """Slope of the cone for an angle of friction, or of dilation, in degrees.
 
-    That of friction where flow is along the normal, in plane strain; see `cone_of` for other flow.
+    In plane strain it assumes flow along the normal; see `cone_of` for other flow.
     """
     a = radians(angle)
     if match in ("plane-strain", "plane-strain-flow"):
@@ -32,13 +32,13 @@ def slope(angle: float, match: Match) -> float:
 def cone_of(soil: "Soil", match: Match) -> tuple[float, float, float]:
     """Slope alpha of the cone, slope of its flow, strength k without pressure.
 
-    With the slope d of flow, plane strain flow has s_zz = -2 d tau/3, so that half the difference
-    of the principal stresses in the plane is tau sqrt(1 - d d/3), and their mean pressure is
-    p - d tau/3. With ``plane-strain-flow`` these are on Mohr and Coulomb's line,
+    With the slope d of flow, plane strain flow has s_zz = -2 d tau/3. Half the difference of the
+    principal stresses in the plane is then tau sqrt(1 - d d/3); their mean pressure is p - d tau/3.
+    With ``plane-strain-flow`` these are on Mohr and Coulomb's line,
 
         alpha = sin(phi)/D, k = c cos(phi)/D, D = sqrt(1 - d d/3) + d sin(phi)/3;
 
-    for a flow along the normal that is ``plane-strain``.
+    which equals ``plane-strain`` for a flow along the normal.
     """
     a = radians(soil.friction_angle)
     flow = slope(soil.dilation_angle, match)
@@ -79,19 +79,19 @@ class Soil(Material):
 
     @property
     def apex(self) -> float:
-        """Tension in all directions that friction and cohesion bear."""
+        """Isotropic tension at the apex of the strength, from friction and cohesion."""
         if self.friction_angle == 0.0:
             return inf if self.cohesion > 0.0 else 0.0
         return self.cohesion / tan(radians(self.friction_angle))
 
     @property
     def greatest_tension(self) -> float:
-        """Tension that it bears."""
+        """Greatest tension of the soil."""
         return self.apex if self.tension is None else self.tension
 
     @property
     def flow_speed(self) -> float:
-        """See `Material.flow_speed`; soil that bears tension anywhere is not loose."""
+        """See `Material.flow_speed`; soil with any tensile strength is not loose."""
         if self.greatest_tension > 0.0 or any(path[0] == "cohesion" for path in self._variations):
             return 0.0
         lam, mu = lame(self.young, self.poisson)
@@ -99,7 +99,7 @@ class Soil(Material):
 
     @property
     def needs_pressure(self) -> bool:
-        """See `Material.needs_pressure`; so it is without cohesion."""
+        """See `Material.needs_pressure`; true without cohesion."""
         return self.cohesion == 0.0
 
     @model_validator(mode="after")

@@ -1,11 +1,11 @@
-"""Hencky's elasticity with plastic flow, which is carried by the stress: what metals share.
+"""Hencky's elasticity with plastic flow, stored in the stress: the common law of metals.
 
 The deviator of the Kirchhoff stress is s = 2 G h, h the deviator of the elastic logarithmic strain
-ln(b_e)/2, so that the stress before a step gives b_e, the step's deformation carries it, and its
-logarithm gives the stress if the step is elastic: exactly hyperelastic, with any rotation and any
-shear, and no other state. Flow along s then is the radial return of small strains, verbatim
+ln(b_e)/2. So the stress before a step gives b_e, and the step's deformation updates b_e. Its
+logarithm gives the stress if the step is elastic. The law is exactly hyperelastic for any rotation
+and any shear, without other state. Flow along s is then the radial return of small strains
 (de Souza Neto, Peric, Owen, Computational Methods for Plasticity, 14.4). No eigenvectors are
-needed: what is summed are series in the small tensors b_e - 1 and h (`pgimp.jit.series`), to
+needed, only series in the small tensors b_e - 1 and h (`pgimp.jit.series`). They are exact to
 1e-15 for elastic strains up to 0.2, to 1e-9 at 0.4.
 """
 
@@ -17,7 +17,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.series import carry, series_expm1, series_log1p
 from pgimp.jit.tuples import scaled
 
-#: Keeps what is divided by the stress finite where there is none.
+#: Added to stresses in denominators, to keep quotients finite at zero stress.
 TINY = 1e-300
 
 
@@ -29,7 +29,7 @@ def elastic_trial(shear, J, sigma, L, dt):
     shear : float
         Shear modulus G.
     J, sigma, L, dt
-        As materials are given them: J after the step, the Cauchy stress before it.
+        As in the materials' functions: J after the step, the Cauchy stress before it.
     """
 
 
@@ -94,7 +94,7 @@ def _elastic_speed(material, J):
 
 
 def distortion_energy(shear, J, sigma):
-    """Elastic energy G h : h of the change of shape, per initial volume."""
+    """Elastic energy G h : h of distortion, per initial volume."""
 
 
 @specialise(distortion_energy)

@@ -1,11 +1,11 @@
-"""Invariants of stresses that soils and fluids are told by."""
+"""Stress invariants in the laws of soils and fluids."""
 
 from math import sqrt
 
 from pgimp.jit.algebra import contract
 from pgimp.jit.kernel import specialise
 
-#: A number of no weight beside any stress, for quotients of what may both be zero.
+#: A number negligible beside any stress, for quotients of numbers that may both be zero.
 TINY = 1e-300
 
 

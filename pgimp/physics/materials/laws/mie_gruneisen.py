@@ -1,8 +1,8 @@
 """Mie and Gruneisen's pressure of shocked solids, about the Hugoniot U_s = c0 + s u_p.
 
-With eta = 1 - J, p_H = rho0 c0^2 eta/(1 - s eta)^2 (rho0 c0^2 eta in tension) and the internal
-energy e per mass, p = p_H (1 - gamma eta/2) + gamma rho0 e. In a step e grows by the heat h of
-plastic flow and by the work of the mean pressure and of the artificial viscosity's q,
+The pressure is p = p_H (1 - gamma eta/2) + gamma rho0 e with eta = 1 - J,
+p_H = rho0 c0^2 eta/(1 - s eta)^2 (rho0 c0^2 eta in tension) and the internal energy e per mass. In
+a step e grows by the heat h of plastic flow, the work of the mean pressure and of the viscous q,
 
     rho0 (e' - e) = h - ((p + p')/2 + q) (J' - J),
 
@@ -17,12 +17,12 @@ from pgimp.jit.choose import choose
 from pgimp.jit.kernel import specialise
 from pgimp.schema.base import Model, NonNegative, Positive
 
-#: Where s eta would reach 1 the pressure is infinite; up to here it is computed.
+#: Largest s eta for which the pressure is computed; at 1 it is infinite.
 LARGEST = 0.95
 
 
 class MieGruneisen(NamedTuple):
-    """rho0 c0^2, s and gamma, and the initial density."""
+    """rho0 c0^2, s, gamma, and initial density."""
 
     stiffness: float
     s: float
@@ -39,7 +39,7 @@ class MieGruneisenEntry(Model):
 
 
 def _cold(eos, J):
-    """The pressure without internal energy, and its derivative by eta."""
+    """Pressure without internal energy, and its derivative by eta."""
 
 
 @specialise(_cold)
@@ -69,7 +69,7 @@ def pressure_and_energy(eos, J, before, p, q, heat, e):
     p, q : float
         Pressure before the step, viscous pressure in it.
     heat : float
-        Of plastic flow, per initial volume.
+        Heat of plastic flow, per initial volume.
     e : float
         Internal energy per mass before the step.
     """
@@ -88,7 +88,7 @@ def _pressure_and_energy(eos, J, before, p, q, heat, e):
 
 
 def shock_speed_squared(eos, J, e, shear):
-    """Square of the speed of longitudinal waves, J^2 (-dp/dJ at constant entropy) + 4/3 G."""
+    """Squared speed of longitudinal waves, J^2 (-dp/dJ at constant entropy) + 4/3 G."""
 
 
 @specialise(shock_speed_squared)
@@ -103,7 +103,7 @@ def _shock_speed_squared(eos, J, e, shear):
 
 
 def margin_of(eos, J):
-    """How far a particle is from the end of the equation's range."""
+    """Distance of a particle from the end of the equation's range."""
 
 
 @specialise(margin_of)

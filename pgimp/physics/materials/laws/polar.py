@@ -1,4 +1,4 @@
-"""The rotation R of F = V R in a step: how Green and Naghdi turn tensors."""
+"""Change of the rotation R of F = V R in a step, for Green and Naghdi's rate."""
 
 from math import sqrt
 
@@ -16,10 +16,10 @@ from pgimp.jit.spectral import eigen
 
 
 def polar_rotation(F, L, dt):
-    """The rotation by which R, the polar rotation of F, changes in a step.
+    """Increment of R, the polar rotation of F, in a step.
 
-    In 2D exactly R R_before^T. In 3D by its spin at the mid-point, of second order in the step, and
-    exact where the body turns without strain: with the eigenvectors of V there,
+    In 2D it is exactly R R_before^T. In 3D it follows from the spin at the mid-point: second order
+    in the step, and exact for a rotation without strain. In the basis of V's eigenvectors,
     Omega_ij = W_ij + D_ij (v_j - v_i)/(v_i + v_j), and Q = (1 - dt/2 Omega)^-1 (1 + dt/2 Omega).
     """
 

@@ -1,4 +1,4 @@
-"""Plastic flow that depends on its own rate and on temperature, and failure (Johnson and Cook).
+"""Plastic flow dependent on rate and temperature, and failure (Johnson and Cook).
 
 The formulas are in `pgimp.physics.materials.johnson_cook`.
 """
@@ -41,7 +41,7 @@ class Damage(NamedTuple):
 
 
 def softening(k, T):
-    """The homologous temperature T*, and 1 - T*^m."""
+    """Homologous temperature T*, and 1 - T*^m."""
 
 
 @specialise(softening)
@@ -56,9 +56,9 @@ def _softening(k, T):
 def rate_flow(k, q, alpha, soft, dt):
     """Plastic strain x of a step: q - 3 G x = sigma_y(alpha + x, x/dt), 0 if elastic.
 
-    The left side less the right falls and is convex in x. Newton's method begins beyond the root,
-    where 3 G x takes all that exceeds A; from its first step on it comes from below, where a step
-    to nothing or less is one to a tenth.
+    The left side minus the right decreases and is convex in x. Newton's method begins beyond the
+    root, where 3 G x equals the excess over A. From its first step on it approaches from below,
+    where a step to zero or less is replaced by a step to a tenth.
     """
 
 
@@ -100,7 +100,7 @@ def _damaged(d, k, x, hot, mean, q, dt, before):
 
 
 def plastic_step(k, J, sigma, L, dt, state):
-    """The deviator of the Kirchhoff stress, its q, the flow x, its work and T* in a step."""
+    """Deviator of the Kirchhoff stress, its q, plastic strain x, its work and T* in a step."""
 
 
 @specialise(plastic_step)

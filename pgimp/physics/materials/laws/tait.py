@@ -11,17 +11,17 @@ from pgimp.jit.kernel import specialise
 from pgimp.physics.materials.base import Material, State
 from pgimp.schema.base import NonNegative, Number, Positive
 
-#: Smallest J: at twice its density no liquid is one, and g = 7 makes the pressure 18 K.
+#: Smallest J: no liquid reaches twice its density, and with g = 7 the pressure there is 18 K.
 LEAST = 0.5
 
 VISCOUS_WORK = State("viscous-work", "energy/volume", "work of viscous stresses, by initial volume")
 
-#: The exponent of water, whose power takes no logarithm.
+#: The exponent of water, whose power is computed without a logarithm.
 _WATER = 7.0
 
 
 def raised(r, exponent):
-    """The power r^exponent of positive r; quick for the exponents 1 and 7."""
+    """The power r^exponent of positive r; fast for the exponents 1 and 7."""
 
 
 @specialise(raised)
@@ -37,7 +37,7 @@ def _raised(r, exponent):
 
 
 def pressure(stiffness, exponent, least, r):
-    """Pressure at r = rho/rho0, at least `least`, the greatest tension with a minus.
+    """Pressure at r = rho/rho0, at least `least`, the negative of the greatest tension.
 
     `stiffness` is K/g.
     """
@@ -49,9 +49,9 @@ def _pressure(stiffness, exponent, least, r):
 
 
 def sound_squared(stiffness, exponent, density, J):
-    """Square of the speed of sound, c^2 = dp/drho; where the fluid has expanded that at rest.
+    """Square of the speed of sound, c^2 = dp/drho; in expanded fluid the value at rest.
 
-    Nothing moves through fluid that has no pressure, but it is as stiff again in a moment.
+    Fluid without pressure transmits no waves, but it may be compressed again at any moment.
     """
 
 
@@ -65,7 +65,7 @@ def _sound_squared(stiffness, exponent, density, J):
 
 
 def compression(stiffness, exponent, least, J):
-    """Energy of a compression to J, per initial volume; a number, for `energy`."""
+    """Energy of a compression to J, per initial volume; for `energy`, scalar only."""
 
 
 @specialise(compression)
@@ -111,9 +111,9 @@ class Liquid(Material):
 
     @property
     def most_filled(self) -> float:
-        """See `Material.most_filled`; without limit if it can pull.
+        """See `Material.most_filled`; unlimited for a liquid with tension.
 
-        A little above 1: cut off there, each oscillation would compress the rest.
+        A little above 1: with a limit of 1, each oscillation would compress the rest.
         """
         return inf if self.tension else 1.01
 

@@ -1,1 +1,1 @@
-"""Parameters and states of materials: where particles have them, how kernels read them."""
+"""Parameters and states of materials: storage in particles, evaluation in kernels."""

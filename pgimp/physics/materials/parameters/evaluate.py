@@ -1,4 +1,4 @@
-"""How kernels ask the materials of a scene: of one particle, or of four at once."""
+"""Evaluation of a scene's materials in kernels: for one particle, or for four at once."""
 
 from functools import cache
 from math import isqrt
@@ -20,16 +20,16 @@ _WITHOUT_Q = 5
 
 @cache
 def compiled(parameters: type, quantity: str):
-    """Return the function of a quantity of materials whose parameters are of a type, for Numba."""
-    options = {**INLINE_OPTIONS, "_nrt": is_outside(parameters)}  # a user's may make arrays
+    """Return the Numba function of a quantity, for materials with this type of parameters."""
+    options = {**INLINE_OPTIONS, "_nrt": is_outside(parameters)}  # user materials may make arrays
     return numba.njit(**options)(getattr(parameters, quantity))
 
 
 def evaluate(quantity, materials, k, args, state):
     """Value of "stress", "energy", "speed", .. of material number `k` of the scene's tuple.
 
-    Materials of one type are indexed; different types become a chain of branches; one material
-    alone costs neither. Of the quantities in `OPTIONAL` a material need not have any.
+    Materials of one type are indexed; different types become a chain of branches; a single
+    material costs neither. The quantities in `OPTIONAL` are optional.
 
     Parameters
     ----------
@@ -41,17 +41,17 @@ def evaluate(quantity, materials, k, args, state):
         Number of the material.
     args : tuple
         As in `pgimp.physics.materials`, without the state; F comes first. For "stress" the viscous
-        pressure may come last; it is left out for materials that do not take it, and is 0 for those
-        that do where it does not.
+        pressure may come last. Materials without that argument do not get it. Materials with it
+        get 0 if it is missing.
     state : tuple of float
-        As many as the widest material of the scene remembers, () where none does.
+        As many as the widest material of the scene has; () if none has any.
 
     Returns
     -------
     float or tuple
-        Of "stress" the components, followed by the state after the step; of "initial_state" the
-        state, as given where the material has no such function; of "losses" one number for each of
-        `LOSSES`, zeros where it has none.
+        For "stress" the components, followed by the state after the step. For "initial_state" the
+        state, unchanged if the material has no such function. For "losses" one number for each of
+        `LOSSES`, zeros if the material has none.
     """
 
 
@@ -71,7 +71,7 @@ def _evaluate(quantity, materials, k, args, state):
         return evaluate(name, materials[1:], k - 1, args, state)
 
     def branch_of_vectors(quantity, materials, k, args, state):
-        if k == 0:  # one model may give a number where another gives a vector
+        if k == 0:  # models may differ: one returns a number, another a vector
             return vectors(_ask(name, materials[0], args, state))
         return vectors(evaluate(name, materials[1:], k - 1, args, state))
 
@@ -79,7 +79,7 @@ def _evaluate(quantity, materials, k, args, state):
 
 
 def _ask(quantity, material, args, state):
-    """Value of a quantity of one material, see `evaluate`; a material sees its own state alone."""
+    """Value of a quantity of one material, see `evaluate`; `state` is cut to its own states."""
 
 
 @overload(_ask, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
@@ -121,7 +121,7 @@ def _ask_material(quantity, material, args, state):
 
 
 def _takes_vectors(material: Any, quantity: str, args: Any, state: Any) -> bool:
-    """Whether a material's function compiles for vectors: one that branches does not."""
+    """Whether a material's function compiles for vectors; functions with branches do not."""
     kind = material.instance_class
     if quantity in OPTIONAL and not has(kind, quantity):
         return True
@@ -138,12 +138,12 @@ def _takes_vectors(material: Any, quantity: str, args: Any, state: Any) -> bool:
 
 
 def evaluate_four(quantity, materials, numbers, args, state, like):
-    """As `evaluate`, of four particles.
+    """As `evaluate`, for four particles.
 
-    `args` and `state` are vectors or tuples of them; so is the result, which is of the kind of
-    `like`. `numbers` are the particles' materials, a tuple of four. A function that cannot take
-    vectors, because it branches, is called for one particle after the other. Parameters that vary
-    in space are vectors as well, see `pgimp.kernels.update.varying`.
+    `args` and `state` are vectors or tuples of vectors. So is the result, with the structure of
+    `like`. `numbers` are the particles' materials, a tuple of four. A function with branches takes
+    no vectors and is called particle by particle. Parameters that vary in space are vectors as
+    well, see `pgimp.kernels.update.varying`.
     """
 
 

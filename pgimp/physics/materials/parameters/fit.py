@@ -1,10 +1,10 @@
-"""Whether the functions of a material compile, and return what the kernels want.
+"""Checks that the functions of a material compile and return the types that kernels need.
 
-The kernels write what a material returns into columns of fixed width, so a stress with a component
-too many would end up in the next particle. Its functions are therefore compiled on their own, with
-numbers of the types that the kernels use, and what they return is compared with what is wanted,
-before any kernel is compiled. What fits is remembered beside the kernels that are kept for the
-material (see `pgimp.jit.outside`), so that only the first start takes the second or two.
+The kernels write a material's results into columns of fixed width. A stress with a component too
+many would end up in the next particle. The functions are therefore compiled first, separately, for
+the kernels' argument types, and their result types are checked. A passed check is cached beside
+the material's compiled kernels (see `pgimp.jit.outside`), so only the first start takes a second
+or two longer.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ _ARGUMENTS = {
     "losses": ("material", "F", "J", "sigma"),
     "initial_state": ("material", "F", "J", "sigma"),
 }
-#: Functions that are called for one particle at a time: for a line of the history, at the start.
+#: Functions that are called particle by particle: for a row of the history, at the start.
 _ONE_BY_ONE = ("energy", "losses", "initial_state")
-#: Components of a symmetric tensor, as `pgimp.jit.algebra` has them, and how many there are.
+#: Components of a symmetric tensor, in the order of `pgimp.jit.algebra`, and their number.
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 _COUNTS = (3, 4, 6)
 _COLOUR = re.compile("\x1b\\[[0-9;]*m")
@@ -53,13 +53,13 @@ _fitting: set[tuple[type, str, int]] = set()
 
 
 def arguments_of(kind: type, quantity: str) -> tuple[str, ...]:
-    """Names of what a material's function is given; those with a memory get their state as well."""
+    """Argument names of a material's function, with `state` if the material has states."""
     q = ("q",) if quantity == "stress" and takes_viscous_pressure(kind) else ()
     return (*_ARGUMENTS[quantity], *q, *(("state",) if states_of(kind) else ()))
 
 
 def quantities_of(kind: type) -> list[str]:
-    """Functions that a material must have, and those that it has besides."""
+    """Required functions of a material, and the optional ones that it has."""
     return [name for name in _ARGUMENTS if name not in OPTIONAL or has(kind, name)]
 
 
@@ -70,7 +70,7 @@ def place_of(kind: type, quantity: str) -> str:
 
 
 def file_of(kind: type) -> str:
-    """Name the file of a class, or its module where there is none."""
+    """Name the file of a class, or its module if there is none."""
     try:
         return inspect.getsourcefile(kind) or kind.__module__
     except (OSError, TypeError):
@@ -78,7 +78,7 @@ def file_of(kind: type) -> str:
 
 
 class _Kinds(NamedTuple):
-    """Numba's types of what a material's functions are given."""
+    """Numba types of the arguments of a material's functions."""
 
     F: Any
     J: Any
@@ -97,7 +97,7 @@ class _Kinds(NamedTuple):
 
 
 def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
-    """Compile a function of a material for arguments of these types; return the result's."""
+    """Compile a function of a material for these argument types; return the result's type."""
     kind: Any = type(parameters)
     function = compiled(kind, quantity)
     given = (getattr(kinds, name) for name in arguments_of(kind, quantity)[1:])
@@ -107,7 +107,7 @@ def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
 
 
 def takes_four(parameters: Any, dimensions: int) -> bool:
-    """Return whether functions compile for four particles at once, where they are to."""
+    """Whether the functions for four particles at once compile."""
     kind = type(parameters)
     try:
         for quantity in quantities_of(kind):
@@ -119,7 +119,7 @@ def takes_four(parameters: Any, dimensions: int) -> bool:
 
 
 def require_fit(who: str, parameters: Any, dimensions: int) -> None:
-    """Refuse a material whose functions do not compile or do not return what is wanted."""
+    """Refuse a material whose functions do not compile or return wrong types."""
     kind = type(parameters)
     for name, value in zip(kind._fields, parameters, strict=True):
         try:
@@ -150,7 +150,7 @@ def _examine(who: str, parameters: Any, dimensions: int) -> None:
         where = f"{who}: {place_of(type(parameters), quantity)}"
         try:
             result = _result(parameters, quantity, kinds)
-        except Exception as error:  # also what Numba itself fails with
+        except Exception as error:  # also errors of Numba itself
             text = " ".join(_COLOUR.sub("", str(error)).split())
             text = text.partition("pipeline (step: nopython frontend) ")[2] or text
             if len(text) > _LONGEST_MESSAGE:
@@ -173,7 +173,7 @@ def _examine(who: str, parameters: Any, dimensions: int) -> None:
 
 
 def _require_state(where: str, result: Any, width: int) -> Any:
-    """Refuse what is not a pair of stress and state; return the type of the stress."""
+    """Refuse a result other than a pair of stress and state; return the type of the stress."""
     if not _is_tuple(result) or len(result) != 2:
         raise UsageError(
             f"{where} must return a pair, the stress and the state of {width}, as the material has "
@@ -184,7 +184,7 @@ def _require_state(where: str, result: Any, width: int) -> Any:
 
 
 def _require_states(where: str, state: Any, width: int) -> None:
-    """Refuse what is no tuple of as many floats as a particle remembers."""
+    """Refuse a state other than a tuple of `width` floats."""
     parts = [*state] if _is_tuple(state) else []
     if len(parts) != width or any(part != types.float64 for part in parts):
         listed = ": " * bool(parts) + ", ".join(map(_described, parts))
@@ -195,7 +195,7 @@ def _require_states(where: str, state: Any, width: int) -> None:
 
 
 def _require_losses(where: str, result: Any) -> None:
-    """Refuse what is no tuple with a float for each of `LOSSES`."""
+    """Refuse a result other than a tuple with a float for each of `LOSSES`."""
     parts = [*result] if _is_tuple(result) else []
     if len(parts) != len(LOSSES) or any(part != types.float64 for part in parts):
         raise UsageError(
@@ -230,7 +230,7 @@ def _is_integer(kind: Any) -> bool:
 
 
 def _described(kind: Any) -> str:
-    """Put a Numba type in words."""
+    """Describe a Numba type."""
     if isinstance(kind, types.BaseTuple):
         return f"a tuple of {len(kind)}"
     for known, words in (

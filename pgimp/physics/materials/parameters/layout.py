@@ -1,7 +1,7 @@
-"""How particles carry what varies of their material: parameters of kernels, values of the case.
+"""Particle columns of a varying material: parameters of kernels, values of the case.
 
-Which of the parameters vary is found by asking for them with other numbers: with another Young's
-modulus both of Lame's constants do, with another density that alone.
+Varying parameters are found by comparing the parameters for different values of the case. With
+another Young's modulus both of Lame's constants change, with another density only the density.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pgimp.physics.variation.find import Variations, value_at
 
 
 def leaves(value: tuple[Any, ...]) -> list[Any]:
-    """Numbers and whatever else is in a structure of tuples, in order."""
+    """Leaves of nested tuples, numbers and others, in order."""
     found: list[Any] = []
     for part in value:
         if isinstance(part, tuple):
@@ -29,7 +29,7 @@ def leaves(value: tuple[Any, ...]) -> list[Any]:
 
 
 def _rebuilt(value: Any, given: Iterator[Any]) -> Any:
-    """A structure of tuples with other leaves."""
+    """Nested tuples with other leaves."""
     if not isinstance(value, tuple):
         return next(given)
     parts = [_rebuilt(part, given) for part in value]
@@ -37,20 +37,20 @@ def _rebuilt(value: Any, given: Iterator[Any]) -> Any:
 
 
 class Layout(NamedTuple):
-    """How the particles of a material carry what varies of it.
+    """Layout of the varying parameters in the columns of a material's particles.
 
     Attributes
     ----------
     base : NamedTuple
-        Its parameters with typical numbers.
+        The material's parameters with typical values.
     varying : list of int
-        Which of the numbers in the parameters vary, in order: the first columns of a particle.
+        Indices of the varying parameters, ascending: the first columns of a particle.
     paths : list of tuple of str
-        Keys of the case that vary.
+        Varying keys of the case.
     places : list of int
-        Column in which the value of each lies.
+        Column of each key's value.
     width : int
-        Columns.
+        Number of columns.
     """
 
     base: Any
@@ -61,17 +61,17 @@ class Layout(NamedTuple):
 
     @property
     def marked(self) -> Any:
-        """Its parameters with `Own` in place of what varies."""
+        """The material's parameters with `Own` in place of varying ones."""
         found = leaves(self.base)
         for place, leaf in enumerate(self.varying):
             found[leaf] = Own(place)
         return _rebuilt(self.base, iter(found))
 
     def packer(self) -> Callable[[Any, Sequence[float]], list[float] | None]:
-        """Return a function that gives the columns of a particle.
+        """Return a function that computes the columns of a particle.
 
-        It takes the particle's parameters and values of the case, and returns None if its
-        parameters differ from `base` in more than what varies.
+        It takes the particle's parameters and values of the case. It returns None if the
+        parameters differ from `base` in any but varying ones.
         """
         kind, base, varying = type(self.base), leaves(self.base), self.varying
         fixed = [(i, leaf) for i, leaf in enumerate(base) if i not in varying]
@@ -89,15 +89,14 @@ class Layout(NamedTuple):
         return pack
 
     def values(self, row: np.ndarray) -> list[float]:
-        """Return the values of the case that a particle carries."""
+        """Return the values of the case in a particle's columns."""
         return [float(row[place]) for place in self.places]
 
 
 def layout_of(entry: Any, make: Callable[[Any], Any]) -> Layout:
-    """Find which numbers of the kernels' parameters depend on what varies.
+    """Find the numbers in the kernels' parameters that depend on varying keys.
 
-    They are those that are others with another value of any one; `make` makes the parameters of an
-    entry.
+    A number does if another value of any key changes it; `make` makes the parameters of an entry.
     """
     variations: Variations = entry.variations
     paths = list(variations)
@@ -136,7 +135,7 @@ def same(a: Any, b: Any) -> bool:
 
 
 def _probes(variation: Variation, typical: float) -> list[float]:
-    """Values near and far from a typical one, of those that there may be where they are known."""
+    """Values near and far from a typical one; if the possible values are known, from these."""
     known = sorted({value for _, value in variation.known()})
     found = known[:: max(1, len(known) // 20)] + known[-1:]
     return found + [typical * factor for factor in (1.01, 0.99, 1.3, 0.7, 2.0, 0.5)] + [

@@ -1,7 +1,6 @@
-"""What is asked of materials from outside the package, and said of those that do not fit.
+"""Checks of the declarations of materials from outside the package, with their messages.
 
-Here of what they declare; `pgimp.physics.materials.parameters.fit` looks at what their functions
-return.
+`pgimp.physics.materials.parameters.fit` checks the results of their functions.
 """
 
 from __future__ import annotations
@@ -45,12 +44,12 @@ def parameters_of(entry: Material, dimensions: int) -> Any:
     Returns
     -------
     NamedTuple
-        Its parameters.
+        Parameters of the kernels.
 
     Raises
     ------
     UsageError
-        If something that the kernels need is missing, or is not of the type that they need.
+        If something that the kernels need is missing or of a wrong type.
     """
     who = f"the material '{entry.model}'"  # type: ignore[attr-defined]
     try:
@@ -111,7 +110,7 @@ def _require_losses(who: str, entry: Material, kind: type) -> None:
 
 
 def _require_states(who: str, entry: Material, parameters: Any) -> None:
-    """Refuse state variables that are not declared as they must be."""
+    """Refuse wrong declarations of state variables."""
     kind = type(entry)
     names: list[str] = []
     states: Any = entry.states
@@ -140,10 +139,10 @@ def _require_states(who: str, entry: Material, parameters: Any) -> None:
 
 
 def takes_vectors(entry: Material, dimensions: int) -> bool:
-    """Return whether a material is computed for four particles at once, as pgimp's own are.
+    """Return whether a material is computed for four particles at once, like pgimp's own.
 
-    A function that branches, or calls what knows no vectors, is called for one particle after the
-    other: right, but slower. See `pgimp.physics.materials` for what to write instead.
+    A function with branches, or with calls that take no vectors, is called particle by particle:
+    correct, but slower. See `pgimp.physics.materials` for the allowed operations.
 
     Parameters
     ----------
@@ -155,6 +154,6 @@ def takes_vectors(entry: Material, dimensions: int) -> bool:
     Raises
     ------
     UsageError
-        If it does not fit at all, as in a run.
+        If the material is unusable, as in a run.
     """
     return takes_four(parameters_of(entry, dimensions), dimensions)

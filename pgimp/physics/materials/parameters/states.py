@@ -1,4 +1,4 @@
-"""State variables of a scene's materials: where particles keep them, and what they start with."""
+"""State variables of a scene's materials: offsets in a particle's row, and initial values."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class Kept(NamedTuple):
     Attributes
     ----------
     state : State
-        What the materials declare.
+        Declaration in the materials.
     first : (materials,) int64
-        Where in a particle's row it begins, by material; -1 for those that do not have it.
+        Offset in a particle's row, by material; -1 for materials without it.
     """
 
     state: State
@@ -28,7 +28,7 @@ class Kept(NamedTuple):
 
 
 def initial_row(parameters: Any, dimensions: int, width: int) -> np.ndarray:
-    """What a particle of a material remembers at the start, filled up with zeros to `width`."""
+    """Initial state of a material's particle, padded with zeros to `width`."""
     row, first = np.zeros(width), 0
     for state in states_of(type(parameters)):
         last = first + state.width(dimensions)
@@ -39,16 +39,16 @@ def initial_row(parameters: Any, dimensions: int, width: int) -> np.ndarray:
 
 
 class States:
-    """The state variables of the materials in use.
+    """State variables of the materials in use.
 
-    Each material has its own from the first place of a particle's row on.
+    Each material's state variables begin at offset 0 of a particle's row.
 
     Parameters
     ----------
     names : sequence of str
-        Of the materials, for messages.
+        Names of the materials, for messages.
     materials : sequence of NamedTuple
-        Their parameters.
+        Parameters of the materials.
     dimensions : int
         1, 2 or 3.
 
@@ -57,16 +57,16 @@ class States:
     width : int
         Numbers in a particle's row.
     initial : (materials, width) float64
-        What particles start with.
+        Initial states.
     kept : dict of str to Kept
-        By the variables' names.
+        State variables by name.
     fields : dict of str to Field
-        What frames and probes have of them: nan in particles of materials without.
+        Fields of them for frames and probes: nan in particles of materials without them.
 
     Raises
     ------
     UsageError
-        If two materials mean different things by one name.
+        If two materials declare one name differently.
     """
 
     def __init__(self, names: Sequence[str], materials: Sequence[Any], dimensions: int) -> None:
@@ -90,12 +90,12 @@ class States:
         self.fields = {name: _field(kept) for name, kept in self.kept.items()}
 
     def first(self, name: str, material: int) -> int:
-        """Where in the row of a material's particles a state begins; -1 if it has none such."""
+        """Offset of a state in the row of a material's particles; -1 if the material has none."""
         return int(self.kept[name].first[material]) if name in self.kept else -1
 
 
 def _field(kept: Kept) -> Field:
-    """The field of frames that shows a state variable."""
+    """Field of a state variable in frames."""
     state, first = kept
 
     def values(source: Source) -> np.ndarray:

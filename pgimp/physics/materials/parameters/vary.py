@@ -1,8 +1,8 @@
 """Entries of materials with parameters that vary in space.
 
-The entry of such a material has numbers throughout, typical ones in place of what varies, so that
-all that does not depend on the place knows nothing of it. At a place the entry is another one, with
-the numbers that belong there (`Varying.maker`), checked as if a case had them.
+The entry of such a material has typical numbers in place of varying ones, so code that does not
+depend on position needs no change. At a position the entry is another one with the local numbers
+(`Varying.maker`), checked as if a case had them.
 """
 
 from __future__ import annotations
@@ -31,34 +31,34 @@ from pgimp.schema.base import Model
 from pgimp.schema.dispatch import plain
 from pgimp.schema.problems import Problem, raise_problems
 
-#: What a parameter may be that only a file knows, to find an entry that is sound; see `typical_of`.
+#: Guesses for a parameter from an unread file, to find a valid entry; see `typical_of`.
 _GUESSES = (1.0, 0.25, 1e3, 1e6, 1e9, 1e-3, 10.0, 1e-6, 30.0, 0.0)
-#: Attempts to find one.
+#: Most attempts to find a valid entry.
 _MOST_GUESSES = 2000
-#: Numbers of a table that are tried one by one when a case is read.
+#: Most numbers of a table that are validated one by one when a case is read.
 _MOST_TRIED = 2000
-#: Where a layer begins in which all is, in any units.
+#: Beginning of a layer that contains everything, in any units.
 _FAR_AWAY = -1e140
 def typical_of(
     data: Mapping[str, Any], variations: Variations, make: Callable[[Any], Any]
 ) -> Any:
-    """Return an entry with typical numbers in place of what varies, once all known ones are sound.
+    """Return an entry with typical numbers in place of variations; all known values are validated.
 
-    Of what only a file knows some number is taken with which there is an entry at all.
+    For parameters from an unread file, a guess that gives a valid entry is used.
 
     Parameters
     ----------
     data : mapping
-        The material as a case has it.
+        The material as in the case.
     variations : dict
-        What varies of it.
+        Its variations by key.
     make : callable
-        Makes an entry of numbers; raises a ValidationError where it cannot.
+        Makes an entry of numbers; raises a ValidationError if they are invalid.
 
     Raises
     ------
     ValidationError
-        For everything that is wrong in the material or in the numbers of its variations.
+        For all errors in the material or in the numbers of its variations.
     """
     entry, best = None, None
     guesses = itertools.product(*map(_guesses, variations.values()))
@@ -85,7 +85,7 @@ def typical_of(
 
 
 def _guesses(variation: Variation) -> list[float]:
-    """Numbers of which one is typical: where that is wrong, some other may be right."""
+    """Candidate numbers, the typical one first; another may be valid if it is not."""
     if (typical := variation.typical) is None:
         return [*_GUESSES]
     known = [value for _, value in variation.known()]
@@ -97,7 +97,7 @@ def _some(known: Sequence[tuple[Path, float]]) -> Iterable[tuple[Path, float]]:
 
 
 def first_text(error: ValidationError) -> str:
-    """What is wrong, as one sentence."""
+    """First error as one sentence."""
     first = error.errors(include_url=False)[0]
     return first.get("ctx", {}).get("text") or first["msg"]
 
@@ -110,7 +110,7 @@ class Varying(Model):
     @model_validator(mode="wrap")
     @classmethod
     def _take_variations(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Take typical numbers in place of what varies in space, and keep how it does."""
+        """Replace variations in space by typical numbers, and store the variations."""
         if not isinstance(data, dict) or not any(
             isinstance(value, Mapping | Variation) for value in data.values()
         ):
@@ -124,7 +124,7 @@ class Varying(Model):
 
     @model_serializer(mode="wrap")
     def _write(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> Any:
-        """Write what varies as the case has it."""
+        """Write variations as in the case."""
         data = handler(self)
         if not self._variations:
             return data
@@ -133,29 +133,29 @@ class Varying(Model):
 
     @property
     def variations(self) -> Variations:
-        """What varies in space, by its keys; the numbers of the entry are then typical ones."""
+        """Variations in space, by key; the entry has typical numbers in their place."""
         return self._variations
 
     def typical(self, key: str) -> float:
-        """Return a number, a typical one if it varies; by then files should have been read."""
+        """Return a number, a typical one if it varies; files should be read before."""
         variation = self._variations.get((key,))
         found = None if variation is None else variation.typical
         return value_at(self, (key,)) if found is None else found
 
     def maker(self) -> Callable[[Mapping[tuple[str, ...], float]], Self]:
-        """Return a function that gives the same material with numbers in place of what varies.
+        """Return a function that gives the same material with numbers in place of variations.
 
-        It takes numbers by their keys; of what is left out, typical ones. It raises a
-        ValidationError if they are not allowed.
+        It takes numbers by key; missing ones are typical. It raises a ValidationError if they are
+        not allowed.
         """
         typical = {path: value_at(self, path) for path in self._variations}
         data, kind = replaced(self.model_dump(by_alias=True), typical), type(self)
         return lambda values: kind.model_validate(replaced(data, values))
 
     def uniform(self) -> dict[str, Any]:
-        """Return what a case would say of it without variation, of particles that carry it still.
+        """Return the entry with uniform parameters in varying form, a single layer each.
 
-        They are all of one layer.
+        For particles that still carry columns of varying parameters.
         """
         layers = {}
         for path, variation in self._variations.items():
@@ -165,17 +165,17 @@ class Varying(Model):
         return replaced(self.model_dump(by_alias=True), layers)
 
     def at(self, x: Any) -> Self:
-        """Return the material as it is at a place.
+        """Return the material at a position.
 
         Parameters
         ----------
         x : (D,) array_like of float
-            The place, at the start.
+            Initial position.
 
         Raises
         ------
         UsageError
-            If a parameter is a column of particles, which no place has, or has no value there.
+            If a parameter is a column of particles, or has no value at the position.
         """
         place = np.array([x], float)
         values = {}
@@ -200,5 +200,5 @@ class Varying(Model):
 
 
 def field_of(path: Sequence[str]) -> str:
-    """Name of the field that shows a parameter."""
+    """Name of a parameter's field."""
     return PREFIX + "-".join(path).replace("_", "-")
