@@ -1,1 +1,1 @@
-"""Regions, meshes and clouds of points: what is inside, and how much of a box."""
+"""Regions, meshes and clouds of points: inside tests, and volume fractions of boxes."""

@@ -1,7 +1,7 @@
 """Distances to the surface of a rigid body, and normals, on a lattice that moves with it.
 
-Interpolated they are exact where the surface is flat, however it was made: boxes, balls, what
-is combined of them, meshes. Kernels do that, see `pgimp.kernels.rigid.bodies`.
+Interpolated distances are exact where the surface is flat, for all regions: boxes, balls, their
+combinations, meshes. The interpolation is in the kernels, see `pgimp.kernels.rigid.bodies`.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.regions.base import Region
 
-#: Distance of the lattice's points, as part of the smallest side of a cell.
+#: Spacing of the lattice's points, over the smallest side of a cell.
 SPACING = 0.5
 
-#: Cells by which it reaches beyond the body: the reach of a vertex, and one more.
+#: Cells by which the lattice extends beyond the body: the reach of a vertex, and one more.
 MARGIN = 3.0
 
-#: Step of the differences that give normals, as part of the spacing.
+#: Step of the differences for normals, over the spacing.
 _STEP = 1e-3
 
-#: Points that are computed together.
+#: Points per block of the computation.
 _BLOCK = 1 << 16
 
 
@@ -32,14 +32,14 @@ class DistanceField(NamedTuple):
     Attributes
     ----------
     low : (3,) float64
-        Its first point; 0 in directions that the scene does not have.
+        First point of the lattice; 0 in directions that the scene does not have.
     spacing : float
-        Distance of its points.
+        Spacing of its points.
     shape : (3,) int64
         Number of points along each direction; 1 where the scene has none.
     values : (points, 5) float64
-        Distance, negative inside, the unit vector away from the body, and the mean distance of the
-        neighbourhood that a vertex there has, if the body is not turned; points in C order.
+        Distance, negative inside; unit vector away from the body; mean distance over a vertex's
+        neighbourhood if the body is not turned. Points in C order.
     """
 
     low: NDArray[np.float64]
@@ -48,7 +48,7 @@ class DistanceField(NamedTuple):
     values: NDArray[np.float64]
 
     def points(self, numbers: NDArray[np.int64], D: int) -> NDArray[np.float64]:
-        """Return the places of points, given by their numbers, (n, D)."""
+        """Return the positions of points, given by their numbers, (n, D)."""
         places = np.stack(np.unravel_index(numbers, tuple(self.shape)), axis=1)[:, :D]
         return self.low[:D] + self.spacing * places
 
@@ -58,9 +58,9 @@ def extent(
 ) -> tuple[NDArray[np.float64], float, NDArray[np.int64]]:
     """Return first point, spacing and shape of a region's lattice.
 
-    The region's middle is on one of its points, or half-way between two: the lattice of a symmetric
-    region is symmetric, and points are the same ones whatever part of it is `within`. Of the two
-    that is taken whose points are nearer to the region's ends, as edges between points are rounded.
+    The region's middle is on a lattice point, or half-way between two. So the lattice of a
+    symmetric region is symmetric, and its points do not depend on `within`. Of these two choices
+    the points nearer to the region's ends are taken, as edges between points are rounded.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def extent(
     cell : tuple of D float
         Sides of a cell.
     within : (low, high), optional
-        Ends of what of it can ever matter.
+        Ends of the part of the region that can matter during the run.
     """
     spacing, D = SPACING * min(cell), len(cell)
     low, high = (np.array(end, float) for end in region.bounds())
@@ -116,7 +116,7 @@ def distance_field(
 
 
 def _mean(values: NDArray[np.float64], d: int, step: float) -> NDArray[np.float64]:
-    """Half of each value and a quarter of what is `step` points before and behind it."""
+    """Half of each value plus a quarter of the values `step` points before and behind it."""
     n = values.shape[d]
     found = 0.5 * values
     for side in (-1.0, 1.0):
@@ -129,7 +129,7 @@ def _mean(values: NDArray[np.float64], d: int, step: float) -> NDArray[np.float6
 
 
 def thickness(region: Region, D: int) -> float:
-    """Return twice the depth of the deepest point of a region, within some per cent."""
+    """Return twice the depth of a region's deepest point, within some per cent."""
     low, high = (np.array(end, float) for end in region.bounds())
     count = (65, 49, 25)[D - 1]
     points = low + (high - low) * _grid(np.linspace(0.0, 1.0, count), D)
@@ -143,5 +143,5 @@ def thickness(region: Region, D: int) -> float:
 
 
 def _grid(values: NDArray[np.float64], D: int) -> NDArray[np.float64]:
-    """All points with these coordinates, (n^D, D)."""
+    """Grid of all points with these coordinates, (n^D, D)."""
     return np.stack(np.meshgrid(*[values] * D, indexing="ij"), axis=-1).reshape(-1, D)

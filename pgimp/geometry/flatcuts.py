@@ -1,7 +1,7 @@
 """Intersections of flat surfaces at any angle within boxes that are measured.
 
-What is inside across a direction has a kink there: a line in which two planes meet leaves a box
-through one of its faces, and three planes meet in a point.
+At these intersections the part inside, as a function of a coordinate, has a kink. A line in which
+two planes meet leaves a box through one of its faces; three planes meet in a point.
 """
 
 from collections.abc import Iterator
@@ -15,24 +15,24 @@ from pgimp.geometry.regions.base import Points, Region
 Reals = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-#: Tilted planes of a region that are considered; with more, boxes in which several meet have an
-#: error of second order.
+#: Most tilted planes of a region that are considered; with more, boxes in which several meet have
+#: an error of second order.
 MOST = 16
 
 
 def corners(
     region: Region, points: Points, low: Points, high: Points, axes: tuple[int, ...]
 ) -> Iterator[tuple[Rows, Reals]]:
-    """Yield where along the first of `axes` tilted planes meet one another within pieces.
+    """Yield the coordinates, along the first of `axes`, at which tilted planes meet within pieces.
 
     Parameters
     ----------
     region : Region
-        Whose flat surfaces count, unless there are more than `MOST` tilted ones.
+        Region with the flat surfaces; ignored if more than `MOST` are tilted.
     points, low, high : (n, D) float64
         Corners of the pieces in the directions `axes`, and their coordinates in the others.
     axes : tuple of int
-        The directions that are left to integrate over.
+        The remaining directions of integration.
 
     Yields
     ------
@@ -77,7 +77,7 @@ def corners(
 def _meet(
     planes: list[tuple[tuple[float, ...], float]], inverse: Reals, free: list[int], at: Points
 ) -> list[Reals]:
-    """Coordinates `free` of where planes n.x = b meet, the others as those of `at`."""
+    """Coordinates `free` of the intersections of planes n.x = b; the others are given by `at`."""
     rest = []
     for normal, offset in planes:
         rest.append(np.full(len(at), offset))
@@ -95,9 +95,9 @@ def _meet(
 def _within(
     places: list[Reals], rows: Rows, low: Points, high: Points, free: list[int]
 ) -> tuple[Rows, Reals]:
-    """Rows of pieces that hold the places, and the first coordinates, which lie between the ends.
+    """Rows of the pieces that contain the points, and first coordinates, between the ends.
 
-    Rounding may put a place on a face beyond it.
+    The other coordinates have a tolerance: rounding may put a point beyond a face.
     """
     inside = np.ones(len(rows), bool)
     for i, (x, d) in enumerate(zip(places, free, strict=True)):

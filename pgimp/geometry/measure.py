@@ -1,14 +1,14 @@
 """Volume and first moment of the part of a box that lies in a region (3, 4).
 
 A box is cut along the planes of the region's surface (`Region.planes`). Pieces that no curved
-surface meets lie inside or outside as a whole: for boxes, their unions and differences the result
-is exact to rounding. Other pieces are integrated direction by direction: along lines in the
-direction in which the surface is met most squarely by the exact length of the part inside; over the
-others by Gauss's rule between the places at which the surface leaves through the piece's edges, so
-that the integrand is smooth. Flat cuts at any angle are exact as well, also where several meet
-within a box: there the box is cut too, see `pgimp.geometry.flatcuts`.
+surface meets lie inside or outside as a whole. For boxes, their unions and differences the result
+is exact to rounding. Other pieces are integrated direction by direction. Along the direction most
+normal to the surface, the length of the part inside is exact. Over the other directions Gauss's
+rule is used between the points where the surface leaves through the piece's edges, so that the
+integrand is smooth. Flat cuts at any angle are exact as well, also where several meet within a box:
+there the box is cut too, see `pgimp.geometry.flatcuts`.
 
-Every box is computed for itself, in a fixed order of operations: neither the other boxes of a call
+Every box is computed separately, in a fixed order of operations. Neither the other boxes of a call
 nor their number changes a bit.
 """
 
@@ -23,14 +23,14 @@ Rows = NDArray[np.int64]
 
 #: Gauss's rule on [0, 1] over each smooth stretch. With two points it is exact for flat cuts, whose
 #: integrands are cubics at most, moments included. A curved surface leaves an error of fourth
-#: order: relative to the volume of a ball, 2e-4 where its radius is 2 boxes, 7e-8 where it is 16.
+#: order: for the volume of a ball of radius 2 boxes 2e-4, of radius 16 boxes 7e-8.
 _NODES, _WEIGHTS = (0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)), (0.5, 0.5)
 
-#: Boxes that are measured at a time, and lines, times the parts that the region is made of.
+#: Boxes per block; lines per block, times the number of parts of the region.
 _BATCH, _CROSSINGS = 16384, 1_000_000
 
-#: Surfaces that may meet one box along a direction, and pieces that planes may cut it into: with
-#: more, the region's parts are far smaller than the box, and measuring it would take hours.
+#: Most surfaces in one box along a direction, and most pieces of a box. With more, the region's
+#: parts are far smaller than the box, and the measurement would take hours.
 _MOST_CUTS, _MOST_PIECES = 48, 2_000
 
 
@@ -80,7 +80,7 @@ def _add(total: Reals, rows: Rows, parts: Reals) -> None:
 
 
 def _pieces(region: Region, low: Points, high: Points) -> tuple[Rows, Points, Points]:
-    """Cut boxes along the planes: rows of boxes, ascending, and the corners of a piece of each."""
+    """Cut boxes along the planes: for each piece the row of its box, ascending, and its corners."""
     n, D = low.shape
     planes = region.planes()
     stretches, counts = [], []
@@ -111,7 +111,7 @@ def _pieces(region: Region, low: Points, high: Points) -> tuple[Rows, Points, Po
 
 
 def _stretches(low: Reals, high: Reals, rows: Rows, cuts: Reals) -> tuple[Rows, Reals, Reals]:
-    """Stretches of the rows from `low` to `high`, cut at `cuts`: rows, ascending, and both ends.
+    """Intervals of the rows from `low` to `high`, cut at `cuts`: rows, ascending, and both ends.
 
     The cuts of a row, in any order and some of them twice, lie between its ends.
     """
@@ -125,7 +125,7 @@ def _stretches(low: Reals, high: Reals, rows: Rows, cuts: Reals) -> tuple[Rows, 
 
 
 def _piece(region: Region, low: Points, high: Points, centre: Points) -> Reals:
-    """Volume and moments about `centre` of pieces that no plane cuts, (n, 1 + D)."""
+    """Volume and moments about `centre` of pieces without cuts by planes, (n, 1 + D)."""
     n, D = low.shape
     middle, size = 0.5 * (low + high), high - low
     total = np.zeros((n, 1 + D))
@@ -155,9 +155,9 @@ def _piece(region: Region, low: Points, high: Points, centre: Points) -> Reals:
 
 
 def _steepness(region: Region, middle: Points, size: Points) -> Reals:
-    """Amount of the slope, in each direction, of the curved surface nearest to each piece, (n, D).
+    """Slope, in each direction, of the curved surface nearest to each piece, in amount, (n, D).
 
-    Measured by that part's distance alone: planes that pieces end at say nothing.
+    Only the distance from the curved part counts, not the planes that end the pieces.
     """
     steep, nearest = np.zeros_like(middle), np.full(len(middle), np.inf)
     for part in region.simple():
@@ -177,7 +177,7 @@ def _steepness(region: Region, middle: Points, size: Points) -> Reals:
 def _integrate(
     region: Region, points: Points, low: Points, high: Points, centre: Points, axes: tuple[int, ...]
 ) -> Reals:
-    """Integrate over the directions `axes`, the others held at `points`; (n, 1 + D)."""
+    """Integrals over the directions `axes`, the others fixed at `points`; (n, 1 + D)."""
     most = max(1, _CROSSINGS // region.parts)
     if len(points) > most:
         few = [slice(begin, begin + most) for begin in range(0, len(points), most)]

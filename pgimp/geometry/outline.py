@@ -1,8 +1,8 @@
-"""The surface of a rigid body, for pictures: lines in 2D, quadrilaterals in 3D.
+"""The surface of a rigid body, for pictures: lines in 2D, quadrilaterals in 3D (surface nets).
 
-Where the distance changes its sign within a cell of the body's lattice there is a vertex, in the
-middle of where it does so along the cell's edges (surface nets); across each edge along which it
-changes the cells' vertices are joined.
+A cell of the body's lattice has a vertex if the distance changes its sign along any of its edges.
+The vertex is the mean of the zeros on these edges. Around each such edge the cells' vertices are
+joined.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Cells = NDArray[np.int64]
 
 
 def outline(field: DistanceField, D: int) -> tuple[Points, Cells]:
-    """Return vertices, (n, 3), where the body is at the start, and cells, (m, 2^(D - 1)).
+    """Return vertices, (n, 3), in the initial pose, and cells, (m, 2^(D - 1)).
 
     In 1D a cell has one vertex.
     """
@@ -54,7 +54,7 @@ def outline(field: DistanceField, D: int) -> tuple[Points, Cells]:
 
 
 def _joined(inside: NDArray[np.bool_], numbers: Cells, d: int, D: int) -> Cells:
-    """Cells across the edges along direction `d`, each joining the vertices round an edge."""
+    """Cells across the edges along direction `d`, each joining the vertices around an edge."""
     others = [e for e in range(D) if e != d]
     ahead = [slice(1, -1)] * D
     ahead[d] = slice(0, -1)

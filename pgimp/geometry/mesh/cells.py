@@ -1,4 +1,4 @@
-"""From cells of a mesh to the triangles of its boundary, in 2D to the segments of its outline."""
+"""Boundary of a mesh's cells: triangles, in 2D the segments of its outline."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ _DIMENSION = {"line": 1, "triangle": 2, "quad": 2, "polygon": 2} | dict.fromkeys
 class Facets(NamedTuple):
     """Boundary of a body: points, (n, D), and corners of its facets, (m, D).
 
-    `cells` are the numbers of the cells in the file, from 0, that the facets belong to, -1 where
-    they are between others; `filled` tells whether those fill the body, `notes` what was found.
+    `cells` are the numbers of the facets' cells in the file, from 0; -1 for facets between other
+    cells. `filled`: whether the cells fill the body. `notes`: findings for the user.
     """
 
     points: NDArray[np.float64]
@@ -42,11 +42,10 @@ class Facets(NamedTuple):
 
 
 def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
-    """Return the boundary of what a mesh encloses.
+    """Return the boundary of the body that a mesh encloses.
 
-    The cells of the highest dimension count, of those that the case has. Volumes, and in 2D
-    surfaces, are bounded by the faces that belong to one cell only. Curved cells are taken for
-    straight ones.
+    The cells of the highest dimension that the case has count. Volumes, and in 2D surfaces, are
+    bounded by the faces that belong to only one cell. Curved cells are treated as straight.
 
     Raises
     ------
@@ -92,16 +91,16 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
         z = points[used, 2]
         if np.ptp(z) > 1e-9 * max(float(np.ptp(points[used, :2], axis=0).max()), 1e-300):
             raise CaseError("is not flat: in 2D all points must have the same z coordinate")
-    points = np.ascontiguousarray(points[:, :dimensions]) + 0.0  # -0.0 and 0.0 are one place
+    points = np.ascontiguousarray(points[:, :dimensions]) + 0.0  # -0.0 and 0.0 are one point
     if top == dimensions:
-        # Faces between cells whose corners coincide but are not shared are inside as well.
+        # Faces between cells with coincident but unshared corners are inside as well.
         group, first, _ = unique_rows(points.view(np.int64))
         points = points[first]
         cells_of = [(base, group[cells]) for base, cells in blocks[top]]
         facets = (_boundary if dimensions == 3 else _outline)(points, cells_of)
         numbers = np.full(len(facets), -1)
     else:
-        # Polygons are divided into triangles, lines are what they are.
+        # Polygons are divided into triangles; lines stay lines.
         each = [cells.shape[1] - 2 if dimensions == 3 else 1 for _, cells in blocks[top]]
         number = [len(cells) for _, cells in blocks[top]]
         facets = np.concatenate(
@@ -112,9 +111,9 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
 
 
 def _triangles(faces: Ints) -> Ints:
-    """Fans of triangles from each face's corner with the lowest number, so that both sides agree.
+    """Triangle fans of the faces, from each face's lowest-numbered corner, so both sides agree.
 
-    A face may name its corners again at its end.
+    A face may repeat its corners at its end.
     """
     n = faces.shape[1]
     if n == 3:
@@ -131,7 +130,7 @@ def _boundary(points: NDArray[np.float64], blocks: list[tuple[str, Ints]]) -> In
     for kind, cells in blocks:
         for face in _FACES[kind]:
             corners = cells[:, list(face)]
-            # A cell that is numbered inside out has its faces turned.
+            # The faces of a cell numbered inside out are reversed.
             centre, middle = points[cells].mean(axis=1), points[corners].mean(axis=1)
             a, b = points[corners[:, 1]], points[corners[:, -1]]
             normal = np.cross(a - points[corners[:, 0]], b - points[corners[:, 0]])
@@ -155,7 +154,7 @@ def _outline(points: NDArray[np.float64], blocks: list[tuple[str, Ints]]) -> Int
 
 
 def _single(faces: Ints) -> Ints:
-    """Those of the faces that are there once, in their order; more than two are refused."""
+    """Faces that occur once, in order; faces that occur more than twice are refused."""
     keys = np.sort(faces, axis=1)
     _, first, counts = unique_rows(keys)
     if counts.max() > 2:
@@ -164,7 +163,7 @@ def _single(faces: Ints) -> Ints:
 
 
 def unique_rows(keys: Ints) -> tuple[Ints, Ints, Ints]:
-    """Number of each row's group, and each group's first row and size; groups by content."""
+    """Group number of each row, and first row and size of each group of equal rows."""
     order = np.lexsort(keys.T[::-1])
     ordered = keys[order]
     new = np.ones(len(keys), bool)
@@ -172,5 +171,5 @@ def unique_rows(keys: Ints) -> tuple[Ints, Ints, Ints]:
     starts = np.flatnonzero(new)
     group = np.empty(len(keys), np.int64)
     group[order] = np.cumsum(new) - 1
-    # lexsort is stable: the first of a group is that of the lowest row.
+    # lexsort is stable: the first of a group is the lowest row.
     return group, order[starts], np.diff(np.append(starts, len(keys)))

@@ -1,11 +1,10 @@
 """Reads a mesh file in its own process, ``pgimp.geometry.mesh.child FILE BYTES SECONDS``.
 
-Readers of dozens of formats get unchecked files: they print, exit, allocate what a
-damaged header asks for, or loop. Here they have limits of memory and time, and what goes wrong ends
-this process only. Other files that a mesh names are opened only where they are files on a disk:
-nobody may ever write to a pipe. Standard output gets the number of arrays and then arrays in
-NumPy's format: points, and for each block of cells its type and the cells. Errors are one line on
-standard error.
+Readers of dozens of formats get unchecked files. They may print, exit, loop, or allocate the sizes
+in a damaged header. Here they have limits of memory and time, and a failure ends only this process.
+Other files that a mesh names are opened only if they are on a disk: a pipe may never get data.
+Standard output gets the number of arrays and then arrays in NumPy's format: points, and for each
+block of cells its type and the cells. Errors are one line on standard error.
 """
 
 import os
@@ -20,7 +19,7 @@ import numpy as np
 #: Endings of formats that are HDF5, or lead to such files.
 _HDF5 = (".xdmf", ".xmf", ".h5m", ".hmf", ".med", ".cgns")
 
-#: Wall time allowed, over CPU time: a last resort where something blocks.
+#: Allowed wall time, over CPU time: a last resort if something blocks.
 _PATIENCE = 5
 
 
@@ -62,7 +61,7 @@ class _Pipe:
         self.write = stream.write
 
 
-#: What meshio printed before it gave up.
+#: Text that meshio printed before it failed.
 _REASON: dict[str, str] = {}
 
 
@@ -96,13 +95,13 @@ def _require_file(name: Any) -> None:
     try:
         mode = os.stat(name).st_mode
     except (OSError, ValueError, TypeError):
-        return  # the reader will say so
+        return  # the reader reports it
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)) and name != os.devnull:
         raise OSError(f"it leads to {os.fsdecode(name)}, which is no regular file")
 
 
 def _guard(event: str, args: tuple[Any, ...]) -> None:
-    """Watch what Python opens by its name."""
+    """Check files that Python opens by name."""
     if event == "open" and isinstance(args[0], str | bytes):
         _require_file(args[0])
 
@@ -112,7 +111,7 @@ def _guard_hdf5() -> None:
     import h5py
 
     class File(h5py.File):
-        """A file whose links and data lead nowhere else."""
+        """A file whose links and data are all within it."""
 
         def __init__(self, name: Any, *args: Any, **options: Any) -> None:
             _require_file(name)
@@ -130,7 +129,7 @@ def _guard_hdf5() -> None:
                     return None
                 return f"the data of its '{path.decode()}' are in another file"
 
-            # The first answer ends a visit.
+            # The first result ends the visit.
             wrong = self.id.links.visit(wrong_link, info=True)
             wrong = wrong or h5py.h5o.visit(self.id, wrong_data, info=True)
             if wrong:

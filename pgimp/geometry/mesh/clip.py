@@ -1,8 +1,9 @@
-"""Exact parts of a lattice's boxes in a body that a closed surface of triangles bounds.
+"""Exact parts of a lattice's boxes inside a closed surface of triangles.
 
-The volume below the surface is summed triangle by triangle: a piece of one that lies in a box adds
-the prism between it and the box's floor, and the area of its shadow to all boxes below it, with the
-sign of its upward direction. What lies above a roof cancels against what lies above a floor.
+The volume below the surface is summed triangle by triangle. A triangle's piece in a box adds the
+prism between it and the box's floor, with the sign of its upward direction. It also adds the area
+of its shadow to all boxes below it. Contributions above the body cancel between its upper and its
+lower surface.
 """
 
 import numpy as np
@@ -31,7 +32,7 @@ def _split(source, n, axis, at, below, above):
                 above[high, d] = source[a, d]
             high += 1
         if (p <= at) != (q <= at):
-            # From the lower end, so that the triangle beyond an edge finds the same point.
+            # From the lower end, so that the triangle beyond an edge gets the same point.
             i, j = (a, b) if p < q else (b, a)
             part = (at - source[i, axis]) / (source[j, axis] - source[i, axis])
             for d in range(3):
@@ -78,7 +79,7 @@ def _take(target, source, n):
 
 @kernel
 def _first(edges, x):
-    """Number of the box that x lies in, or at the low end of."""
+    """Number of the box that contains x, its low end included."""
     low, high = 0, len(edges) - 1
     while high - low > 1:
         middle = (low + high) // 2
@@ -98,15 +99,15 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
     T : (n, 3, 3) float64
         All triangles.
     chosen : (m,) int64
-        Those that may reach the plane.
+        Triangles that may reach the plane.
     x0, x1 : float
         Both ends of the plane.
     ey, ez : (ny + 1,), (nz + 2,) float64
-        Edges of its boxes; the last one of `ez` is infinite: what lies above casts shadows too.
+        Edges of its boxes; the last of `ez` is infinite, as triangles above cast shadows too.
     sums : (ny, nz + 1, SUMS) float64
-        Of each box, zero before.
+        Sums of each box, initially zero.
     touched : (ny, nz + 1) bool
-        Boxes that hold a piece of the surface, False before.
+        Boxes that contain a piece of the surface, initially False.
     """
     whole = np.empty((_CORNERS, 3))
     column = np.empty((_CORNERS, 3))
@@ -122,7 +123,7 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
                 spare[a, d] = T[t, a, d]
         least = min(T[t, 0, 0], min(T[t, 1, 0], T[t, 2, 0]))
         most = max(T[t, 0, 0], max(T[t, 1, 0], T[t, 2, 0]))
-        # What lies in an edge belongs to the box above it; as its shadow is a line, no matter.
+        # A triangle in an edge belongs to the box above it; its shadow is a line, so no matter.
         if least >= x1 or most < x0 or (most == x0 and least < x0):
             continue
         if least < x0:
@@ -161,12 +162,12 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
 def _column(column, m, place, ez, near, buffers, sums, touched):
     """Distribute a triangle's part in a column of boxes.
 
-    `place` has their low corner, and their centre relative to that; `buffers` two further polygons.
+    `place` has their low corner, and their centre relative to it; `buffers` two further polygons.
     """
     (x0, y0), (xc, yc) = place
     box, rest = buffers
     nz = len(ez) - 1
-    # Rounding must not take a piece along a plane across it and back: its parts would overlap.
+    # Rounding must not carry a piece along a plane across it and back: its parts would overlap.
     for a in range(m):
         k = _first(ez, column[a, 2])
         for at in (ez[k], ez[k + 1]):
@@ -197,7 +198,7 @@ def _column(column, m, place, ez, near, buffers, sums, touched):
 
 @kernel
 def settle_plane(sums, touched, dx, ey, ez, slack, inside, parts):
-    """Turn sums into each box's part: `inside` where all of it, `parts` where the surface is.
+    """Convert sums to each box's part: `inside` for whole boxes, `parts` for cut boxes.
 
     Parameters
     ----------
@@ -206,17 +207,17 @@ def settle_plane(sums, touched, dx, ey, ez, slack, inside, parts):
     dx : float
         Size of the boxes along x.
     slack : float
-        What rounding may leave, as a part of a box.
+        Tolerance for rounding, as a part of a box.
     inside : (ny, nz) bool
-        Boxes that no surface reaches and that lie inside.
+        Boxes that lie inside and that no surface reaches.
     parts : (ny, nz, 4) float64
-        Volume and moments of the others.
+        Volume and moments of the other boxes.
 
     Returns
     -------
     int
-        A box in which there is less than nothing, more than all, or a part without a surface, as
-        j nz + k; -1 if there is none.
+        A faulty box as j nz + k, else -1. A box is faulty if its part is negative, exceeds the
+        box, or exists without a surface.
     """
     ny, nz = parts.shape[0], parts.shape[1]
     wrong = -1

@@ -1,7 +1,7 @@
 """A closed surface from facets: merged, checked, and oriented outwards.
 
-In 2D the outline is extended by one along a third direction, which makes it the mantle of a prism
-without its ends; they would cast no shadow. One set of kernels then does for 2D and 3D. The
+In 2D the outline is extended by one along a third direction, into the mantle of a prism. The
+prism's ends are left out: they would cast no shadow. So one set of kernels serves 2D and 3D. The
 directions are x, y, z, and in 2D x, the added one, y.
 """
 
@@ -17,10 +17,10 @@ from pgimp.geometry.mesh.tree import Surface, build_tree
 Reals = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: Triangles through which lines are traced, to find parts that overlap.
+#: Most triangles through which lines are traced, to find overlapping parts.
 _LOOKS = 20_000
 
-#: Least slope of a triangle against the line that is traced.
+#: Least slope of a triangle against a traced line.
 _SLOPE = 1e-6
 
 
@@ -30,8 +30,8 @@ def enclose(found: Facets) -> Surface:
     Raises
     ------
     CaseError
-        Without the file's name: an open surface, edges of more than two facets, one-sided ones,
-        parts that overlap; with their number and a place.
+        Without the file's name, but with their number and a position: an open surface, edges of
+        more than two facets, one-sided surfaces, overlapping parts.
     """
     notes, dimensions = list(found.notes), found.points.shape[1]
     points, facets, cells = _merge(found, notes)
@@ -42,7 +42,7 @@ def enclose(found: Facets) -> Surface:
     else:
         pairs, turned = _corners(points, facets, found.filled, cells)
     if found.filled:
-        # Cells define the inside; parts may touch in edges only, where facets alone are ambiguous.
+        # Cells define the inside: parts may touch in edges only, where facets are ambiguous.
         everything = np.zeros(len(facets), np.int64)
         if _volumes(_stretch(points, facets), everything)[0] < 0.0:
             facets = facets[:, ::-1]
@@ -54,7 +54,7 @@ def enclose(found: Facets) -> Surface:
     facets = _turned(facets, parity == 1)
     _, component = np.unique(root, return_inverse=True)
     triangles = _stretch(points, facets)
-    # Outward in the first place; then cavities inward.
+    # First all outward, then cavities inward.
     volumes = _volumes(triangles, component)
     inward = volumes[component] < 0.0
     facets = _turned(facets, inward)
@@ -81,8 +81,8 @@ def _turned(facets: Ints, which: NDArray[np.bool_]) -> Ints:
 
 
 def _merge(found: Facets, notes: list[str]) -> tuple[Reals, Ints, Ints]:
-    """Merge equal points, drop facets that have collapsed or are there twice; with their cells."""
-    points, cells = found.points + 0.0, found.cells  # -0.0 and 0.0 are one place
+    """Merge equal points, and drop collapsed and duplicate facets, with their cells."""
+    points, cells = found.points + 0.0, found.cells  # -0.0 and 0.0 are one point
     used, facets = np.unique(found.facets, return_inverse=True)
     points = points[used]
     group, first, _ = unique_rows(np.ascontiguousarray(points).view(np.int64))
@@ -106,7 +106,7 @@ def _place(at: Reals) -> str:
 
 
 def _of(what: str, cells: Ints) -> str:
-    """Return the numbers of the cells in the file, a few at most; nothing if unknown."""
+    """Name the cells by their numbers in the file, a few at most; empty if unknown."""
     numbers = [str(number) for number in np.unique(cells[cells >= 0])[:5]]
     if not numbers:
         return ""
@@ -118,7 +118,7 @@ def _neighbours(
 ) -> tuple[Ints, NDArray[np.bool_]]:
     """Pairs of triangles at an edge, and whether they run along it in the same direction.
 
-    Edges of more than two triangles are allowed where cells fill the body: they touch there.
+    If cells fill the body, edges of more than two triangles are allowed: parts touch there.
     """
     start = facets.ravel()
     end = np.roll(facets, -1, axis=1).ravel()
@@ -172,7 +172,7 @@ def _corners(
 def _orient(
     points: Reals, facets: Ints, pairs: Ints, turned: NDArray[np.bool_], cells: Ints
 ) -> tuple[Ints, Ints]:
-    """First facet of each one's component, and whether it is to be turned to agree with it."""
+    """First facet of each facet's component, and whether to reverse the facet to agree with it."""
     from pgimp.geometry.mesh.treekernels import unite
 
     root, parity = np.arange(len(facets)), np.zeros(len(facets), np.int64)
@@ -202,11 +202,11 @@ def _stretch(points: Reals, facets: Ints) -> Reals:
 
 
 def _volumes(triangles: Reals, component: Ints) -> Reals:
-    """Volume that each component encloses, positive if it faces outwards."""
+    """Volume enclosed by each component, positive if it faces outwards."""
     component = np.resize(component, len(triangles))
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     p = triangles - 0.5 * (low + high)
-    # The shadow along the last direction, which a prism's missing ends do not have.
+    # By shadows along the last direction: a prism's missing ends have none.
     a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
     shadow = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
     return np.bincount(component, shadow * p[:, :, 2].mean(axis=1)).astype(float)
@@ -217,7 +217,7 @@ def _depths(surface: Surface, triangles: Reals, component: Ints) -> Ints:
     number = int(component.max()) + 1
     if number == 1:
         return np.zeros(1, np.int64)
-    # The largest triangle of each, where a nearby one of another component disturbs least.
+    # At each component's largest triangle, where nearby triangles of others disturb least.
     size = np.linalg.norm(
         np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1
     )[: len(component)]
@@ -228,9 +228,9 @@ def _depths(surface: Surface, triangles: Reals, component: Ints) -> Ints:
 
 
 def _check_lines(surface: Surface, places: Reals, facets: Ints, cells: Ints) -> None:
-    """Refuse parts of a surface that overlap: along a line, entries and exits must alternate.
+    """Refuse overlapping parts of a surface: along a line, entries and exits must alternate.
 
-    The facets at their `places` are those of the surface, in the order of their `cells`.
+    `facets` are the surface's facets with their `places`, in the order of their `cells`.
     """
     n = len(surface.triangles)
     chosen = np.linspace(0, n - 1, min(n, _LOOKS)).astype(np.int64)
@@ -242,7 +242,7 @@ def _check_lines(surface: Surface, places: Reals, facets: Ints, cells: Ints) -> 
     for axis in range(3):
         if surface.dimensions == 2 and axis == 1:
             continue
-        # A line along its triangle meets it nowhere in particular.
+        # A line parallel to its triangle has no definite intersection.
         across = slopes[:, axis] > _SLOPE
         heights, signs = surface.meet(points[across], axis)
         order = np.argsort(heights, axis=1, kind="stable")

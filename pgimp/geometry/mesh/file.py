@@ -15,7 +15,7 @@ from pgimp.errors import CaseError
 from pgimp.schema.messages import shorten
 from pgimp.storage.plain import open_plain
 
-#: Memory [bytes] and time [s] that reading may take: constants, and for each byte of the file.
+#: Limits of memory [bytes] and time [s] for reading: constant, and per byte of the file.
 _MEMORY, _TIME = (1_500_000_000, 40), (60, 4e-6)
 
 _LAUNCHERS = ("OMPI_", "PMIX_", "PMI_", "PALS_", "MPI_LOCAL")
@@ -29,12 +29,12 @@ class RawMesh(NamedTuple):
 
 
 def check_file(name: str, what: str) -> int:
-    """Return the size of a file that is to be read.
+    """Return the size of a readable file.
 
     Raises
     ------
     CaseError
-        If it is not there, no regular file, empty, or must not be read.
+        If it is missing, no regular file, empty, or must not be read.
     """
     try:
         with open_plain(name) as stream:
@@ -52,12 +52,12 @@ def check_file(name: str, what: str) -> int:
 
 
 def read_mesh(name: str) -> RawMesh:
-    """Read a mesh file of any format that meshio knows by its name's ending.
+    """Read a mesh file of any format that meshio recognises by its file name's suffix.
 
     Raises
     ------
     CaseError
-        With the file, what is wrong with it, and what to do.
+        With the file, the problem and a remedy.
     """
     size = check_file(name, "the mesh")
     memory = _MEMORY[0] + _MEMORY[1] * size
@@ -94,7 +94,7 @@ class _Pipe:
 
 
 def _arrays(stream: IO[bytes]) -> list[np.ndarray] | None:
-    """Arrays that the child sends; None if it has failed."""
+    """Arrays sent by the child; None if it has failed."""
 
     def one() -> np.ndarray:
         return np.lib.format.read_array(_Pipe(stream), allow_pickle=False)
@@ -106,7 +106,7 @@ def _arrays(stream: IO[bytes]) -> list[np.ndarray] | None:
 
 
 def _cause(name: str, status: int, said: str) -> str:
-    """Describe why a file could not be read."""
+    """Describe the cause of a failed read."""
     if status < 0:
         return f"its reader was ended by signal {-status}: too much time or memory, or a crash"
     if "Could not deduce file format" in said or not Path(name).suffix:

@@ -16,27 +16,27 @@ Ints = NDArray[np.int64]
 #: Planes of boxes whose triangles are searched together.
 _TOGETHER = 32
 
-#: Part of a box that no surface reaches, or that is beyond none and all, by rounding at most.
+#: Rounding tolerance, as a part of a box: of boxes without a surface, and beyond empty and full.
 _SLACK = 1e-6
 
 
 class Surface(NamedTuple):
-    """A closed surface that faces outwards, and inwards at holes.
+    """A closed surface, facing outwards, at holes inwards.
 
     Attributes
     ----------
     triangles : (n, 3, 3) float64
         In the order of the tree; the directions are x, y, z, and in 2D x, an added one, y.
     component : (n,) int64
-        Connected part that each belongs to.
+        Connected part of each triangle.
     low, high : (2 * leaves, 3) float64
         Boxes of the tree's nodes, see `pgimp.geometry.mesh.treekernels`.
     dimensions : int
-        Of the case.
+        Dimensions of the case.
     facets : int
-        Triangles, in 2D segments.
+        Number of triangles, in 2D of segments.
     notes : tuple of str
-        What was repaired.
+        Repairs.
     """
 
     triangles: Reals
@@ -49,12 +49,12 @@ class Surface(NamedTuple):
 
     @property
     def leaves(self) -> int:
-        """Leaves of the tree."""
+        """Number of leaves of the tree."""
         return len(self.low) // 2
 
     @property
     def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Corners of a box around it."""
+        """Corners of its bounding box."""
         axes = [0, 2] if self.dimensions == 2 else [0, 1, 2]
         low, high = self.low[1, axes], self.high[1, axes]
         return tuple(low.tolist()), tuple(high.tolist())
@@ -78,7 +78,7 @@ class Surface(NamedTuple):
     def count_above(self, points: Reals, own: Ints) -> Ints:
         """Signed number of surfaces above points in the surface's directions, (n,) int64.
 
-        Those of the component `own` of each are left out, of none where it is negative.
+        Each point's component `own` is left out; none if it is negative.
         """
         from pgimp.geometry.mesh.treekernels import inside
 
@@ -108,7 +108,7 @@ class Surface(NamedTuple):
         return self.meet(self._lift(points), axis)[0]
 
     def meet(self, points: Reals, axis: int) -> tuple[Reals, Ints]:
-        """As `crossings` in the surface's directions, and for each whether it leads out (1)."""
+        """As `crossings` in the surface's directions, with signs: 1 where the line leaves."""
         from pgimp.geometry.mesh.treekernels import lines
 
         capacity = 8
@@ -130,7 +130,7 @@ class Surface(NamedTuple):
         Parameters
         ----------
         edges : list of (n + 1,) float64
-            Of the lattice's boxes by direction.
+            Edges of the lattice's boxes by direction.
         ranges : list of (int, int)
             First box and end by direction.
 
@@ -139,14 +139,14 @@ class Surface(NamedTuple):
         whole : (boxes,) bool
             Boxes that lie inside and that no surface reaches.
         places : (n,) int64
-            The boxes that it reaches, ascending.
+            Boxes that the surface reaches, ascending.
         volume, moment : (n,) and (n, D) float64
-            Of their parts, the moments about the boxes' centres.
+            Volumes of their parts inside, and moments about the boxes' centres.
 
         Raises
         ------
         CaseError
-            If the surface overlaps itself, with the place.
+            If the surface overlaps itself, with the position.
         """
         from pgimp.geometry.mesh.clip import SUMS, clip_plane, settle_plane
 
@@ -182,7 +182,7 @@ class Surface(NamedTuple):
         return whole.reshape(-1), np.concatenate(places), values[:, 0].copy(), moment
 
     def _reaching(self, ex: Reals) -> Iterator[tuple[int, Ints]]:
-        """For each plane of boxes along x the triangles that may reach it, in their order."""
+        """Yield each plane of boxes along x with the triangles that may reach it, in order."""
         least, most = self.triangles[:, :, 0].min(axis=1), self.triangles[:, :, 0].max(axis=1)
         for begin in range(0, len(ex) - 1, _TOGETHER):
             end = min(begin + _TOGETHER, len(ex) - 1)
@@ -221,13 +221,13 @@ def build_tree(triangles: Reals, component: Ints, dimensions: int) -> Surface:
 
 
 def nothing(dimensions: int) -> Surface:
-    """The surface of a body that is nowhere."""
+    """The surface of an empty body."""
     tree = np.full((2, 3), np.inf)
     return Surface(np.zeros((0, 3, 3)), np.zeros(0, np.int64), tree, -tree, dimensions)
 
 
 def _interleave(grid: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Morton numbers of places on a grid of 21 bits a direction."""
+    """Morton numbers of points on a grid of 21 bits a direction."""
     total = np.zeros(len(grid), np.uint64)
     for d in range(3):
         x = grid[:, d].copy()

@@ -1,11 +1,11 @@
 """Queries of a closed surface of triangles: distance, intersections with lines, inside or out.
 
-The triangles, (n, 3, 3) float64, stand in the order of a tree of boxes: node 1 is the root, the
-children of node i are 2 i and 2 i + 1, and the last `leaves` nodes hold `LEAF` triangles each.
-Every point is answered for itself.
+The triangles, (n, 3, 3) float64, are in the order of a tree of boxes. Node 1 is the root, the
+children of node i are 2 i and 2 i + 1. The last `leaves` nodes have `LEAF` triangles each. Every
+point is computed separately.
 
-Whether a line meets a triangle is decided edge by edge, each from its lower end, so that the two
-triangles at an edge always agree: no line slips through between them, or meets both.
+Intersections of lines and triangles are decided edge by edge, each from its lower end. So the two
+triangles at an edge always agree: no line passes between them, or meets both.
 """
 
 import numpy as np
@@ -61,7 +61,7 @@ def height(T, t, i, j, k, u, v):
 
 @allocating_kernel
 def count_above(T, low, high, leaves, component, own, point):
-    """Signed number of surfaces above a point, those of the component `own` left out."""
+    """Signed number of surfaces above a point, without the component `own`."""
     x, y, z = point
     stack = np.empty(_DEEP, np.int64)
     stack[0], top, total = 1, 1, 0
@@ -98,8 +98,8 @@ def inside(T, low, high, leaves, component, own, points, out):
 def lines(T, low, high, leaves, axis, points, heights, signs):
     """Intersections of lines along an axis with the surface, and their greatest number.
 
-    The first columns of `heights` and `signs`, (n, k), of each line are set, as far as there is
-    room. Along the axis a sign of 1 is a way out of the body.
+    For each line the first columns of `heights` and `signs`, (n, k), are set, as far as there is
+    room. A sign of 1 means that the line, along the axis, leaves the body.
     """
     i, j = (axis + 1) % 3, (axis + 2) % 3
     stack = np.empty(_DEEP, np.int64)
@@ -204,10 +204,10 @@ def unite(pairs, turned, parent, parity):
     pairs : (n, 2) int64
         Triangles that share an edge.
     turned : (n,) bool
-        Whether the two run along it in the same direction, so that one must be turned over.
+        Whether both run along the edge in the same direction, so that one must be reversed.
     parent, parity : (triangles,) int64
-        Set to the first triangle of each one's component, and to 1 where it must be turned over to
-        be oriented like that one.
+        Set to the first triangle of each triangle's component, and to 1 if the triangle must be
+        reversed to have its orientation.
 
     Returns
     -------
@@ -235,7 +235,7 @@ def unite(pairs, turned, parent, parity):
         first, last = min(root[0], root[1]), max(root[0], root[1])
         parent[last], parity[last] = first, differs
     for t in range(len(parent)):
-        if parent[t] != t:  # that of a smaller number is settled already
+        if parent[t] != t:  # smaller numbers are settled already
             up = parent[t]
             parity[t] ^= parity[up]
             parent[t] = parent[up]

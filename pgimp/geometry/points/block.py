@@ -1,4 +1,4 @@
-"""Some particles of a user's file, as both of its formats give them."""
+"""A block of particles from a user's file, in the form common to both formats."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from numpy.typing import NDArray
 
 Reals = NDArray[np.float64]
 
-#: Rows that are read at a time.
+#: Rows per block.
 BLOCK = 200_000
 
-#: Components of a symmetric tensor, and how many of them each dimension has.
+#: Components of a symmetric tensor, and their number by dimension.
 PAIRS = ("xx", "yy", "zz", "xy", "yz", "xz")
 STRESS = {1: 3, 2: 4, 3: 6}
 
-#: State variables of a material by name, and whether they are symmetric tensors or one number.
+#: State variables of a material by name: whether they are symmetric tensors, else scalars.
 States = Mapping[str, bool]
 
 
 class Block(NamedTuple):
-    """Some particles, rows `first` onwards.
+    """A block of particles, from row `first` on.
 
     Attributes
     ----------
     position, volume : (n, D) and (n,) float64
     velocity : (n, D) float64 or None
     stress : (n, 3, 4 or 6) float64 or None
-        Those of xx, yy, zz, xy, yz, xz that the dimension has.
+        Components of the dimension, in the order xx, yy, zz, xy, yz, xz.
     gradient : (n, D * D) float64 or None
-        Of the velocity, row by row: dv_x/dx, dv_x/dy, ...
+        Velocity gradient, row-major: dv_x/dx, dv_x/dy, ...
     states : dict of str to (n, k) float64
-        State variables of the material, by name: one number, or as many components as `stress`.
+        State variables of the material, by name: scalars, or as many components as `stress`.
     lines : callable
-        Gives the place of a row in the file as text, "row 0" or "line 2".
+        Gives the position of a row in the file as text, "row 0" or "line 2".
     """
 
     first: int
@@ -48,11 +48,11 @@ class Block(NamedTuple):
     lines: Any
 
     def place(self, row: int) -> str:
-        """Place of a row of the block in the file, as text."""
+        """Position of a row of the block in the file, as text."""
         return self.lines(row)
 
     def take(self, rows: NDArray[np.int64]) -> Block:
-        """The columns of some rows."""
+        """The block with only the given rows."""
 
         def of(values: Reals | None) -> Reals | None:
             return None if values is None else values[rows]

@@ -1,4 +1,4 @@
-"""Particles from CSV: a line of names, `x,y,z,volume,velocity-x,...`, then one for each."""
+"""Particles from CSV: a line of names, `x,y,z,volume,velocity-x,...`, then a line each."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from pgimp.schema.messages import shorten
 
 Reals = NDArray[np.float64]
 
-#: Bytes of text that are read at a time.
+#: Bytes of text per block.
 _TEXT = 8_000_000
 
 _AXES = "xyz"
 
 
-#: Before the names of the groups that are state variables.
+#: Prefix of the names of state variable groups.
 _STATE = "state "
 
 
 def _groups(D: int, states: States) -> dict[str, list[str]]:
-    """Names of the columns that belong together, in the order of a `Block`."""
+    """Names of the columns by group, in the order of a `Block`."""
     axes, pairs = _AXES[:D], PAIRS[: STRESS[D]]
     groups = {
         "position": list(axes),
@@ -84,7 +84,7 @@ def read_csv(name: str, D: int, states: States) -> Iterator[Block]:
 
 
 def _misnamed(head: list[str], D: int, states: States) -> str:
-    """Errors in the names of the columns; empty if there are none."""
+    """Describe errors in the names of the columns; empty if there are none."""
     groups = _groups(D, states)
     known = [key for keys in groups.values() for key in keys]
     spatial = {key for keys in _groups(3, states).values() for key in keys}
@@ -118,7 +118,7 @@ def _misnamed(head: list[str], D: int, states: States) -> str:
 
 
 def _text(name: str) -> Iterator[tuple[int, str]]:
-    """Yield whole lines of a file, some megabytes at a time, with the number of the first."""
+    """Yield whole lines of a file, some megabytes at a time, with the first line's number."""
     line, rest = 1, b""
     with open(name, "rb") as file:
         while part := file.read(_TEXT):

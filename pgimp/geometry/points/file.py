@@ -1,10 +1,10 @@
 """The user's own particles, read block by block from an HDF5 or a CSV file.
 
 HDF5: datasets `position` (n, D), `volume` (n,), and optionally `velocity` (n, D), `stress` (n, 6),
-`velocity-gradient` (n, D, D); vectors and tensors may be those of 3D in any dimension, as in the
-frames of a run. CSV: a line of names, `x, y, z, volume, velocity-x, ..., stress-xx, ...,
-velocity-gradient-xx, -xy, ...`, then a line for each particle; empty lines and those that begin
-with # do not count. Either may have the state variables of the body's material by their names.
+`velocity-gradient` (n, D, D). Vectors and tensors may have the components of 3D in any dimension,
+as in the frames of a run. CSV: a line of names, `x, y, z, volume, velocity-x, ..., stress-xx, ...,
+velocity-gradient-xx, -xy, ...`, then a line for each particle. Empty lines and comments (#) are
+skipped. Either may have the state variables of the body's material by their names.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ def blocks(
     name : str
         The file.
     dimensions : int
-        Of the case.
+        Dimensions of the case.
     most : int, optional
         Particles that memory can hold; a file that claims more is refused before it is read.
     states : mapping of str to bool, optional
-        State variables of the material that it may give, see `pgimp.geometry.points.block`.
+        State variables that the file may give, see `pgimp.geometry.points.block`.
 
     Raises
     ------
     CaseError
-        With the file, the row, and what is wrong.
+        With the file, the row and the problem.
     """
     check_file(name, "the particles")
     ending = Path(name).suffix.lower()

@@ -20,14 +20,14 @@ _CHUNK = 256_000_000
 
 
 class _Kind(NamedTuple):
-    """Shapes that a row of a dataset may have, and the numbers of it that the case has."""
+    """Allowed shapes of a dataset's row, and the components of it that the case has."""
 
     shapes: tuple[tuple[int, ...], ...]
     kept: list[int]
 
 
 def _kinds(D: int, states: States) -> dict[str, _Kind]:
-    """Kinds of the datasets; vectors and tensors may be those of 3D, as in the frames of a run."""
+    """Kinds of the datasets; vectors and tensors may be three-dimensional, as in a run's frames."""
     vector = _Kind(((D,), (3,)) if D > 1 else ((), (1,), (3,)), list(range(D)))
     square = [3 * i + j for i in range(D) for j in range(D)]
     number = _Kind(((), (1,)), [0])
@@ -88,7 +88,7 @@ def _check(h5py: Any, data: Any, key: str, kind: _Kind) -> None:
 
 
 def _rows(values: Any, key: str, kind: _Kind, first: int, D: int) -> Reals:
-    """Rows of a dataset as in the case; refuse components that the case does not have."""
+    """Rows of a dataset in the case's dimension; nonzero components beyond it are refused."""
     table = np.asarray(values, float).reshape(len(values), -1)
     if table.shape[1] <= len(kind.kept):
         return table

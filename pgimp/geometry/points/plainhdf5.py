@@ -7,20 +7,20 @@ from typing import Any
 from pgimp.errors import CaseError
 from pgimp.schema.messages import shorten
 
-#: Links that lead to one another before this counts as a circle.
+#: Most links in a chain; a longer chain counts as a circle.
 _MOST_LINKS = 16
 
 
 def find(h5py: Any, file: Any, key: str) -> Any:
     """Return the object at a path; None if the file has none.
 
-    HDF5 would follow links into other files, and read data from them, which may be anything: a
-    pipe without a writer, a device, a disk that is not there.
+    HDF5 would follow links into other files and read them. These may be a pipe without a writer,
+    a device, or on a missing disk.
 
     Parameters
     ----------
     h5py : module
-        As `pgimp.storage.hdf5.load_h5py` gives it.
+        From `pgimp.storage.hdf5.load_h5py`.
     file : h5py.File
         Open.
     key : str

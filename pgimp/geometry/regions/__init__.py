@@ -1,7 +1,7 @@
 """Regions of space that bodies fill, one file a kind.
 
-A region is a pydantic model of its entry in the case that is also a `Region`: it tells which
-points lie inside, and a box around it.
+A region is a pydantic model of its entry in the case that is also a `Region`, with an inside test
+for points and a bounding box.
 """
 
 from pgimp.geometry.regions.ball import Ball

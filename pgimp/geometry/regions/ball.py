@@ -58,7 +58,7 @@ class Ball(Model, Region):
         return np.abs(self.distance(points))
 
     def planes(self) -> list[Plane]:
-        """See `Region.planes`; those that touch it."""
+        """See `Region.planes`; the tangent planes."""
         low, high = self.bounds()
         c = self.centre
         return [across(i, at, c, c) for i in range(len(c)) for at in (low[i], high[i])]

@@ -1,4 +1,4 @@
-"""What all regions have in common."""
+"""Base of all regions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Bounds = tuple[tuple[float, ...], tuple[float, ...]]
 
 
 class Plane(NamedTuple):
-    """A part of a surface, or a tangent of one, that lies in a plane across an axis.
+    """A part of a surface, or a tangent plane of it, in a plane across an axis.
 
     `low` and `high` are the corners of a box around it; both hold `at` along the axis.
     """
@@ -57,44 +57,44 @@ def across(axis: int, at: float, low: tuple[float, ...], high: tuple[float, ...]
 class Region(ABC):
     """A part of space. Points on its surface are inside or outside by a fixed rule.
 
-    Everything is computed for each point alone, in a fixed order of operations, so that the answer
-    does not depend on the other points of the call.
+    Each point is computed separately, in a fixed order of operations, so results do not depend on
+    the other points of the call.
     """
 
-    #: Whether it lies in a file, which a case is validated without.
+    #: Whether it is in a file, which is not read when a case is validated.
     FROM_FILE: ClassVar[bool] = False
-    #: Whether it makes a body of its own, and no part of another region.
+    #: Whether it can only be a whole body, not a part of another region.
     WHOLE_BODY: ClassVar[bool] = False
 
     @property
     def parts(self) -> int:
-        """Number of simple regions that it is made of."""
+        """Number of its simple regions."""
         return 1
 
     def belong(self, dimensions: int) -> None:
-        """Learn how many directions the case has."""
+        """Set the dimensions of the case."""
 
     def simple(self) -> Iterator[Region]:
-        """Yield the simple regions that it is made of."""
+        """Yield its simple regions."""
         yield self
 
     def facts(self) -> list[str]:
-        """Notes on it for the user before a run, a line each; none where the case says it."""
+        """Notes for the user before a run, a line each; none if the case has the information."""
         return []
 
     def notes(self) -> list[str]:
-        """What was found and mended in its file."""
+        """Repairs of its file's content."""
         return []
 
     def fill(
         self, edges: list[Lengths], ranges: Sequence[tuple[int, int]]
     ) -> tuple[Mask, NDArray[np.int64], Lengths, Points] | None:
-        """Measure all boxes of a part of a lattice; None where they are measured one by one.
+        """Measure all boxes of a part of a lattice; None if boxes are measured one by one.
 
         Parameters
         ----------
         edges : list of (n + 1,) float64
-            Of the lattice's boxes by direction.
+            Edges of the lattice's boxes by direction.
         ranges : list of (int, int)
             First box and end by direction; the boxes are numbered in C order.
 
@@ -103,7 +103,7 @@ class Region(ABC):
         whole : (boxes,) bool
             Boxes that lie inside and do not meet the surface.
         places : (n,) int64
-            Those that do, ascending.
+            Boxes that meet the surface, ascending.
         volume, moment : (n,) and (n, D) float64
             See `pgimp.geometry.measure.measure`.
         """
@@ -111,7 +111,7 @@ class Region(ABC):
 
     @abstractmethod
     def contains(self, points: Points) -> Mask:
-        """Return which points lie in the region.
+        """Return a mask of the points in the region.
 
         Parameters
         ----------
@@ -126,27 +126,27 @@ class Region(ABC):
 
     @abstractmethod
     def bounds(self) -> Bounds:
-        """Return the low and the high corner, shape (D,) each, of a box around the region.
+        """Return the low and the high corner, shape (D,) each, of the region's bounding box.
 
-        Infinite where it has no end; a low end above the high one where no point lies in it.
+        Infinite where the region has no end; low above high where it is empty.
         """
 
     def flats(self) -> list[Flat]:
-        """Return the planes that its flat surfaces lie in."""
+        """Return the planes of its flat surfaces."""
         return []
 
     def rounds(self) -> list[Round]:
-        """Return the spheres and cylinders that its round surfaces lie in."""
+        """Return the spheres and cylinders of its round surfaces."""
         return []
 
     def at(self, axis: int, reach: float) -> str:
-        """Return what of it lies at a bound along an axis, for messages; may be empty."""
+        """Describe the part at a bound along an axis, for messages; may be empty."""
         return ""
 
     def near(self, low: Sequence[float], high: Sequence[float]) -> Region | None:
-        """Return a region that is the same within a box, without parts that do not reach it.
+        """Return a region that is equal within a box, without parts that do not reach the box.
 
-        None where nothing does.
+        None if no part does.
         """
         least, most = self.bounds()
         pairs = (*zip(least, high, strict=True), *zip(low, most, strict=True))
@@ -154,36 +154,36 @@ class Region(ABC):
 
     @abstractmethod
     def distance(self, points: Points) -> Lengths:
-        """Return a bound of the distance to the surface: negative inside, never too far from zero.
+        """Return a lower bound, in amount, of the distance to the surface: negative inside.
 
-        It grows by no more than the way between two points, so that a ball round a point, of a
-        smaller radius than its amount, is all inside or all outside.
+        It differs between two points by at most their distance. A ball around a point, with a
+        radius below its amount, is therefore entirely inside or entirely outside.
         """
 
     def signed_distance(self, points: Points) -> Lengths:
         """Return the distance to the surface, negative inside: exact where it is flat or round.
 
-        Along the edges where regions of a combination meet it is a bound.
+        At edges between the regions of a combination it is a bound.
         """
         return self.distance(points)
 
     @abstractmethod
     def curved(self, points: Points) -> Lengths:
-        """Return a bound of the distance to those parts of the surface that `planes` leaves out.
+        """Return a bound of the distance to the parts of the surface not in `planes`.
 
-        Zero or more; infinite where there are none.
+        Zero or more; infinite if there are none.
         """
 
     @abstractmethod
     def planes(self) -> list[Plane]:
-        """Return the parts of the surface across an axis, and places to cut at besides.
+        """Return the parts of the surface across an axis, and further planes to cut at.
 
-        Curved surfaces are better measured apart on both sides of their extremes.
+        Curved surfaces are measured more accurately if cut at their extremes.
         """
 
     @abstractmethod
     def crossings(self, points: Points, axis: int) -> Lengths:
-        """Return where lines through the points may enter or leave the region.
+        """Return the coordinates at which lines through the points may enter or leave the region.
 
         Parameters
         ----------
@@ -207,7 +207,7 @@ def roots(a: Lengths | float, b: Lengths, c: Lengths) -> Lengths:
         return np.stack([q / a, c / q], axis=1)
 
 
-#: The regions by their name in the case, ``region: {NAME: ...}``; the package fills it.
+#: Regions by their name in the case, ``region: {NAME: ...}``; the package fills it.
 REGIONS: dict[str, type[BaseModel]] = {}
 
 REGION = ByKey(lambda: REGIONS, "region")

@@ -16,7 +16,7 @@ from pgimp.schema.base import tuples
 
 
 def _joined(bounds: Iterable[Bounds]) -> Bounds:
-    """Return the bounds of all together."""
+    """Return the bounds of the union."""
     lows, highs = zip(*bounds, strict=True)
     return (
         tuple(min(low) for low in zip(*lows, strict=True)),
@@ -25,7 +25,7 @@ def _joined(bounds: Iterable[Bounds]) -> Bounds:
 
 
 def _common(bounds: Iterable[Bounds]) -> Bounds:
-    """Return the bounds of what all have in common."""
+    """Return the bounds of the intersection."""
     lows, highs = zip(*bounds, strict=True)
     return (
         tuple(max(low) for low in zip(*lows, strict=True)),
@@ -55,15 +55,15 @@ class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=
 
     @abstractmethod
     def _around(self) -> Bounds:
-        """Return bounds that follow from those of the parts alone, and may be too wide."""
+        """Return bounds from the parts' bounds, possibly too wide."""
 
     @cached_property
     def exact_bounds(self) -> Bounds:
-        """Bounds, exact where `extremes` can tell them."""
+        """Bounds, exact where `extremes` finds them."""
         return extremes(self, self._around())
 
     def bounds(self) -> Bounds:
-        """See `Region.bounds`; exact but for meshes, and round surfaces that meet in curves."""
+        """See `Region.bounds`; exact except for meshes, and round surfaces that meet in curves."""
         if any(part.FROM_FILE for part in self.simple()):
             return self._around()
         return self.exact_bounds
@@ -78,7 +78,7 @@ class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=
 
     @abstractmethod
     def _combined(self, distances: Iterator[Lengths]) -> Lengths:
-        """Return the distance from those of the parts."""
+        """Return the distance, given the distances of the parts."""
 
     def distance(self, points: Points) -> Lengths:
         """See `Region.distance`."""
@@ -131,7 +131,7 @@ class Union(Combination):
         return _joined(region.bounds() for region in self.root)
 
     def bounds(self) -> Bounds:
-        """See `Region.bounds`; those of the parts tell."""
+        """See `Region.bounds`; from the parts' bounds."""
         return self._around()
 
 

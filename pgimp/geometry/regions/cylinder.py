@@ -70,7 +70,7 @@ class Cylinder(Model, Region):
         return tuple(min(a, b) - r for a, b, r in pairs), tuple(max(a, b) + r for a, b, r in pairs)
 
     def _parallel(self) -> int | None:
-        """Return the direction that the axis has, if it is one of the grid's."""
+        """Return the axis's direction if it is along the grid."""
         moved = [i for i, (a, b) in enumerate(zip(self.start, self.end, strict=True)) if a != b]
         return moved[0] if len(moved) == 1 else None
 
@@ -97,7 +97,7 @@ class Cylinder(Model, Region):
         return np.minimum(mantle, np.minimum(np.abs(along), np.abs(along - self._length())))
 
     def planes(self) -> list[Plane]:
-        """See `Region.planes`; if the axis is one of the grid's, the ends and what touches."""
+        """See `Region.planes`; if the axis is along the grid, the ends and tangent planes."""
         parallel = self._parallel()
         if parallel is None:
             return []
@@ -117,12 +117,12 @@ class Cylinder(Model, Region):
         return [Round(self.start, self.radius, self._axis())]
 
     def crossings(self, points: Points, axis: int) -> Lengths:
-        """See `Region.crossings`; x is counted from each point's own coordinate."""
+        """See `Region.crossings`; x is relative to each point's own coordinate."""
         u = self._axis()
         along = np.zeros(len(points))
         for i, a in enumerate(self.start):
             along += (points[:, i] - a) * u[i]
-        # Square of the distance from the axis: its constant, half its linear and quadratic terms.
+        # Squared distance from the axis: constant, half the linear, and quadratic term.
         c = np.full(len(points), -self.radius * self.radius)
         b = np.zeros(len(points))
         for i, a in enumerate(self.start):
@@ -134,7 +134,7 @@ class Cylinder(Model, Region):
         mantle = roots(aa, b, c) if aa > 0.0 else np.full((len(points), 2), np.nan)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             ends = np.stack([-along, self._length() - along], axis=1) / u[axis]
-            # Where mantle or ends go on far beyond the rims, they are no surface.
+            # Far beyond the rims, mantle and ends are no surface.
             height = along[:, None] + mantle * u[axis]
             far = np.abs(height - 0.5 * self._length()) > 0.5 * self._length() + self.radius
             mantle = np.where(far, np.nan, mantle)

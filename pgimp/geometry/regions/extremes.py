@@ -1,10 +1,10 @@
 """Exact bounds of regions made of regions.
 
-The point of a region that is farthest along an axis lies on some of its surfaces: in 3D at a
-corner of three planes, on one or two planes where they meet a sphere or a cylinder, or at the top
-of one. For planes, spheres and cylinders all such points are found in closed form; those that
-belong to the region decide. Where two round surfaces meet, this needs that they meet in planes, as
-spheres do; otherwise, and for meshes, nothing is said.
+The farthest point of a region along an axis lies on some of its surfaces. In 3D it is a corner of
+three planes, an extreme of one or two planes' intersection with a sphere or a cylinder, or the top
+of one. For planes, spheres and cylinders all such points are found in closed form; those in the
+region decide. Round surfaces must meet in planes, as spheres do; otherwise, and for meshes, there
+is no result.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 
 Reals = NDArray[np.float64]
 
-#: Planes and round surfaces among which every combination is looked at.
+#: Most planes and round surfaces for which every combination is tested.
 _MOST_FLATS, _MOST_ROUNDS = 40, 40
 
-#: How far from a region a point may be that belongs to its surface, over the region's coordinates.
+#: Largest distance of a surface point from its region, over the region's coordinates.
 _SLACK = 1e-10
 
-#: How far a region without an end is followed, over its coordinates.
+#: Distance to which an infinite region is followed, over its coordinates.
 _FAR = 1e6
 
-#: Relative size below which a slope is none.
+#: Relative size below which a slope counts as zero.
 _PARALLEL = 1e-9
 
 
@@ -41,14 +41,14 @@ def extremes(region: Region, around: Bounds) -> Bounds:
     Parameters
     ----------
     region : Region
-        Any; its parts that are simple tell their surfaces.
+        Any region; its simple parts give the surfaces.
     around : (low, high)
-        Bounds that are right, but may be too wide or infinite.
+        Valid bounds, possibly too wide or infinite.
 
     Returns
     -------
     low, high : tuple of float
-        Exact to rounding, infinite where the region has no end, low above high where it is empty;
+        Exact to rounding; infinite where the region has no end, low above high if it is empty.
         `around` where they are unknown.
     """
     if any(a > b for a, b in zip(*around, strict=True)):
@@ -83,10 +83,10 @@ def extremes(region: Region, around: Bounds) -> Bounds:
 
 
 def _planes_between(rounds: list[Round]) -> list[tuple[list[float], list[float]]] | None:
-    """Return the planes, normal and point, in which round surfaces meet; None if they are curves.
+    """Return the planes, normal and point, of round surfaces' intersections; None for curves.
 
-    Two spheres meet in one, cylinders with one direction too; a sphere with its centre on the axis
-    of a cylinder in two. Surfaces that are apart do not matter.
+    Two spheres, or parallel cylinders, meet in one plane. A sphere centred on a cylinder's axis
+    meets it in two. Separate surfaces do not matter.
     """
     found = []
     for a, b in combinations(rounds, 2):
@@ -120,7 +120,7 @@ def _planes_between(rounds: list[Round]) -> list[tuple[list[float], list[float]]
 
 
 def _candidates(normals: Reals, offsets: Reals, rounds: list[Round]) -> Iterator[Reals]:
-    """Yield points, (n, D): where planes meet, and the ends of round surfaces within planes."""
+    """Yield points, (n, D): intersections of planes, and extremes of round surfaces in planes."""
     D = normals.shape[1]
     yield np.zeros((0, D))
     axes = np.eye(D)
@@ -130,7 +130,7 @@ def _candidates(normals: Reals, offsets: Reals, rounds: list[Round]) -> Iterator
             continue
         chosen = np.array(every, int).reshape(len(every), k)
         N, b = normals[chosen], offsets[chosen]
-        # Planes that (nearly) agree in direction meet nowhere, or all along.
+        # (Nearly) parallel planes have no intersection, or coincide.
         square = np.sqrt(np.maximum(np.linalg.det(N @ N.swapaxes(1, 2)), 0.0))
         keep = square > _PARALLEL
         N, b = N[keep], b[keep]
@@ -156,7 +156,7 @@ def _candidates(normals: Reals, offsets: Reals, rounds: list[Round]) -> Iterator
             for d in range(D):
                 goal = within[meets, :, d]
                 way = (back[meets] @ goal[:, :, None])[:, :, 0]
-                # Along the axis of a cylinder there is no end but at planes.
+                # Along its axis a cylinder ends only at planes.
                 ends = np.abs((bowl[meets] @ way[:, :, None])[:, :, 0] - goal).max(axis=1) < 1e-6
                 size = np.sqrt(np.maximum((goal * way).sum(axis=1), 0.0))
                 ends &= size > 1e-6

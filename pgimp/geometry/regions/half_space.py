@@ -1,7 +1,7 @@
-"""Half-space: all that lies on one side of a plane.
+"""Half-space: all points on one side of a plane.
 
-As for boxes, points on the plane belong to it where it is the low face of the material: of two
-half-spaces with opposite normals each point belongs to one.
+As for boxes, points on the plane belong to the half-space if the plane is its low face. With two
+opposite normals, each point belongs to exactly one half-space.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ class HalfSpace(Model, Region):
         return self
 
     def _unit(self) -> tuple[float, ...]:
-        """Return the normal of length one."""
+        """Return the unit normal."""
         length = math.hypot(*self.normal)
         return tuple(n / length for n in self.normal)
 
     def _across(self) -> int | None:
-        """Return the axis that the normal lies along, if there is one."""
+        """Return the axis along the normal, if there is one."""
         along = [i for i, n in enumerate(self.normal) if n != 0.0]
         return along[0] if len(along) == 1 else None
 
@@ -61,7 +61,7 @@ class HalfSpace(Model, Region):
         return away <= 0.0 if is_low_face else away < 0.0
 
     def bounds(self) -> Bounds:
-        """See `Region.bounds`; infinite but for one end where the normal lies along an axis."""
+        """See `Region.bounds`; infinite except one end if the normal is along an axis."""
         low, high = [-math.inf] * len(self.point), [math.inf] * len(self.point)
         axis = self._across()
         if axis is not None:
@@ -73,7 +73,7 @@ class HalfSpace(Model, Region):
         return self._beyond(points)
 
     def _beyond(self, points: Points, without: int | None = None) -> Lengths:
-        """Return how far points are beyond the plane, without the part along an axis."""
+        """Return the distance of points beyond the plane, without the part along an axis."""
         away = np.zeros(len(points))
         for i, (n, p) in enumerate(zip(self._unit(), self.point, strict=True)):
             if n != 0.0 and i != without:

@@ -1,11 +1,11 @@
-"""The inside of a closed surface, or of cells, that a mesh file holds.
+"""The inside of a closed surface, or of cells, from a mesh file.
 
-In 3D a surface of triangles or polygons (STL, OBJ, PLY) or volume cells (Gmsh, VTU, ...), in 2D an
-outline of lines, or triangles and quadrilaterals. Points are scaled first, then turned about the
-origin, then moved. Inner surfaces are holes. Sums over the particles are those of the mesh to
-rounding, whatever the lattice; a mesh of a curved body converges to it by second order in the size
-of its triangles. In unions and differences meshes are measured as the other regions are, by lines:
-there facets within a box leave an error of second order.
+In 3D: a surface of triangles or polygons (STL, OBJ, PLY), or volume cells (Gmsh, VTU, ...). In 2D:
+an outline of lines, or triangles and quadrilaterals. Points are scaled first, then turned about
+the origin, then moved. Inner surfaces are holes. Sums over the particles equal the mesh's to
+rounding, for any lattice. A mesh of a curved body converges to it by second order in the size of
+its triangles. In unions and differences meshes are measured like other regions, by lines: there
+facets within a box leave an error of second order.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Mesh(Model, Region):
 
     @cached_property
     def surface(self) -> Surface:
-        """The surface in its place; the file is read when it is first asked for.
+        """The surface after scaling, turning and moving; the file is read at first use.
 
         Raises
         ------
@@ -92,7 +92,7 @@ class Mesh(Model, Region):
         return self.__dict__.get("dimensions_of_case", 3)
 
     def _moved(self, points: Points) -> Points:
-        """Points in their place."""
+        """Points after scaling, turning and moving."""
         points = points * self.scale
         D = points.shape[1]
         if isinstance(self.rotate, tuple):

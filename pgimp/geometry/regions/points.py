@@ -1,7 +1,7 @@
-"""The user's own particles in place of those of the lattice.
+"""The user's own particles in place of lattice particles.
 
-Ids follow the rows. Masses are density times volume. For the shapes that have a size, all particles
-of a case start with that of the lattice, from `particles_per_cell`.
+Ids follow the rows. Masses are density times volume. If the shape has a size, all particles of a
+case start with the lattice's, from `particles_per_cell`.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from pgimp.geometry.regions.base import Points as Positions
 from pgimp.schema.base import Model
 from pgimp.schema.paths import FileName
 
-#: Part of the greatest stress of a file below which a mean is rounding.
+#: Mean stress, over the greatest stress of a file, below which it is rounding.
 _ROUNDING = 1e-9
 
 
 class Summary(NamedTuple):
-    """What is known of a file of particles without its rows.
+    """Summary of a file of particles, without its rows.
 
-    `means` are those of `states`, of their first components.
+    `means` are the means of the first components of `states`.
     """
 
     number: int
@@ -69,7 +69,7 @@ class Points(Model, Region):
         return self.__dict__.get("dimensions_of_case", 3)
 
     def expect(self, states: States) -> None:
-        """Learn of columns that the file may have: state variables, parameters that vary."""
+        """Set the columns that the file may have: state variables, varying parameters."""
         self.__dict__["states_of_material"] = states
 
     def _blocks(self, most: int | None = None) -> Iterator[Block]:
@@ -77,13 +77,13 @@ class Points(Model, Region):
         return blocks(self.file, self.dimensions, most, states)
 
     def nothing(self) -> Summary:
-        """Return what stands for the file where its particles exist already."""
+        """Return the summary in place of the file if its particles exist already."""
         D = self.dimensions
         return Summary(0, (np.inf,) * D, (-np.inf,) * D, 0.0, 0.0, 0.0, False, False, False, ())
 
     @cached_property
     def summary(self) -> Summary:
-        """What the file holds, see `read`."""
+        """Summary of the file, see `read`."""
         return self.read()
 
     def read(self, most: int | None = None) -> Summary:
@@ -97,7 +97,7 @@ class Points(Model, Region):
         Raises
         ------
         CaseError
-            If it cannot be read, claims more particles, or a row is no particle.
+            If it cannot be read, has more than `most` particles, or a row is no particle.
         """
         D = self.dimensions
         count, volume = 0, 0.0
@@ -130,7 +130,7 @@ class Points(Model, Region):
         return Summary(count, *ends, volume, *sizes, velocity, stress, gradient, states, means)
 
     def _check(self, block: Block) -> None:
-        """Refuse what is no particle, with its row."""
+        """Refuse rows that are no particles, with the row."""
         columns = [
             ("position", block.position),
             ("volume", block.volume),
@@ -158,16 +158,16 @@ class Points(Model, Region):
             )
 
     def chosen(self, which: Callable[[Lengths], Mask]) -> Iterator[tuple[NDArray, Block]]:
-        """Yield the particles whose coordinate along x is wanted, with their rows in the file."""
+        """Yield the particles with selected x coordinates, with their rows in the file."""
         for block in self._blocks():
             rows = np.flatnonzero(which(np.ascontiguousarray(block.position[:, 0])))
             if len(rows):
                 yield block.first + rows, block.take(rows)
 
     def mean_stress(self, tension: bool = False) -> tuple[str, float] | None:
-        """Name the first particle whose stress has a mean, and the mean; the file is read again.
+        """Name the first particle with a mean stress, and its value; the file is read again.
 
-        With `tension` only one above 0 counts.
+        With `tension` only means above 0 count.
         """
         most = 0.0
         for block in self._blocks():
@@ -182,7 +182,7 @@ class Points(Model, Region):
         return None
 
     def below(self, state: str, least: float) -> tuple[str, float] | None:
-        """Name the first particle with less of a state, and what it has; the file is read again."""
+        """Name the first particle with a state below `least`, and its value; rereads the file."""
         for block in self._blocks():
             values = block.states[state][:, 0]
             rows = np.flatnonzero(values < least)
@@ -191,12 +191,12 @@ class Points(Model, Region):
         return None
 
     def _named(self, block: Block, row: int) -> str:
-        """Name a particle by its place, and by its row in the file."""
+        """Name a particle by its position, and by its row in the file."""
         x = ", ".join(f"{value:.6g}" for value in block.position[row])
         return f"the particle at ({x}), {block.place(row)} of {self.file}"
 
     def lines(self, rows: Sequence[int]) -> list[str]:
-        """Return where in the file rows stand, given ascending; fewer if it has become shorter."""
+        """Positions of ascending rows in the file, as text; fewer if the file is now shorter."""
         found: list[str] = []
         for block in self._blocks():
             while len(found) < len(rows) and rows[len(found)] < block.first + len(block.volume):
@@ -214,11 +214,11 @@ class Points(Model, Region):
         return ""
 
     def bounds(self) -> Bounds:
-        """See `Region.bounds`; of the particles' positions."""
+        """See `Region.bounds`; for the particles' positions."""
         return self.summary.low, self.summary.high
 
     def contains(self, points: Positions) -> Mask:
-        """See `Region.contains`; nowhere: particles alone have no inside."""
+        """See `Region.contains`; nowhere, as particles have no inside."""
         return np.zeros(len(points), bool)
 
     def distance(self, points: Positions) -> Lengths:
