@@ -1,4 +1,4 @@
-"""The stages of a case arranged: a case for each, checked as any case is."""
+"""Arrangement of a case's stages: a case for each, checked like any case."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pgimp.case.stages import Stage, Staged, merged
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import Problem
 
-#: Of `pgimp.case.schema`, which arranges its stages with this file.
+#: Stands for `pgimp.case.schema.Case`, whose module imports this one.
 Case = Any
 Path = tuple[str | int, ...]
 
@@ -20,7 +20,7 @@ Path = tuple[str | int, ...]
 def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     """Return the cases of the stages of a case, and their problems.
 
-    Each is checked as any case is; those after one that is wrong are left out.
+    Each is checked like any case; the stages after a wrong one are left out.
     """
     if case.exact is not None:
         text = "is the solution of a case without stages (time.stages); leave one of them out"
@@ -65,7 +65,7 @@ def _of_stage(
     end: float,
     counted: float,
 ) -> Case:
-    """Return a typed case; of the times of frames `at` those that are in the stage."""
+    """Return a typed case, with only the frame times `at` that are in the stage."""
     mine = tuple(time for time in at if start < time <= end or time == start == 0.0)
     data = {**data, "output": {**data["output"], "at": mine}}
     return kind.model_validate(data, context={"counted": counted})
@@ -76,7 +76,7 @@ def _leaving(case: Case) -> list[str]:
 
 
 def _counted(before: Case, stage: Stage) -> float:
-    """Time from which the fixed steps of a stage are counted; 0 for those that are not fixed."""
+    """Time from which the fixed steps of a stage are counted; 0 if steps are not fixed."""
     step = before.time.step if stage.step is None else stage.step
     if not isinstance(step, float | int):
         return 0.0
@@ -84,7 +84,7 @@ def _counted(before: Case, stage: Stage) -> float:
 
 
 def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
-    """Displacements to add to those of a stage's constraints, see `Staged`."""
+    """Displacements to add to the constraints of a stage, see `Staged`."""
     start, found = float(before.time.end), {}
     for name, entry in now.constraints.items():
         old: tuple[float | None, ...] = (None,) * now.dimensions
@@ -100,7 +100,7 @@ def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
 
 
 def _relocated(item: Problem, stage: Stage, place: Path) -> Problem:
-    """Return a problem of a stage's case with the place where the stage has caused it."""
+    """Return a problem of a stage's case with the path of its cause in the stage."""
     section = item.path[0] if item.path else ""
     if section == "time":
         return item._replace(path=(*place, *item.path[1:]))
@@ -110,7 +110,7 @@ def _relocated(item: Problem, stage: Stage, place: Path) -> Problem:
     if changes is not None or section in ("materials", "tractions", "contact", "output"):
         return item._replace(path=(*place, *item.path))
     if section in ("boundaries", "escape") and len(item.path) > 1:
-        # The two conflict on a face: what the stage changes is the other one.
+        # The two conflict on a face: the stage changes the other one.
         other = "escape" if section == "boundaries" else "boundaries"
         if item.path[1] in stage.changes.get(other, {}):
             path = (*place, other, item.path[1])
@@ -119,7 +119,7 @@ def _relocated(item: Problem, stage: Stage, place: Path) -> Problem:
 
 
 def steps_in(case: Case) -> int | None:
-    """Return the number of fixed steps of a stage; None where steps are not fixed."""
+    """Return the number of fixed steps of a stage; None if steps are not fixed."""
     if not isinstance(case.time.step, float | int):
         return None
     return round((case.time.end - case.staged.start) / case.time.step)

@@ -1,4 +1,4 @@
-"""A body of a material, as the case file says it."""
+"""A body of a material: its entry in the case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The grid, as the case file says it."""
+"""The grid: its entry in the case."""
 
 from __future__ import annotations
 

@@ -20,8 +20,8 @@ def load(case: Source, overrides: Overrides = ()) -> Case:
     """Read a case, and change values of it.
 
     ``load("block.yaml", {"materials.rubber.young": 1e6, "grid.cell": [0.1, 0.1]})`` gives the case
-    of the file with other values, as ``--set`` does; `case` may as well be a case that is loaded
-    already, which stays as it is.
+    of the file with other values, as ``--set`` does. `case` may also be a loaded case, which stays
+    unchanged.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def load(case: Source, overrides: Overrides = ()) -> Case:
     UsageError
         If the file cannot be read.
     CaseError
-        For everything that is wrong in it, each with its line and key path.
+        For all errors in it, each with its line and key path.
     """
     if isinstance(case, Case):
         if not overrides:

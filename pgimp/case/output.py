@@ -1,4 +1,4 @@
-"""What a run writes, as the case file says it: frames, history, checkpoints."""
+"""Output of a run: frames, history, checkpoints; their entries in the case."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pgimp.schema.registries import ByWord
 
 
 def _states() -> list[str]:
-    """Names of the state variables of all materials that are known by now."""
+    """Names of the state variables of all materials registered so far."""
     from pgimp.physics.materials import MATERIALS
 
     MATERIALS.complete()
@@ -25,7 +25,7 @@ def _states() -> list[str]:
 
 
 def _field(value: str) -> str:
-    """Accept fields of any material; `check_fields` knows those of the case."""
+    """Accept fields of any material; `check_fields` checks them against the case."""
     if value.startswith(PREFIX):
         return value
     if value not in OPTIONAL and value not in (states := _states()):

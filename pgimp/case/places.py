@@ -1,4 +1,4 @@
-"""Places of the parts of a case in its file, for errors found after it was read."""
+"""Lines of the parts of a case in its file, for errors found after it was read."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _KEY = re.compile(r"([a-z]+(?:\.[A-Za-z0-9_-]+)*): ")
 
 def remember(case: Case, document: Document, filename: str) -> None:
     """Store with a case the file and the lines of its parts."""
-    # The first stage has the keys where the case has them.
+    # The first stage has its keys at the same paths as the case.
     for each in (case, case.stages[0]):
         each.__dict__["written"] = (filename, Document(None, document.places))
 
 
 @contextmanager
 def located(case: Case) -> Iterator[None]:
-    """Prefix the lines of a `CaseError` that is raised within by file and line of their keys.
+    """Prefix the lines of a `CaseError` raised within by file and line of their keys.
 
-    Of a case that comes from no file, only the key is known.
+    A case without a file has only the keys.
     """
     try:
         yield

@@ -1,4 +1,4 @@
-"""A case file read: YAML, overrides, validation, and messages with file, line and key path."""
+"""Reading a case file: YAML, overrides, validation, messages with file, line and key path."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Overrides = 
     filename : str
         Name for messages.
     overrides : sequence of str, or mapping
-        ``key.path=value`` each, as of ``--set``, or values by their paths.
+        ``key.path=value`` each, as for ``--set``, or values by their paths.
 
     Returns
     -------
@@ -42,7 +42,7 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Overrides = 
     ------
     CaseError
         With every problem on a line of its own (the first `document.MOST_MESSAGES`): file, line,
-        key path, what is wrong, what is allowed.
+        key path, problem, allowed values.
     """
     document = read_document(text, filename)
     apply(document, overrides)
@@ -53,12 +53,12 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Overrides = 
 
 
 def read_document(text: str | bytes, filename: str) -> Document:
-    """Return the keys and values of a file, and the lines where they are.
+    """Return the keys and values of a file, with their lines.
 
     Raises
     ------
     CaseError
-        With file, line and column of what is not valid.
+        With file, line and column of the invalid part.
     """
     if isinstance(text, bytes):
         text = decode(text, filename)

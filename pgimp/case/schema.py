@@ -1,4 +1,4 @@
-"""The case file as typed models; `pgimp.case.checks` has the conditions between its parts.
+"""Typed models of the case file; `pgimp.case.checks` has the conditions between its parts.
 
 Descriptions end with the unit in square brackets, in terms of any consistent set of length, mass
 and time; stress is mass/(length time^2). Tension is positive.
@@ -65,7 +65,7 @@ def _materials() -> Mapping[str, type[BaseModel]]:
     return MATERIALS
 
 
-#: What a model that is not known may be.
+#: Hint for unknown material models.
 _OUTSIDE = "; one from outside the package must be registered: --import FILE.py"
 
 
@@ -183,19 +183,19 @@ class Case(Model):
 
     @property
     def stages(self) -> tuple[Case, ...]:
-        """The case of each stage; itself where it has none."""
+        """The case of each stage; the case itself if it has none."""
         found: tuple[Case, ...] = self.__dict__.get("arranged") or (self,)
         return found
 
     @property
     def staged(self) -> Staged:
-        """Data of the stages before it, if it is a stage."""
+        """Data from previous stages, if the case is a stage."""
         found: Staged = self.__dict__.get("staged_as", Staged())
         return found
 
     @property
     def courant(self) -> float | None:
-        """Courant number of steps that follow the fastest wave; None where they are fixed."""
+        """Courant number of steps that follow the fastest wave; None for fixed steps."""
         step = self.time.step
         if not isinstance(step, CourantStep):
             return None
@@ -210,7 +210,7 @@ class Case(Model):
 
     @cached_property
     def bodies(self) -> dict[str, Body]:
-        """The bodies of a material, which have particles."""
+        """Bodies of a material, which have particles."""
         return {name: body for name, body in self.every_body.items() if isinstance(body, Body)}
 
     @cached_property
@@ -224,7 +224,7 @@ class Case(Model):
     def _check_parts(
         cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo
     ) -> Self:
-        """Check what holds between the parts, also where some of them are wrong."""
+        """Check the conditions between the parts, even if some parts are wrong."""
         if not isinstance(data, dict):
             return handler(data)
         data = _with_zeros(data)
@@ -245,7 +245,7 @@ class Case(Model):
 
 
 def _with_zeros(data: dict[str, Any]) -> dict[str, Any]:
-    """Write out the vectors that are zero where the case leaves them out."""
+    """Fill in the vectors that are zero by default."""
     dimensions = data.get("dimensions")
     if isinstance(dimensions, bool) or dimensions not in (1, 2, 3):
         return data

@@ -1,7 +1,7 @@
-"""Stages, as the case file says them: what changes while a run goes on.
+"""Stages: their entries in the case, with the changes during a run.
 
-Each stage is a case of its own: that of the stage before with the changes, see `merged`. So
-all checks of a case apply to every stage, before the first step.
+Each stage is a case of its own: the previous stage's case with the changes, see `merged`. So all
+checks of a case apply to every stage, before the first step.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from pgimp.case.steps import AnyStep
 from pgimp.schema.base import Model, Name, Positive
 from pgimp.schema.tables import VaryingVector
 
-#: Sections whose named entries change key by key; those whose entries are replaced; those that
-#: change key by key themselves; those that are replaced.
+#: Sections whose named entries change key by key; sections whose entries are replaced; sections
+#: that change key by key themselves; sections that are replaced.
 BY_KEY, BY_ENTRY = ("materials", "tractions", "constraints"), ("boundaries", "escape")
 SECTIONS, WHOLE = ("method", "output", "history"), ("gravity", "body_force", "contact")
 
@@ -24,7 +24,7 @@ _Entries = dict[str, Any]
 
 
 def _unchanged(schema: dict[str, Any]) -> None:
-    """Document what is not given: it changes nothing."""
+    """Document that missing keys change nothing."""
     schema.pop("default", None)
     schema["$comment"] = "as before"
 
@@ -85,35 +85,35 @@ class Stage(Model):
 
     @model_serializer(mode="wrap")
     def _as_written(self, handler: Any) -> dict[str, Any]:
-        """What is not given changes nothing, and is not written either."""
+        """Write only the given keys: missing keys change nothing."""
         return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
 
     @property
     def changes(self) -> dict[str, Any]:
-        """Its changes, by section, as written."""
+        """Changes by section, as written."""
         named = ("name", "end", "step")
         return {key: value for key, value in self.model_dump().items() if key not in named}
 
 
 class Staged(NamedTuple):
-    """Data of a stage from those before it.
+    """Data of a stage from previous stages.
 
     Attributes
     ----------
     number : int
-        From 0 on, which is the case as it is.
+        Number of the stage; 0 is the case itself.
     name : str
         Empty for number 0.
     start : float
-        Time at which it begins.
+        Time at which the stage begins.
     counted : float
-        Time from which its fixed steps are counted: that at which one began to have this length.
+        Time from which its fixed steps are counted: the time at which they got this length.
     removed : tuple of str
-        Bodies of a material that are gone.
+        Removed bodies of a material.
     escapes : bool
-        Whether particles may leave, or might in a stage before.
+        Whether particles may leave, in this stage or a previous one.
     displacements : dict of str to tuple
-        Displacements that constraints have prescribed before, to be added.
+        Displacements that constraints have prescribed in previous stages, to be added.
     """
 
     number: int = 0
@@ -126,7 +126,7 @@ class Staged(NamedTuple):
 
     @property
     def title(self) -> str:
-        """Its name in messages."""
+        """Name in messages."""
         return f"stage '{self.name}'" if self.number else "the first stage"
 
 
@@ -138,7 +138,7 @@ def merged(
     Parameters
     ----------
     before : mapping
-        The case of the stage before, as `Case.model_dump` writes it.
+        The case of the previous stage, from `Case.model_dump`.
     stage : Stage
         The changes.
     spellings : mapping
@@ -171,13 +171,13 @@ def merged(
 
 
 def _updated(entry: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return an entry with other values of some keys; null gives a key its default."""
+    """Return an entry with other values of some keys; null resets a key to its default."""
     gone = {key for key, value in changes.items() if value is None}
     return {key: value for key, value in {**entry, **changes}.items() if key not in gone}
 
 
 def _without(contact: Any, name: str, bodies: int) -> tuple[Any, ...]:
-    """Entries of contact without a rigid body; those that are left with one body go."""
+    """Contact entries without a rigid body; entries left with one body are dropped."""
     found = []
     for entry in contact:
         rest, enough = entry.get("bodies", ()), bodies > 1

@@ -1,4 +1,4 @@
-"""How long steps are, as the case file says it."""
+"""Length of steps: its entry in the case."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pydantic import Field
 from pgimp.schema.base import Model, Number, Positive
 from pgimp.schema.dispatch import Either
 
-#: Part of the largest stable Courant number that `auto` takes.
+#: Fraction of the largest stable Courant number that `auto` uses.
 AUTO = 0.9
 
 CourantNumber = Annotated[Number, Field(gt=0, le=1)]

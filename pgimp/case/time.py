@@ -1,4 +1,4 @@
-"""Time, as the case file says it: the end, and the stages in which something else acts."""
+"""Time: its entry in the case, with end, steps and stages."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ class Time(Model):
 
     @property
     def last(self) -> float:
-        """Simulated time at which the last stage is done."""
+        """Simulated time at the end of the last stage."""
         return float(self.stages[-1].end if self.stages else self.end)
 
     @property
     def steps(self) -> int | None:
-        """Number of steps to `end`; None where the step is not fixed."""
+        """Number of steps to `end`; None if the step is not fixed."""
         return None if isinstance(self.step, CourantStep) else whole(self.end, self.step)[0]

@@ -1,4 +1,4 @@
-"""A case written as YAML, with every default."""
+"""Writing a case as YAML, with every default."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def dump_case(case: Case) -> str:
 
 
 def _entry(key: str, value: Any, indent: str) -> str:
-    """Return ``key: value`` on one line, or with its parts on lines of their own."""
+    """Return ``key: value`` on one line, or with its parts on separate lines."""
     start = f"{indent}{_scalar(key)}:"
     line = f"{start} {flow(value)}\n"
     fits = len(line) <= WIDTH + 1 and not (key in SECTIONS and not indent)
@@ -45,7 +45,7 @@ def _block(value: Any, indent: str) -> str:
 
 
 def _item(value: Any, indent: str) -> str:
-    """Return a list item from behind its dash."""
+    """Return the text of a list item after its dash."""
     line = f"{flow(value)}\n"
     if len(indent) + 2 + len(line) <= WIDTH + 1 or not isinstance(value, dict | tuple | list):
         return line
@@ -69,7 +69,7 @@ def _scalar(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, float):
         digits, exponent, power = repr(float(value)).partition("e")
-        # Readers of YAML 1.1 take 1e-05 for text, but not 1.0e-05.
+        # In YAML 1.1 1e-05 is text, but 1.0e-05 is a number.
         return digits + (".0" if exponent and "." not in digits else "") + exponent + power
     if isinstance(value, int):
         return str(value)
@@ -79,7 +79,7 @@ def _scalar(value: Any) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Return `text` in double quotes, with YAML's escapes for what is not printable."""
+    """Return `text` in double quotes, with YAML's escapes for unprintable characters."""
     escaped = (
         json.dumps(c, ensure_ascii=False)[1:-1]
         if c.isprintable() or c in "\n\t"

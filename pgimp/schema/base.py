@@ -26,14 +26,14 @@ LARGEST_COUNT = 2**53
 
 
 def _whole(value: Any) -> Any:
-    """Turn 1e3 into 1000: a whole number is the same however it is written."""
+    """Turn 1e3 into 1000: the notation of a whole number does not matter."""
     if isinstance(value, float) and value.is_integer():
         return int(value)
     return value
 
 
 def tuples(value: Any) -> Any:
-    """Turn lists into tuples, at any depth of lists, so that strict tuple fields take them."""
+    """Turn lists into tuples, at any depth of lists, for strict tuple fields."""
     if isinstance(value, list | tuple):
         return tuple(tuples(item) for item in value)
     return value
@@ -53,7 +53,7 @@ class Model(BaseModel):
         allow_inf_nan=False,
         validate_default=True,
         populate_by_name=False,
-        defer_build=True,  # of what a case does not use no validator is made, a sixth of a start
+        defer_build=True,  # no validators for unused parts: saves a sixth of a start
     )
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (1, 2, 3)
@@ -73,12 +73,12 @@ class Model(BaseModel):
     @model_validator(mode="wrap")
     @classmethod
     def _speak(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Reword validation errors here, where the model and its keys are still known."""
+        """Reword validation errors here, where the model and its keys are available."""
         try:
             return handler(data)
         except ValidationError as error:
             if not isinstance(data, dict):
-                raise  # what may stand here instead is known further up
+                raise  # the alternatives are handled by the caller
             return raise_problems(cls.__name__, explain(cls, error, data), data)
 
 
@@ -104,7 +104,7 @@ _CONTROL = re.compile("[\\x00-\\x1f\\x7f-\\x9f\u2028\u2029]")
 
 
 def one_line(text: str) -> str:
-    """Refuse what could move a terminal's cursor or end a file's line."""
+    """Refuse characters that could move a terminal's cursor or end a file's line."""
     if found := _CONTROL.search(text):
         raise problem(f"expected a line of text, but it has the character U+{ord(found[0]):04X}")
     return text

@@ -1,7 +1,7 @@
-"""Values of a case that come in several forms, which their type tells apart.
+"""Values of a case with several forms, distinguished by type.
 
-The forms are annotations of a field, ``Annotated[float | Table, Either(...)]``; those that a name
-tells apart are in `pgimp.schema.registries`.
+The forms are annotations of a field, ``Annotated[float | Table, Either(...)]``. Forms that are
+distinguished by name are in `pgimp.schema.registries`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def plain(value: Any) -> Any:
 
 
 def given(value: BaseModel) -> dict[str, Any]:
-    """Return what was given of `value`, without the defaults that it got."""
+    """Return the given keys of `value`, without defaults."""
     token = _SPARSE.set(True)
     try:
         return plain(value)
@@ -41,7 +41,7 @@ class Dispatch(ABC):
 
     @abstractmethod
     def validate(self, value: Any) -> Any:
-        """Return the typed value; raise a pydantic error where `value` has no known form."""
+        """Return the typed value; raise a pydantic error if `value` has no known form."""
 
     @abstractmethod
     def write(self, value: Any) -> Any:
@@ -52,7 +52,7 @@ class Dispatch(ABC):
         """Return the JSON schema of the value."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        """Define for pydantic how to validate and to write the value."""
+        """Define validation and writing of the value for pydantic."""
         return core_schema.no_info_plain_validator_function(
             self.validate,
             serialization=core_schema.plain_serializer_function_ser_schema(self.write),
@@ -66,18 +66,18 @@ class Dispatch(ABC):
 
 
 class Either(Dispatch):
-    """A value whose kind decides its form: ``0.5`` or ``{steps: 10}``."""
+    """A value whose type decides its form: ``0.5`` or ``{steps: 10}``."""
 
     def __init__(self, expected: str, forms: Mapping[type | None, Any]):
-        """Take the forms.
+        """Set the forms.
 
         Parameters
         ----------
         expected : str
-            What may be written, for the message where the value has no form.
+            The allowed values, for the message if none of the forms fits.
         forms : mapping of type to type
-            What to validate a value as that is a number (key float), a list (tuple), a mapping
-            (dict) or nothing (None); a `Dispatch` too.
+            Type for validation of a number (key float), a list (tuple), a mapping (dict) or
+            nothing (None); may be a `Dispatch`.
         """
         self.expected = expected
         self.forms = forms
@@ -107,7 +107,7 @@ class Either(Dispatch):
 
 
 class WithKey(Dispatch):
-    """A mapping that is of one type if it has a key, and of another if not."""
+    """A mapping of one type if it has a key, and of another type if not."""
 
     def __init__(self, key: str, having: type[BaseModel], other: type[BaseModel]):
         self.key, self.having, self.other = key, having, other
@@ -132,7 +132,7 @@ class WithKey(Dispatch):
 
 
 def _kind(value: Any) -> type | None:
-    """Return the key of the form that `value` has; its own type where it has none."""
+    """Return the key of the form of `value`; its own type if it has none."""
     if value is None:
         return None
     if isinstance(value, int | float) and not isinstance(value, bool):

@@ -1,7 +1,7 @@
-"""YAML read into plain data that remembers the line of every key.
+"""Reading YAML into plain data, with the line of every key.
 
-YAML 1.2 core schema, built from parser events, one at a time: no tags, no aliases, no recursion,
-so that no file can build more than it holds or nest deeper than anyone writes.
+YAML 1.2 core schema, built from parser events, one at a time. There are no tags, aliases or
+recursion, so no file can build more than its own content or nest too deeply.
 """
 
 from __future__ import annotations
@@ -56,14 +56,14 @@ _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U000100
 
 @dataclass
 class Document:
-    """Plain data (dict, list, str, int, float, bool, None) and where each part was written."""
+    """Plain data (dict, list, str, int, float, bool, None) with the line of each part."""
 
     data: Any
     places: dict[Path, int | str] = field(default_factory=dict)
     """By path: the line of the key or the list item, or the override that wrote it."""
 
     def place(self, path: Path) -> int | str | None:
-        """Return the place of `path`, or that of the nearest part around it."""
+        """Return the place of `path`, or of the nearest part around it."""
         for length in range(len(path), 0, -1):
             if path[:length] in self.places:
                 return self.places[path[:length]]
@@ -71,7 +71,7 @@ class Document:
 
 
 def read(name: str | FilePath) -> bytes:
-    """Return the content of a file, of one that is too large only as much as shows it.
+    """Return the content of a file; of a too large file only enough to detect it.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def parse(text: str, filename: str) -> Document:
     Raises
     ------
     CaseError
-        With file, line and column of what is no YAML, or not the YAML of a case file.
+        With file, line and column of the part that is no YAML, or not allowed in a case file.
     """
     if len(text) > LARGEST_FILE:
         raise CaseError(f"{filename}: too large for a case file (at most {LARGEST_FILE:,} bytes)")
@@ -140,20 +140,20 @@ def parse(text: str, filename: str) -> Document:
 
 
 def few(lines: list[str], filename: str) -> str:
-    """Return the first `MOST_MESSAGES` lines, and how many more there are."""
+    """Return the first `MOST_MESSAGES` lines, and the number of further ones."""
     more = len(lines) - MOST_MESSAGES
     return "\n".join([*lines[:MOST_MESSAGES], *[f"{filename}: and {more} more"] * (more > 0)])
 
 
 def scalar(text: str) -> Any:
-    """Return the value of an unquoted scalar, as the core schema of YAML 1.2 has it."""
+    """Return the value of an unquoted scalar by the core schema of YAML 1.2."""
     if text in _NULL:
         return None
     if text in _TRUE or text in _FALSE:
         return text in _TRUE
     if _INTEGER.fullmatch(text):
         base = {"0o": 8, "0x": 16}.get(text[:2], 10)
-        # Python refuses to convert thousands of digits; as a float64 they are infinite anyway.
+        # Python converts no integers of thousands of digits; as float64 they are infinite anyway.
         return int(text, base) if len(text) <= 400 else float("inf")
     if _FLOAT.fullmatch(text):
         return float(text)
@@ -163,7 +163,7 @@ def scalar(text: str) -> Any:
 
 
 class _ForeignError(Exception):
-    """YAML that is not allowed in a case file, and its place."""
+    """YAML that is not allowed in a case file, with its place."""
 
     def __init__(self, text: str, mark: Any) -> None:
         super().__init__(text)
@@ -171,7 +171,7 @@ class _ForeignError(Exception):
 
 
 class _Scanner(Scanner):
-    """Refuses anchors, aliases and tags where they begin: a tag of megabytes takes minutes."""
+    """Refuses anchors, aliases and tags at their beginning: a tag of megabytes takes minutes."""
 
     def fetch_anchor(self) -> None:
         self._refuse("", "anchors and aliases; write it out")
@@ -188,7 +188,7 @@ class _Scanner(Scanner):
 
 
 class _Builder:
-    """Builds the data from events, keeping the open mappings and lists on its own stack."""
+    """Builds the data from events, with the open mappings and lists on its own stack."""
 
     def __init__(self, filename: str):
         self.filename = filename
@@ -270,7 +270,7 @@ def top_level(document: Document, filename: str) -> dict[str, Any]:
     Raises
     ------
     CaseError
-        When the file is empty or holds something else.
+        When the file is empty or no mapping.
     """
     data = document.data
     if data is None:

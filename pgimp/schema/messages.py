@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails, ValidationError
 from pgimp.schema.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
 
 _NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*(\.\d*)?|\.\d+)([eEdD][-+]?\d+)?")
-# What PyYAML, of YAML 1.1, takes for a number with an exponent.
+# Numbers with an exponent in PyYAML, by YAML 1.1.
 _PYYAML = re.compile(r"[-+]?(\d+\.\d*|\.\d+)[eE][-+]\d+")
 _COMMA = re.compile(r"([-+]?\d+),(\d+([eE][-+]?\d+)?)")
 _DIGITS = re.compile(r"\d+([eE][-+]?\d+)?")
@@ -22,7 +22,7 @@ _COLON = re.compile(r"([A-Za-z][A-Za-z0-9_-]*):(\S.*)")
 
 
 def describe(value: Any) -> str:
-    """Return what a value of a case is: ``the text 'abc'``, ``a list of 3``, ``nothing``."""
+    """Describe a value of a case: ``the text 'abc'``, ``a list of 3``, ``nothing``."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -61,13 +61,13 @@ def dotted(path: Iterable[str | int]) -> str:
 
 
 def _listed(names: Iterable[Any], most: int = 30) -> str:
-    """Return names joined by commas, not too many of them."""
+    """Return names joined by commas, at most `most`."""
     shown = [shorten(str(name)) for name in islice(names, most + 1)]
     return ", ".join(shown[:most]) + (", ..." if len(shown) > most else "")
 
 
 def got(value: Any) -> str:
-    """Return what was found in place of something else, with a hint at the usual slips."""
+    """Describe a wrong value, with a hint at the usual mistakes."""
     text = f"got {describe(value)}"
     if isinstance(value, str):
         if _NUMBER_LIKE.fullmatch(value):
@@ -84,7 +84,7 @@ def got(value: Any) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that `name` most likely stands for."""
+    """Return the known name nearest to `name`."""
     by_fold = {item.casefold().replace("_", "-"): item for item in known}
     found = difflib.get_close_matches(name[:100].casefold().replace("_", "-"), by_fold, 1, 0.6)
     return by_fold[found[0]] if found else None
@@ -105,23 +105,23 @@ def unknown(what: str, name: str, known: Iterable[str], label: str = "known") ->
 
 
 def keys_of(model: type[BaseModel]) -> dict[str, str]:
-    """Return the description of every key that `model` takes, by key."""
+    """Return the descriptions of the keys of `model`, by key."""
     return {
         field.alias or name: field.description or "" for name, field in model.model_fields.items()
     }
 
 
 def explain(model: type[BaseModel], error: ValidationError, value: Any) -> list[Problem]:
-    """Turn the errors that pydantic found in a value for `model` into readable problems.
+    """Turn pydantic's errors in a value for `model` into readable problems.
 
     Parameters
     ----------
     model : type of BaseModel
-        The model that was being validated; its fields tell which keys there are.
+        The validated model; its fields are the known keys.
     error : ValidationError
-        What its validation raised. Problems of models further down come with their own text.
+        Error of its validation. Problems of nested models have their own text.
     value : Any
-        What was validated.
+        The validated value.
     """
     keys = keys_of(model)
     details = error.errors(include_url=False)[:MOST_PROBLEMS]
@@ -142,7 +142,7 @@ def explain(model: type[BaseModel], error: ValidationError, value: Any) -> list[
             own.append(Problem(path, _text(item, keys), absent))
         else:
             foreign.setdefault(path, []).append(_text(item, keys))
-    # The branches of a union that the value does not even start to fit say nothing.
+    # Branches of a union that the value does not begin to fit are no help.
     around = {
         place[:length]
         for place in (*(item.path for item in own), *foreign)
@@ -153,7 +153,7 @@ def explain(model: type[BaseModel], error: ValidationError, value: Any) -> list[
 
 
 def _either(texts: list[str]) -> str:
-    """Join what several branches of a union expected: ``expected a number or a list, got ...``."""
+    """Join the expectations of a union's branches: ``expected a number or a list, got ...``."""
     parts = [text.partition(", got ") for text in dict.fromkeys(texts)]
     if len(parts) > 1 and all(head.startswith("expected ") for head, _, _ in parts):
         heads = " or ".join(head.removeprefix("expected ") for head, _, _ in parts)
@@ -162,9 +162,9 @@ def _either(texts: list[str]) -> str:
 
 
 def _path(loc: tuple[str | int, ...], value: Any, absent: bool) -> tuple[str | int, ...]:
-    """Return the keys and indices of `loc` without what pydantic adds: branches of unions.
+    """Return the keys and indices of `loc` without pydantic's additions: branches of unions.
 
-    With `absent`, the last part may name what is not there.
+    With `absent`, the last part may be a missing key.
     """
     path: list[str | int] = []
     for position, part in enumerate(loc):
@@ -179,7 +179,7 @@ def _path(loc: tuple[str | int, ...], value: Any, absent: bool) -> tuple[str | i
 
 
 def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
-    """Return the sentence for one error; `keys` are those of the model it was found in."""
+    """Return the sentence for one error; `keys` are the keys of its model."""
     kind, loc, value, context = item["type"], item["loc"], item["input"], item.get("ctx", {})
     if kind in (KIND, ABSENT):
         return context["text"]

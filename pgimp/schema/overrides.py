@@ -18,16 +18,16 @@ Overrides = Sequence[str] | Mapping[str, Any]
 
 
 def apply(document: Document, overrides: Overrides) -> None:
-    """Write every override into `document`, in their order; later ones win.
+    """Write every override into `document`, in order; later ones take precedence.
 
-    A key that is not there yet is made: whether there is such a key, validation tells.
+    Missing keys are created; validation refuses unknown ones.
 
     Parameters
     ----------
     document : Document
         The case; changed in place.
     overrides : sequence of str, or mapping
-        Each ``key.path=value``: keys and list indices (from 0) joined by dots, and YAML; or values
+        Each ``key.path=value``: keys and list indices (from 0) joined by dots, and YAML. Or values
         by such paths.
 
     Raises
@@ -71,7 +71,7 @@ def change(document: Document, keys: list[str], value: Any, label: str) -> None:
 
 
 def _write(data: Any, keys: list[str], value: Any, label: str) -> Path:
-    """Write `value` at `keys` and return the path of the topmost part that is new."""
+    """Write `value` at `keys` and return the path of the topmost new part."""
     path: Path = ()
     new: Path | None = None
     for position, key in enumerate(keys):
@@ -88,7 +88,7 @@ def _write(data: Any, keys: list[str], value: Any, label: str) -> Path:
 
 
 def _part(data: Any, key: str, path: Path, label: str) -> str | int:
-    """Return the key or the list index that `key` is in `data`."""
+    """Return `key` as the key or the list index of `data`."""
     where = dotted(path)
     if isinstance(data, dict):
         return key
@@ -103,7 +103,7 @@ def _part(data: Any, key: str, path: Path, label: str) -> str | int:
 
 
 def as_data(value: Any, label: str, depth: int = 0) -> Any:
-    """Return a value from Python as a case file would give it.
+    """Return a Python value in the form of a case file.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def as_data(value: Any, label: str, depth: int = 0) -> Any:
     label : str
         Its place in messages.
     depth : int
-        How deep it lies.
+        Depth of nesting.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def as_data(value: Any, label: str, depth: int = 0) -> Any:
         value = given(value)
     elif isinstance(value, PathLike):
         value = fspath(value)
-    elif hasattr(value, "tolist"):  # a number or an array of NumPy's
+    elif hasattr(value, "tolist"):  # a number or an array of NumPy
         value = value.tolist()
     if isinstance(value, Mapping):
         for key in value:

@@ -1,4 +1,4 @@
-"""Names of files in a case: relative ones start from the folder of the case file."""
+"""Names of files in a case; relative names start from the folder of the case file."""
 
 from __future__ import annotations
 

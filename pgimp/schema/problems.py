@@ -1,4 +1,4 @@
-"""Problems of a case: where in the case, and what is wrong, as text."""
+"""Problems of a case: path and text."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ KIND, ABSENT = "problem", "absent"
 
 
 class Problem(NamedTuple):
-    """One thing that is wrong with a case."""
+    """One problem of a case."""
 
     path: tuple[str | int, ...]
     """Keys and list indices from the checked value down to the culprit."""
@@ -27,7 +27,7 @@ class Problem(NamedTuple):
 
 
 def problem(text: str, absent: bool = False) -> PydanticCustomError:
-    """Return an error for a validator to raise, which carries `text` as it is."""
+    """Return an error for a validator to raise, with `text` unchanged."""
     return PydanticCustomError(ABSENT if absent else KIND, "{text}", {"text": text})
 
 

@@ -1,6 +1,6 @@
-"""Values whose type a registry has under a name: a key, the value of a field, or a plain word.
+"""Values whose type is looked up in a registry by a key, the value of a field, or a plain word.
 
-The forms are annotations of a field, ``Annotated[Material, ByField(...)]``. A registry is asked
+The forms are annotations of a field, ``Annotated[Material, ByField(...)]``. The registry is read
 when a case is validated, not before, so that types can be registered from outside the package.
 """
 
@@ -103,8 +103,8 @@ class ByKey(Dispatch):
 class ByWord(Dispatch):
     """The name of a type in a registry, ``fixed``, or a mapping with it: ``{velocity: [...]}``.
 
-    Where the name is no key of the type, its keys stand below: ``{separating: {friction: 0.3}}``;
-    the plain name is the type with its defaults.
+    If the name is no key of the type, its keys are below: ``{separating: {friction: 0.3}}``. The
+    plain name is the type with its defaults.
     """
 
     def __init__(self, registry: Registry, what: str):
@@ -210,7 +210,7 @@ def _is_word(entry: type[BaseModel]) -> bool:
 
 
 def _required(entry: type[BaseModel]) -> list[str]:
-    """Return the keys that a type needs."""
+    """Return the required keys of a type."""
     return [name for name, field in entry.model_fields.items() if field.is_required()]
 
 

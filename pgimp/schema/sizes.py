@@ -1,4 +1,4 @@
-"""Sizes in cells and times in steps that must be whole, and vectors of one entry a direction."""
+"""Checks of whole numbers of cells and steps, and of vectors of one entry a direction."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WHOLE = 1e-9
 
 
 def whole(total: float, part: float) -> tuple[int, bool]:
-    """Return how many times `part` fits into `total`, rounded, at least 1; and whether exactly."""
+    """Return `total` over `part`, rounded, at least 1; and whether it is exact."""
     ratio = total / part
     if math.isinf(ratio):
         return sys.maxsize, False
@@ -28,7 +28,7 @@ def whole(total: float, part: float) -> tuple[int, bool]:
 
 
 def nearest_whole(total: float, part: float) -> str:
-    """Return the nearest multiple of `part`, at least one, in the fewest digits that say it."""
+    """Return the nearest multiple of `part`, at least one, in as few digits as possible."""
     value = whole(total, part)[0] * part
     texts = (f"{value:.{digits}g}" for digits in (6, 9, 12, 15))
     return next((text for text in texts if whole(float(text), part)[1]), repr(value))

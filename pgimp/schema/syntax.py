@@ -1,4 +1,4 @@
-"""Errors of the YAML parser, in words, with the usual cause."""
+"""Messages for errors of the YAML parser, with the usual cause."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ _NO_SPACE = re.compile(r"""^\s*(?:-\s+)?([A-Za-z][A-Za-z0-9_-]*):(?![\s/])[^\s'"
 
 
 def explain_syntax(error: MarkedYAMLError, text: str, filename: str) -> str:
-    """Return file, line, column and what is wrong there; of an override its text instead.
+    """Return file, line, column and the problem; for an override its text instead.
 
     Parameters
     ----------
     error : MarkedYAMLError
-        What the parser raised.
+        The parser's error.
     text : str
-        What it parsed.
+        The parsed text.
     filename : str
         Name for the message.
     """
@@ -30,12 +30,12 @@ def explain_syntax(error: MarkedYAMLError, text: str, filename: str) -> str:
 
 
 def position(name: str, mark: StreamMark) -> str:
-    """Return file, line and column of a mark; of an override its text alone."""
+    """Return file, line and column of a mark; for an override only its text."""
     return name if name.startswith("--set ") else f"{name}:{mark.line + 1}:{mark.column + 1}"
 
 
 def _missing_space(text: str, line: int) -> str | None:
-    """Return the message for ``end:2.0`` in the line of the error or the one before, if so."""
+    """Return the message for a missing space, ``end:2.0``, in the line of the error or before."""
     lines = text.splitlines()
     for n in (line, line - 1):
         if 0 <= n < len(lines) and (match := _NO_SPACE.match(lines[n])):
@@ -44,7 +44,7 @@ def _missing_space(text: str, line: int) -> str | None:
 
 
 def _cause(problem: str, context: str, start: int) -> str:
-    """Return the usual cause of the parser's `problem`; `start` is the line it began in."""
+    """Return the usual cause of the parser's `problem`; `start` is its first line."""
     if "'\\t'" in problem:
         return "a tab; indent with spaces only"
     if "mapping values are not allowed" in problem:

@@ -1,4 +1,4 @@
-"""Values given by a table over time: linear in between, held at both ends.
+"""Values from a table over time: linear between rows, constant beyond both ends.
 
 Plain Python arithmetic on float64, one order of operations: the same bits on every rank.
 """
@@ -22,7 +22,7 @@ V = TypeVar("V")
 
 
 def _neighbours(rows: Sequence[tuple[float, V]], t: float) -> tuple[tuple[float, V], ...]:
-    """Return the rows before and after `t`, the same row twice where the table is held."""
+    """Return the rows before and after `t`, the same row twice beyond the ends."""
     after = bisect_right(rows, t, key=lambda row: row[0])
     return rows[max(after - 1, 0)], rows[min(after, len(rows) - 1)]
 
@@ -34,7 +34,7 @@ def _between(t: float, t0: float, t1: float, v0: float, v1: float) -> float:
 
 
 def _row_problems(rows: Sequence[tuple[float, tuple[float, ...]]]) -> list[Problem]:
-    """Return what is wrong from row to row: times that do not increase, overflow in between."""
+    """Return problems between rows: times that do not increase, overflow between values."""
     problems = []
     for i in range(1, len(rows)):
         (t0, v0), (t1, v1) = rows[i - 1], rows[i]
@@ -140,9 +140,9 @@ Triple = tuple[float, float, float]
 def prescribed(
     velocity: Sequence[float | Table | None], start: float, end: float
 ) -> tuple[Held, Triple, Triple]:
-    """Return which components are held in a step, their values at its end, their rates over it.
+    """Return the held components in a step, their values at its end, and their rates over it.
 
-    Values and rates are zero where a component is free.
+    Values and rates of free components are zero.
     """
     held, values, rates = [False] * 3, [0.0] * 3, [0.0] * 3
     for d, component in enumerate(velocity):

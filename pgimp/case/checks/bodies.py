@@ -1,4 +1,4 @@
-"""Checks of bodies and of what acts on them: tractions and constraints."""
+"""Checks of bodies, tractions and constraints."""
 
 from __future__ import annotations
 
@@ -190,7 +190,7 @@ def check_body_of(
     path: tuple[str | int, ...], entry: Any, every_body: Mapping[str, Any],
     named: Iterable[str], why: str,
 ) -> Problems:  # fmt: skip
-    """Check that an entry's body is known, and has particles; `why` that is needed."""
+    """Check that an entry's body is known and has particles; `why` gives the reason."""
     body = every_body.get(entry.body)
     if isinstance(body, RigidBody):
         yield Problem((*path, "body"), f"'{entry.body}' is rigid, and has no particles: {why}")
@@ -206,7 +206,7 @@ def check_tractions(
     materials: Mapping[str, Any],
     tractions: Mapping[str, Any],
 ) -> Problems:
-    """Check that tractions act on faces of boxes, which are those of solids."""
+    """Check that tractions act on faces of boxes, and on solids."""
     for name, entry in tractions.items():
         path: tuple[str | int, ...] = ("tractions", name)
         why = "a traction pulls at a body of a material; a rigid one moves as its key `rigid` says"

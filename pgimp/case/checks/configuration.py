@@ -1,4 +1,4 @@
-"""Checks of bodies in the initial configuration: what they can be combined with."""
+"""Checks of bodies in the initial configuration: allowed combinations."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _INSTEAD = "; take configuration: current"
 
 
 def check_initial_output(bodies: Mapping[str, Any], output: Any) -> Problems:
-    """Check that frames of the grid of the start hold what happens there."""
+    """Check that frames of the initial grid have no forces of contact, which act elsewhere."""
     initial = [name for name, body in bodies.items() if body.configuration == "initial"]
     if initial and "contact" in output.grid:
         yield Problem(
@@ -90,7 +90,7 @@ def _parted(
 ) -> Problems:
     """Check that bodies in the current configuration beside others either share a field or meet.
 
-    Those that are tied share one field, also with what they are tied to in turn.
+    Tied bodies share one field, also with bodies that are tied to these in turn.
     """
     names = [*bodies, *rigid_bodies]
     if any(not set(entry.bodies) <= set(names) for entry in contact if entry.bodies != "all"):

@@ -65,7 +65,7 @@ def check_method(dimensions: int, method: Any) -> Problems:
 
 
 def check_time(time: Any, counted: float) -> Problems:
-    """Check that the end is a whole number of fixed steps, which are counted from some time on."""
+    """Check that the end is a whole number of fixed steps, counted from the time `counted`."""
     if time.steps is None:
         return
     length = time.end - counted
@@ -98,7 +98,7 @@ def check_fields(
     body_names: tuple[str, ...],
     output: Any,
 ) -> Problems:
-    """Check that fields which not every case has are those of materials that bodies are of."""
+    """Check that material-specific fields belong to materials of bodies."""
     has = {name: _own_fields(entry) for name, entry in materials.items()}
     in_use = {body.material for body in bodies.values()}
     if len(materials) < len(declared) or len(bodies) < len(body_names) or in_use - has.keys():
@@ -171,7 +171,7 @@ def check_escape(
 
 
 def check_planes_of_symmetry(before: Any, now: Any) -> Problems:
-    """Check that of free rigid bodies no other part lies beyond planes of symmetry than before."""
+    """Check that the part of free rigid bodies beyond planes of symmetry is as before."""
     for face in sorted({*before.boundaries, *now.boundaries}):
         slips = [isinstance(case.boundaries.get(face), Slip) for case in (before, now)]
         axis = "xyz".index(face[0])

@@ -1,7 +1,7 @@
 """Conditions between the parts of a case.
 
-Each check is a generator of problems whose parameters name the parts of the case that it needs;
-it runs when these are valid, even if others are not.
+Each check is a generator of problems. Its parameters name the parts of the case that it needs; it
+runs if these are valid, even if others are not.
 """
 
 from __future__ import annotations
@@ -83,9 +83,8 @@ def sound_parts(
 ) -> dict[str, Any]:
     """Return the typed parts of `data` that the `problems` do not touch.
 
-    Of parts that are made of named entries the sound ones are kept.
-    ``declared`` and ``body_names`` hold the names of all materials and bodies, also of those that
-    are not sound.
+    Parts with named entries keep the sound entries. ``declared`` and ``body_names`` have the names
+    of all materials and bodies, sound or not.
     """
     wrong = {item.path[:2] for item in problems}
     parts: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""Checks of the probes: material points in bodies, places in the domain."""
+"""Checks of the probes: material points in bodies, fixed positions in the domain."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def check_probes(
     body_names: Iterable[str],
     probes: Mapping[str, Any],
 ) -> Problems:
-    """Check that material points are in their bodies, and places in the domain."""
+    """Check that material points are in their bodies, and fixed positions in the domain."""
     sound = not list(check_grid(dimensions, grid))
     for name, entry in probes.items():
         path: tuple[str | int, ...] = ("probes", name)
@@ -54,7 +54,7 @@ def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Any)
 def _in_body(
     path: tuple[str | int, ...], entry: Any, dimensions: int, grid: Any, bodies: Mapping[str, Any]
 ) -> Problems:
-    """Check that a place is in a body; for bodies in files, this is done when they are read."""
+    """Check that a position is in a body; for bodies from files, after they are read."""
     region = bodies[entry.body].region
     if any(part.FROM_FILE for part in region.simple()):
         return
@@ -63,10 +63,10 @@ def _in_body(
 
 
 def check_near(path: tuple[str | int, ...], entry: Any, region: Any, grid: Any) -> Problems:
-    """Check that a place is in a region, or so close that a particle of it may be next to it."""
+    """Check that a position is in a region, or so close that a particle may be next to it."""
     slack = 0.5 * min(grid.cell)
     low, high = region.bounds()
-    # First the box around the body: a place outside of that needs no closer check.
+    # First the bounding box of the body: a position outside it needs no closer check.
     away = max(max(a - x, x - b) for a, x, b in zip(low, entry.at, high, strict=True))
     if away <= slack:
         away = float(region.distance(np.array([entry.at], float))[0])

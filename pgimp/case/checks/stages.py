@@ -1,4 +1,4 @@
-"""Checks of a stage: by itself, and that particles have what it needs of them."""
+"""Checks of a stage: by itself, and of the columns of particles that it needs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
-#: Of `pgimp.case.schema`, whose stages are checked here.
+#: Stands for `pgimp.case.schema.Case`, whose stages are checked here.
 Case = Any
 Path = tuple[str | int, ...]
 
@@ -139,7 +139,7 @@ def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
 
 
 def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
-    """Check that particles of a material can go on with another's parameters."""
+    """Check that particles of a material can continue with another's parameters."""
     if (before.variations or now.variations) and plain(now) != plain(before):
         yield Problem(path, _VARIES)
         return
@@ -185,12 +185,12 @@ def _starts(entry: Any, dimensions: int) -> tuple[float, bytes]:
 
 
 def reselects(before: Case, now: Case, name: str) -> bool:
-    """Whether a constraint chooses its particles as a stage begins."""
+    """Whether a constraint selects its particles when a stage begins."""
     old, new = before.constraints.get(name), now.constraints[name]
     return old is None or (old.body, old.region) != (new.body, new.region)
 
 
 def _with_origins(case: Case) -> bool:
-    """Whether particles keep their initial position; see `Scene.origins`."""
+    """Whether particles store their initial position; see `Scene.origins`."""
     initial = any(body.configuration == "initial" for body in case.bodies.values())
     return initial or "displacement" in case.output.fields

@@ -16,7 +16,7 @@ _TAKEN = ("x", "y", "z", "position", "volume", "velocity", "stress", "velocity-g
 def check_variations(
     dimensions: int, materials: Mapping[str, Any], bodies: Mapping[str, Any]
 ) -> Problems:
-    """Check that variations fit the dimensions, and that columns are those of particles."""
+    """Check that variations fit the dimensions, and that columns belong to files of particles."""
     for name, material in materials.items():
         for keys, variation in material.variations.items():
             path: tuple[str | int, ...] = ("materials", name, *keys)
