@@ -1,7 +1,7 @@
 """A checkpoint on the disk, read defensively.
 
-It is an HDF5 file after a user block with pgimp's own header. Reading goes by that header alone:
-the HDF5 library can crash on a file that is damaged.
+It is an HDF5 file after a user block with pgimp's own header. Reading uses only that header: the
+HDF5 library can crash on a damaged file.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ _BLOCK = 4 << 20
 
 
 class CheckpointFile:
-    """A checkpoint that is open for reading, with its header checked; `verify` checks the rest.
+    """A checkpoint open for reading, with its header checked; `verify` checks the rest.
 
-    Every rank opens it for itself, without MPI. It is closed with its last reference.
+    Every rank opens it separately, without MPI. It is closed with its last reference.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class CheckpointFile:
     size : int
         Bytes of the file.
     about : dict
-        As it was given to `write`, but that tuples are lists.
+        As given to `write`, with lists in place of tuples.
     count : int
         Number of rows.
     rows : dict of str to (dtype, tuple)
@@ -55,8 +55,8 @@ class CheckpointFile:
     Raises
     ------
     DamagedError
-        If it cannot be read, is no checkpoint, or is not as it was written; says why in a line,
-        without the name of the file.
+        If it cannot be read, is no checkpoint, or has changed since it was written. The message is
+        one line, without the name of the file.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -86,12 +86,12 @@ class CheckpointFile:
         Parameters
         ----------
         part, parts : int
-            Which one of how many parts of about equal size, from 0.
+            Number of the part, from 0, and number of parts, about equal in size.
 
         Raises
         ------
         DamagedError
-            If something in this part is not as it was written.
+            If this part has changed since it was written.
         """
         begin = self._header.begin
         mine = [
@@ -115,7 +115,7 @@ class CheckpointFile:
         name : str
             One of `rows`.
         first, last : int
-            From row `first` up to but not including row `last`.
+            First row, and end (exclusive).
 
         Returns
         -------

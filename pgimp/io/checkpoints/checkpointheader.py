@@ -1,7 +1,7 @@
-"""The header of a checkpoint: layout of the file, with the checksums of all of it.
+"""The header of a checkpoint: layout of the file, with checksums of its whole content.
 
-A file from elsewhere may be damaged or made to do harm, so its header is checked against
-the size of the file itself before use.
+A file from elsewhere may be damaged or malicious, so its header is checked against the size of the
+file before use.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 
 from pgimp.errors import DamagedError
 
-#: Version of the file's layout and of what a run keeps in it.
+#: Version of the file's layout and content.
 LAYOUT = 2
 
 Kind = Literal["<f8", "<i8", "<i4"]
@@ -41,7 +41,7 @@ _MODEL = ConfigDict(strict=True, extra="forbid", frozen=True)
 
 
 class Place(BaseModel):
-    """A dataset: its type, the shape of a row or of the whole, and where it begins in the file."""
+    """A dataset: its type, the shape of a row or of the whole, and its offset in the file."""
 
     model_config = _MODEL
 
@@ -50,7 +50,7 @@ class Place(BaseModel):
     offset: _Size
 
     def extent(self, count: int | None = None) -> int:
-        """Bytes that it takes, with `count` rows or whole."""
+        """Size of the dataset in bytes, with `count` rows or whole."""
         items = math.prod(self.shape) * (1 if count is None else count)
         return items * np.dtype(self.dtype).itemsize
 
@@ -69,7 +69,7 @@ class Header(BaseModel):
     rows, whole : dict of str to Place
         Datasets with a row for each particle, and others.
     pieces : list of [start, size, CRC-32]
-        In order and without a gap, from the end of the user block to the end of the file.
+        In order and without gaps, from the end of the user block to the end of the file.
     """
 
     model_config = _MODEL
@@ -93,7 +93,7 @@ def encode(content: dict[str, Any]) -> bytes:
     Raises
     ------
     ValueError, TypeError
-        If it has what JSON does not.
+        If a value has no JSON form.
     """
     text = _dump(content)
     return _LINE % (LAYOUT, len(text), zlib.crc32(text)) + text
@@ -109,7 +109,7 @@ def parse(read: Callable[[int, int], bytes], size: int) -> tuple[Header, int]:
     Parameters
     ----------
     read : callable
-        ``read(start, length)`` gives `length` bytes of the file, fewer where it ends.
+        ``read(start, length)`` returns `length` bytes of the file, fewer at its end.
     size : int
         Bytes of the file.
 
@@ -118,13 +118,13 @@ def parse(read: Callable[[int, int], bytes], size: int) -> tuple[Header, int]:
     header : Header
         The header.
     length : int
-        Bytes that it takes at the beginning of the file.
+        Size of the header in bytes, at the beginning of the file.
 
     Raises
     ------
     DamagedError
-        If the file is no checkpoint or one of another layout, or if the header is not what pgimp
-        writes or is not about a file of this size.
+        If the file is no checkpoint, or has another layout. Or if the header is not pgimp's, or
+        belongs to a file of another size.
     """
     if size == 0:
         raise DamagedError("it is empty")
@@ -151,7 +151,7 @@ def _decode(text: bytes) -> Header:
     try:
         tree = json.loads(text)
         _check_depth(tree)
-        # Rules out keys that are there twice, numbers that are none and text that is no Unicode.
+        # Rules out duplicate keys, NaN and text that is no Unicode.
         if _dump(tree) != text:
             raise DamagedError("its header is not written as pgimp writes it")
         return Header.model_validate(tree)
@@ -198,7 +198,7 @@ def _check_places(header: Header) -> None:
     taken = []
     for places, count in ((header.rows, header.count), (header.whole, None)):
         for name, place in places.items():
-            # Also where one length is 0 the others must be such as the file could hold.
+            # Even if one length is 0, the others must fit into the file.
             most = math.prod(max(1, length) for length in (count or 1, *place.shape))
             extent = place.extent(count)
             if most > header.size or place.offset + extent > header.size:

@@ -1,7 +1,7 @@
-"""Writing a checkpoint: reserve the space, write data and header, sync, and only then the name.
+"""Writing a checkpoint: reserve the space, write data and header, sync, and only then rename.
 
-Every rank computes checksums of its data while writing. They are in the header, and are
-compared before the file gets its name and when the checkpoint is read.
+Every rank computes checksums of its data while writing. They are stored in the header, and
+verified before the file is renamed and when the checkpoint is read.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from pgimp.storage.unfinished import explained_errors, removed_on_error
 
 Array = np.ndarray
 
-# A piece with a checksum of its own: what is read at once, more in files of many of them.
+# Bytes of a piece with a checksum of its own: the unit of reading, larger in large files.
 _PIECE = 4 << 20
 _PIECES = 4096
-# More characters than the header needs for a number that is not known yet, and for a piece.
+# More characters than the header needs for a number not yet known, and for a piece.
 _NUMBER, _PIECE_TEXT = 20, 48
 
 
@@ -46,29 +46,29 @@ def write(
     Parameters
     ----------
     path : Path
-        The file; replaced if there.
+        The file; replaced if it exists.
     comm : communicator
         Of all ranks.
     about : dict
-        Anything that JSON can say; of use on rank 0.
+        Any data with a JSON form; used on rank 0.
     rows : mapping of str to ndarray, shape (n, ...)
-        This rank's block of each dataset of rows; the ranks' blocks lie one after the other. The
-        same names, types and shapes of a row on every rank; n may be 0.
+        This rank's block of each dataset of rows; the ranks' blocks are stored consecutively.
+        Names, types and row shapes are the same on every rank; n may be 0.
     whole : mapping of str to ndarray
-        Further datasets, small ones; of use on rank 0.
+        Further small datasets; used on rank 0.
     order : ndarray of int, optional
-        Which of the rows are written, in which order; all as they are without it.
+        Rows to write, in this order; by default all.
 
     Returns
     -------
     int
-        Bytes of the file; of use on rank 0.
+        Bytes of the file, on rank 0.
 
     Raises
     ------
     RunError
-        On every rank, if it could not be written whole; then there is no file of this name but an
-        older one, as it was.
+        On every rank, if it could not be written completely; an older file of this name then stays
+        unchanged.
     """
     what = f"write the checkpoint {path}"
     part = temporary(path)
@@ -93,9 +93,9 @@ def write(
                 for begin, end in blocks(count):
                     block = array[begin:end]
                     if order is not None:
-                        # Always the same memory: new pages would cost as much as the rest.
+                        # Reused memory: new pages would cost as much as the rest.
                         buffer = np.empty_like(block) if buffer is None else buffer[: end - begin]
-                        # Without "clip" NumPy would not take the memory it is given.
+                        # Without "clip" NumPy would not use this buffer.
                         block = array.take(order[begin:end], 0, buffer, "clip")
                     file.write(place, np.asarray(block, dtype, order="C"))
                     place += block.nbytes
@@ -119,14 +119,14 @@ def _little(array: Array) -> np.dtype:
 
 
 class _Plan:
-    """Part of rank 0: makes the file and, when all have written to it, header and name.
+    """Part of rank 0: creates the file; writes the header and renames when all have written.
 
     Attributes
     ----------
     most : int
         Longest piece of the rows.
     size : int
-        Bytes of the file, when it is made.
+        Bytes of the file, once created.
     """
 
     def __init__(
@@ -153,7 +153,7 @@ class _Plan:
         }
 
     def create(self, whole: Mapping[str, Array], what: str) -> dict[str, int]:
-        """Make the file, with nothing in it yet; return where each dataset begins."""
+        """Create the empty file; return the offset of each dataset."""
         arrays = {name: np.asarray(a, _little(a), order="C") for name, a in whole.items()}
         self._whole = arrays
         places = {
@@ -162,7 +162,7 @@ class _Plan:
         }
         self.content |= {"whole": places, "pieces": []}
         places = self.content["rows"] | places
-        # Two neighbours are together longer than the longest piece, but at the end of a block.
+        # Two neighbours are together longer than the longest piece, except at a block's end.
         pieces = 2 * (self.count * self.row_bytes // self.most + len(places) + 1)
         pieces += self.ranks * len(self.datasets)
         try:
@@ -183,7 +183,7 @@ class _Plan:
         return layout.offsets
 
     def head(self, file: FrameFile, written: list[list[Written]], what: str) -> None:
-        """Write all but the rows: the header has the checksums of what the ranks wrote."""
+        """Write everything but the rows: the header has the checksums of the ranks' data."""
         offsets, says = self._layout.offsets, self._layout.parts
         whole = [
             Written(offsets[name], array.nbytes, zlib.crc32(bytes_of(array)))
@@ -193,7 +193,7 @@ class _Plan:
         pieces: list[list[int]] = []
         end = self.begin
         for piece in [*sorted(chain(*written, whole)), Written(self.size, 0, 0)]:
-            if piece.start > end:  # what HDF5 says about the datasets
+            if piece.start > end:  # HDF5's metadata of the datasets
                 between = bytearray(piece.start - end)
                 for place, data in says.items():
                     if end <= place < piece.start:
@@ -214,6 +214,6 @@ class _Plan:
             file.write(offsets[name], array)
 
     def publish(self, path: Path, what: str) -> None:
-        """Name the file, once all of it is on the disk."""
+        """Rename the file, once it is completely on the disk."""
         with explained_errors(what):
             publish(self.part, path)

@@ -25,10 +25,10 @@ from pgimp.storage.unfinished import Unfinished, explained_errors, removed_on_er
 Array = np.ndarray
 
 FORMAT_VERSION = 1
-# Placeholders of time and step in the common header of all frames: with characters that no text of
-# a case has.
+# Placeholders of time and step in the common header of all frames, with characters that no case's
+# text has.
 _TIME, _STEP = b"\x01time\x02\x03\x04", b"\x01step\x02\x03\x04"
-# Fields are written together if a rank has at most this number of bytes of them in all.
+# Fields are written together if a rank has at most this number of bytes of them in total.
 _TOGETHER = 4 << 20
 
 
@@ -40,9 +40,9 @@ class ParticleFile:
     case : Case
         Gives title and units.
     scene : Scene
-        What is simulated.
+        The scene.
     fields : list of str
-        Which fields the files have.
+        Fields in the files.
     precision : str
         Type of real numbers: float64 or float32.
     compressed : bool
@@ -53,7 +53,7 @@ class ParticleFile:
     types : dict of str to str
         Type of each field in the files.
     kinds : dict of str to Field
-        What each of them is.
+        Definition of each field.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class ParticleFile:
     def rows(
         self, comm: Communicator, ids: Array, storage: Array, count: int, complete: bool
     ) -> Rows:
-        """Rows as such a file needs them; collective. See `Rows`."""
+        """Rows of such a file; collective. See `Rows`."""
         unit = chunks.ROWS if self._compressed else 1
         return Rows(comm, ids, storage, count, complete, unit)
 
@@ -109,34 +109,34 @@ class ParticleFile:
         what: str,
         instead: Mapping[str, Array] = MappingProxyType({}),
     ) -> Unfinished:
-        """Write a file under another name; collective.
+        """Write a file under a temporary name; collective.
 
         Parameters
         ----------
         path : Path
-            The file; it gets its name at the end, when all of it is on the disk.
+            The file; renamed to this at the end, when it is completely on the disk.
         particles : Particles
-            This rank's.
+            This rank's particles.
         rows : Rows
-            Which of them are written, and by whom.
+            Rows of the particles to write, with the writing ranks.
         state : (float, int)
             Simulated time and step, for the attributes.
         what : str
-            What is being done, for messages.
+            The action, for messages.
         instead : mapping of str to ndarray
-            Values of this rank's rows, in the order of their storage, for fields that do not have
-            those of the particles.
+            Values of this rank's rows, in storage order, for fields with values other than the
+            particles' own.
 
         Returns
         -------
         Unfinished
-            The file, of which the particles are no longer needed.
+            The file; the particles are no longer needed.
 
         Raises
         ------
         RunError
-            On every rank, if the disk is full, or the file cannot be made; it then does not exist.
-            Other errors are raised at the end.
+            On every rank, if the disk is full, or the file cannot be created; it then does not
+            exist. Other errors are raised at the end.
         """
         comm, part, scene = rows.comm, temporary(path), self._scene
         attributes = {"time": state[0], "step": np.int64(state[1])} | self._attributes
@@ -153,7 +153,7 @@ class ParticleFile:
     def _in_place(
         self, part: Path, rows: Rows, attributes: dict[str, Any], values: Values, what: str
     ) -> FrameFile:
-        """Write each row to its place, in contiguous datasets."""
+        """Write each row at its offset, in contiguous datasets."""
         says: dict[int, bytes] = {}
 
         def begin() -> dict[str, int]:
@@ -182,7 +182,7 @@ class ParticleFile:
     def _in_chunks(
         self, part: Path, rows: Rows, attributes: dict[str, Any], values: Values, what: str
     ) -> FrameFile:
-        """Compress each chunk of rows, and write it to the place that rank 0 assigns."""
+        """Compress each chunk of rows, and write it at the offset that rank 0 assigns."""
         made: list[Chunks] = []
         says: dict[int, bytes] = {}
         length = chunk_rows(rows.count)
@@ -229,7 +229,7 @@ class ParticleFile:
 
     def _groups(self, rows: Rows) -> Iterator[list[Dataset]]:
         """Yield datasets whose values are moved together; the same on every rank."""
-        group, size = [CONNECTIVITY], 0  # which every rank knows
+        group, size = [CONNECTIVITY], 0  # available on every rank
         each = -(-rows.count // rows.comm.size)
         for dataset in self._datasets[1:]:
             more = each * dataset.row_bytes

@@ -1,4 +1,4 @@
-"""Values of the fields of particles, for the rows of a file that a rank writes."""
+"""Values of particle fields, for the rows of a file that a rank writes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Values:
     types : dict of str to str
         Type of each field in the file.
     kinds : dict of str to Field
-        What each of them is.
+        Definition of each field.
     source : Source
         This rank's particles.
     instead : mapping of str to ndarray
@@ -34,7 +34,7 @@ class Values:
     Attributes
     ----------
     error : str or None
-        What is wrong with the values of this rank's particles.
+        Error in the values of this rank's particles.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Values:
     def collect(
         self, rows: Rows, group: list[Dataset], size: int | None = None
     ) -> Iterator[tuple[int, list[Array]]]:
-        """Yield this rank's rows block by block: the first one, and the columns; collective."""
+        """Yield this rank's rows block by block: first row, and columns; collective."""
         moved = [one for one in group if one is not CONNECTIVITY]
         record = np.dtype([(one.name, one.dtype, one.tail) for one in moved])
 
@@ -71,7 +71,7 @@ class Values:
             )
 
     def _of(self, name: str, begin: int, end: int) -> Array:
-        """Values of a field in some of the rows of the storage."""
+        """Values of a field in a range of storage rows."""
         if name in self._instead:
             return self._instead[name][begin:end]
         source = self._source._replace(rows=self._source.rows[begin:end])

@@ -1,9 +1,9 @@
 """A series of files in the folder of frames, with the XDMF file that lists them.
 
-The run does not wait for the disk: a file is written to the kernel's memory, synced to the disk
-during the next steps, and only then renamed. So a file with its name is whole, also after a crash
-of the machine; the last one appears as soon as the disk has it, before a checkpoint at the
-latest, and is lost if the run dies before that.
+The run does not wait for the disk. A file is written to the kernel's memory, synced to the disk
+during the next steps, and only then renamed. So a file with its final name is complete, even after
+a crash of the machine. The last file appears once it is on the disk, before a checkpoint at the
+latest. It is lost if the run dies before that.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from pgimp.storage.unfinished import Unfinished
 
 
 class Entry(NamedTuple):
-    """A file as the XDMF file lists it: its time, its step, and its text there."""
+    """Entry of a file in the XDMF file: time, step, and text."""
 
     time: float
     step: int
@@ -39,17 +39,17 @@ class Series(ABC):
     collection : Collection
         The XDMF file.
     pattern : re.Pattern
-        Of the names of the files; its group is the number.
+        Pattern of the file names; its group is the number.
 
     Attributes
     ----------
     written : int
-        Number of files that have their names, or would have, had all been requested.
+        Number of renamed files, counted as if all had been requested.
     latest, step : float, int
-        Simulated time of the last of these, and step of the last file that was begun; the step
-        is -1 before the first.
+        Simulated time of the last renamed file, and step of the last file begun, -1 before the
+        first.
     size : int
-        Bytes of the files that this process wrote, on rank 0.
+        Bytes of the files written by this process, on rank 0.
     """
 
     def __init__(
@@ -75,26 +75,26 @@ class Series(ABC):
 
     @property
     def waiting(self) -> bool:
-        """Whether the last file has no name yet; the same on every rank."""
+        """Whether the last file is not yet renamed; the same on every rank."""
         return self._pending is not None
 
     @property
     def ready(self) -> bool:
-        """Whether this rank would not have to wait for the disk to finish the last file."""
+        """Whether this rank can finish the last file without waiting for the disk."""
         return self._pending is None or self._pending[0].ready
 
     def finish(self, last: bool = False) -> None:
-        """Rename the last file when it is on the disk, unless that is done; collective.
+        """Rename the last file when it is on the disk, unless already renamed; collective.
 
         Parameters
         ----------
         last : bool
-            Whether it is the last one of the run.
+            Whether it is the last file of the run.
 
         Raises
         ------
         RunError
-            On every rank, if it could not be written whole; there is then no file of its name.
+            On every rank, if it could not be written completely; it then has no final name.
         """
         if self._pending is None:
             return
@@ -116,7 +116,7 @@ class Series(ABC):
         Parameters
         ----------
         last : bool
-            Whether there will be no other.
+            Whether there are no further files.
 
         Raises
         ------
@@ -137,17 +137,17 @@ class Series(ABC):
         self._synced = self.written
 
     def resume(self, number: int) -> list[str]:
-        """Go on after the first `number` files; later ones are deleted; collective.
+        """Continue after the first `number` files; later files are deleted; collective.
 
         Parameters
         ----------
         number : int
-            Number of files at the checkpoint from which the run goes on.
+            Number of files at the checkpoint from which the run resumes.
 
         Returns
         -------
         list of str
-            Errors of files that should exist; those are not listed any more.
+            Errors of files that should exist; these are no longer listed.
 
         Raises
         ------
@@ -159,7 +159,7 @@ class Series(ABC):
         return notes
 
     def _missing(self, number: int, there: int) -> list[str]:
-        """Return how many of the files before a number are missing."""
+        """Messages on missing files before a number."""
         if there >= number:
             return []
         return [f"{number - there} of the {number} earlier frames are missing"]
@@ -169,7 +169,7 @@ class Series(ABC):
         try:
             paths = {}
             for path in self.folder.iterdir():
-                # Anything else of such a name, as a pipe, could not be read without waiting.
+                # Only regular files: reading a pipe of such a name could block.
                 if path.is_file() and (match := self._pattern.fullmatch(path.name)):
                     paths[int(match[1])] = path
             before = sorted(i for i in paths if i < number)

@@ -16,15 +16,15 @@ _NUMBER_TYPE = {"f": "Float", "i": "Int"}
 
 
 class Collection:
-    """A temporal collection of frames, whole again after each frame.
+    """A temporal collection of frames, complete after each frame.
 
-    ParaView has three readers of XDMF, which all read the same subset alike: cells by an
-    explicit connectivity dataset, six-component tensors as a matrix, whole datasets only.
+    ParaView has three readers of XDMF, which agree only on a subset: cells by an explicit
+    connectivity dataset, six-component tensors as a matrix, whole datasets.
 
     Parameters
     ----------
     path : Path
-        The file; its name without suffix is that of the collection.
+        The file; its name without suffix is the collection's.
     """
 
     def __init__(self, path: Path) -> None:
@@ -32,7 +32,7 @@ class Collection:
         self._grids: list[str] = []
 
     def add(self, grid: str) -> None:
-        """Add a frame, as `particles` or `mesh` gives it."""
+        """Add a frame, the text from `particles` or `mesh`."""
         self._grids.append(grid)
 
     def write(self, durable: bool = False) -> None:
@@ -41,7 +41,7 @@ class Collection:
         Parameters
         ----------
         durable : bool
-            Whether it must survive a crash of the machine; until the last frame, it can be rebuilt.
+            Whether it must survive a crash of the machine; before the last frame it can be rebuilt.
 
         Raises
         ------
@@ -60,20 +60,20 @@ class Collection:
 def particles(
     path: Path, time: float, count: int, types: Mapping[str, str], kinds: Mapping[str, Field]
 ) -> str:
-    """Return how a frame of particles is listed.
+    """Return the XDMF text of a frame of particles.
 
     Parameters
     ----------
     path : Path
         The frame's file; the XDMF file is in the folder above or beside it.
     time : float
-        Its simulated time.
+        Simulated time.
     count : int
-        Its number of particles.
+        Number of particles.
     types : mapping of str to str
-        Its fields, `position` among them, and their types.
+        Fields, including `position`, and their types.
     kinds : mapping of str to Field
-        What each of them is.
+        Definition of each field.
     """
     file = _relative(path)
     topology = 'TopologyType="Polyvertex"', 1
@@ -92,7 +92,7 @@ _CELLS = (
 def mesh(
     path: Path, time: float, counts: tuple[int, int], dimension: int, fields: Mapping[str, Kind]
 ) -> str:
-    """Return how a frame of the grid is listed.
+    """Return the XDMF text of a frame of the grid.
 
     Parameters
     ----------
@@ -101,25 +101,25 @@ def mesh(
     time : float
         Its simulated time.
     counts : (int, int)
-        Its numbers of vertices and of cells.
+        Numbers of vertices and of cells.
     dimension : int
         1, 2 or 3.
     fields : mapping of str to (str, int, str)
-        Its fields, `position` among them: attribute type, columns (0 for a scalar), type.
+        Fields, including `position`: attribute type, columns (0 for a scalar), type.
     """
     topology = _CELLS[dimension - 1], 2**dimension
     return _grid("grid", _relative(path), time, counts, topology, fields)
 
 
 def surface(path: Path, time: float, counts: tuple[int, int], dimension: int) -> str:
-    """Return how a frame of the rigid bodies is listed; see `mesh`, of what has no inside."""
+    """Return the XDMF text of a frame of the rigid bodies; as `mesh`, for cells of surfaces."""
     fields: dict[str, Kind] = {"position": ("Vector", 3, "<f8"), "body": ("Scalar", 0, "<i8")}
     topology = ('TopologyType="Polyvertex"', *_CELLS)[dimension - 1], 2 ** (dimension - 1)
     return _grid("rigid", _relative(path), time, counts, topology, fields)
 
 
 def _relative(path: Path) -> str:
-    """Return the name of a frame as the XDMF file has it."""
+    """Return the name of a frame in the XDMF file."""
     return f"{path.parent.name}/{path.name}" if path.parent.name == "frames" else path.name
 
 

@@ -1,1 +1,1 @@
-"""A run read again: frames, history, tables, comparison."""
+"""Reading results: frames, history, tables, comparison."""

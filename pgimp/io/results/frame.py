@@ -32,17 +32,17 @@ class Frame:
     Attributes
     ----------
     number : int
-        Its place among the frames of the run, from 0.
+        Number of the frame in the run, from 0.
     time : float
-        Its simulated time.
+        Simulated time.
     step : int
-        The step after which it was written.
+        Step after which it was written.
     fields : list of str
-        The fields it has, in the order of the file format.
+        Fields of the frame, in the order of the file format.
     types : dict of str to str
-        Their types; those of numbers that are not whole depend on the case's ``output.precision``.
+        Types of the fields; types of real numbers depend on the case's ``output.precision``.
     bodies, materials : list of str
-        Names, by the index that the fields ``body`` and ``material`` hold.
+        Names, by the index in the fields ``body`` and ``material``.
 
     Raises
     ------
@@ -68,11 +68,11 @@ class Frame:
         return self._count
 
     def __iter__(self) -> Iterator[str]:
-        """Go through the names of the fields."""
+        """Iterate over the names of the fields."""
         return iter(self.fields)
 
     def keys(self) -> list[str]:
-        """Return the names of the fields, so that ``dict(frame)`` reads them all."""
+        """Return the names of the fields; ``dict(frame)`` reads them all."""
         return list(self.fields)
 
     def __repr__(self) -> str:
@@ -106,14 +106,14 @@ class Frame:
         return self.rows(name, 0, self._count)
 
     def rows(self, name: str, first: int, last: int) -> Array:
-        """Read a stretch of a field.
+        """Read a range of rows of a field.
 
         Parameters
         ----------
         name : str
             One of `fields`.
         first, last : int
-            The rows from `first` up to but not including `last`.
+            First row, and end (exclusive).
 
         Returns
         -------
@@ -136,12 +136,12 @@ class Frame:
         Parameters
         ----------
         *names : str
-            The fields; all of them by default.
+            The fields; by default all.
 
         Returns
         -------
         pandas.DataFrame
-            Indexed by ``id``; a vector's or tensor's components are columns of their own, as
+            Indexed by ``id``; components of vectors and tensors are separate columns, such as
             ``position-x`` and ``stress-xy``.
 
         Raises
@@ -155,12 +155,12 @@ class Frame:
         return data_frame({"id": self["id"]} | {name: self[name] for name in chosen}, index="id")
 
 
-# Errors of h5py for a file of another content, and those from odd types and shapes.
+# Errors of h5py for a file of other content, and errors from odd types and shapes.
 _DAMAGES = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)
 
 
 class Reading:
-    """A file open for reading, whose errors, each a RunError, name it."""
+    """A file open for reading; its errors are RunErrors with its name."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -193,7 +193,7 @@ class Reading:
 class Content:
     """The content of an open HDF5 file itself.
 
-    Links and datasets that lead to other files are refused: those may be anybody's, or a pipe that
+    Links and datasets that lead to other files are refused: these may be untrusted, or a pipe that
     blocks.
 
     Parameters
@@ -206,7 +206,7 @@ class Content:
     attrs : mapping
         Its attributes.
     names : list of str
-        Its datasets, and what else it may have.
+        Its datasets and other members.
     """
 
     def __init__(self, file: Any) -> None:
@@ -222,7 +222,7 @@ class Content:
         KeyError
             If there is none of this name.
         OSError
-            If it is no dataset, or lies in another file.
+            If it is no dataset, or in another file.
         """
         h5py = load_h5py()
         if name not in self.names:

@@ -1,4 +1,4 @@
-"""Reading the frames of the grid, and finding where those of two runs differ."""
+"""Reading the frames of the grid, and comparing them between two runs."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class GridFrame:
     Attributes
     ----------
     number, time, step : int, float, int
-        Its place among the frames, its simulated time, the step after which it was written.
+        Number among the frames, simulated time, step after which it was written.
     types : dict of str to str
-        Types of what it has at the vertices, `position` among it.
+        Types of the vertices' quantities, including `position`.
     vertices, cells : int
-        How many.
+        Their numbers.
 
     Raises
     ------
@@ -52,7 +52,7 @@ class GridFrame:
             self.vertices, self.cells = len(file["position"]), len(file["connectivity"])
 
     def rows(self, name: str, first: int, last: int) -> Array:
-        """Read rows of a dataset, from `first` up to but not including `last`."""
+        """Read rows of a dataset, from `first` to `last` (exclusive)."""
         with Reading(self.path) as file:
             return file[name][first:last]
 
@@ -65,13 +65,13 @@ def grid_frames(directory: Path) -> dict[int, GridFrame]:
 
 
 def grid_differences(first: GridFrame, second: GridFrame, tolerance: Tolerance) -> Iterator[str]:
-    """Find where two frames of the grid differ.
+    """Find the differences of two frames of the grid.
 
     Yields
     ------
     str
-        A line about each difference: in time and step, in cells and vertices; where these are the
-        same, in what the vertices have that is in both.
+        A line per difference: in time and step, in cells and vertices. If these are equal, also in
+        the vertex quantities that both have.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""history.csv: a line of totals now and then."""
+"""history.csv: lines of sums over the particles, at the times of the case."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ __all__ = ["History", "read"]
 
 
 class History(LineFile):
-    """Writes a line of the run's diagnostics at a time."""
+    """Writes the run's diagnostics line by line."""
 
     def write(self, sim: Any) -> None:
-        """Write a line about the present state, unless there is one already; collective.
+        """Write a line for the present state, unless it exists already; collective.
 
         Parameters
         ----------
@@ -25,7 +25,7 @@ class History(LineFile):
         Raises
         ------
         RunError
-            On every rank, if the line cannot be written; the lines before it stay.
+            On every rank, if the line cannot be written; previous lines stay.
         """
         if sim.step == self.step:
             return

@@ -1,4 +1,4 @@
-"""The particles that two frames have in common, read block by block."""
+"""Common particles of two frames, read block by block."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ class Pair:
     first, second : Frame
         The frames.
     block : int
-        Rows that are read at once.
+        Rows per block.
 
     Attributes
     ----------
     only : (ndarray, ndarray)
-        The ids that only one of the frames has; none unless `comparable`.
+        Ids in only one of the frames; empty unless `comparable`.
     comparable : bool
         Whether particles can be identified: the frames have the same ids in the same order, or
-        each has ascending ones.
+        both have ascending ids.
     """
 
     def __init__(self, first: Frame, second: Frame, block: int) -> None:
@@ -48,21 +48,21 @@ class Pair:
             self.only = (np.setdiff1d(one, two, True), np.setdiff1d(two, one, True))
 
     def __len__(self) -> int:
-        """Return the number of particles that both have."""
+        """Return the number of common particles."""
         return self._length
 
     def components(self, field: str) -> list[str]:
-        """Names of the components of a field, none of a scalar."""
+        """Names of the components of a field; none for a scalar."""
         values = self._first.rows(field, 0, 0)
         return components_of(field, values.shape[1]) if values.ndim == 2 else []
 
     def blocks(self, field: str) -> Iterator[tuple[int, Array, Array]]:
-        """Go through a field of the common particles.
+        """Iterate over a field of the common particles.
 
         Yields
         ------
         int, ndarray, ndarray
-            Place of the block's first particle, the values in the first and in the second frame.
+            Number of the block's first particle, values in the first and in the second frame.
         """
         for start in range(0, self._length, self._block):
             stop = min(start + self._block, self._length)
@@ -81,11 +81,11 @@ class Pair:
                 )
 
     def number(self, place: int) -> int:
-        """Id of a common particle."""
+        """Id of a common particle, given by its number."""
         row = place if self._rows is None else int(self._rows[0][place])
         return int(self._first.rows("id", row, row + 1)[0])
 
 
 def _taken(frame: Frame, field: str, rows: Array) -> Array:
-    """Values in ascending rows, which lie close together."""
+    """Values of a field in ascending, nearly contiguous rows."""
     return frame.rows(field, int(rows[0]), int(rows[-1]) + 1)[rows - rows[0]]

@@ -27,7 +27,7 @@ __all__ = ["Frame", "Run", "open"]
 
 
 def open(directory: str | Path) -> Run:
-    """Open a run directory, also of a run in progress or one that died.
+    """Open a run directory, also of a run that is in progress or has failed.
 
     Parameters
     ----------
@@ -37,12 +37,12 @@ def open(directory: str | Path) -> Run:
     Returns
     -------
     Run
-        Its results; later additions by the run appear as well.
+        The results, with later additions by the run.
 
     Raises
     ------
     UsageError
-        If the directory holds no run.
+        If the directory has no run.
     """
     return Run(Path(directory))
 
@@ -58,7 +58,7 @@ class Run:
     Raises
     ------
     UsageError
-        If it holds no run.
+        If it has no run.
     """
 
     def __init__(self, path: Path) -> None:
@@ -71,7 +71,7 @@ class Run:
     def info(self) -> dict[str, Any]:
         """The last start in run.json: versions, hosts, state, steps and so on.
 
-        While the run goes on, steps and time are those of the last line of history.csv.
+        During the run, steps and time come from the last line of history.csv.
         """
         content = runinfo.read(self.path / RUN)
         if content is None:
@@ -81,7 +81,7 @@ class Run:
 
     @property
     def state(self) -> str:
-        """One of running, done, stopped and failed, as run.json says."""
+        """State in run.json: running, done, stopped or failed."""
         return self.info["state"]
 
     @cached_property
@@ -98,13 +98,13 @@ class Run:
 
     @property
     def frames(self) -> list[Frame]:
-        """All frames so far, in order of time."""
+        """Frames so far, in order of time."""
         folder = self.path / "frames"
         found = [path for path in folder.glob("particles-*.h5") if FRAME.fullmatch(path.name)]
         return sorted(map(self._frame, found), key=lambda frame: frame.number)
 
     def _frame(self, path: Path) -> Frame:
-        """Return the frame of a file, which another run may have replaced since the last time."""
+        """Return the frame of a file, read again if another run has replaced the file."""
         try:
             about = path.stat()
         except OSError as error:
@@ -125,7 +125,7 @@ class Run:
         return len(self.frames)
 
     def __iter__(self) -> Iterator[Frame]:
-        """Go through the frames."""
+        """Iterate over the frames."""
         return iter(self.frames)
 
     def frame(self, index: int) -> Frame:
@@ -134,7 +134,7 @@ class Run:
         Parameters
         ----------
         index : int
-            Its place; -1 is the last.
+            Its number; -1 is the last frame.
 
         Returns
         -------
@@ -179,8 +179,8 @@ class Run:
         Returns
         -------
         Fields
-            By name arrays of shape (frames,) or (frames, k): ``time``, ``step`` and each field that
-            all frames have; of a particle that was removed only for the frames that have it.
+            Arrays of shape (frames,) or (frames, k) by name: ``time``, ``step`` and each field
+            common to all frames. Only frames with the particle count, if it was removed.
 
         Raises
         ------

@@ -20,12 +20,12 @@ class Table(np.ndarray):
     """A structured array, a field for each column: ``table["time"]``, ``table.dtype.names``."""
 
     def __getitem__(self, key: Any) -> Any:
-        """Return a column by its name; lines as of any array.
+        """Return a column by its name; lines are indexed as in any array.
 
         Raises
         ------
         KeyError
-            If there is no such column; it says which there are.
+            If there is no such column; the message lists the columns.
         """
         names = self.dtype.names
         if isinstance(key, str) and names is not None:
@@ -35,7 +35,7 @@ class Table(np.ndarray):
         return super().__getitem__(key)
 
     def __repr__(self) -> str:
-        """Return how many lines there are, and of each column its name, first and last value."""
+        """Return the number of lines, and each column's name, first and last value."""
         if self.dtype.names is None or self.ndim != 1:
             return repr(np.asarray(self))
         lines = [f"<Table of {len(self)} line{'s' * (len(self) != 1)}>"]
@@ -60,10 +60,10 @@ class Table(np.ndarray):
 
 
 class Tables(dict[str, Table]):
-    """Tables by name; a wrong name's error says which there are."""
+    """Tables by name; the error of a wrong name lists the names."""
 
     def __missing__(self, name: object) -> Table:
-        """Raise a KeyError that names what is there."""
+        """Raise a KeyError that lists the names."""
         raise KeyError(absent(f"probe {name!r}", str(name), self))
 
     def __repr__(self) -> str:
@@ -76,14 +76,14 @@ class Tables(dict[str, Table]):
 
 
 def absent(what: str, name: str, known: Collection[str]) -> str:
-    """Message for an unknown name: a similar one, and all there are."""
+    """Message for an unknown name: a similar name, and all names."""
     guess = nearest(name, known)
     hint = f"did you mean {guess!r}? " if guess else ""
     return escape(f"there is no {what}; {hint}there are: {', '.join(known) or 'none'}")
 
 
 class Fields(dict[str, np.ndarray]):
-    """Fields of particles by name, with as many rows each."""
+    """Fields of particles by name, with equal numbers of rows."""
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the fields as a pandas.DataFrame, components as columns of their own.
@@ -102,9 +102,9 @@ def data_frame(fields: Mapping[str, np.ndarray], index: str | None = None) -> pa
     Parameters
     ----------
     fields : mapping of str to ndarray, each of shape (n,) or (n, k)
-        The arrays; one of several columns gives ``stress-xx``, ``stress-yy`` and so on.
+        The arrays; several columns become ``stress-xx``, ``stress-yy`` and so on.
     index : str, optional
-        The one that names the rows.
+        The array that is the index of the rows.
 
     Raises
     ------

@@ -17,24 +17,24 @@ class Tolerance(NamedTuple):
     Attributes
     ----------
     relative, absolute : float
-        The difference may be `relative` times the larger magnitude, plus `absolute`.
+        Greatest difference: `relative` times the larger magnitude, plus `absolute`.
     """
 
     relative: float = 0.0
     absolute: float = 0.0
 
     def differ(self, first: Array, second: Array) -> Array:
-        """Return which numbers differ; -0.0 and 0.0 have different bits, equal NaNs are the same.
+        """Mask of the numbers that differ; -0.0 and 0.0 have different bits, equal NaNs are equal.
 
         Parameters
         ----------
         first, second : ndarray
-            Of the same shape and type.
+            Numbers of the same shape and type.
 
         Returns
         -------
         ndarray of bool
-            Of that shape.
+            Mask of that shape.
         """
         if first.dtype.kind != "f":
             return first != second
@@ -55,9 +55,9 @@ class Worst(NamedTuple):
     Attributes
     ----------
     number : int
-        How many rows differ.
+        Number of rows that differ.
     row, column : int
-        Where the difference is largest.
+        Row and column of the largest difference.
     first, second : float
         The two values there.
     """
@@ -88,7 +88,7 @@ class Moment(Protocol):
 
 
 def moments(name: str, first: Moment, second: Moment, tolerance: Tolerance) -> Iterator[str]:
-    """Yield a line each if the steps or the times of two frames differ; `name` is theirs."""
+    """Yield a line each if the steps or the times of two frames called `name` differ."""
     if first.step != second.step:
         yield f"{name}: step {first.step} and {second.step}"
     if tolerance.differ(np.array([first.time]), np.array([second.time])).any():
@@ -144,21 +144,21 @@ def _distance(first: Array, second: Array) -> Array:
 
 
 def tables(name: str, first: Array, second: Array, tolerance: Tolerance) -> Iterator[str]:
-    """Find where two files of lines differ.
+    """Find the differences of two tables.
 
     Parameters
     ----------
     name : str
         The file's, for messages.
     first, second : ndarray
-        As `pgimp.storage.lines.read` gives them.
+        From `pgimp.storage.lines.read`.
     tolerance : Tolerance
         What may differ by how much.
 
     Yields
     ------
     str
-        A line about each difference.
+        A line per difference.
     """
     columns = [table.dtype.names or () for table in (first, second)]
     if columns[0] != columns[1]:

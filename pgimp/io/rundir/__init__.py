@@ -1,1 +1,1 @@
-"""The run directory: which files are pgimp's, run.json, probes' files."""
+"""The run directory: pgimp's files, run.json, probes' files."""

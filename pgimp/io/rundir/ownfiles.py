@@ -1,4 +1,4 @@
-"""Files in a run directory that are a run's own, and others that block them."""
+"""A run's own files in its directory, and foreign files that block them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
 RIGID_FRAME = re.compile(r"rigid-(\d{6,})\.h5")
 FOLDERS = ("frames", "checkpoints")
 FAILURE = "failure"
-#: A file that exists once the failure of a run is recorded.
+#: A file that marks the recorded failure of a run.
 FAILED = ".failed"
 #: Files being written.
 PART = re.compile(
@@ -37,7 +37,7 @@ _DATA = {
 
 
 def own_files(directory: Path) -> Iterator[Path]:
-    """Yield the files of a run but run.json, without which the rest counts as no run.
+    """Yield the files of a run except run.json, without which the rest counts as no run.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def require_room(directory: Path, resume: bool, probes: Collection[str]) -> None
     Raises
     ------
     UsageError
-        With the blocking files, and what to do.
+        With the blocking files and a remedy.
     OSError
         If a folder cannot be read.
     """
@@ -90,7 +90,7 @@ def require_room(directory: Path, resume: bool, probes: Collection[str]) -> None
         if path.exists() and not path.is_file():
             what = "a folder" if path.is_dir() else "no plain file"
             raise _obstacle(path, f"it is {what}, but a run has a file of this name")
-    # Without run.json only the checkpoints may know what probes there were.
+    # Without run.json only the checkpoints may have the names of the probes.
     if runinfo.read(directory / RUN) is not None:
         for name in sorted({*probes} - ever):
             if os.path.lexists(path := probe_file(directory, name)):

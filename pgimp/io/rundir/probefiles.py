@@ -22,9 +22,9 @@ def probe_file(directory: Path, name: str) -> Path:
 
 
 def probe_files(directory: Path) -> Iterator[Path]:
-    """Yield the files of the probes that the case of a run directory names, there or not.
+    """Yield the files of the probes in the case of a run directory, existing or not.
 
-    The folder may hold others, which are not the run's.
+    The folder may have other files, which do not belong to the run.
     """
     for name in _of_case(directory):
         yield probe_file(directory, name)
@@ -38,7 +38,7 @@ def probes_ever(directory: Path, run: dict[str, Any] | None) -> set[str]:
     directory : Path
         The run directory.
     run : dict or None
-        What its run.json says, whose starts each know the probes so far.
+        Content of run.json; each of its starts lists the probes so far.
     """
     starts = run["starts"] if run else []
     known = [start[PROBES] for start in starts if isinstance(start.get(PROBES), list)]
@@ -53,7 +53,7 @@ def _of_case(directory: Path) -> Iterable[str]:
     return ()
 
 
-@lru_cache(maxsize=1)  # a start asks several times, of the same text
+@lru_cache(maxsize=1)  # a start calls it several times for the same text
 def _of_text(text: bytes) -> tuple[str, ...]:
     from pgimp.schema.document import parse
 

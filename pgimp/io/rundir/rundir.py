@@ -1,4 +1,4 @@
-"""The run directory: one run at a time, and no results lost by accident."""
+"""The run directory: one run at a time, no accidental loss of results."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ from pgimp.storage.atomic import write
 from pgimp.storage.linereader import so_far
 from pgimp.terminal import escape
 
-#: State of a run while the files of the one before are still in its directory.
+#: State of a run while files of the previous run are still in its directory.
 STARTING = "starting"
-# A name that cannot be that of a directory on any disk.
+# Errors for a name that no disk can have as a directory.
 _NO_PLACE = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP)
 _LOCK = ".lock"
-# Of ranks that fail together the lowest reports on the terminal; so it does here.
+# If ranks fail together, the lowest reports, here as on the terminal.
 _HEAD_START_SECONDS = 0.01
 _LONGEST_HEAD_START_SECONDS = 0.2
 
@@ -48,7 +48,7 @@ class RunDirectory:
     Parameters
     ----------
     path : Path
-        Created with its parents if it is not there.
+        Created with its parents if it does not exist.
     comm : communicator
         Of all ranks; creation is collective.
     overwrite : bool
@@ -61,14 +61,14 @@ class RunDirectory:
     Attributes
     ----------
     before : dict or None
-        The last start of an existing run, as run.json has it, with the step of the last
-        checkpoint of all starts. Its state is "lost" if only the checkpoints are left.
+        The last start of an existing run from run.json, with the step of the last checkpoint of all
+        starts. Its state is "lost" if only the checkpoints are left.
 
     Raises
     ------
     UsageError
-        On every rank, if the directory must not be used: it holds a run, or files of the same names
-        that are no run's or are in the way, or is locked by another run.
+        On every rank, if the directory must not be used: it has a run, or foreign files of the
+        same names or in the way, or is locked by another run.
     RunError
         On every rank, if it cannot be used: a full disk, no permission.
     """
@@ -113,7 +113,7 @@ class RunDirectory:
             raise
 
     def _take_lock(self) -> None:
-        """Lock the directory; a run that died leaves a file behind, but no lock."""
+        """Lock the directory; a dead run leaves its file behind, but no lock."""
         name = self.path / _LOCK
         while self._lock < 0:
             descriptor = os.open(name, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
@@ -127,7 +127,7 @@ class RunDirectory:
                     "Wait for it, stop it, or choose another directory with -o."
                 ) from None
             except OSError:
-                # No locks on this file system: one run at a time is then the user's concern.
+                # No locks on this file system: one run at a time is then up to the user.
                 pass
             with suppress(FileNotFoundError):
                 if os.path.samestat(os.fstat(descriptor), name.stat()):
@@ -166,23 +166,23 @@ class RunDirectory:
         return last | {"checkpoint": made[-1] if made else None}
 
     def prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool = False) -> None:
-        """Write the files that a run starts with; collective.
+        """Write the initial files of a run; collective.
 
-        An older run is deleted, or, if it is resumed, cleared of half-written files.
+        An older run is deleted; if it is resumed, only its half-written files are.
 
         Parameters
         ----------
         texts : dict of str to bytes
             Files and their content.
         start : dict
-            What run.json says of this start.
+            Entry of run.json for this start.
         resume : bool
             Whether to continue the existing run.
 
         Raises
         ------
         UsageError, RunError
-            On every rank, if that is not possible; with the first, nothing is changed.
+            On every rank, if that is not possible; a UsageError changes nothing.
         """
         on_root(self.comm, lambda: self._prepare(texts, start, resume))
 
@@ -190,7 +190,7 @@ class RunDirectory:
         try:
             require_room(self.path, resume, self._probes)
             start = start | {PROBES: sorted(self._probes)}
-            # Probes that are dropped are known to run.json only.
+            # Dropped probes are only in run.json.
             both = {PROBES: sorted({*self._probes, *probes_so_far(self.path)})}
             for name in FOLDERS:
                 (self.path / name).mkdir(exist_ok=True)
@@ -198,7 +198,7 @@ class RunDirectory:
             if resume:
                 runinfo.append(self.path / RUN, start | both)
             else:
-                # From here to the end of this the directory holds parts of two runs.
+                # From here to the end of this block the directory has parts of two runs.
                 runinfo.write(self.path / RUN, start | both | {"state": STARTING})
             for path in own:
                 past = path.name == FAILED or path.parent.name == FAILURE
@@ -216,9 +216,9 @@ class RunDirectory:
         return UsageError(message) if error.errno in _NO_PLACE else RunError(message)
 
     def record_failure(self, state: str, step: int, when: float, message: str) -> None:
-        """Note in run.json and log.txt why the run ended early.
+        """Record the reason for an early end in run.json and log.txt.
 
-        Any rank that fails calls it on its own; the first of them writes.
+        Any failing rank calls it separately; the first one writes.
 
         Parameters
         ----------
@@ -227,10 +227,10 @@ class RunDirectory:
         step, when : int, float
             The run's last step and its simulated time.
         message : str
-            What happened.
+            The reason.
         """
         time.sleep(min(self.comm.rank * _HEAD_START_SECONDS, _LONGEST_HEAD_START_SECONDS))
-        # With a full or missing disk, only the terminal has the message.
+        # If the disk is full or missing, only the terminal has the message.
         with suppress(OSError):
             os.close(os.open(self.path / FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
             self._update(state=state, steps=step, time=when, message=message)
@@ -240,18 +240,18 @@ class RunDirectory:
     def finish(
         self, state: str, step: int, when: float, seconds: float, message: str | None = None
     ) -> None:
-        """Note in run.json that the run ended normally; collective.
+        """Record the normal end of the run in run.json; collective.
 
         Parameters
         ----------
         state : str
             "done" or "stopped".
         step, when : int, float
-            Its last step and simulated time.
+            Last step and simulated time.
         seconds : float
-            Wall time of its steps, without set-up and output.
+            Wall time of the steps, without set-up and output.
         message : str, optional
-            Why it stopped.
+            Reason for stopping.
 
         Raises
         ------
@@ -268,7 +268,7 @@ class RunDirectory:
         on_root(self.comm, action)
 
     def note_checkpoint(self, step: int) -> None:
-        """Note in run.json that there is a checkpoint; collective.
+        """Record a checkpoint in run.json; collective.
 
         Raises
         ------
@@ -288,7 +288,7 @@ class RunDirectory:
         runinfo.update(self.path / RUN, ended=runinfo.now(), **changes)
 
     def release(self) -> None:
-        """Release the directory for other runs; delete it if this run made it and left it empty."""
+        """Release the directory for other runs; delete it if this run made it and it is empty."""
         if self._lock >= 0:
             with suppress(OSError):
                 (self.path / _LOCK).unlink()

@@ -23,7 +23,7 @@ from pgimp.storage.plain import read_plain
 
 PROGRAM = "pgimp"
 FORMAT_VERSION = 1
-# Bytes of a run.json; a start of a run takes some 2,000.
+# Most bytes of a run.json; a start of a run takes some 2,000.
 _LARGEST = 32 << 20
 
 
@@ -44,12 +44,12 @@ def describe_start(
     particles : int
         Number of particles of the run.
     resumed : int, optional
-        The step from which an earlier start is resumed.
+        Step from which an earlier start is resumed.
 
     Returns
     -------
     dict
-        An entry of ``starts`` in run.json; the same on every rank except for the hosts.
+        An entry of ``starts`` in run.json; equal on all ranks except for the hosts.
     """
     hosts = comm.gather(socket.gethostname())
     return {
@@ -75,7 +75,7 @@ def describe_start(
 
 
 def versions() -> dict[str, str | None]:
-    """Return the versions of everything that the numbers may depend on, None for what is absent."""
+    """Return the versions of all software that may change results; None if not installed."""
     found: dict[str, str | None] = {"python": platform.python_version()}
     for package in (PROGRAM, "numpy", "numba", "llvmlite", "h5py", "mpi4py"):
         found[package] = installed(package)
@@ -186,7 +186,7 @@ def append(path: Path, start: dict[str, Any]) -> None:
     Parameters
     ----------
     path : Path
-        The file; if it is not there, it is made.
+        The file; created if missing.
     start : dict
         From `describe_start`.
 
@@ -219,7 +219,7 @@ def update(path: Path, **changes: Any) -> None:
     Raises
     ------
     OSError
-        If it has gone or cannot be written; an older version then stays.
+        If it is missing or cannot be written; an older version then stays.
     """
     content = read(path)
     if content is None:
