@@ -1,1 +1,1 @@
-"""Files: read defensively, written safely, HDF5 without MPI."""
+"""Files: defensive reading, safe writing, HDF5 without MPI."""

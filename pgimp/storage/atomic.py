@@ -1,4 +1,4 @@
-"""Small files that are always either the old or the new version, never half of one."""
+"""Atomic writing of small files: always the old or the new version, never a part."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ TEMPORARY = ".part"
 
 
 def temporary(path: Path) -> Path:
-    """Return the name under which `path` is written before it is renamed."""
+    """Return the temporary name of `path`, before renaming."""
     return path.with_name(f".{path.name}{TEMPORARY}")
 
 
@@ -24,15 +24,15 @@ def write(path: Path, content: str | bytes, durable: bool = True) -> None:
     path : Path
         The file.
     content : str or bytes
-        All of it; text becomes UTF-8.
+        The whole content; text becomes UTF-8.
     durable : bool
-        Whether it must be whole even after a crash of the machine, which takes longer.
+        Whether it must survive a crash of the machine, which takes longer.
 
     Raises
     ------
     OSError
-        If it cannot be written; an older version then stays. So for what is no regular file: a pipe
-        or a device would be replaced, not written to.
+        If it cannot be written, or is no regular file; an older version then stays. A pipe or a
+        device would be replaced, not written to.
     """
     with suppress(FileNotFoundError):
         require_plain(path)
@@ -59,12 +59,12 @@ def sync_folder(folder: Path) -> None:
 
 
 def publish(part: Path, path: Path) -> None:
-    """Rename a finished temporary file so that it survives a crash of the machine whole.
+    """Rename a finished temporary file so that it survives a crash of the machine.
 
     Raises
     ------
     OSError
-        If that fails, almost always before the file has its name.
+        If that fails, almost always before renaming.
     """
     folder = os.open(path.parent, os.O_RDONLY)
     try:

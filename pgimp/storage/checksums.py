@@ -1,4 +1,4 @@
-"""Checksums of parts of a file, computed while it is written and compared when it is read."""
+"""Checksums of parts of a file, computed during writing and verified during reading."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Bytes read at once, which stay in the core's cache.
+# Bytes per read, which stay in the core's cache.
 _BLOCK = 1 << 18
 
 
 class Written(NamedTuple):
-    """A part of a file with the checksum of the data written there."""
+    """A part of a file with the checksum of its data."""
 
     start: int
     size: int
@@ -21,17 +21,17 @@ class Written(NamedTuple):
 
 
 def word_sum(data: memoryview, before: int = 0) -> int:
-    """Add up 64-bit words, modulo 2^64: ten times as fast as CRC-32.
+    """Sum of 64-bit words, modulo 2^64: ten times as fast as CRC-32.
 
-    It detects missing or foreign bytes, but not their order; it is for files that the run itself
-    reads back, not for those that are kept.
+    It detects missing or foreign bytes, but not their order. It is for files that the run itself
+    reads back, not for results.
 
     Parameters
     ----------
     data : memoryview
-        Bytes; those that fill no word at the end are taken as one.
+        Bytes; an incomplete word at the end counts as a word.
     before : int
-        The sum of what comes before, in whole words.
+        The sum of the preceding whole words.
     """
     whole = len(data) // 8 * 8
     words = np.frombuffer(data[:whole], "<u8").sum(dtype=np.uint64)
@@ -41,16 +41,16 @@ def word_sum(data: memoryview, before: int = 0) -> int:
 def first_wrong(
     descriptor: int, pieces: Iterable[Written], checksum: Callable[[memoryview, int], int]
 ) -> Written | None:
-    """Return the first stretch of an open file that does not have its checksum.
+    """Return the first part of an open file with a wrong checksum.
 
     Parameters
     ----------
     descriptor : int
         The file, open for reading.
     pieces : iterable of Written
-        The stretches.
+        The parts.
     checksum : callable
-        ``checksum(data, before)`` goes on from the checksum of what comes before.
+        ``checksum(data, before)`` continues from the checksum of the preceding data.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def first_wrong(
 
 
 def read_into(descriptor: int, view: memoryview, start: int) -> int:
-    """Read from byte `start` on until `view` is full or the file ends; return how much.
+    """Read from byte `start` until `view` is full or the file ends; return the number of bytes.
 
     Raises
     ------

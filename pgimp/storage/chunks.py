@@ -1,8 +1,8 @@
-"""Compressed datasets: every rank compresses its rows and writes them to their place in HDF5.
+"""Compressed datasets: every rank compresses its rows and writes them to their offset in HDF5.
 
-A dataset is cut into chunks by the number of the row, not by rank, and the chunks lie in the file
-in the order of datasets and rows: so the file is the same for any number of ranks. No data go
-through rank 0 or the HDF5 library; both only learn how long the chunks are.
+A dataset is cut into chunks by row number, not by rank. The chunks are in the order of datasets and
+rows, so the file is the same for any number of ranks. No data pass through rank 0 or the HDF5
+library; both only get the lengths of the chunks.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ Array = np.ndarray
 
 #: Rows of a chunk: below HDF5's cache of 1 MB for every field but the deformation.
 ROWS = 1 << 14
-# A higher level is not worth it: 4 makes frames of particles 1 % smaller, in 20 % more time.
+# Higher levels do not pay: level 4 makes frames of particles 1 % smaller, in 20 % more time.
 _LEVEL = 1
-# Space for HDF5's list of the chunks: in all, and for each of them.
+# Bytes for HDF5's list of the chunks: in total, and per chunk.
 _HEADERS, _ENTRY = 1 << 16, 256
 
 
 def compress(block: Array, rows: int) -> bytes:
-    """Compress a chunk as HDF5's filters shuffle and deflate (gzip) do.
+    """Compress a chunk like HDF5's filters shuffle and deflate (gzip).
 
     Parameters
     ----------
     block : ndarray, shape (n, ...)
-        Its rows, in C order.
+        Rows of the chunk, in C order.
     rows : int
         Rows of a chunk; if there are fewer, zeros follow.
 
@@ -46,30 +46,30 @@ def compress(block: Array, rows: int) -> bytes:
     """
     size = block.dtype.itemsize
     items = rows * (block.size // len(block))
-    # First the first bytes of all numbers, then the second ones: these are alike.
+    # Shuffled: the first bytes of all numbers, then the second ones, which are similar.
     planes = np.zeros((size, items), np.uint8)
     planes[:, : block.size] = np.ravel(block).view(np.uint8).reshape(-1, size).T
     return zlib.compress(planes.data, _LEVEL)
 
 
 class Chunks:
-    """A file of compressed datasets as rank 0 makes it, piece by piece as their lengths are known.
+    """A file of compressed datasets, laid out by rank 0 as the lengths of chunks become known.
 
     Parameters
     ----------
     path : Path
-        The file; replaced if there.
+        The file; replaced if it exists.
     datasets : list of Dataset
-        What it holds, in the order in which their chunks are placed.
+        Datasets of the file, in the order of their chunks.
     count : int
         Rows of each dataset, at least one.
     attributes : mapping
-        Of the file's root.
+        Attributes of the file's root.
 
     Raises
     ------
     OSError
-        If the file cannot be made; so for all that follows.
+        If the file cannot be created; the methods raise it likewise.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Chunks:
             self._made[dataset.name] = (make(self._file, dataset, shape, properties), len(shape))
 
     def place(self, name: str, sizes: Array) -> Array:
-        """Assign places to the chunks of a dataset, with their space reserved on the disk.
+        """Assign offsets to the chunks of a dataset, and reserve their space on the disk.
 
         Parameters
         ----------
@@ -108,7 +108,7 @@ class Chunks:
         Returns
         -------
         ndarray of int64, shape (chunks,)
-            Where each of them begins.
+            Offset of each chunk.
         """
         made, dimensions = self._made[name]
         places = np.empty_like(sizes)
@@ -116,7 +116,7 @@ class Chunks:
         for chunk, size in enumerate(sizes.tolist()):
             before = set(self._image.parts)
             made.write_direct_chunk((chunk * self._rows, *[0] * (dimensions - 1)), nothing[:size])
-            # HDF5 may write some of its own at the same time.
+            # HDF5 may write some of its own metadata at the same time.
             places[chunk], _ = key = next(
                 key
                 for key in self._image.parts.keys() - before
@@ -131,11 +131,11 @@ class Chunks:
         self._reserved = max(self._reserved, end)
 
     def finish(self) -> dict[int, bytes]:
-        """Set the file's size and close it; return HDF5's metadata of the datasets, by place."""
+        """Set the file's size and close it; return HDF5's metadata of the datasets, by offset."""
         self._file.close()
         self._reserve(self._image.size)
         os.ftruncate(self._descriptor, self._image.size)
-        # A file that has its size already gives back what is reserved beyond it.
+        # Truncating frees reserved space beyond the size, even if the size is right already.
         os.ftruncate(self._descriptor, self._image.size)
         self.close()
         return self._image.stretches()
@@ -149,5 +149,5 @@ class Chunks:
 
 
 def chunk_rows(count: int) -> int:
-    """Rows of a chunk in a dataset of `count` rows; HDF5 allows no chunk longer than that."""
+    """Rows of a chunk in a dataset of `count` rows; HDF5 allows no longer chunk."""
     return min(ROWS, count)

@@ -1,4 +1,4 @@
-"""HDF5 files with their space on the disk, before any rank writes to them."""
+"""Creation of HDF5 files with reserved space on the disk, before any rank writes to them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pgimp.storage.image import Image
 Array = np.ndarray
 
 _CANNOT_RESERVE = {errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS}
-# Where the file system cannot, that of POSIX would write to every page, those of other ranks too.
+# Not POSIX's function: without support it writes to every page, also to other ranks' pages.
 _fallocate = ctypes.CDLL(None, use_errno=True).fallocate
 _fallocate.argtypes = ctypes.c_int, ctypes.c_int, ctypes.c_int64, ctypes.c_int64
 _KEEP_SIZE = 1
@@ -27,7 +27,7 @@ _NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class Dataset(NamedTuple):
-    """A dataset to be made: its name, type, shape of a row and attributes."""
+    """A dataset to create: name, type, shape of a row and attributes."""
 
     name: str
     dtype: str
@@ -41,14 +41,14 @@ class Dataset(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """A file whose datasets lie in one piece each.
+    """Layout of a file with contiguous datasets.
 
     Attributes
     ----------
     offsets : dict of str to int
-        Where in the file each dataset's first byte lies; 0 if it has none.
+        Offset of each dataset's first byte in the file; 0 if it is empty.
     parts : dict of int to bytes
-        HDF5's metadata of the datasets, by place.
+        HDF5's metadata of the datasets, by offset.
     size : int
         Bytes of the file.
     """
@@ -58,20 +58,20 @@ class Layout(NamedTuple):
     size: int
 
     def create(self, path: Path) -> None:
-        """Make the file, with its space on the disk reserved.
+        """Create the file, with its space on the disk reserved.
 
-        On a full disk a parallel write may lose data without an error; so the space is there before
-        any rank writes. Nothing is written: each byte of a file is left to `FrameFile`.
+        On a full disk a parallel write may lose data without an error, so the space is reserved
+        before any rank writes. Nothing is written here: `FrameFile` writes each byte.
 
         Parameters
         ----------
         path : Path
-            The file; replaced if there.
+            The file; replaced if it exists.
 
         Raises
         ------
         OSError
-            If the disk is full, or the file cannot be made.
+            If the disk is full, or the file cannot be created.
         """
         with open(path, "wb", buffering=0) as stream:
             reserve(stream.fileno(), 0, self.size)
@@ -90,20 +90,20 @@ def lay_out(
     Parameters
     ----------
     datasets : list of Dataset
-        What it holds.
+        Datasets of the file.
     count : int
         Rows of each dataset.
     attributes : mapping
-        Of the file's root.
+        Attributes of the file's root.
     whole : mapping of str to ndarray
-        Further datasets, of which only types and shapes matter.
+        Further datasets; only their types and shapes matter.
     user_block : int
-        Bytes before HDF5's own, left zero: none, or a power of two from 512 on.
+        Zero bytes before HDF5's own: none, or a power of two from 512 on.
 
     Returns
     -------
     Layout
-        The file to be.
+        Layout of the file.
     """
     h5py = load_h5py()
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
@@ -123,7 +123,7 @@ def lay_out(
 
 
 def make(file: Any, dataset: Dataset, shape: tuple[int, ...], properties: Any) -> Any:
-    """Make a dataset of a shape in an HDF5 file and return its identifier."""
+    """Create a dataset of a shape in an HDF5 file and return its identifier."""
     h5py = load_h5py()
     made = h5py.h5d.create(
         file.id,
@@ -144,14 +144,14 @@ def reserve(descriptor: int, start: int, end: int, keep_size: bool = False) -> N
     descriptor : int
         The file, open for writing.
     start, end : int
-        Where the stretch begins and ends.
+        Offsets of the part's beginning and end.
     keep_size : bool
-        Whether the file does not become longer by it.
+        Whether the size of the file stays the same.
 
     Raises
     ------
     OSError
-        If there is none. On file systems without reservation a full disk shows later, on writing.
+        If there is no space. On file systems without reservation a full disk shows on writing.
     """
     mode, code = _KEEP_SIZE if keep_size else 0, errno.EINTR
     while end > start and code == errno.EINTR:
@@ -167,7 +167,7 @@ def bytes_of(array: Array) -> memoryview:
 
 
 def put(descriptor: int, data: memoryview, place: int) -> None:
-    """Write all of the data to a place of a file.
+    """Write all data at an offset of a file.
 
     Raises
     ------

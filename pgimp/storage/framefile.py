@@ -1,18 +1,18 @@
 """One file, written by all ranks at once.
 
 The HDF5 library lays out the file, see `pgimp.storage.datasets`, and its space is reserved. The
-ranks then write directly to their places. So an error shows on its rank at once, whereas MPI's
-collective calls lose data on a full disk without an error, and wait for ever for a rank that could
-not open the file.
+ranks then write directly to their offsets, so errors appear at once on their rank. MPI's collective
+calls lose data on a full disk without an error, and wait for ever for a rank that could not open
+the file.
 
-A client of NFS caches pages and may write a page as a whole, with zeros where another node has
-written meanwhile. So no two ranks write to the same block of the file: a rank writes the blocks
-that it fills alone, and sends its parts of others, a few bytes at the edges of its rows, to the
+A client of NFS caches pages and may write a whole page, with zeros where another node has written
+meanwhile. So no two ranks write to the same block of the file. A rank writes the blocks that it
+fills entirely. It sends its parts of other blocks, a few bytes at the edges of its rows, to the
 rank that writes them.
 
-Every write is checked for its length, and the sync at the end for its error: that is where a
-kernel reports data that it could not write to the disk. When all ranks have closed the file, each
-opens it again and compares the checksums of what another rank has written.
+Every write is checked for its length. The sync at the end is checked for errors: there a kernel
+reports data that it could not write to the disk. When all ranks have closed the file, each opens it
+again and verifies the checksums of another rank's data.
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ from pgimp.storage.datasets import bytes_of, put
 
 Array = np.ndarray
 
-#: Bytes of a block that one rank alone writes, counted from the file's first byte: the largest page
-#: that a kernel has, and so whole pages on every machine.
+#: Bytes of a block, counted from the file's first byte, that only one rank writes. It is a kernel's
+#: largest page, so a block has whole pages on every machine.
 BLOCK = 1 << 16
-# Rows are collected and written in blocks of this size, which fits into the core's cache.
+# Rows of a block that is collected and written; it fits into the core's cache.
 _ROWS = 1 << 14
 
 
 def blocks(count: int, size: int | None = None) -> Iterator[tuple[int, int]]:
-    """Yield begin and end of each block of `size` rows; the last one may be shorter."""
+    """Yield begin and end of each block of `size` rows; the last may be shorter."""
     size = size or _ROWS
     for start in range(0, count, size):
         yield start, min(start + size, count)
@@ -52,24 +52,24 @@ def blocks(count: int, size: int | None = None) -> Iterator[tuple[int, int]]:
 class FrameFile:
     """An existing file, open for writing on this rank.
 
-    An error is kept, not raised, so that all ranks go on to the next collective call; the first
-    one is in `error`.
+    Errors are stored, not raised, so that all ranks reach the next collective call; the first
+    is in `error`.
 
     Parameters
     ----------
     path : Path
         The file.
     comm : communicator
-        Of all ranks, each of which opens the file; creation is not collective.
+        Of all ranks; each opens the file. Creation is not collective.
     most : int, optional
-        With it, checksums are kept, each for a part of about this many bytes at most.
+        If given, checksums are stored, each for a part of about this many bytes at most.
 
     Attributes
     ----------
     error : str or None
         The first error on this rank.
     written : list of Written
-        The data given to this rank, in this order, with CRC-32, if checksums are kept.
+        Data given to this rank, in this order, with CRC-32, if checksums are stored.
     """
 
     def __init__(self, path: Path, comm: Communicator, most: int | None = None) -> None:
@@ -78,16 +78,16 @@ class FrameFile:
         self.written: list[Written] = []
         self._comm = comm
         self._most = most
-        # Checksums of this rank's data, for another one to verify; later, those that it verifies.
+        # Checksums of this rank's data, for another rank; later, checksums to verify here.
         self._given: list[Written] = []
         self._to_verify: list[Written] = []
         self._several_nodes = False
-        # Of each block that this rank has not filled alone, so far: places and bytes.
+        # Offsets and bytes of each block that this rank has only partly filled so far.
         self._parts: dict[int, list[tuple[int, bytes]]] = {}
         self._descriptor = -1
         self._thread: Thread | None = None
         try:
-            # Never for reading too: a client of NFS would then read each page before it writes.
+            # Write only: opened for reading too, a client of NFS would read each page first.
             self._descriptor = os.open(path, os.O_WRONLY | os.O_CLOEXEC)
         except OSError as error:
             self.error = explain(error)
@@ -98,16 +98,16 @@ class FrameFile:
                 )
 
     def write(self, place: int, block: Any) -> None:
-        """Write to a place of the file, no byte of which is written twice.
+        """Write at an offset of the file; no byte may be written twice.
 
-        Partial blocks are kept until `flush`.
+        Partial blocks are stored until `flush`.
 
         Parameters
         ----------
         place : int
-            Of the first byte.
+            Offset of the first byte.
         block : ndarray or bytes
-            What to write; an array in C order.
+            Data; an array in C order.
         """
         data = bytes_of(block) if isinstance(block, Array) else memoryview(block)
         if not data.nbytes or self.error:
@@ -122,7 +122,7 @@ class FrameFile:
             self._note(place, data, self._most)
 
     def _whole_blocks(self, place: int, data: memoryview) -> Iterator[tuple[int, memoryview]]:
-        """Yield the blocks that these data complete; keep the rest."""
+        """Yield the blocks that these data complete; store the rest."""
         end = place + len(data)
         first = min(-(-place // BLOCK) * BLOCK, end)
         last = max(end // BLOCK * BLOCK, first)
@@ -155,7 +155,7 @@ class FrameFile:
         self.written.append(Written(start, size + len(data), zlib.crc32(data, checksum)))
 
     def flush(self) -> None:
-        """Write the kept blocks, each on one rank; collective, after all of `write`."""
+        """Write the partial blocks, each on one rank; collective, after all calls of `write`."""
         if self._comm.size == 1:
             return
         size, host = self._comm.size, socket.gethostname()
@@ -173,7 +173,7 @@ class FrameFile:
         self._several_nodes = len(set(hosts)) > 1
 
     def close(self) -> None:
-        """Close the file, with all that this rank wrote safe on the disk; wait until it is."""
+        """Close the file once all data of this rank are on the disk; waits for it."""
         if self._thread is not None:
             self._thread.join()
             self._thread = None
@@ -181,7 +181,7 @@ class FrameFile:
 
     def close_later(self) -> None:
         """Start the sync of this rank's data to the disk, without waiting; see `closed`."""
-        # It needs hardly any CPU time: the kernel has the data, the thread only waits.
+        # Hardly any CPU time: the kernel has the data, the thread only waits.
         self._thread = Thread(target=self._sync, name=f"sync {self.path.name}", daemon=True)
         self._thread.start()
 
@@ -202,10 +202,10 @@ class FrameFile:
             self._descriptor = -1
 
     def verify(self) -> None:
-        """Compare the file with the data written, when all ranks have closed it.
+        """Compare the file with the written data, when all ranks have closed it.
 
-        Each rank checks the data of another one. On one rank nothing is done: a kernel returns
-        what was written.
+        Each rank checks another rank's data. On one rank nothing is done: a kernel returns the
+        written data.
         """
         if self._comm.size == 1:
             return
@@ -213,7 +213,7 @@ class FrameFile:
             descriptor = os.open(self.path, os.O_RDONLY | os.O_CLOEXEC)
             try:
                 if self._several_nodes:
-                    # Read from the server, not from this node's cache.
+                    # Read from the server, not from the node's cache.
                     os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
                 wrong = first_wrong(descriptor, self._to_verify, word_sum)
             finally:
@@ -229,7 +229,7 @@ class FrameFile:
             )
 
     def abandon(self) -> None:
-        """Close the file as it is, to be deleted."""
+        """Close the unfinished file, which is to be deleted."""
         if self._thread is None and self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1

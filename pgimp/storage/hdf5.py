@@ -1,4 +1,4 @@
-"""h5py, imported so that it disturbs neither MPI nor a file system without locks."""
+"""Import of h5py without initialising MPI, and without locks of files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pgimp.storage.image import Image
 
 
 def load_h5py() -> ModuleType:
-    """Import h5py without initialising MPI in a process that does not use it.
+    """Import h5py without initialising MPI in a process without MPI.
 
     Returns
     -------
@@ -27,10 +27,10 @@ def load_h5py() -> ModuleType:
 
 
 def open_file(path: Path | Image, mode: str, **options: Any) -> Any:
-    """Open an HDF5 file from one process alone.
+    """Open an HDF5 file from a single process, without a lock.
 
-    Files get their final name only when they are complete, and a run locks its directory; so HDF5
-    need not lock the file, which fails on some parallel file systems.
+    HDF5's locks fail on some parallel file systems. They are not needed: files are renamed only
+    when complete, and a run locks its directory.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def open_file(path: Path | Image, mode: str, **options: Any) -> Any:
     mode : str
         As in h5py.
     **options
-        Further ones of h5py.File.
+        Further options of h5py.File.
 
     Returns
     -------

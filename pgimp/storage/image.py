@@ -1,4 +1,4 @@
-"""HDF5's metadata of a file, kept in memory until its space on the disk is reserved."""
+"""HDF5's metadata of a file, in memory until its space on the disk is reserved."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import Any
 
 
 class Image(io.RawIOBase):
-    """A file in memory for HDF5 that stores only what is written.
+    """A file in memory for HDF5 that stores only written bytes.
 
-    libhdf5 may crash after a disk ran full; an image in memory cannot run full. Between the
-    metadata, which are written, there may be any amount of data, of which only addresses count.
+    libhdf5 may crash after a disk ran full; an image in memory cannot run full. HDF5 writes only
+    metadata to it; the data between have addresses, but no bytes.
 
     Attributes
     ----------
     parts : dict of (int, int) to bytes
-        The data written, by offset and length, in the order of writing.
+        Written data, by offset and length, in the order of writing.
     size : int
         Bytes of the file.
     """
@@ -26,7 +26,7 @@ class Image(io.RawIOBase):
         self._place = 0
 
     def stretches(self) -> dict[int, bytes]:
-        """Return the data written, by place, in parts that neither overlap nor touch."""
+        """Return the written data, by offset, in parts that neither overlap nor touch."""
         stretches: dict[int, bytes] = {}
         start = end = -1
         for begin, length in [*sorted(self.parts), (self.size + 1, 0)]:
@@ -39,19 +39,19 @@ class Image(io.RawIOBase):
         return stretches
 
     def readable(self) -> bool:
-        """Return that it can be read."""
+        """Return True: the file is readable."""
         return True
 
     def writable(self) -> bool:
-        """Return that it can be written."""
+        """Return True: the file is writable."""
         return True
 
     def seekable(self) -> bool:
-        """Return that it has a place."""
+        """Return True: the file is seekable."""
         return True
 
     def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
-        """Go to a place."""
+        """Set the offset."""
         begin = {io.SEEK_SET: 0, io.SEEK_CUR: self._place, io.SEEK_END: self.size}[whence]
         self._place = begin + offset
         return self._place
@@ -62,7 +62,7 @@ class Image(io.RawIOBase):
         return self.size
 
     def write(self, data: Any) -> int:
-        """Keep what is written."""
+        """Store the data at the offset."""
         key = (self._place, len(data))
         self.parts.pop(key, None)
         self.parts[key] = bytes(data)
@@ -71,7 +71,7 @@ class Image(io.RawIOBase):
         return len(data)
 
     def readinto(self, buffer: Any) -> int:
-        """Read what was written, and zeros between."""
+        """Read written data, and zeros between."""
         begin, end = self._place, max(self._place, min(self._place + len(buffer), self.size))
         view = memoryview(buffer).cast("B")
         view[: end - begin] = bytes(end - begin)

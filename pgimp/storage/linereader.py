@@ -1,4 +1,4 @@
-"""Reading files of comma-separated values, also while they grow or after others changed them."""
+"""Reading files of comma-separated values, also while they grow or after foreign changes."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import numpy as np
 from pgimp.errors import RunError, UsageError, explain
 from pgimp.storage.plain import open_plain
 
-# Bytes of a line; one of a hundred columns has 2,000.
+# Most bytes of a line; a hundred columns have 2,000.
 _LONGEST = 1 << 20
 _BLOCK = 4096
 
 
 def numbered(stream: BinaryIO) -> tuple[bytes, Iterator[tuple[int, bytes]]]:
-    """Return the line of names and each of the others that has an end, with its step.
+    """Return the line of names, and each further complete line with its step.
 
     Raises
     ------
@@ -36,23 +36,23 @@ def numbered(stream: BinaryIO) -> tuple[bytes, Iterator[tuple[int, bytes]]]:
 
 
 def require_whole(path: Path, step: int, count: int | None) -> None:
-    """Refuse a file that has lost lines before that of a step, or has them in another order.
+    """Refuse a file with missing or reordered lines up to a step.
 
-    One that is gone, ends too early or cannot be read passes: `LineFile.resume` reports it.
+    A file that is missing, unreadable or too short passes: `LineFile.resume` reports it.
 
     Parameters
     ----------
     path : Path
         The file.
     step : int
-        Of the last line before the point from which a run goes on.
+        Step of the last line before the point from which a run resumes.
     count : int or None
-        How many lines there were then, that one among them; None if unknown.
+        Number of lines up to and including that line; None if unknown.
 
     Raises
     ------
     UsageError
-        With the line where it is wrong.
+        With the wrong line.
     """
     advice = "put the file back as it was, or move it away, and the run goes on with a new one"
     if step < 0:
@@ -97,7 +97,7 @@ def so_far(directory: Path) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``steps`` and ``time``, as run.json has them at the end; nothing where nothing is known.
+        ``steps`` and ``time``, as in run.json at the end; empty if unknown.
     """
     try:
         with open_plain(directory / "history.csv") as stream:
@@ -122,8 +122,8 @@ def read(path: Path) -> np.ndarray:
     Returns
     -------
     ndarray, shape (lines,)
-        A structured array with a field of float64 for each column, nan where nothing is written;
-        empty if there is no file.
+        A structured array with a field of float64 for each column, nan for empty entries; no lines
+        if there is no file.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def read(path: Path) -> np.ndarray:
     names = np.dtype([])
     try:
         with open_plain(path) as stream:
-            # The last line has no end yet, or is empty.
+            # The last line may be incomplete or empty.
             while (line := stream.readline(_LONGEST)).endswith(b"\n"):
                 text = line.decode(errors="replace").rstrip("\r\n").split(",")
                 if number == 1:

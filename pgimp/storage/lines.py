@@ -1,4 +1,4 @@
-"""Files of comma-separated values that grow by a line now and then: history.csv, the probes'."""
+"""Files of comma-separated values that grow line by line: history.csv, the probes'."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pgimp.storage.plain import open_plain
 
 
 class LineFile:
-    """Lines under a header line, each written whole, and without buffering.
+    """Lines under a header line, each written completely, without buffering.
 
     Parameters
     ----------
@@ -38,17 +38,17 @@ class LineFile:
         self._descriptor = -1
         self._columns = ""
         self._filled: dict[str, float] = {}
-        self._unlisted = False  # in its folder, as far as a crash of the machine is concerned
+        self._unlisted = False  # whether a crash may lose its name in the folder
 
     def resume(self, comm: Communicator, step: int) -> None:
-        """Go on after the line of a step, or the last one before it; later ones are cut off.
+        """Continue after the line of a step, or the last line before; later lines are cut off.
 
         Parameters
         ----------
         comm : communicator
             Of all ranks; the call is collective.
         step : int
-            Of the last line before the point from which the run goes on.
+            Step of the last line before the point from which the run resumes.
 
         Raises
         ------
@@ -60,13 +60,13 @@ class LineFile:
     def _cut(self, step: int) -> tuple[int, int]:
         last, count = -1, 0
         try:
-            if step < 0:  # there was no line yet, so any line comes after
+            if step < 0:  # there was no line, so any line comes after
                 os.truncate(self.path, 0)
                 return -1, 0
             with open_plain(self.path) as stream:
                 header, lines = numbered(stream)
                 place = len(header)
-                # After the line that is sought, anything may follow.
+                # After the line of that step, anything may follow.
                 for number, line in lines:
                     if number > step:
                         break
@@ -87,21 +87,21 @@ class LineFile:
         return last, count
 
     def widen(self, columns: Sequence[str], absent: Callable[[str], float]) -> None:
-        """Add columns to a file that is continued; on rank 0.
+        """Add columns to a continued file; on rank 0.
 
-        Its own columns stay, also those not in `columns`.
+        Existing columns stay, even if they are not in `columns`.
 
         Parameters
         ----------
         columns : sequence of str
-            Those that the lines will have.
+            Columns of further lines.
         absent : callable
-            Value of a column, by its name, in lines without it.
+            Value of a column, by its name, in existing lines without it.
 
         Raises
         ------
         RunError
-            If that is not possible; the file is then as it was.
+            If that is not possible; the file is then unchanged.
         """
         had = self._columns.split(",") if self._columns else []
         self._filled = {name: absent(name) for name in had if name not in columns}
@@ -145,12 +145,12 @@ class LineFile:
         Parameters
         ----------
         values : mapping of str to float or None
-            By the names of the columns; nothing is written for None.
+            Values by column name; None becomes an empty entry.
 
         Raises
         ------
         RunError
-            If that is not possible; the lines before it stay.
+            If that is not possible; previous lines stay.
         """
         if self._filled:
             values = {**values, **self._filled}

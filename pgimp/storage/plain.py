@@ -1,7 +1,7 @@
-"""Reading files of others without blocking, or reading for ever.
+"""Reading foreign files without blocking or endless input.
 
-Opening a named pipe waits for a writer, a device may never end, and in a folder from
-elsewhere any file may be either.
+Opening a named pipe waits for a writer, and a device may never end. In a folder from elsewhere any
+file may be a pipe or a device.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ import stat
 import time
 from typing import BinaryIO
 
-#: How long a pipe may keep silent [s].
+#: Longest wait for data from a pipe [s].
 PATIENCE = 5.0
 _PAUSE = 0.02
 
 
 def require_plain(name: str | os.PathLike[str]) -> None:
-    """Refuse anything but a plain file.
+    """Raise an error for anything but a plain file.
 
     Raises
     ------
@@ -59,12 +59,12 @@ def read_plain(name: str | os.PathLike[str], most: int) -> bytes:
     name : path-like
         The file.
     most : int
-        The most bytes that such a file has.
+        Most bytes of such a file.
 
     Raises
     ------
     OSError
-        As from `open_plain`, or if it has more.
+        As from `open_plain`, or if it has more bytes.
     """
     with open_plain(name) as stream:
         content = stream.read(most + 1)
@@ -79,7 +79,7 @@ def read_some(name: str | os.PathLike[str], most: int) -> bytes:
     Raises
     ------
     OSError
-        If it cannot be read, or nothing comes for `PATIENCE`.
+        If it cannot be read, or sends nothing for `PATIENCE` seconds.
     """
     parts: list[bytes] = []
     left, until = most, time.monotonic() + PATIENCE
@@ -89,7 +89,7 @@ def read_some(name: str | os.PathLike[str], most: int) -> bytes:
         while left > 0:
             try:
                 part = os.read(descriptor, left)
-            except BlockingIOError:  # somebody has it open for writing, but has not written
+            except BlockingIOError:  # open for writing elsewhere, but without data so far
                 part = None
             if part:
                 parts.append(part)

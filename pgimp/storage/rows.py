@@ -1,4 +1,4 @@
-"""The rows of a frame: ascending ids, an equal share a rank, for any distribution of particles."""
+"""Rows of a frame: ascending ids, an equal share per rank, for any distribution of particles."""
 
 from __future__ import annotations
 
@@ -19,40 +19,40 @@ _WRONG = "an id is missing or there twice"
 
 
 class Rows:
-    """The rows that this rank writes, and the permutation that brings their values here.
+    """Rows written by this rank, and the permutation that brings their values here.
 
-    Each rank takes an equal number of rows, the last ones what is left. The permutation is found
-    once a frame, in a time proportional to the number of particles: ids are as good as addresses,
-    so nothing is sorted.
+    Each rank takes an equal number of rows, the last ranks the remainder. The permutation is
+    computed once a frame, in a time proportional to the number of particles. Ids serve as
+    addresses, so nothing is sorted.
 
     Parameters
     ----------
     comm : communicator
         Of all ranks; creation is collective.
     ids : ndarray of int64, shape (n,)
-        Numbers of this rank's particles; over all ranks each of 0 to N-1 once, or at most once.
+        Ids of this rank's particles; over all ranks each of 0 to N-1 once, or at most once.
     storage : ndarray of int64, shape (n,)
-        Where those particles are stored.
+        Storage rows of these particles.
     count : int
         N, the number of ids.
     complete : bool
-        Whether no id may be missing.
+        Whether all ids must exist.
     unit : int
-        The rows of a rank begin at a multiple of this.
+        The rows of a rank begin at a multiple of this number.
 
     Attributes
     ----------
     count : int
         Number of rows of all ranks.
     first, last : int
-        This rank has the rows from `first` up to but not including `last`.
+        This rank has the rows from `first` to `last` (exclusive).
     storage : ndarray of int64, shape (n,)
-        As given, in the order in which `collect` requests values.
+        Storage rows in the order in which `collect` requests values.
 
     Raises
     ------
     RunError
-        On every rank, if an id occurs twice, or is missing where it must not.
+        On every rank, if an id occurs twice, or is missing although `complete`.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class Rows:
         self.storage = storage[self._exchange.order if comm.size > 1 else self._source]
 
     def _number(self, ids: Array, count: int) -> Array:
-        """Rows of ids of which some are missing: how many smaller ones there are."""
+        """Rows of ids if some are missing: the number of smaller ids."""
         comm, share = self.comm, _share(count, self.comm.size, 1)
         exchange = _Exchange(comm, ids, share)
         arrived = exchange.forth(ids[exchange.order]) - comm.rank * share
@@ -100,7 +100,7 @@ class Rows:
     def collect(
         self, fill: Callable[[int, int], Array], dtype: np.dtype, size: int | None = None
     ) -> Iterator[tuple[int, Array]]:
-        """Bring values to the ranks and the rows they belong to; collective.
+        """Send values to the ranks of their rows; collective.
 
         Parameters
         ----------
@@ -108,7 +108,7 @@ class Rows:
             ``fill(begin, end)`` returns the values of this rank's particles in
             ``storage[begin:end]``, one of `dtype` each.
         dtype : dtype
-            Of the values of a particle, all of them together.
+            Type of a particle's values, all together.
         size : int, optional
             Rows of a block.
 
@@ -121,7 +121,7 @@ class Rows:
             for begin, end in blocks(self.count, size):
                 yield begin, fill(begin, end)
             return
-        # The same memory for every call: new pages would cost more than the work.
+        # Reused memory: new pages would cost more than the work.
         lengths = (len(self.storage), self.last - self.first)
         needed = [n * dtype.itemsize for n in lengths]
         if any(len(buffer) < n for buffer, n in zip(self._buffers, needed, strict=True)):
@@ -138,27 +138,27 @@ class Rows:
 
 
 def _share(count: int, ranks: int, unit: int) -> int:
-    """Rows of each rank, whole units."""
+    """Number of rows of each rank, in whole units."""
     units = -(-count // unit)
     return -(-units // ranks) * unit
 
 
 class _Exchange:
-    """Exchange of values, one for each particle, with the ranks that have their rows, and back.
+    """Exchange of values, one per particle, with the ranks of their rows, and back.
 
     Parameters
     ----------
     comm : communicator
         Of all ranks.
     rows : ndarray of int64, shape (n,)
-        Of this rank's particles.
+        Rows of this rank's particles.
     share : int
-        Rows of each rank.
+        Number of rows of each rank.
 
     Attributes
     ----------
     order : ndarray of int64 or slice
-        The order in which values are sent: by rank, else as they are.
+        Order in which values are sent: by rank, else unchanged.
     """
 
     def __init__(self, comm: Communicator, rows: Array, share: int) -> None:
@@ -176,7 +176,7 @@ class _Exchange:
         comm.Alltoall(self._sent, self._received)
 
     def forth(self, values: Array, arrived: Array | None = None) -> Array:
-        """Send values, (n,) in `order`; return those that arrive, in the order of the ranks."""
+        """Send values, (n,) in `order`; return the received values, in the order of the ranks."""
         if self._comm.size == 1:
             return values
         if arrived is None:
@@ -185,7 +185,7 @@ class _Exchange:
         return arrived
 
     def back(self, values: Array) -> Array:
-        """Return values, (n,) as they arrived, to where they came from."""
+        """Send values, (n,) in the order received, back to their ranks."""
         if self._comm.size == 1:
             return values
         returned = np.empty(int(self._sent.sum()), values.dtype)

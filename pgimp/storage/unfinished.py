@@ -1,4 +1,4 @@
-"""A file that is written, but not yet synced to the disk and renamed."""
+"""A written file, not yet synced to the disk and renamed."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from pgimp.storage.framefile import FrameFile
 
 
 class Unfinished:
-    """A file that all ranks have written, to be synced to the disk and renamed.
+    """A file written by all ranks, to be synced to the disk and renamed.
 
     Parameters
     ----------
     part, path : Path
         Its temporary and its final name.
     file : FrameFile
-        Of this rank.
+        The file on this rank.
     comm : communicator
         Of all ranks; creation is collective.
     what : str
-        What is being done, for messages.
+        The action, for messages.
     """
 
     def __init__(
@@ -37,21 +37,21 @@ class Unfinished:
 
     @property
     def ready(self) -> bool:
-        """Whether this rank's data are on the disk, so that `end` need not wait for it."""
+        """Whether this rank's data are on the disk, so that `end` does not wait."""
         return self._file.closed
 
     def end(self, done: Callable[[], None]) -> None:
-        """Wait for the disk and give the file its name; collective.
+        """Wait for the disk and rename the file; collective.
 
         Parameters
         ----------
         done : callable
-            Called on rank 0 once the file has its name.
+            Called on rank 0 after renaming.
 
         Raises
         ------
         RunError
-            On every rank, if the file could not be written whole; it is then not there.
+            On every rank, if the file could not be written completely; it then does not exist.
         """
 
         def publish() -> None:
@@ -69,7 +69,7 @@ class Unfinished:
 
 @contextmanager
 def explained_errors(what: str) -> Iterator[None]:
-    """Turn an error of the disk into one with an explanation."""
+    """Explain errors of the disk."""
     try:
         yield
     except OSError as error:
@@ -78,7 +78,7 @@ def explained_errors(what: str) -> Iterator[None]:
 
 @contextmanager
 def removed_on_error(part: Path, comm: Communicator) -> Iterator[None]:
-    """Delete a file that is not to be finished, on rank 0."""
+    """Delete an unfinished file after an error, on rank 0."""
     try:
         yield
     except BaseException:
