@@ -1,1 +1,1 @@
-"""A run: output, checkpoints, log, stopping, resuming."""
+"""Execution of a run: output, checkpoints, log, stopping, resuming."""

@@ -1,4 +1,4 @@
-"""The checkpoints of a run: when they are due, how many are kept, and which is intact."""
+"""Checkpoints of a run: schedule, number kept, and search for an intact one."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ if TYPE_CHECKING:
 
 CHECKPOINT = re.compile(r"step-(\d{9,})\.h5")
 DAMAGED = ".damaged"
-# Bytes per second of a slow disk, assumed until a checkpoint has been written.
+# Bytes per second of a slow disk, assumed before the first checkpoint.
 _SLOW = 100e6
 
 
 class About(BaseModel):
-    """Header of a checkpoint: itself and the output, apart from the simulation's state."""
+    """Header of a checkpoint: the checkpoint itself and the output, without the state."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
@@ -60,7 +60,7 @@ class About(BaseModel):
         Raises
         ------
         DamagedError
-            If it has no valid one.
+            If it has no valid header.
         """
         try:
             return cls.model_validate(file.about)
@@ -85,12 +85,12 @@ class Checkpoints:
     Attributes
     ----------
     latest : int
-        Step of the last one written; -1 before the first.
+        Step of the last checkpoint; -1 before the first.
     seconds : float
-        The most that one takes, as far as known: until one has been written, an estimate, or the
-        time before the run was resumed.
+        Longest time of a checkpoint so far. Before the first it is an estimate, or the time from
+        before the run was resumed.
     size : int
-        Bytes of those that this process wrote, on rank 0.
+        Bytes of the checkpoints written by this process, on rank 0.
     """
 
     def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:
@@ -110,9 +110,9 @@ class Checkpoints:
         self._stands_for: tuple[int, int, Mapping[str, Record]] = (-1, -1, {})
 
     def resume(self, comm: Communicator, step: int, about: About) -> None:
-        """Go on after the checkpoint of a step; collective.
+        """Continue after the checkpoint of a step; collective.
 
-        Later ones, which were found damaged, are renamed, so that they do not count as kept ones.
+        Later checkpoints are damaged; they are renamed, so that they do not count as kept ones.
         """
         self.latest, self._stands_for = step, (about.frames, about.history, about.probes)
         if about.seconds is not None:
@@ -126,12 +126,12 @@ class Checkpoints:
                     path.rename(path.with_name(path.name + DAMAGED))
 
     def due(self, sim: Simulation) -> bool:
-        """Return whether one is due by step or simulated time; to be called after each step."""
+        """Return whether a checkpoint is due by step or simulated time; call it after each step."""
         return self._schedule.due(sim.time, sim.step, sim.dt)
 
     @property
     def overdue(self) -> bool:
-        """Whether one is due by wall-clock time; to be called on one rank."""
+        """Whether a checkpoint is due by wall-clock time; call it on one rank."""
         return monotonic() >= self._next
 
     def write(
@@ -142,28 +142,28 @@ class Checkpoints:
         probes: Mapping[str, Record] = MappingProxyType({}),
         lines: int | None = None,
     ) -> bool:
-        """Write a checkpoint, unless there is one of this step and this output; collective.
+        """Write a checkpoint, unless it exists for this step and this output; collective.
 
         Parameters
         ----------
         sim : Simulation
             The run, between two steps.
         frames, line : int
-            Number of frames, and step of the last line of the history, which are safe on disk.
+            Number of frames, and step of the last line of the history, that are safe on disk.
         probes : mapping of str to Record
-            Likewise of the probes.
+            Likewise for the probes.
         lines : int, optional
             Number of lines of the history.
 
         Returns
         -------
         bool
-            Whether one was written.
+            Whether a checkpoint was written.
 
         Raises
         ------
         RunError
-            On every rank, if it could not be written whole; those before it stay.
+            On every rank, if it could not be written completely; previous checkpoints stay.
         """
         stands_for = (frames, line, probes)
         if sim.step == self.latest and stands_for == self._stands_for:
@@ -203,7 +203,7 @@ class Checkpoints:
 
 
 def made_by() -> dict[str, str | None]:
-    """Return the versions, commit and CPU type that a run's bits depend on."""
+    """Return the versions, commit and CPU type that determine a run's bits."""
     versions = runinfo.versions()
     names = (runinfo.PROGRAM, "numpy", "numba", "llvmlite")
     found = {name: versions[name] for name in names}
@@ -234,7 +234,7 @@ def intact(
     Parameters
     ----------
     paths : list of Path
-        The files, on every rank the same.
+        The files, the same on every rank.
     comm : communicator
         Of all ranks, which check the checksums together.
 

@@ -1,4 +1,4 @@
-"""Files of a failed run: the particles at fault, those around them, and a report."""
+"""Files of a failed run: particles at fault, their neighbours, and a report."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-#: Distances in cells, in each direction, within which particles are neighbours of one of the first
-#: particles at fault; smaller where there would be too many.
+#: Distances in cells, per direction, within which particles are neighbours of one of the first
+#: particles at fault; smaller ones if there would be too many.
 RADII = (3.0, 2.5, 2.0, 1.5, 1.0, 0.5)
 _MOST_CENTRES = 32
 _MOST_FAULTS = 1000
@@ -41,9 +41,9 @@ _TAIL = 1 << 18
 def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | None:
     """Write the folder ``failure`` of a run that a particle has stopped; collective.
 
-    It holds ``particles.xdmf`` with ``particles.h5``, for ParaView, and ``report.txt``; an older
-    one is replaced. Particles that cannot be drawn, farther than a cell from the domain, are shown
-    where they were before.
+    It has ``particles.xdmf`` with ``particles.h5``, for ParaView, and ``report.txt``; an older one
+    is replaced. Particles farther than a cell from the domain cannot be drawn; they are shown at
+    their previous position.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
     Returns
     -------
     Path or None
-        The folder; None if no particle has stopped the run, or where it cannot be written.
+        The folder; None if no particle has stopped the run, or if it cannot be written.
     """
     if sim.failure is None:
         return None
@@ -67,7 +67,7 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
     try:
         with np.errstate(all="ignore"):
             _write(folder, sim, sim.failure, text, history)
-    except Exception:  # the error that stopped the run matters more
+    except Exception:  # the error that stopped the run has priority
         if sim.comm.rank == 0:
             with suppress(OSError):
                 _clear(folder)
@@ -132,14 +132,14 @@ def _clear(folder: Path) -> None:
 
 
 class _Found(NamedTuple):
-    """The listed particles at fault of a rank.
+    """A rank's listed particles at fault.
 
     Attributes
     ----------
     rows, kinds : (n,) int64
         Their rows and errors, in canonical order.
     places : (n, D)
-        Their places, present or else previous, in cells from the domain's origin.
+        Their positions, present or else previous, in cells from the domain's origin.
     """
 
     rows: Array
@@ -148,10 +148,10 @@ class _Found(NamedTuple):
 
 
 def _places(sim: Simulation, rows: Array) -> tuple[Array, Array]:
-    """Places in cells from the domain's origin, (n, D), and which of them are the positions.
+    """Drawable positions in cells from the domain's origin, (n, D); mask of the actual ones.
 
-    The others are the middle of the particle's layer and, in the other directions, of its cell at
-    the last re-sort; in the initial configuration where it was at the start.
+    The others are the middle of the particle's layer, and in the other directions the middle of
+    its cell at the last re-sort. In the initial configuration they are initial positions.
     """
     p, frame = sim.particles, sim.scene.frame
     xi = (p.x[rows] - frame.origin) * frame.inverse
@@ -167,7 +167,7 @@ def _places(sim: Simulation, rows: Array) -> tuple[Array, Array]:
 
 
 def _around(sim: Simulation, found: _Found) -> tuple[Array, float]:
-    """Rows of the particles to be shown, and how far around those at fault; collective."""
+    """Rows of the shown particles, and the radius of the neighbourhoods in cells; collective."""
     comm, frame = sim.comm, sim.scene.frame
     every = comm.allgather(found.places)
     before = sum(len(places) for places in every[: comm.rank])
@@ -185,7 +185,7 @@ def _around(sim: Simulation, found: _Found) -> tuple[Array, float]:
 
 
 def _drawable(sim: Simulation, found: _Found, rows: Array) -> dict[str, Array]:
-    """Fields of the rows to be shown beside those of all particles."""
+    """Additional fields of the shown rows, beside the fields of all particles."""
     p, scene = sim.particles, sim.scene
     places, drawable = _places(sim, rows)
     position = np.zeros((len(rows), 3))
@@ -203,7 +203,7 @@ def _drawable(sim: Simulation, found: _Found, rows: Array) -> dict[str, Array]:
 
 
 def _courant(sim: Simulation, found: _Found) -> float:
-    """Courant number of the step by the particles that are not at fault; collective."""
+    """Courant number of the step, from the particles without fault; collective."""
     scene, p, order = sim.scene, sim.particles, sim.population.order
     sound = np.isfinite(p.v[order]).all(axis=1) & np.isfinite(p.F[order]).all(axis=1)
     order = order[sound & ~np.isin(order, found.rows)]
@@ -213,7 +213,7 @@ def _courant(sim: Simulation, found: _Found) -> float:
 
 
 def _state(sim: Simulation, found: _Found, i: int) -> str:
-    """The state of a particle at fault, as lines of text."""
+    """State of a particle at fault, as lines of text."""
     p, row, D = sim.particles, int(found.rows[i]), sim.scene.dimension
     values = {
         "x": p.x[row],
@@ -229,7 +229,7 @@ def _state(sim: Simulation, found: _Found, i: int) -> str:
 
 
 def _advice(sim: Simulation, courant: float, kinds: set[int]) -> list[str]:
-    """Interpretation of Courant number and errors, and how to see more."""
+    """Interpretation of Courant number and errors, and further diagnostics."""
     stable, failure = stable_courant(sim.case), sim.failure
     if sim.case.watched:
         stable = sim.case.method.largest_courant(sim.case.dimensions)
@@ -256,7 +256,7 @@ def _advice(sim: Simulation, courant: float, kinds: set[int]) -> list[str]:
 
 
 def _last_lines(path: Path) -> list[str]:
-    """The first line of a file, which names the columns, and its last ones."""
+    """First line of a file, with the names of the columns, and its last lines."""
     try:
         with open(path, "rb") as stream:
             head = stream.readline()

@@ -1,4 +1,4 @@
-"""Size of a run's output, and output requested for times that it never reaches."""
+"""Size of a run's output, and warnings of output requested for times beyond its end."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from pgimp.schema.base import Steps
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
-#: Rounding, relative to the interval, within which the end is a multiple of it.
+#: Tolerance, relative to the interval, within which the end is a multiple of it.
 _ROUNDING = 1e-9
 #: A number of frames that is probably a mistake.
 _MANY = 10_000
 
 
 def frames(case: Case, steps: float) -> int:
-    """Frames of a run of `steps` steps, the first and the last included."""
+    """Number of frames of a run of `steps` steps, including the first and the last."""
     last = case.time.last
     times = {0.0, *case.output.at, *(stage.time.end for stage in case.stages)}
     between = 0.0
@@ -31,7 +31,7 @@ def frames(case: Case, steps: float) -> int:
 
 
 def frame_size(case: Case, fields: Mapping[str, Field], particles: int) -> float:
-    """Bytes of a frame of particles, uncompressed; `fields` are all known ones."""
+    """Bytes of a frame of particles, uncompressed; `fields` are all known fields."""
     real = 4 if case.output.precision == "float32" else 8
     total = 0
     for field in (*ALWAYS.values(), *(fields[name] for name in case.output.fields)):
@@ -51,21 +51,21 @@ def _between(every: Any, end: float, steps: float) -> float:
 
 
 def warnings(case: Case, steps: float) -> Iterator[str]:
-    """Yield requests without effect: intervals of output that end after the run.
+    """Yield warnings of requests without effect: intervals of output that end after the run.
 
     Parameters
     ----------
     case : Case
         The case.
     steps : float
-        Steps that it takes, about.
+        Approximate number of steps.
     """
     ends = "at the start and at the end"
     requested = [
         ("output.every", case.output.every, f"frames only {ends}"),
         ("checkpoint.every", case.checkpoint.every, "no checkpoints but the last"),
     ]
-    # By default lines are for runs of more steps than this one may have.
+    # The default interval of lines may exceed a short run.
     if "every" in case.history.model_fields_set:
         requested.append(("history.every", case.history.every, f"lines only {ends}"))
     for name, probe in case.probes.items():

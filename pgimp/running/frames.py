@@ -1,4 +1,4 @@
-"""The frames of a run: positions and fields of all particles at the case's times."""
+"""Frames of a run: positions and fields of all particles at the case's times."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ class Frames(Series):
         self.enter(case, sim)
 
     def enter(self, case: Case, sim: Simulation) -> None:
-        """Write the output of a case, or of another stage of one."""
+        """Use the output settings of a case, or of another stage of it."""
         self.fields = [*ALWAYS, *(name for name in sim.scene.fields if name in case.output.fields)]
         compressed = case.output.compression != "none"
         self._file = ParticleFile(case, sim.scene, self.fields, case.output.precision, compressed)
 
     def write(self, sim: Simulation) -> None:
-        """Write the present state as the next frame, and finish the one before; collective.
+        """Write the present state as the next frame, and finish the previous one; collective.
 
         Parameters
         ----------
         sim : Simulation
-            The run; it may go on at once.
+            The run; it may continue at once.
 
         Raises
         ------
         RunError
-            On every rank, if the disk is full, or if the frame before could not be written whole;
-            then there is no file of its name, and the frames before it are intact.
+            On every rank, if the disk is full, or if the previous frame could not be written
+            completely. That frame then has no file; the frames before it are intact.
         """
         self.finish()
         path = self.folder / f"particles-{self.written:06d}.h5"

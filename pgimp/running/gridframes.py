@@ -1,4 +1,4 @@
-"""The frames of the grid: the cells with particles, and the values at their vertices."""
+"""Frames of the grid: cells with particles, and values at their vertices."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ Array = np.ndarray
 class GridFrames(Series):
     """Writes the frames of the grid, if the case has any, and the XDMF file that lists them.
 
-    They have the numbers of the particles' frames. Each rank writes its own vertices and cells,
-    which follow each other in the file.
+    They have the numbers of the particles' frames. Each rank writes its own vertices and cells;
+    the ranks' parts are consecutive in the file.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class GridFrames(Series):
         self.enter(case)
 
     def enter(self, case: Case) -> None:
-        """Write the output of a case, or of another stage of one."""
+        """Use the output settings of a case, or of another stage of it."""
         self.fields = [name for name in GRID if name in case.output.grid]
         self._type = np.dtype(case.output.precision).newbyteorder("<").str
         self._dimension = case.dimensions
@@ -61,20 +61,20 @@ class GridFrames(Series):
         }
 
     def write(self, sim: Simulation, number: int) -> None:
-        """Write the grid as the next frame, and finish the one before; collective.
+        """Write the grid as the next frame, and finish the previous one; collective.
 
         Parameters
         ----------
         sim : Simulation
-            The run; it may go on at once.
+            The run; it may continue at once.
         number : int
-            That of the frame of the particles.
+            Number of the particles' frame.
 
         Raises
         ------
         RunError
-            On every rank, if there is no room for it, or if the one before could not be written
-            whole.
+            On every rank, if there is no space for it, or if the previous frame could not be
+            written completely.
         """
         if not self.fields:
             return
@@ -154,7 +154,7 @@ class GridFrames(Series):
         return super().resume(number) if self.fields or there else []
 
     def _missing(self, number: int, there: int) -> list[str]:
-        """They may have been requested only later."""
+        """No messages: frames of the grid may have been requested only later."""
         return []
 
     def _listed(self, path: Path) -> Entry:

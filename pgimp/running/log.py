@@ -13,7 +13,7 @@ from pgimp.terminal import escape, silence
 
 
 class Log:
-    """Writes lines to the terminal and to a file; only on rank 0.
+    """Writes lines to the terminal and to a file, only on rank 0.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Log:
         self._early: list[str] = []
 
     def say(self, text: str) -> None:
-        """Show a line and keep it."""
+        """Show a line and write it to the file."""
         if not self.speaks:
             return
         text = escape(text)
@@ -49,12 +49,12 @@ class Log:
         self.note(text)
 
     def detach_terminal(self) -> None:
-        """Go on without the terminal: it was closed, or the reader of a pipe has ended."""
+        """Continue without the terminal: it was closed, or the reader of a pipe has ended."""
         self.quiet = True
         silence(sys.stdout)
 
     def note(self, text: str) -> None:
-        """Keep a line without showing it."""
+        """Write a line to the file without showing it."""
         if not self.speaks:
             return
         if self._file is None:
@@ -68,7 +68,7 @@ class Log:
             self.close()
 
     def write_to(self, path: Path) -> None:
-        """Keep the lines in a file from now on, with those from before."""
+        """Write lines to a file from now on, with all previous lines."""
         if self.speaks:
             with suppress(OSError):
                 self._file = open(path, "a", encoding="utf-8")
@@ -89,22 +89,22 @@ _BUSY = ("P2G", "momentum", "G2P", "order", "sort")
 
 
 def timing_table(comm: Communicator, seconds: dict[str, float], total: float) -> str:
-    """Format the time that each phase of a run took.
+    """Format the time of each phase of a run.
 
     Parameters
     ----------
     comm : communicator
         Of all ranks; the call is collective.
     seconds : dict of str to float
-        Of each phase on this rank.
+        Seconds of each phase on this rank.
     total : float
-        Wall time of the run in seconds; the rest after all phases is the line "other".
+        Wall time of the run in seconds; the remainder after all phases is the line "other".
 
     Returns
     -------
     str
-        A line a phase: least, mean and most over the ranks, and the share of the wall time; on
-        several ranks the imbalance of the phases without waiting. Empty but on rank 0.
+        A line per phase: minimum, mean and maximum over the ranks, and share of the wall time. On
+        several ranks also the imbalance of the phases without waiting. Empty except on rank 0.
     """
     gathered = comm.gather(seconds | {"other": total - sum(seconds.values())})
     if gathered is None:

@@ -1,4 +1,4 @@
-"""The files of the probes, ``probes/NAME.csv``, and their records in a checkpoint."""
+"""Files of the probes, ``probes/NAME.csv``, and their records in a checkpoint."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ class Record(BaseModel):
     Attributes
     ----------
     body : str or None
-        As the case has it; None for a place.
+        Body in the case; None for a fixed position.
     at : list of float
-        As the case has it.
+        Position in the case.
     number, origin : int, list of float
-        Id and initial position of the particle that is followed; -1 and `at` for a place.
+        Id and initial position of the followed particle; -1 and `at` for a fixed position.
     line : int
         Step of the last line that is safe on disk.
     lines : int or None
-        Number of lines up to there; None if unknown.
+        Number of lines up to it; None if unknown.
     """
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
@@ -52,19 +52,19 @@ class Record(BaseModel):
 
 
 def _what(entry: Any) -> tuple[str | None, list[float]]:
-    """Body and place of a probe as the case has it."""
+    """Body and position of a probe in the case."""
     if isinstance(entry, PlaceProbe):
         return None, list(entry.place)
     return entry.body, list(entry.at)
 
 
 def require_known(case: Case, records: Mapping[str, Record]) -> None:
-    """Ensure that the probes of a case can go on from their records in a checkpoint.
+    """Ensure that the probes of a case can continue from their records in a checkpoint.
 
     Raises
     ------
     UsageError
-        If one follows a particle that no longer exists, or another one than before.
+        If a probe's particle no longer exists, or has changed.
     """
     for name, entry in case.probes.items():
         body, at = _what(entry)
@@ -90,7 +90,7 @@ class _Probe(NamedTuple):
     file: LineFile
 
     def record(self) -> Record:
-        """The record for a checkpoint."""
+        """Record for a checkpoint."""
         body, at = _what(self.entry)
         number, origin = -1, at
         if isinstance(self.target, Point):
@@ -106,7 +106,7 @@ class _Probe(NamedTuple):
 
 
 def _schedules(case: Case) -> list[tuple[Schedule, list[str]]]:
-    """Schedule of probes' lines, with the names of the probes that share it."""
+    """Schedules of probes' lines, each with the names of its probes."""
     times: dict[Any, list[str]] = {}
     for name, entry in case.probes.items():
         times.setdefault(entry.every or case.history.every, []).append(name)
@@ -121,7 +121,7 @@ class Probes:
     directory : Path
         The run directory.
     case : Case
-        Has the probes.
+        The case with the probes.
     sim : Simulation
         The run.
     """
@@ -133,23 +133,23 @@ class Probes:
         self._schedules = _schedules(case)
 
     def begin(self) -> None:
-        """Find the particles that are followed, and write the lines of the start; collective.
+        """Find the followed particles, and write the initial lines; collective.
 
         Raises
         ------
         RunError
-            On every rank, if that is not possible; so for all that follows.
+            On every rank, if that is not possible; later methods raise it likewise.
         """
         self._open({})
         self.write()
 
     def resume(self, records: Mapping[str, Record]) -> list[str]:
-        """Go on after the lines that a checkpoint records; collective.
+        """Continue after the lines that a checkpoint records; collective.
 
         Parameters
         ----------
         records : mapping of str to Record
-            Of the probes, as `require_known` checks them.
+            Records of the probes, checked by `require_known`.
 
         Returns
         -------
@@ -159,7 +159,7 @@ class Probes:
         sim, notes = self._sim, []
         self._open(records)
         for name, probe in self._probes.items():
-            if name not in records:  # lines of a run that had this probe before stay
+            if name not in records:  # existing lines of an earlier probe of this name stay
                 probe.file.resume(sim.comm, sim.step)
                 continue
             line = records[name].line
@@ -174,7 +174,7 @@ class Probes:
         return notes
 
     def enter(self, case: Case) -> None:
-        """Go on in another stage of the case, whose history may have other times."""
+        """Continue in another stage of the case, whose history may have other times."""
         sim = self._sim
         self._schedules = _schedules(case)
         for schedule, _ in self._schedules:
@@ -203,7 +203,7 @@ class Probes:
             raise RunError(f"cannot make {folder}: {explain(error)}") from error
 
     def due(self) -> list[str]:
-        """Names of the probes whose lines are due; to be called once after each step."""
+        """Names of the probes whose lines are due; call it once after each step."""
         sim = self._sim
         return [
             name
@@ -213,7 +213,7 @@ class Probes:
         ]
 
     def write(self, names: Iterable[str] | None = None) -> None:
-        """Write lines of some probes, or of all, unless this step has one already; collective."""
+        """Write lines of some or all probes, unless they exist for this step; collective."""
         sim = self._sim
         due = [self._probes[name] for name in (self._probes if names is None else names)]
         due = [probe for probe in due if probe.file.step != sim.step]
@@ -230,12 +230,12 @@ class Probes:
         on_root(sim.comm, append)
 
     def sync(self) -> None:
-        """Ensure that the lines so far outlast a crash of the machine; on rank 0."""
+        """Ensure that the lines so far survive a crash of the machine; on rank 0."""
         for probe in self._probes.values():
             probe.file.sync()
 
     def records(self) -> dict[str, Record]:
-        """The records for a checkpoint, by name."""
+        """Records for a checkpoint, by name."""
         return {name: probe.record() for name, probe in self._probes.items()}
 
     def close(self) -> None:

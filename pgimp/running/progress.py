@@ -1,4 +1,4 @@
-"""Progress of a run: a bar at a terminal, a line now and then elsewhere."""
+"""Progress of a run: a bar at a terminal, occasional lines elsewhere."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ _LONGEST_PAUSE_SECONDS = 60.0
 _PAUSE_GROWTH = 1.5
 _SMOOTHING = 0.4
 _DEFAULT_COLUMNS = 80
-# In a narrower terminal the numbers take the place of the bar.
+# In a narrower terminal the numbers replace the bar.
 _BAR_COLUMNS = 90
 
 
 def terminal_columns() -> int:
     """Return the width of the user's terminal.
 
-    Under mpirun every rank's own output looks like a terminal even in a batch job; what counts is
-    the launcher's own output.
+    Under mpirun every rank's own output looks like a terminal even in a batch job, so the
+    launcher's own output counts.
 
     Returns
     -------
@@ -57,16 +57,16 @@ def terminal_columns() -> int:
 
 
 class Progress:
-    """Shows the progress of a run, on rank 0; costs next to nothing while nothing is due.
+    """Shows the progress of a run, on rank 0; negligible cost while nothing is due.
 
     Parameters
     ----------
     log : Log
-        Where plain lines go; its terminal lines appear above the bar.
+        Receives plain lines; its terminal lines appear above the bar.
     sim : Simulation
         The run.
     end : float
-        The simulated time at which it ends.
+        Simulated time at the end of the run.
     columns : int
         Width of the terminal; 0 for plain lines.
     """
@@ -173,7 +173,7 @@ def duration(seconds: float) -> str:
     Returns
     -------
     str
-        The words; a question mark if it is not known.
+        The text; a question mark if the span is unknown.
     """
     if not seconds < 1e9:
         return "?"

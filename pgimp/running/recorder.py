@@ -1,4 +1,4 @@
-"""Output of a run in progress: frames, history and checkpoints, each when it is due."""
+"""Output during a run: frames, history and checkpoints when due."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class Recorder:
-    """The output of a run.
+    """Output of a run.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Recorder:
     case : Case
         The whole case, with all its stages; the present one gives the times of output.
     sim : Simulation
-        The run, at its begin or as resumed.
+        The run, at its beginning or as resumed.
 
     Attributes
     ----------
@@ -47,8 +47,7 @@ class Recorder:
     probes : Probes
     checkpoints : Checkpoints
     seconds : dict of str to float
-        What this rank has spent on each; the grid's frames count as frames, probes as
-        history.
+        Time of this rank for each; the grid's frames count as frames, probes as history.
     """
 
     def __init__(self, directory: RunDirectory, case: Case, sim: Simulation) -> None:
@@ -70,29 +69,29 @@ class Recorder:
         return self.frames, self.grid, self.rigid
 
     def begin(self) -> None:
-        """Write the state at the start; collective.
+        """Write the initial state; collective.
 
         Raises
         ------
         RunError
-            On every rank, if that is not possible; so for all that follows.
+            On every rank, if that is not possible; later methods raise it likewise.
         """
         with self._timed("history"):
             self.probes.begin()
         self._record(frame=True, line=True)
 
     def resume(self, about: About) -> list[str]:
-        """Continue the output from where it was when a checkpoint was written; collective.
+        """Continue the output from its state at a checkpoint; collective.
 
         Parameters
         ----------
         about : About
-            What the checkpoint says.
+            Header of the checkpoint.
 
         Returns
         -------
         list of str
-            What is missing of the earlier output.
+            Messages on missing parts of the earlier output.
         """
         sim = self._sim
         self.checkpoints.resume(sim.comm, sim.step, about)
@@ -111,7 +110,7 @@ class Recorder:
         return notes
 
     def enter(self) -> None:
-        """Go on in the stage that the run has entered; collective."""
+        """Continue in the stage that the run has entered; collective."""
         sim, case = self._sim, self._sim.case
         with self._timed("frames"):
             for series in self._series:
@@ -126,14 +125,14 @@ class Recorder:
             schedule.skip(sim.time, sim.step, sim.dt)
 
     def step(self) -> None:
-        """Write what falls due after a step, or is asked for; collective.
+        """Write due or requested output after a step; collective.
 
-        Nothing is written before all ranks have agreed that the step went well.
+        Nothing is written before all ranks have agreed that the step was successful.
 
         Raises
         ------
         RunError
-            On every rank, if it did not.
+            On every rank, if it was not.
         """
         sim = self._sim
         waiting = any(series.waiting for series in self._series)
@@ -153,19 +152,19 @@ class Recorder:
             self._look(probes)
         if frame or line:
             self._record(frame, line)
-        # The one of a stage's end comes after the frame of the end.
+        # The checkpoint of a stage's end comes after the frame of the end.
         if (checkpoint or sim.agreed_request == Request.CHECKPOINT) and not sim.stage_done:
             self.checkpoint()
 
     def end(self) -> None:
-        """Write the state at the end of a stage, as far as it is not there yet; collective."""
+        """Write the state at the end of a stage, unless already written; collective."""
         self._look(None)
         self._record(frame=self.frames.step != self._sim.step, line=True)
         self.checkpoint()
 
     def checkpoint(self) -> None:
         """Write a checkpoint, unless this step has one; collective."""
-        # It stands for the frames and lines before it, and must not survive them.
+        # It refers to the frames and lines before it, and must not survive them.
         with self._timed("frames"):
             for series in self._series:
                 series.sync(last=self._sim.finished)
@@ -214,7 +213,7 @@ class Recorder:
         self.seconds[what] += perf_counter() - began
 
     def kept(self) -> str:
-        """Describe in a sentence what the run directory holds so far."""
+        """Describe the content of the run directory so far in a sentence."""
         folder = self.checkpoints.folder.parent
         frames = self.frames.written
         if not frames:
@@ -227,12 +226,12 @@ class Recorder:
 
     @property
     def size(self) -> int:
-        """Bytes of the frames and checkpoints that this process wrote, on rank 0."""
+        """Bytes of the frames and checkpoints written by this process, on rank 0."""
         return sum(series.size for series in self._series) + self.checkpoints.size
 
     @property
     def ready(self) -> bool:
-        """Whether this rank would not have to wait for the disk to finish the last frames."""
+        """Whether this rank can finish the last frames without waiting for the disk."""
         return self.frames.ready and self.grid.ready
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Going on with a run: from which checkpoint, and whether the case is still the same."""
+"""Resuming a run: choice of the checkpoint, and comparison of the case."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ from pgimp.solver.time.clock import clock_of
 from pgimp.storage.linereader import require_whole
 from pgimp.storage.plain import read_plain
 
-#: Keys that a resumed run may change: they affect no particle, or only the run's end.
+#: Keys that may change when a run is resumed: they affect no particle, or only the run's end.
 MAY_CHANGE = ("title", "time.end", "output", "history", "probes", "checkpoint")
 
 
 class Resumed(NamedTuple):
-    """A simulation in the state of a checkpoint, and the checkpoint's header on the output."""
+    """A simulation in the state of a checkpoint, and the checkpoint's header."""
 
     sim: Simulation
     about: About
 
 
 def resume(case: Case, comm: Communicator, directory: RunDirectory, log: Log) -> Resumed | str:
-    """Find the newest intact checkpoint of a run and go back to its state; collective.
+    """Find the newest intact checkpoint of a run and restore its state; collective.
 
     Parameters
     ----------
     case : Case
-        The case as it is now.
+        The present case.
     comm : communicator
         Of all ranks.
     directory : RunDirectory
@@ -53,12 +53,12 @@ def resume(case: Case, comm: Communicator, directory: RunDirectory, log: Log) ->
     Returns
     -------
     Resumed or str
-        Without a checkpoint "afresh"; if nothing is left to do "done".
+        "afresh" without a checkpoint; "done" if the run has ended.
 
     Raises
     ------
     UsageError, CaseError
-        On every rank, if the case is not that of the run.
+        On every rank, if the case differs from the run's.
     RunError
         On every rank, if no checkpoint is intact.
     """
@@ -111,7 +111,7 @@ def resume(case: Case, comm: Communicator, directory: RunDirectory, log: Log) ->
 
 
 def _require_lines(directory: Path, case: Case, about: About) -> None:
-    """Refuse to go on with history or probe files that have lost lines."""
+    """Refuse to resume with history or probe files that have lost lines."""
     require_whole(directory / "history.csv", about.history, about.lines)
     for name in case.probes:
         if record := about.probes.get(name):
@@ -129,7 +129,7 @@ def _case_of(directory: Path) -> str | None:
 
 
 def _ended(case: Case, state: State) -> bool:
-    """Return whether nothing is left to do; a checkpoint after the end is refused."""
+    """Return whether the run has ended; a checkpoint after the end is refused."""
     stage = case.stages[state.stage]
     clock = clock_of(stage, before=state.counted)
     if state.time > clock.end * (1.0 + 1e-12):
@@ -145,8 +145,8 @@ def _ended(case: Case, state: State) -> bool:
 def _compare(text: str, case: Case, source: str, log: Log, stage: int = 0) -> Case:
     """Refuse a case that differs from a run's in more than `MAY_CHANGE`; log the changes.
 
-    Stages that have not begun yet may differ, also in number. Returns the case of the stage that
-    the run is in.
+    Stages that have not begun may differ, also in number. Returns the case of the run's present
+    stage.
     """
     try:
         before = read_case(text, source)
@@ -191,7 +191,7 @@ def _compare(text: str, case: Case, source: str, log: Log, stage: int = 0) -> Ca
 def _differences(
     before: Case, case: Case, stage: int
 ) -> tuple[list[tuple[str, Any, Any]], list[str]]:
-    """Return differences that are allowed, with both values, and those that are not, in words."""
+    """Return the allowed differences, with both values, and the forbidden ones, as text."""
     accepted, refused = [], []
     for number in range(stage + 1):
         old, new = (
@@ -226,7 +226,7 @@ def _taken(case: dict[str, Any], key: str) -> Any:
 
 
 def _changes(old: Any, new: Any, key: str = "") -> Iterator[tuple[str, str, str]]:
-    """Yield the keys whose values differ, with both values in short."""
+    """Yield the keys whose values differ, with both values as short text."""
     if isinstance(old, dict) and isinstance(new, dict):
         for name in dict.fromkeys((*old, *new)):
             below = f"{key}.{name}" if key else str(name)
@@ -246,7 +246,7 @@ def _short(value: Any) -> str:
 
 
 def _made_otherwise(about: About) -> Iterator[str]:
-    """Yield in words differences of the software and CPU that may change bits."""
+    """Yield differences of software and CPU that may change bits, as text."""
     for name, now in made_by().items():
         then = about.made_by.get(name)
         if then != now:

@@ -1,4 +1,4 @@
-"""The frames of the rigid bodies: their surfaces where they are, for pictures and ParaView."""
+"""Frames of the rigid bodies: their surfaces in present poses, for pictures and ParaView."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 class RigidFrames(Series):
     """Writes the surfaces of rigid bodies, if the case has any, and the XDMF file that lists them.
 
-    They have the numbers of the particles' frames. Rank 0 knows all of them, and writes them.
+    They have the numbers of the particles' frames. Rank 0 has all surfaces, and writes them.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class RigidFrames(Series):
         self.enter(case)
 
     def enter(self, case: Case) -> None:
-        """Write the bodies of a case, or of another stage of one."""
+        """Use the bodies of a case, or of another stage of it."""
         self._dimension = case.dimensions
         self._attributes = {
             "format": FORMAT_VERSION,
@@ -54,13 +54,13 @@ class RigidFrames(Series):
         }
 
     def write(self, sim: Simulation, number: int) -> None:
-        """Write the surfaces as the next frame, and finish the one before; collective.
+        """Write the surfaces as the next frame, and finish the previous one; collective.
 
         Raises
         ------
         RunError
-            On every rank, if there is no room for it, or if the one before could not be written
-            whole.
+            On every rank, if there is no space for it, or if the previous frame could not be
+            written completely.
         """
         rigid_bodies = sim.scene.rigid_bodies
         if not rigid_bodies:

@@ -1,4 +1,4 @@
-"""Running a simulation to its end, or until it is asked to stop, with all its output."""
+"""Running a simulation with all its output, to its end or a requested stop."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from pgimp.solver.reduction import Request
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.time.held_rate import WORTH
 
-#: Part of the mass past a wall from which a note is due.
+#: Fraction of the mass past a wall above which a note is shown.
 _NEGLIGIBLE = 1e-6
-#: Part of the mass, or of all particle-steps, from which a result may be wrong by a visible amount.
+#: Fraction of the mass, or of all particle-steps, above which results may be visibly wrong.
 _MATTERS = 1e-3
 
 
@@ -33,17 +33,17 @@ def advance(
     Parameters
     ----------
     case : Case
-        What is simulated.
+        The case.
     sim : Simulation
         At its start, or as resumed.
     about : About or None
-        The header of the checkpoint that it was resumed from.
+        Header of the checkpoint of a resumed run.
     directory : RunDirectory
         Prepared for the run.
     log : Log
         Receives messages.
     stop : Stop
-        Tells when to stop before the end, with a checkpoint.
+        Decides about a stop before the end, with a checkpoint.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def advance(
         else:
             for note in recorder.resume(about):
                 log.say(f"note: {note}")
-        # What came before the first step, set-up included, has been held until here.
+        # Signals before the first step, also during set-up, were deferred until here.
         stopped = stop.agree(recorder.checkpoints.seconds if about is None else 0.0)
         while not (stopped or sim.finished):
             if sim.stage_done:
@@ -128,14 +128,14 @@ def advance(
 
 
 def _warn(sim: Simulation, log: Log) -> None:
-    """Show what lines of the history warn of."""
+    """Show warnings that follow from the history's sums."""
     said = sim.diagnostic_sums.said
     while said:
         log.say(f"warning: {said.pop(0)}")
 
 
 def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:
-    """Keep the state at the end of a stage, and begin the next one; collective."""
+    """Write the state at the end of a stage, and begin the next stage; collective."""
     sim.complete_reduction()
     recorder.end()
     _note_held(sim, log)
@@ -152,7 +152,7 @@ def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:
 
 
 def _note_held(sim: Simulation, log: Log) -> None:
-    """Keep in the log how many steps of a stage were shorter than they had to be."""
+    """Log the number of a stage's steps that were shorter than necessary."""
     held = sim.clock.held
     if held and held.waited:
         log.note(
@@ -162,10 +162,10 @@ def _note_held(sim: Simulation, log: Log) -> None:
 
 
 def _request(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> Request:
-    """Request of this rank after the next step; `step` is the duration of one.
+    """Request of this rank after the next step; `step` is the duration of a step.
 
-    It may be agreed on a step later, see `Simulation.advance`; until then a checkpoint must not be
-    requested again.
+    Ranks may agree on it a step later, see `Simulation.advance`. Until then a checkpoint must not
+    be requested again.
     """
     if stop.requested(recorder.checkpoints.seconds + 3.0 * step):
         return Request.STOP
@@ -185,7 +185,7 @@ def amount(size: float) -> str:
 
 
 def _tell(log: Log, matters: bool, what: str, wrong: str) -> None:
-    """Show what makes a result wrong, and what; keep in the log what does not."""
+    """Show an event and the wrong result if it matters; else only log the event."""
     if matters:
         log.say(f"note: {what}: {wrong}")
     else:

@@ -6,17 +6,17 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-# A step that ends this part of a step before a time counts as at it: rounding of n * step.
+# Tolerance for rounding of n * step, in steps: a step that ends just before a time counts as at it.
 _ROUNDING = 1e-6
 
 
 class Schedule:
-    """Steps at which to act; it follows the steps and never changes one.
+    """Steps at which an action is due; the schedule never changes the steps.
 
     Parameters
     ----------
     every : float, object with ``steps``, or None
-        Interval in simulated time or in steps; None: not regularly.
+        Interval in simulated time or in steps; None for no regular action.
     at : sequence of float
         Further times.
     """
@@ -30,7 +30,7 @@ class Schedule:
         self.skip(0.0, 0, 0.0)
 
     def due(self, time: float, step: int, dt: float) -> bool:
-        """Return whether to act now; to be called once after each step.
+        """Return whether the action is due now; call it once after each step.
 
         Parameters
         ----------
@@ -48,7 +48,7 @@ class Schedule:
         return True
 
     def skip(self, time: float, step: int, dt: float) -> None:
-        """Find the next time after the present."""
+        """Find the next due time after the present."""
         now = time + _ROUNDING * dt
         if self._steps is not None:
             self._next_step = (step // self._steps + 1) * self._steps

@@ -17,8 +17,8 @@ from typing import Any
 from pgimp import signals
 from pgimp.mpi.communicator import Communicator
 
-# Margin before a limit besides the checkpoint: to close the files, and for interpreter and launcher
-# to exit.
+# Margin before a limit besides the checkpoint, over the whole time: for closing files, and for the
+# exit of interpreter and launcher.
 _MARGIN_PART = 0.05
 _SHORTEST_MARGIN, _LONGEST_MARGIN = 1.0, 60.0
 _SQUEUE_SECONDS = 5.0
@@ -35,9 +35,9 @@ def wall_time(text: str) -> float:
     Parameters
     ----------
     text : str
-        ``HH:MM:SS`` with any number of hours, or with days as Slurm writes it, ``D-HH:MM:SS``;
-        after days, minutes and seconds may be left out. Without days all three are needed: what
-        ``90:00`` means, and ``90``, differs from one scheduler to another.
+        ``HH:MM:SS`` with any number of hours, or with days as in Slurm, ``D-HH:MM:SS``. After
+        days, minutes and seconds are optional. Without days all three are needed: schedulers
+        differ in the meaning of ``90:00`` and ``90``.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def wall_time(text: str) -> float:
     Raises
     ------
     argparse.ArgumentTypeError
-        If it is something else, or zero.
+        If it has another form, or is zero.
     """
     match = _WALL_TIME.fullmatch(text.strip())
     seconds = 0
@@ -64,7 +64,7 @@ def wall_time(text: str) -> float:
 
 
 def clock(seconds: float) -> str:
-    """Write a time as `wall_time` reads it, in hours, minutes and seconds.
+    """Format a time in hours, minutes and seconds, readable by `wall_time`.
 
     Parameters
     ----------
@@ -87,13 +87,13 @@ def slurm_seconds_left() -> float | None:
     job = os.environ.get("SLURM_JOB_ID", "")
     if not job:
         return None
-    # In newer versions; a time that is past belongs to a job that ended, in a shell that it left.
+    # In newer versions; a past time belongs to an ended job, in a shell that it left behind.
     end = os.environ.get("SLURM_JOB_END_TIME", "")
     if end.isdecimal():
         left = int(end) - time.time()
         return left if left > 0.0 else None
     with suppress(OSError, ValueError, subprocess.SubprocessError):
-        # The job's id besides, because the id of an array asks for all of its jobs.
+        # The job's id is printed too, because an array's id lists all of its jobs.
         lines = subprocess.run(
             ["squeue", "--noheader", f"--jobs={job}", "--format=%A %L"],
             stdin=subprocess.DEVNULL,
@@ -112,9 +112,9 @@ def slurm_seconds_left() -> float | None:
 class Held:
     """Defers signals, for example during a write; a context manager.
 
-    They are noted in `pgimp.signals.received`. Only those are held that have their default effect:
-    a handler of the program around stays. A second SIGINT takes effect at once. Outside of the main
-    thread, where Python allows no handlers, nothing is held.
+    They are recorded in `pgimp.signals.received`. Only signals with their default effect are
+    deferred: handlers of the calling program stay. A second SIGINT takes effect at once. Outside
+    the main thread, where Python allows no handlers, nothing is deferred.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ class Held:
     Attributes
     ----------
     came : list of int
-        Those that arrived, complete when the context has ended.
+        Signals that arrived, complete when the context has ended.
     """
 
     def __init__(self, numbers: Sequence[int]) -> None:
@@ -151,39 +151,39 @@ class Held:
             signals.received.remove(number)
 
     def check(self) -> None:
-        """Raise if one of them arrived.
+        """Raise an error if a signal arrived.
 
         Raises
         ------
         KeyboardInterrupt
-            If so.
+            If a signal arrived.
         """
         if any(number in self._usual for number in signals.received):
             raise KeyboardInterrupt
 
 
 class Stop:
-    """Decides when a run is to stop before its end; a context manager around all its output.
+    """Decision to stop a run before its end; a context manager around all its output.
 
-    In the command ``pgimp`` signals have been noted since it was started. Called from Python, they
-    are noted within this context, as far as the program around has no handlers of its own. That
-    program then gets the signals, too, when the context ends normally, which is when
-    the files are closed: a KeyboardInterrupt after SIGINT, a SystemExit after SIGTERM.
+    In the command ``pgimp`` signals are recorded from its start. Called from Python, they are
+    recorded within this context, unless the calling program has handlers of its own. That program
+    gets the signals, too, when the context ends normally, after the files are closed. It gets a
+    KeyboardInterrupt after SIGINT, a SystemExit after SIGTERM.
 
     Parameters
     ----------
     comm : communicator
-        Of all ranks; rank 0 looks at the clock for all.
+        Of all ranks; rank 0 reads the clock for all.
     wall_time : float or None
-        How long the run may take, in seconds since the command was started, or since now when
-        called from Python. Inside a Slurm job the limit of the job counts as well.
+        Longest time of the run, in seconds from the start of the command, or from now if called
+        from Python. Inside a Slurm job the limit of the job counts as well.
 
     Attributes
     ----------
     reason : str
-        Why the run is to stop: a signal's name, or which limit; empty while there is no reason.
+        Reason to stop: a signal's name, or the limit; empty while there is none.
     signal : int
-        The signal that came; 0 if none.
+        The signal that arrived; 0 if none.
     """
 
     def __init__(self, comm: Communicator, wall_time: float | None) -> None:
@@ -209,12 +209,12 @@ class Stop:
             self._latest, self._limit = latest, name
 
     def __enter__(self) -> Stop:
-        """Install the handlers that the program around does not have."""
+        """Install the handlers that the calling program does not have."""
         self._held.__enter__()
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        """Restore the handlers, and pass the signals on to the program around.
+        """Restore the handlers, and pass the signals on to the calling program.
 
         Raises
         ------
@@ -230,13 +230,13 @@ class Stop:
                 raise SystemExit(_SIGNAL_STATUS + signal.SIGTERM)
 
     def requested(self, reserve: float) -> bool:
-        """Return whether this rank knows of a reason to stop.
+        """Return whether there is a reason to stop on this rank.
 
         Parameters
         ----------
         reserve : float
-            Seconds that a checkpoint takes. A margin is added for what follows: 5 % of the whole
-            time, but at least a second and at most a minute.
+            Seconds of a checkpoint. A margin is added for the actions after it: 5 % of the whole
+            time, at least a second and at most a minute.
         """
         if self.reason:
             return True
@@ -248,7 +248,7 @@ class Stop:
         return bool(self.reason)
 
     def agree(self, reserve: float) -> bool:
-        """Return whether any rank knows of a reason to stop, which all then know; collective.
+        """Return whether there is a reason to stop on any rank, and share it; collective.
 
         Parameters
         ----------
