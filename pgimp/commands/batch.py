@@ -1,4 +1,4 @@
-"""``pgimp batch``: writes a script for Slurm or PBS that brings a run to its end, job by job."""
+"""``pgimp batch``: writes a script for Slurm or PBS that completes a run, job by job."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def execute(args: argparse.Namespace) -> int:
     Parameters
     ----------
     args : argparse.Namespace
-        What `add_arguments` declares.
+        Arguments declared by `add_arguments`.
 
     Returns
     -------
@@ -116,8 +116,8 @@ def execute(args: argparse.Namespace) -> int:
     Raises
     ------
     CaseError, UsageError
-        If the case or the command line is wrong, or the script cannot be written; no script is
-        written then.
+        If the case or the command line is wrong, or the script cannot be written; there is then no
+        script.
     """
     printed = args.script == "-"
     if args.nodes > args.ranks:
@@ -146,7 +146,7 @@ def execute(args: argparse.Namespace) -> int:
         launcher=args.launcher,
         python=python,
         folder=folder,
-        # Words that begin with a dash would be options.
+        # A name that begins with a dash would be an option.
         case=f"./{args.case}" if args.case.startswith("-") else args.case,
         output=args.output or f"{Path(args.case).stem}.out",
         changes=args.set,
@@ -183,7 +183,7 @@ def _examine(args: argparse.Namespace) -> list[str]:
 
 
 def _job_name(case: str) -> str:
-    """Make a job's name from that of the case."""
+    """Make a job's name from the name of the case."""
     name = re.sub(r"[^A-Za-z0-9_.+-]+", "-", Path(case).stem, flags=re.ASCII)[:50]
     return name if _NAME.fullmatch(name) else f"pgimp{name}"
 
@@ -205,7 +205,7 @@ def _umask() -> int:
 
 
 def _line(text: str) -> str:
-    """Text that can stand in a script; everything but control characters can be quoted."""
+    """Text that a script may contain; everything but control characters can be quoted."""
     if not text or not text.isprintable():
         raise argparse.ArgumentTypeError(f"{text!r} cannot be written in a script")
     return text

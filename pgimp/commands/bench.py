@@ -1,7 +1,7 @@
 """``pgimp bench``: the standard block, in particle-steps per second by phase, with its error.
 
-A neo-Hookean block of 32 x 32 x 32 cells, 8 particles a cell at random positions, falls freely:
-its exact motion is rigid, so that stresses and velocity differences are errors.
+A neo-Hookean block of 32 x 32 x 32 cells, 8 particles a cell at random positions, falls freely. Its
+exact motion is rigid, so stresses and velocity differences are errors.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from pgimp.utilities.model.costs import Network
 from pgimp.utilities.model.predict import MOST_RANKS
 from pgimp.utilities.model.standard import MOST_PARTICLES, model_block
 
-#: Phases of the table, and the simulation's phases that each sums.
+#: Phases of the table, each the sum of some of the simulation's phases.
 _TABLE = {
     "P2G": ("P2G",),
     "grid": ("momentum",),
@@ -86,7 +86,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _number(least: float, most: float) -> Callable[[str], float]:
-    """Reader of a number within bounds, which may be written like 1e10."""
+    """Parser of a number within bounds, also of the form 1e10."""
 
     def read(text: str) -> float:
         with suppress(ValueError):
@@ -115,7 +115,7 @@ def measure(comm: Communicator, cells: int, repeats: int, lattice: bool) -> dict
     -------
     dict
         ``particle_steps_per_second`` (median over the repeats), ``phases`` (the same for each
-        phase alone, on the slowest rank), ``error`` relative to the exact free fall.
+        single phase, on the slowest rank), ``error`` relative to the exact free fall.
     """
     from pgimp.case.schema import Case
 

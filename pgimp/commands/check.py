@@ -1,9 +1,8 @@
 """``pgimp check``: validates a case and estimates its cost, before an hour is lost.
 
-All is set up as by a run, particles a block at a time. Simulated are a few steps of the same case
-with coarser or finer cells, to measure what the parts of a step cost on this machine, and a pilot
-run on coarse cells, from which the number of steps is predicted; see `pgimp.utilities.check` for
-what is said of them, and `pgimp.utilities.model`.
+The case is set up as in a run, particles a block at a time. A few steps with coarser or finer cells
+measure the costs of a step's parts on this machine. A pilot run on coarse cells predicts the number
+of steps. See `pgimp.utilities.check` for the report, and `pgimp.utilities.model`.
 """
 
 import argparse
@@ -56,12 +55,12 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def report(case: Case, verbose: bool = False) -> None:
-    """Print the report: a line for each quantity, all that is known with `verbose`.
+    """Print the report: a line for each quantity, with all details if `verbose`.
 
     Raises
     ------
     CaseError
-        For what would stop a run before its first step.
+        For errors that would stop a run before its first step.
     """
     whole, case = case, case.stages[0]
     cells = " x ".join(str(n) for n in case.grid.cells)
@@ -110,7 +109,7 @@ def report(case: Case, verbose: bool = False) -> None:
         *ordered_advice(case, bodies, known.crossing, dt),
     ):  # fmt: skip
         print(f"note: {note}")
-    # Bodies of one material have the same doubts about it.
+    # Bodies of one material have the same warnings about it.
     for text in dict.fromkeys(chain(
         filter(None, [] if case.watched else [stability_warning(dt, rate, stable_courant(case))]),
         filter(None, [small_step_warning(dt, rate)]),
@@ -130,7 +129,7 @@ def report(case: Case, verbose: bool = False) -> None:
 
 
 def _thinnest(case: Case, bodies: list[BodyFacts]) -> float:
-    """Cells across the thinnest body."""
+    """Number of cells across the thinnest body."""
     return min(
         size / cell for one in bodies for size, cell in zip(one.sizes, case.grid.cell, strict=True)
     )

@@ -1,4 +1,4 @@
-"""``pgimp compare DIR1 DIR2`` tells whether two runs have the same particles, bit for bit."""
+"""``pgimp compare DIR1 DIR2``: tests whether two runs have the same particles, bit for bit."""
 
 from __future__ import annotations
 
@@ -55,17 +55,17 @@ def execute(args: argparse.Namespace) -> int:
     Parameters
     ----------
     args : argparse.Namespace
-        What `add_arguments` declares.
+        Arguments declared by `add_arguments`.
 
     Returns
     -------
     int
-        0 if they hold the same, 1 if not.
+        0 if the results are the same, 1 if not.
 
     Raises
     ------
     UsageError
-        If a directory holds no run or no frame, or a tolerance makes no sense.
+        If a directory has no run or no frame, or a tolerance is invalid.
     RunError
         If a file cannot be read.
     """
@@ -101,21 +101,20 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> Iterator[str]:
-    """Find where two runs differ.
+    """Find the differences of two runs.
 
     Parameters
     ----------
     first, second : Run
         The runs.
     tolerance : Tolerance, optional
-        What may differ by how much; by default nothing.
+        Allowed differences; by default none.
 
     Yields
     ------
     str
-        A line about each difference: in the numbers of frames; in each common frame in the
-        particles that there are, and in the fields of those that both have; in the history; in the
-        probes and the frames of the grid, as far as both runs have them.
+        A line per difference: in the numbers of frames; in each common frame in the ids, and in
+        the fields of common particles; in the history; in common probes and frames of the grid.
 
     Raises
     ------
@@ -131,7 +130,7 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
     for number in sorted(set(frames[0]) & set(frames[1])):
         one, two = frames[0][number], frames[1][number]
         if (kinds := _precisions(one, two)) and tolerance == Tolerance() and not noted:
-            noted = True  # not again in each frame
+            noted = True  # only once, not in each frame
             yield (
                 f"frame {number} has numbers of {kinds[0]} in {first.path}, of {kinds[1]} in "
                 f"{second.path} (output.precision), which have no bits in common; --rtol 1e-6 "
@@ -152,7 +151,7 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
 def only_in_one(first: Run, second: Run) -> Iterator[str]:
     """Yield parts of only one run, which are not compared: probes, frames of the grid.
 
-    Their particles may be the same all the same.
+    The particles may nevertheless be the same.
     """
     for one, other in ((first, second), (second, first)):
         names = sorted(one.probes.keys() - other.probes.keys())
@@ -166,7 +165,7 @@ def only_in_one(first: Run, second: Run) -> Iterator[str]:
 def _missing(
     what: str, runs: tuple[Run, Run], frames: Sequence[Mapping[int, object]]
 ) -> Iterator[str]:
-    """Return which frames are in one run only."""
+    """Return the frames that are in only one run."""
     for run, mine, others in zip(runs, frames, frames[::-1], strict=True):
         only = sorted(set(mine) - set(others))
         if only:
@@ -202,7 +201,7 @@ def _frame(first: Frame, second: Frame, tolerance: Tolerance) -> Iterator[str]:
 
 
 def _precisions(first: Frame, second: Frame) -> tuple[str, str] | None:
-    """Return the types of position in two frames, unless they are the same."""
+    """Return the types of position in two frames; None if they are the same."""
     kinds = [np.dtype(frame.types.get("position")).name for frame in (first, second)]
     return None if kinds[0] == kinds[1] else (kinds[0], kinds[1])
 

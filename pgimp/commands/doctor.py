@@ -1,6 +1,6 @@
-"""``pgimp doctor``: are MPI, HDF5, h5py and Numba there, do they fit each other, what to do if not.
+"""``pgimp doctor``: checks that MPI, HDF5, h5py and Numba exist and fit together, with remedies.
 
-What it looks at is in `pgimp.utilities.doctor`.
+The checks are in `pgimp.utilities.doctor`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def execute(args: argparse.Namespace) -> int:
     Returns
     -------
     int
-        0 if what is installed works, 1 if something is broken.
+        0 if the installation works, 1 if something is broken.
     """
     findings: list[Finding] = []
     for finding in _examine():

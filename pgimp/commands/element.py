@@ -81,7 +81,7 @@ def execute(args: argparse.Namespace) -> int:
     Raises
     ------
     UsageError
-        If the command line is wrong; nothing is written then.
+        If the command line is wrong; nothing is written.
     RunError
         If the material cannot follow the path.
     """
@@ -149,7 +149,7 @@ def _place(words: str, dimensions: int) -> list[float]:
 
 
 def _output(name: str) -> Path:
-    """Return the path to write to, after checking what exists there."""
+    """Return the output path, after checking for an existing file."""
     path = Path(name)
     kind = path.suffix[1:].lower()
     if kind not in _BEGINNINGS:

@@ -1,4 +1,4 @@
-"""``pgimp init``: writes one of the cases that come with pgimp, to start from."""
+"""``pgimp init``: writes one of pgimp's packaged cases, to start from."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from pathlib import Path
 from pgimp.errors import UsageError
 from pgimp.storage.plain import read_plain
 
-#: The schemas that editors read, beside the case and beside the study.
+#: Schemas for editors, beside the case and beside the study.
 SCHEMA, STUDY_SCHEMA = "pgimp-schema.json", "pgimp-study-schema.json"
 
 _STUDIES = "studies/"
 #: The study that belongs to `--case`.
 ACCURACY = "studies/accuracy"
-# Most bytes of files beside a case, far more than a mesh that comes with one.
+# Most bytes of files beside a case, far more than any packaged mesh.
 _LARGEST = 64 << 20
 _FILE = re.compile(r"^ *file: ([\w.-]+)", re.MULTILINE)
 _IMPORT = re.compile(r"--import cases/([\w.-]+\.py)")
@@ -61,7 +61,7 @@ def execute(args: argparse.Namespace) -> int:
     Raises
     ------
     UsageError
-        If there is no such case, or if the file is there or cannot be written.
+        If there is no such case, or if the file exists or cannot be written.
     """
     cases = packaged()
     if args.name is None:
@@ -110,7 +110,7 @@ def _write_accuracy(case: str, output: str | None) -> int:
 
 
 def packaged() -> dict[str, str]:
-    """Return the text of each case and study that comes with pgimp, by its name.
+    """Return the text of each packaged case and study, by name.
 
     The name is the path in the folder ``cases``, without the suffix.
     """
@@ -137,7 +137,7 @@ def _folder() -> Path:
 
 
 def _beside(name: str, text: str) -> list[Path]:
-    """Return the packaged files that a case needs: meshes, and Python files with its materials."""
+    """Return the packaged files of a case: meshes, and Python files with its materials."""
     meshes = [_folder().joinpath(name).with_name(file) for file in _FILE.findall(text)]
     return meshes + [_folder() / file for file in _IMPORT.findall(text)]
 
@@ -148,7 +148,7 @@ def _dimensions(text: str) -> int:
 
 
 def _list(cases: dict[str, str]) -> list[str]:
-    """Return a line for each case: its name, its dimensions, what it is."""
+    """Return a line for each case: name, dimensions, description."""
     width = max(map(len, cases))
     lines = ["Cases to start from; pgimp init NAME writes one here, with comments:"]
     for name, text in cases.items():
@@ -166,7 +166,7 @@ def _unknown(name: str, cases: dict[str, str]) -> str:
 
 
 def _personal(name: str, text: str, path: Path) -> str:
-    """Return a case as its new owner runs it: commands with its path, a line for editors."""
+    """Return a case adapted to its new path: commands with the path, a line for editors."""
     schema = SCHEMA
     if name.startswith(_STUDIES):
         case, schema = _case_of(text), STUDY_SCHEMA
@@ -179,7 +179,7 @@ def _personal(name: str, text: str, path: Path) -> str:
 
 
 def _case_of(study: str) -> str:
-    """Return the name of the case that a study changes."""
+    """Return the name of a study's case."""
     found = re.search(r"^case: \.\./([\w/-]+)\.yaml", study, re.MULTILINE)
     if found is None:
         raise ValueError("a study in cases/studies names its case as ../NAME.yaml")
@@ -187,7 +187,7 @@ def _case_of(study: str) -> str:
 
 
 def _case_path(case: str, study: Path) -> Path:
-    """Return where the case of a study goes: beside it."""
+    """Return the path of a study's case: beside the study."""
     beside = study.with_name(f"{case.rpartition('/')[2]}.yaml")
     if beside == study:
         raise UsageError(f"{beside} is the name of the study's case; give the study another one")
@@ -200,7 +200,7 @@ def _write(path: Path, text: str) -> None:
     Raises
     ------
     UsageError
-        If there is one of this name, which stays as it is, or if it cannot be written.
+        If the file exists, and then stays unchanged, or if it cannot be written.
     """
     try:
         with open(path, "x", encoding="utf-8") as file:
@@ -219,7 +219,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def _write_beside(path: Path, text: str, otherwise: str) -> None:
-    """Write a file that belongs to the case, or report the consequence of an existing one."""
+    """Write a file of the case, or report the consequence of an existing one."""
     try:
         there = read_plain(path, _LARGEST)
     except FileNotFoundError:
@@ -242,7 +242,7 @@ def _write_schema(path: Path) -> None:
 
 
 def _next(path: Path, study: bool, imports: list[Path]) -> list[str]:
-    """Return what to do with the files."""
+    """Return the next commands for the files."""
     file = " --import ".join(shlex.quote(str(one)) for one in (path, *imports))
     if study:
         commands = {f"pgimp study {file} --list": "its runs", f"pgimp study {file}": "runs them"}

@@ -99,7 +99,7 @@ def execute(args: argparse.Namespace) -> int:
     Raises
     ------
     UsageError
-        If the command line is wrong; nothing is written then.
+        If the command line is wrong; nothing is written.
     RunError
         If a file of a run cannot be read.
     """
@@ -145,7 +145,7 @@ def _wants_frame(args: argparse.Namespace) -> bool:
 
 
 def _check(args: argparse.Namespace) -> None:
-    """Refuse options that do not go together."""
+    """Refuse incompatible options."""
     together = [("frame", "time"), ("along", "slice"), ("along", "camera"), ("along", "range")]
     for first, second in together:
         if getattr(args, first) is not None and getattr(args, second) is not None:
@@ -231,7 +231,7 @@ def _default_name(runs: Sequence[PlotRun], name: str) -> str:
 
 
 def _output(name: str, formats: Sequence[str] = (*_FORMATS, "csv")) -> Path:
-    """Return the path to write to, after checking what exists there."""
+    """Return the output path, after checking for an existing file."""
     path = Path(name)
     kind = path.suffix[1:].lower()
     if kind not in formats:
@@ -262,7 +262,7 @@ def _rendered(figure: Any, kind: str) -> bytes:
     """Return the file of a figure; the same figure gives the same bytes."""
     stream = io.BytesIO()
     dates = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
-    # Titles of a first row of pictures may reach beyond what the layout has found.
+    # Titles of a first row of pictures may exceed the layout's estimate.
     options = {"bbox_inches": "tight", "pad_inches": 0.08}
     figure.savefig(stream, format=kind, metadata=dates.get(kind), **options)
     return stream.getvalue()

@@ -1,4 +1,4 @@
-"""The main job: ``pgimp CASE.yaml`` runs a case on all ranks and writes its run directory."""
+"""``pgimp CASE.yaml``: runs a case on all ranks and writes its run directory."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pgimp.io.results.reader import Run
     from pgimp.schema.overrides import Overrides
 
-#: Exit status of a run that stopped before its end on request, with a checkpoint.
+#: Exit status of a run that stopped early on request, with a checkpoint.
 STOPPED = 75
 
 
@@ -75,7 +75,7 @@ def execute(args: argparse.Namespace) -> int:
     Parameters
     ----------
     args : argparse.Namespace
-        What `add_arguments` declares.
+        Arguments declared by `add_arguments`.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def execute(args: argparse.Namespace) -> int:
     CaseError, UsageError
         On every rank, if the case or the command line is wrong.
     RunError
-        If the run fails, on the ranks that find it.
+        If the run fails, on the failing ranks.
     """
     comm = world()
     text = _read(args.case, comm)
@@ -115,28 +115,28 @@ def run(
     Parameters
     ----------
     case : Case, str, Path or mapping
-        A case, the name of its file, or what would be in the file as a dictionary.
+        A case, the name of its file, or the file's content as a dictionary.
     comm : communicator, optional
-        Of all ranks; by default all that the launcher started. `pgimp.mpi.comm.Serial()` is
-        this rank alone, so that ranks may run cases of their own.
+        Of all ranks; by default all ranks that the launcher started. `pgimp.mpi.comm.Serial()` is
+        this single rank, so that ranks may run separate cases.
     output : str or Path, optional
         The run directory; by default the name of the case's file with ``.out``, in the working
-        directory. A case that comes from no file needs one.
+        directory. A case without a file needs it.
     overrides : mapping, or sequence of str
         Changes to the case, ``{"time.end": 3.0}``, as for `load`.
     overwrite : bool
-        Whether a run that the directory holds may be replaced.
+        Whether an existing run in the directory may be replaced.
     resume : bool
-        Whether to go on from the newest intact checkpoint in the directory, if there is one.
+        Whether to resume from the newest intact checkpoint in the directory, if there is one.
     wall_time : float, optional
         Seconds after which the run has stopped, with a checkpoint; its state is then "stopped".
     quiet : bool
-        Whether the terminal gets nothing but errors.
+        Whether the terminal gets only errors.
 
     Returns
     -------
     Run
-        The results, as `pgimp.open` gives them.
+        The results, as from `pgimp.open`.
 
     Raises
     ------
@@ -147,8 +147,8 @@ def run(
     RunError
         If the run fails. On more than one rank this ends the whole job with status 1.
     KeyboardInterrupt, SystemExit
-        After SIGINT, as of a notebook's stop button, or SIGTERM, once a checkpoint is written and
-        the files are closed; ``resume=True`` goes on from there.
+        After SIGINT, as from a notebook's stop button, or SIGTERM. First a checkpoint is written
+        and the files are closed; ``resume=True`` continues from there.
     """
     from pgimp.case.load import load
     from pgimp.case.writer import dump_case
@@ -160,7 +160,7 @@ def run(
         raise ValueError("output: expected the name of a directory, got an empty one")
     if wall_time is not None and not wall_time > 0.0:
         raise ValueError(f"wall_time: expected seconds above 0, got {wall_time!r}")
-    # Before anything collective that a rank alone would wait in.
+    # Before any collective call in which a single rank would wait.
     require_same(comm, "pgimp.run", repr((str(output), overwrite, resume)))
     with abort_on_error(comm), within(comm, "pgimp.run"):
         text = None
@@ -224,7 +224,7 @@ def _run(
     try:
         log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
         began = perf_counter()
-        if comm.rank == 0:  # which takes longer than to write most frames
+        if comm.rank == 0:  # takes longer than writing most frames
             load_h5py()
         with announced(log.say):
             found = load_pair(case, comm, directory, log) if resume else None
@@ -253,7 +253,7 @@ def _run(
 
 
 def _warn_of_edited(materials: dict[str, str], directory: RunDirectory, log: Log) -> None:
-    """Return the materials from outside the package that have changed since the run began."""
+    """Warn of materials from outside the package that have changed since the run began."""
     before = (directory.before or {}).get("materials")
     for name, known in before.items() if isinstance(before, dict) else ():
         if materials.get(name) != known:

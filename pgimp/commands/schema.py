@@ -1,4 +1,4 @@
-"""``pgimp schema`` prints the keys of a case file: for editors, or as a page to read."""
+"""``pgimp schema``: prints the keys of a case file, for editors or as a page to read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``pgimp study STUDY.yaml``: a case with changes, run many times; its error against its cost."""
+"""``pgimp study STUDY.yaml``: runs a case many times with changes; error against cost."""
 
 from __future__ import annotations
 
@@ -69,9 +69,9 @@ def execute(args: argparse.Namespace) -> int:
     Raises
     ------
     CaseError, UsageError
-        If the study, one of its cases or the command line is wrong; nothing has run then.
+        If the study, one of its cases or the command line is wrong; nothing is run.
     KeyboardInterrupt
-        After Ctrl-C; the runs done by then are in the tables.
+        After Ctrl-C; the tables have the runs finished so far.
     """
     started = launcher()
     if started is not None:
@@ -111,7 +111,7 @@ def _folder(args: argparse.Namespace, plan: Plan) -> Path:
 
 @contextmanager
 def _claimed(folder: Path) -> Iterator[None]:
-    """Make the folder and keep other studies out of it."""
+    """Create the folder and lock it against other studies."""
     if (folder / RUN).exists():
         raise UsageError(f"{folder} is the directory of a run; name another with -o")
     try:
@@ -127,7 +127,7 @@ def _claimed(folder: Path) -> Iterator[None]:
             f"a study is writing to {folder}; wait for it, stop it, or name another with -o"
         ) from None
     except OSError:
-        pass  # no locks on this file system: one study at a time is then the user's concern
+        pass  # no locks on this file system: one study at a time is then up to the user
     try:
         yield
     finally:
@@ -142,7 +142,7 @@ def _run_all(
     log: Log,
     held: Held,
 ) -> None:
-    """Replace each of the outcomes by that of its run."""
+    """Run all; replace each outcome by the outcome of its run."""
     with _bar(log, len(outcomes)) as show:
         for i, run in enumerate(plan.runs):
             show(i, run.name)
@@ -161,7 +161,7 @@ def _run_all(
 
 @contextmanager
 def _bar(log: Log, total: int) -> Iterator[Any]:
-    """Show how many runs are done, below the lines of the log; nothing without a terminal."""
+    """Show the number of finished runs below the lines of the log; nothing without a terminal."""
     columns = 0 if log.quiet else terminal_columns()
     if not columns:
         yield lambda done, text: None
@@ -177,7 +177,7 @@ def _bar(log: Log, total: int) -> Iterator[Any]:
         TextColumn("{task.fields[text]}", table_column=Column(no_wrap=True, overflow="ellipsis")),
         console=Console(file=unescaped(sys.stdout), force_terminal=True, width=columns),
         transient=True,
-        refresh_per_second=_REFRESHES,  # the runs are being timed
+        refresh_per_second=_REFRESHES,  # rarely: the runs are being timed
     )
     task = bar.add_task("", total=total, text="")
     log.show = lambda text: bar.console.print(text, markup=False, highlight=False, soft_wrap=True)
@@ -189,7 +189,7 @@ def _bar(log: Log, total: int) -> Iterator[Any]:
 
 
 def _write(plan: Plan, folder: Path, outcomes: list[Outcome]) -> None:
-    """Write tables and plot, each whole or not at all."""
+    """Write tables and plot, each completely or not at all."""
     from pgimp.utilities.study.plot import picture
 
     compare(plan, outcomes)
