@@ -1,1 +1,1 @@
-"""Around runs: studies, figures, batch scripts, the doctor, the performance model."""
+"""Tools around runs: studies, figures, batch scripts, the doctor, the performance model."""

@@ -1,4 +1,4 @@
-"""The text of a batch script: requests to the scheduler, and a run that continues until done."""
+"""Text of a batch script: requests to the scheduler, and a run that continues until done."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from importlib.resources import files
 
 from pgimp.running.stop import clock
 
-# Fraction of a job's time by which it is stopped early; at least, at most (seconds).
+# Fraction of a job's time by which it is stopped early; its least and greatest value in seconds.
 _NOTICE_PART, _LEAST_NOTICE, _MOST_NOTICE = 0.05, 60.0, 300.0
 _MODULE = "type module >/dev/null 2>&1 || . /etc/profile"
 _SLURM_WORDS = {"submit": "sbatch", "cancel": "scancel", "number": "SLURM_JOB_ID"}
@@ -19,37 +19,37 @@ _PBS_WORDS = {"submit": "qsub", "cancel": "qdel", "number": "PBS_JOBID"}
 
 
 class _Text(string.Template):
-    """A template whose variables are marked in a way that no shell script needs."""
+    """A template whose marks of variables occur in no shell script."""
 
     delimiter = "@@"
 
 
 @dataclass(frozen=True)
 class Job:
-    """The run of a script, and its resources; no text in it has control characters.
+    """The run of a script, and its resources; texts have no control characters.
 
     Attributes
     ----------
     scheduler : str
         ``slurm`` or ``pbs``.
     name : str
-        Of the job; letters, digits and ``_.+-``.
+        Name of the job; letters, digits and ``_.+-``.
     ranks, nodes : int
         Number of ranks, and of nodes for them; 0 nodes leave the choice to the scheduler.
     seconds : float
-        The most that the job may take at a time.
+        Time limit of a job.
     account, partition : str
-        The account; the partition or queue. One word each, or empty for the cluster's choice.
+        The account; the partition or queue. One word each, or empty for the cluster's default.
     directives : sequence of str
-        More options of ``sbatch`` or ``qsub``, as the script is to have them.
+        Further options of ``sbatch`` or ``qsub``, verbatim.
     modules : sequence of str
-        To be loaded before the run.
+        Modules to load before the run.
     launcher : sequence of str
         ``mpirun`` or ``srun`` with options.
     python : str
-        The interpreter that has pgimp.
+        The interpreter with pgimp.
     folder : str
-        Absolute path of the folder from which case and output are named.
+        Absolute path of the folder to which case and output are relative.
     case, output : str
         The case file and the run directory.
     changes : sequence of str
@@ -57,7 +57,7 @@ class Job:
     file : str
         Absolute path of the script; empty if it goes to the terminal.
     version : str
-        Of pgimp.
+        Version of pgimp.
     imports : sequence of str
         Python files that register materials.
     """
@@ -83,7 +83,7 @@ class Job:
 
     @property
     def notice(self) -> int:
-        """Seconds before the end of the job's time at which the run is asked to stop."""
+        """Seconds between the request to stop and the end of the job's time."""
         part = min(max(_NOTICE_PART * self.seconds, _LEAST_NOTICE), _MOST_NOTICE)
         return int(min(part, 0.5 * self.seconds))
 
@@ -121,13 +121,13 @@ def write(job: Job) -> str:
 
 
 def _template(scheduler: str) -> str:
-    """Return ``job.sh.in`` for a scheduler; a line that begins with ``@NAME`` is for NAME only."""
+    """Return ``job.sh.in`` for a scheduler; lines that begin with ``@NAME`` are for NAME only."""
     text = files(__package__).joinpath("job.sh.in").read_text(encoding="utf-8")
     return re.sub(r"(?m)^@(\w+) (.*\n)", lambda m: m[2] if m[1] == scheduler else "", text)
 
 
 def _slurm(job: Job) -> list[str]:
-    """Directives of Slurm; of two of a kind the later counts, so that the user's come last."""
+    """Directives of Slurm; of two of a kind the later counts, so the user's come last."""
     words = [f"--job-name={job.name}", f"--ntasks={job.ranks}"]
     if job.nodes:
         words.append(f"--nodes={job.nodes}")

@@ -1,4 +1,4 @@
-"""Bodies of a case, in words: waves, transits, and strains by loads."""
+"""Report on the bodies of a case: waves, transits, and strains by loads."""
 
 from pgimp.case.schema import Case
 from pgimp.scene.checks.facts import BodyFacts
@@ -6,16 +6,16 @@ from pgimp.scene.checks.sanity import strains
 from pgimp.scene.checks.units import in_si
 from pgimp.scene.scene import Scene
 
-#: Bodies that a short report has lines for.
+#: Most bodies with lines in a short report.
 MOST_BODIES = 3
-#: Strain by loads from which a short report says it.
+#: Least strain by loads that a short report mentions.
 _NOTABLE = 1e-2
 
 
 def report_body(body: BodyFacts, case: Case, duration: float, verbose: bool) -> None:
-    """Wave speed, transit time, and loads against stiffness: strains that show unit mistakes.
+    """Print wave speed, transit time, and loads over stiffness: strains that show unit mistakes.
 
-    `duration` is that of all stages.
+    `duration` includes all stages.
     """
     c = body.wave_speed
     transit = body.extent / c
@@ -36,7 +36,7 @@ def report_body(body: BodyFacts, case: Case, duration: float, verbose: bool) -> 
 
 
 def report_materials(case: Case) -> None:
-    """Numbers of each material in SI units, on a line each, where the case's units are known."""
+    """Print each material's parameters in SI units, a line each, if the case's units are known."""
     for name in list(dict.fromkeys(body.material for body in case.bodies.values()))[:MOST_BODIES]:
         if found := in_si(case, name):
             texts = (f"{key} {value:.4g} {unit}" for key, (value, unit) in found.items())
@@ -44,7 +44,7 @@ def report_materials(case: Case) -> None:
 
 
 def report_rigid(scene: Scene, verbose: bool) -> None:
-    """How rigid bodies move."""
+    """Print the motions of rigid bodies."""
     for name, field in zip(scene.rigid_bodies.names, scene.rigid_bodies.fields, strict=True):
         entry = scene.case.rigid_bodies[name]
         moves = "moves freely" if entry.free else "moves" if entry.moves else "stands"

@@ -1,4 +1,4 @@
-"""Cost of a case, in words: time on this machine and on others, and memory."""
+"""Report on the cost of a case: time on this machine and on others, and memory."""
 
 import numpy as np
 
@@ -24,17 +24,17 @@ from pgimp.utilities.model.report import (
 )
 from pgimp.utilities.model.sample import samples_of
 
-#: Particles of the samples that are timed; the last exceed the caches.
+#: Particles of the timed samples; the last exceeds the caches.
 _SMALLEST, _SMALL, _LARGE = 200, 5_000, 150_000
-#: Seconds for which they are timed.
+#: Seconds of timing.
 _SECONDS = 1.0
 _YEAR = 365.25 * 86400.0
 
 
 def measure(scene: Scene, count: int, steps: float) -> tuple[Costs | None, float]:
-    """Costs of a step on this machine, and the part of particles that change layer in one.
+    """Costs of a step on this machine, and the fraction of particles that change layer in it.
 
-    `steps` are those of the case, about. None where no step of a sample can be done.
+    `steps` is the case's approximate number. Costs are None if no sample can do a step.
     """
     comm = Serial()
     sizes = [min(_SMALLEST, count), _SMALL, *([min(_LARGE, count)] if count > 2 * _SMALL else [])]
@@ -54,7 +54,7 @@ def report_cost(
     steps: float,
     verbose: bool,
 ) -> None:
-    """Time on this machine, the number of ranks that pays off, and the reason for its limit."""
+    """Print the time on this machine, the number of ranks that pays off, and its limit's reason."""
     bodies, count, network = extents(scene.case), int(counts.sum()), Network()
     layout = layout_of(scene, bodies, lattice.coordinates[0], counts.sum(axis=0))
     layout = layout._replace(crossing=crossing)
@@ -96,7 +96,7 @@ def _time_text(seconds: float) -> str:
 
 
 def report_memory(found: Estimate, verbose: bool, output: str = "") -> None:
-    """Memory on one rank, needed and available, and output; parts of memory with `verbose`."""
+    """Print memory on one rank, needed and available, and output; parts of memory if `verbose`."""
     free = min((limit.free for limit in limits()), default=None)
     here = "" if free is None else f"; {size_text(free)} are free here"
     print(f"memory           about {size_text(found.size)} on one rank{here}{output}")

@@ -1,4 +1,4 @@
-"""What ``pgimp check`` knows of a case before anything is simulated, and what it refuses."""
+"""Set-up of a case in ``pgimp check``, before the simulation, with its errors."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from pgimp.solver.time.stability import require_end, require_stable
 
 
 class Prepared(NamedTuple):
-    """A case that a run would begin with.
+    """A case that is ready to run.
 
     Attributes
     ----------
     scenes : list of Scene
-        Of all stages.
+        Scenes of all stages.
     lattice, counts, notes
         See `count_particles`.
     memory : Estimate
-        Of one rank.
+        Memory of one rank.
     found : Findings
         Facts about the bodies.
     varied : dict of str to float
@@ -37,8 +37,8 @@ class Prepared(NamedTuple):
     of_stages : list of str
         Warnings about steps of later stages.
     crossing, rate, dt : float
-        Cells in a unit of length, 0 where the grid moves with the bodies; cells in a unit of time
-        that a Courant number of the case refers to; the first step.
+        Cells per unit of length, 0 if the grid moves with the bodies. Reference rate of the case's
+        Courant number, cells per unit of time. The first step.
     """
 
     scenes: list[Scene]
@@ -55,12 +55,12 @@ class Prepared(NamedTuple):
 
 
 def prepare(whole: Case) -> Prepared:
-    """Set up a case as a run does, its particles a block at a time.
+    """Set up a case as in a run, with its particles a block at a time.
 
     Raises
     ------
     CaseError
-        For what would stop a run before its first step.
+        For errors that would stop a run before its first step.
     """
     case = whole.stages[0]
     scenes = [Scene(each) for each in whole.stages]
@@ -88,7 +88,7 @@ def prepare(whole: Case) -> Prepared:
 
 
 def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:
-    """Cells in a unit of time that a Courant number of the case refers to."""
+    """Reference rate of the case's Courant number, cells per unit of time."""
     if case.watched:
         assert case.courant is not None
         return pace_of(case.courant, bodies, inverse)
@@ -96,13 +96,13 @@ def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:
 
 
 def pace_of(courant: float, bodies: Sequence[BodyFacts], inverse: float) -> float:
-    """Rate that a Courant number chosen by pgimp refers to, see `Scene.controlled`."""
+    """Reference rate of a Courant number chosen by pgimp, see `Scene.controlled`."""
     part = courant / MOST_CELLS * inverse
     return max(max(body.rest_rate, part * body.top_speed) for body in bodies)
 
 
 def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
-    """Refuse rigid bodies that are too thin or overlap others, as a run does."""
+    """Refuse rigid bodies that are too thin or overlap others, as in a run."""
     scene.rigid_bodies.measure(Serial())
     blocks = (
         (block.positions, np.full(len(block.ids), body, np.int32))
@@ -114,7 +114,7 @@ def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
 
 
 def _step(scene: Scene, rate: float) -> float:
-    """Length of a step, the first one if it is controlled."""
+    """Length of a step; of the first step if steps are controlled."""
     case = scene.case
     if not isinstance(case.time.step, float | int):
         assert case.courant is not None

@@ -1,4 +1,4 @@
-"""Advice of ``pgimp check``, ordered by what it saves."""
+"""Advice of ``pgimp check``, ordered by saved time."""
 
 from collections.abc import Sequence
 
@@ -8,15 +8,15 @@ from pgimp.scene.checks.advice import advice
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.utilities.check.prepare import pace_of
 
-#: Part of the time that advice on a key saves for the same error, about; the least that is known
-#: (docs/error-against-cost.md). What makes a result right, not quick, comes first.
+#: Approximate fraction of the time that advice on a key saves at the same error; the least known
+#: (docs/error-against-cost.md). Advice that makes results correct, not quick, comes first.
 _SAVES = {"method.shape: mpm": 1.0, "method.affine": 1.0, "bodies": 0.6, "method.shape": 0.5}
 
 
 def ordered_advice(
     case: Case, bodies: Sequence[BodyFacts], crossing: float, dt: float
 ) -> list[str]:
-    """What would do better than the case as it is, what saves most first."""
+    """Return advice on the case, the largest savings first."""
     found = []
     for text in advice(case, bodies):
         part = next((part for key, part in _SAVES.items() if text.startswith(key)), 0.0)

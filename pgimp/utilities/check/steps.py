@@ -1,4 +1,4 @@
-"""Number of steps of a case, in words: as a pilot run predicts, and stage by stage."""
+"""Report on the number of steps of a case: predicted by a pilot run, and stage by stage."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil
@@ -10,14 +10,14 @@ from pgimp.solver.start.validate_stages import stage_rate
 from pgimp.solver.time.stability import stable_courant
 from pgimp.utilities.model.pilot import Pilot
 
-#: Error of a number of steps that is "about" right.
+#: Relative error up to which a number of steps is only "about".
 _CLOSE = 0.1
 
 
 def report_steps(case: Case, steps: float, tried: Pilot | None, first: str) -> float:
-    """Number of steps, predicted where they follow the fastest wave; return it.
+    """Print and return the number of steps, predicted if they follow the fastest wave.
 
-    `first` tells of the first step.
+    `first` describes the first step.
     """
     if case.time.steps is not None:
         print(f"steps            {case.time.steps:,} to t = {case.time.end:g}; {first}")
@@ -36,10 +36,10 @@ def report_steps(case: Case, steps: float, tried: Pilot | None, first: str) -> f
 def report_stages(
     case: Case, scenes: Sequence[Scene], factor: float, varied: Mapping[str, float]
 ) -> float:
-    """Describe the changes by the stages after the first; return their steps, about.
+    """Describe the changes by the stages after the first; return their approximate steps.
 
-    `factor` is the ratio of the first one's steps to those at rest, where waves set their length;
-    `varied` has rates of bodies whose materials vary, see `stage_rate`.
+    `factor` is the number of the first stage's steps over the number at rest, if waves set their
+    length. `varied` has rates of bodies whose materials vary, see `stage_rate`.
     """
     total = 0.0
     for stage, scene in zip(case.time.stages, scenes[1:], strict=True):
@@ -60,7 +60,7 @@ def report_stages(
 
 
 def predicted(case: Case, tried: Pilot) -> str:
-    """Return the number of steps that a pilot run predicts, and its assumptions."""
+    """Describe the number of steps predicted by a pilot run, and its assumptions."""
     text = f"{tried.steps:,.0f} to t = {case.time.end:g}"
     if tried.done < 1.0:
         ended = "failed" if tried.failure else "ran out of time"
@@ -77,7 +77,7 @@ def predicted(case: Case, tried: Pilot) -> str:
 
 
 def _size(tried: Pilot) -> str:
-    """Return how large a pilot run was."""
+    """Describe the size of a pilot run."""
     text = f"{tried.particles:,} particles"
     if tried.factor > 1.0 + 1e-9:
         text += f" in cells {tried.factor:.3g} times as long"
@@ -85,7 +85,7 @@ def _size(tried: Pilot) -> str:
 
 
 def pilot_warnings(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
-    """Return the failure of a pilot run that a run may have, too."""
+    """Yield failures of a pilot run that a run may have, too."""
     if tried is None:
         return
     if tried.failure:

@@ -1,5 +1,5 @@
-"""Checks of ``pgimp doctor``, a module for each topic: findings, and what to do about them.
+"""Checks of ``pgimp doctor``, a module for each topic: findings and remedies.
 
-Libraries are tried in processes of their own: one that crashes is then a finding, and the doctor
-itself never initialises MPI.
+Libraries are tried in separate processes: a crash is then a finding, and the doctor itself never
+initialises MPI.
 """

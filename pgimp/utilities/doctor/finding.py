@@ -1,4 +1,4 @@
-"""One line of the report, and the cure that goes with it."""
+"""A line of the report with its remedy."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from typing import NamedTuple
 
 
 class Finding(NamedTuple):
-    """One line of the report.
+    """A line of the report.
 
     Attributes
     ----------
     part : str
-        The thing that was checked.
+        The checked part.
     found : str
         The result.
     cure : str
-        What to do; empty if all is well.
+        The remedy; empty if there is no problem.
     broken : bool
-        Whether it has to be done before pgimp works as installed.
+        Whether pgimp does not work without the remedy.
     """
 
     part: str

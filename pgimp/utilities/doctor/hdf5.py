@@ -1,4 +1,4 @@
-"""h5py: whether it works, and on this file system; whether it brings in an MPI of its own."""
+"""Checks of h5py: function, this file system, and an MPI library of its own."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def examine(mpi: Answer) -> Iterator[Finding]:
     Parameters
     ----------
     mpi : dict or str
-        What was found of mpi4py, see `pgimp.utilities.doctor.mpi.PROBE`.
+        Findings on mpi4py, see `pgimp.utilities.doctor.mpi.PROBE`.
     """
     denied = ""
     try:

@@ -1,4 +1,4 @@
-"""Numba and the kernels it keeps: whether they can be written, and for which types of CPU."""
+"""Checks of Numba and its cached kernels: write access, and types of CPU."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ print(json.dumps({
 }))
 """
 
-#: Features of an LLVM target, such as +avx2,-avx512f: in a kernel's key it follows the CPU's name.
+#: Features of an LLVM target, such as +avx2,-avx512f; in a kernel's key after the CPU's name.
 _FEATURES = re.compile(r"[+-][\w.-]+(,[+-][\w.-]+)+")
 _MOST_FILES = 200
 
@@ -66,7 +66,7 @@ def examine() -> Iterator[Finding]:
 
 
 def types_of_cpu(folder: Path) -> Iterator[Finding]:
-    """Report nodes with different CPUs, by the kernels that they left in the same folder."""
+    """Report nodes with different CPUs, by their kernels in the same folder."""
     targets = cached_targets(folder)
     if len(targets) > 1:
         cpus = sorted({cpu for cpu, _ in targets})
@@ -80,7 +80,7 @@ def types_of_cpu(folder: Path) -> Iterator[Finding]:
 
 
 def cached_targets(folder: Path) -> set[tuple[str, str]]:
-    """Return the CPUs, name and instructions, for which there are kernels in a folder."""
+    """Return the CPUs, name and instructions, of the kernels in a folder."""
     targets = set()
     for path in sorted(folder.rglob("*.nbc"))[:_MOST_FILES]:
         before = ""
@@ -92,10 +92,10 @@ def cached_targets(folder: Path) -> set[tuple[str, str]]:
 
 
 def _texts(path: Path) -> Iterator[str]:
-    """Yield the strings of a kernel's key, the first of the file's pickles; nothing is made."""
+    """Yield the strings of a kernel's key, the file's first pickle; no object is created."""
     try:
         for _, argument, _ in pickletools.genops(sealed.read(path)):
             if isinstance(argument, str):
                 yield argument
-    except (OSError, sealed.UntrustedError):  # a run renews it
+    except (OSError, sealed.UntrustedError):  # a run replaces it
         return

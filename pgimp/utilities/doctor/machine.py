@@ -1,4 +1,4 @@
-"""The machine: cores, memory that ranks share, limits; Python and where its packages come from."""
+"""Checks of the machine: cores, shared memory, limits; Python and its packages' origin."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from pgimp.io.rundir.runinfo import cpu
 from pgimp.mpi.node import cores
 from pgimp.utilities.doctor.finding import Finding
 
-#: What Open MPI and its kin keep in shared memory for each rank, at the least.
+#: Least shared memory of Open MPI and similar libraries for each rank.
 _SHARED_BYTES_PER_RANK = 16 << 20
-#: The longest path of a socket is 107 letters, and MPI libraries add some 50 to that of the folder.
+#: A socket's path has at most 107 letters, and MPI libraries add some 50 to the folder's path.
 _LONGEST_TEMPORARY = 56
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -33,7 +33,7 @@ def examine() -> Iterator[Finding]:
 
 
 def python() -> Finding:
-    """Return which Python this is, and of packages that hide those installed for it."""
+    """Report the Python version, and packages that hide installed ones."""
     found = f"{platform.python_version()}, {sys.executable}"
     own = Path(sys.prefix).resolve()
     for folder in filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep)):
@@ -66,7 +66,7 @@ def shared_memory(ranks: int, folder: str = "/dev/shm") -> Iterator[Finding]:
 
 
 def temporary_folder() -> Iterator[Finding]:
-    """Report a folder for temporary files that MPI libraries cannot work with."""
+    """Report a folder for temporary files that MPI libraries cannot use."""
     folder = tempfile.gettempdir()
     if len(folder) > _LONGEST_TEMPORARY:
         yield Finding(
@@ -87,7 +87,7 @@ def temporary_folder() -> Iterator[Finding]:
 
 
 def threads(count: int, environ: Mapping[str, str]) -> Iterator[Finding]:
-    """Report that a rank on each core would start more threads than the user may have."""
+    """Report a limit of threads too low for a rank on each core."""
     most = resource.getrlimit(resource.RLIMIT_NPROC)[0]
     if any(environ.get(name) for name in _THREADS) or most == resource.RLIM_INFINITY:
         return

@@ -1,4 +1,4 @@
-"""mpi4py and the launchers: which MPI library, whose mpirun, whether two ranks find each other."""
+"""Checks of mpi4py and the launchers: MPI library, mpirun, and a run with two ranks."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ _GET_MPI = (
     "for several ranks install MPI (on Debian: apt-get install openmpi-bin) or load its module"
 )
 
-#: Options of Open MPI's mpirun; those of any other.
+#: Options of Open MPI's mpirun; options of any other.
 _MPIRUN = (("-q", "--oversubscribe", "--bind-to", "none"), ())
-#: Of srun: within the shell that salloc starts, sharing its place; ways to reach the library.
+#: Options of srun: sharing the resources of salloc's shell; ways to reach the library.
 _SRUN = (
     ("--overlap",),
     ("--overlap", "--mpi=pmix"),
@@ -68,7 +68,7 @@ def examine() -> tuple[Answer, list[Finding]]:
     dict or str
         The answer of `PROBE`.
     list of Finding
-        What it means.
+        Findings from the answer.
     """
     mpi = ask(PROBE)
     return mpi, [_mpi4py(mpi)]
@@ -129,13 +129,13 @@ def _version(mpirun: str) -> Finding:
 
 
 def _two_ranks(mpi: dict[str, Any], launcher: str, ways: Sequence[Sequence[str]]) -> Finding:
-    """Start two ranks, with each set of options until they find each other."""
+    """Start two ranks, with each set of options until they can communicate."""
     name = os.path.basename(launcher)
     part = "two ranks" if name != "srun" else "srun"
     answers: list[Answer] = []
     for options in ways:
-        # By its name, as users start it: called as /bin/mpirun, Open MPI's refuses, because it
-        # takes what is before /bin for its prefix.
+        # By its name, as users start it: Open MPI's refuses to run as /bin/mpirun, because it
+        # uses the part before /bin as its prefix.
         tried = ask(_RANKS_PROBE, launch=[name, *options, "-n", "2"])
         answers.append(tried)
         if isinstance(tried, dict) and tried["ranks"] == 2:
@@ -161,7 +161,7 @@ def _two_ranks(mpi: dict[str, Any], launcher: str, ways: Sequence[Sequence[str]]
 
 
 def cure(mpi: dict[str, Any], launcher: str) -> str:
-    """Return what to do about a launcher that mpi4py's library does not know.
+    """Return the remedy for a launcher that does not fit mpi4py's library.
 
     Parameters
     ----------
@@ -198,9 +198,9 @@ def nodes(launch: Sequence[str], count: str) -> Iterator[Finding]:
     Parameters
     ----------
     launch : sequence of str
-        The launcher that starts a process on each.
+        The launcher that starts a process on each node.
     count : str
-        The environment variable that says how many they are.
+        Environment variable with the number of nodes.
     """
     number = int(os.environ.get(count) or 1)
     if number == 1:

@@ -1,4 +1,4 @@
-"""Scripts that are run in processes of their own and answer with a JSON object."""
+"""Scripts in separate processes that answer with a JSON object."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from typing import Any
 _SECONDS = 120
 _LINES_OF_ERROR = 5
 _LAUNCHER_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PALS_", "MPI_LOCAL", "SLURM_STEP")
-#: Settings of the user's, in contrast to what mpirun tells its ranks.
+#: Settings of the user, in contrast to mpirun's settings for its ranks.
 _SETTINGS = ("OMPI_MCA_", "OMPI_ALLOW_", "PMIX_MCA_")
 
-#: Beginning of scripts: MPI is not initialised by an import; which MPI libraries are loaded.
+#: Beginning of scripts: imports do not initialise MPI; list of the loaded MPI libraries.
 PREAMBLE = """
 import json, os, re, sys
 import mpi4py
@@ -29,7 +29,7 @@ Answer = dict[str, Any] | str
 
 
 def environment() -> dict[str, str]:
-    """Return the environment of a probe: no rank's, and with mpirun's leave to be used by root."""
+    """Return the environment of a probe: without a rank's variables, mpirun allowed for root."""
     env = {
         key: value
         for key, value in os.environ.items()
@@ -76,14 +76,14 @@ def ask(script: str, *argv: str, launch: Sequence[str] = ()) -> Answer:
     Returns
     -------
     dict or str
-        The object, the last one if there are several; or in words why there is none.
+        The object, the last one if there are several; or the reason for none, as text.
     """
     answers = ask_all(script, *argv, launch=launch)
     return answers if isinstance(answers, str) else answers[-1]
 
 
 def ask_all(script: str, *argv: str, launch: Sequence[str] = ()) -> list[dict[str, Any]] | str:
-    """As `ask`, for scripts of which every rank prints an object: all of them, at least one."""
+    """As `ask`, for scripts that print an object on every rank: returns all, at least one."""
     try:
         done = run([*launch, sys.executable, "-c", script, *argv])
     except subprocess.TimeoutExpired:
@@ -93,7 +93,7 @@ def ask_all(script: str, *argv: str, launch: Sequence[str] = ()) -> list[dict[st
     answers = _objects(done.stdout)
     if done.returncode == 0 and answers:
         return answers
-    # The message of an exception is what follows the indented lines of its traceback.
+    # The message of an exception follows the indented lines of its traceback.
     said: list[str] = []
     for line in done.stderr.splitlines():
         said = [] if line.startswith(" ") else [*said, line.strip("- ")]
@@ -104,10 +104,10 @@ def ask_all(script: str, *argv: str, launch: Sequence[str] = ()) -> list[dict[st
 
 
 def _objects(text: str) -> list[dict[str, Any]]:
-    """Return the objects that begin lines, and those that follow them on the same line.
+    """Return the objects at the beginning of lines, and objects after them on the same line.
 
-    Where Python does not buffer, it writes the end of a line by itself: another rank's line may
-    come before it.
+    Without a buffer Python writes the end of a line separately: another rank's line may come
+    before it.
     """
     decoder, found = json.JSONDecoder(), []
     for line in text.splitlines():
@@ -119,5 +119,5 @@ def _objects(text: str) -> list[dict[str, Any]]:
 
 
 def names(files: Sequence[str]) -> str:
-    """Return paths in brackets; nothing if there are none."""
+    """Return paths in brackets; empty if there are none."""
     return f"({', '.join(files)})" if files else ""

@@ -1,4 +1,4 @@
-"""A particle driven along a path, with the strains solved for at which given stresses act."""
+"""A particle driven along a path; strains with prescribed stresses are solved for."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pgimp.errors import RunError
 from pgimp.utilities.element.march import Array, Element
 from pgimp.utilities.element.paths import Path, gradient
 
-#: Newton's method for the strains at which given stresses act.
+#: Newton's method for strains with prescribed stresses.
 _MOST_ROUNDS = 40
 _DIFFERENCE = 1e-7
 _TOLERANCE = 1e-13
@@ -31,12 +31,12 @@ def follow(
     path : Path
         The path.
     values : (n,) float64
-        Of the path at the end of each step.
+        Values of the path at the end of each step.
     confine : float
-        Pressure under which it is put first, from all sides, unless it begins under that; strains
-        count from there.
+        Isotropic pressure applied first, unless it is the initial pressure; strains count from
+        there.
     rate : float
-        Of the value, 1/time.
+        Rate of the value, 1/time.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def follow(
     F : (n + 1, D, D) float64
         Deformation gradients.
     times : (n + 1,) float64
-        Since the path began.
+        Times since the path's beginning.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def follow(
 
 
 def _confine(element: Element, strains: Array, pressure: float, rate: float) -> None:
-    """Bring a particle from its initial pressure under another from all sides, in ten steps."""
+    """Bring a particle from its initial pressure to another isotropic pressure, in ten steps."""
     start = element.material.initial_pressure
     for k in range(1, 11):
         target = -start - (pressure - start) * k / 10.0
@@ -87,7 +87,7 @@ def _confine(element: Element, strains: Array, pressure: float, rate: float) -> 
 def _step(
     element: Element, strains: Array, shear: float, free: tuple[int, ...], target: float, dt: float
 ) -> Array:
-    """Do one step to strains of which some are free, so that their stress is the target."""
+    """Do one step to strains; free ones are solved for so that their stress is the target."""
     D, found = element.dimensions, strains.copy()
     across = list(free)
     freed = np.isin(np.arange(3), across).astype(float)
@@ -97,7 +97,7 @@ def _step(
         return row[0, across] - target
 
     def slopes(at: Array, left: Array) -> Array:
-        """Return the derivatives towards the target: sand that opens has none the other way."""
+        """Return the derivatives towards the target; sand that opens has none away from it."""
         slope = np.zeros((len(free), len(free)))
         for k, i in enumerate(free):
             moved = at.copy()
@@ -122,12 +122,12 @@ def _step(
             trial = found.copy()
             trial[across] += step
             now = stresses(trial)
-            # Broyden's update of the slope: exact along the step that was taken.
+            # Broyden's update of the slope: exact along the last step.
             if (length := step @ step) > 0.0:
                 slope += np.outer(now - left - slope @ step, step) / length
             found, left = trial, now
         if not np.abs(left).max() <= _ACCEPTED * scale:
-            # Across a kink, where flow begins or turns: by halving, all free strains as one.
+            # Across a kink, where flow begins or turns: bisection, with all free strains equal.
             found[across] = strains[across] + _halved(
                 lambda more: float(stresses(strains + more * freed).mean())
             )
@@ -143,7 +143,7 @@ def _step(
 
 
 def _halved(stress: Callable[[float], float]) -> float:
-    """Return the strain at which a stress that grows with it is zero, 0 if there is none."""
+    """Return the zero of a stress that increases with strain, by bisection; 0 if there is none."""
     side = -1.0 if stress(0.0) > 0.0 else 1.0
     near, far = 0.0, side * _DIFFERENCE
     while side * stress(far) < 0.0:

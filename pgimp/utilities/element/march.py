@@ -1,4 +1,4 @@
-"""A material evaluated step by step, by the functions that are compiled into a run's kernels."""
+"""Evaluation of a material step by step, with the compiled functions of a run's kernels."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Array = np.ndarray
 
 
 def entry_of(material: Material | Mapping[str, Any]) -> Material:
-    """Return the entry of a material that is given as one, or as in a case.
+    """Return the entry of a material, given as an entry or as in a case.
 
     Raises
     ------
     UsageError
-        If it is none.
+        If it is no material.
     """
     if isinstance(material, Material):
         return material
@@ -45,14 +45,14 @@ def entry_of(material: Material | Mapping[str, Any]) -> Material:
 
 
 class Element:
-    """A particle of a material, which is deformed step by step.
+    """A particle of a material, deformed step by step.
 
     Parameters
     ----------
     material : Material
         The entry.
     dimensions : int, optional
-        1, 2 or 3; by default the most that the material exists in.
+        1, 2 or 3; by default the most that the material supports.
 
     Raises
     ------
@@ -62,11 +62,11 @@ class Element:
     Attributes
     ----------
     row : (columns,) float64
-        Its stress, then its state.
+        Stress, then state.
     F : (D, D) float64
-        Its deformation gradient.
+        Deformation gradient.
     speed : float
-        Of the fastest wave after the last step.
+        Speed of the fastest wave after the last step.
     """
 
     def __init__(self, material: Material, dimensions: int | None = None) -> None:
@@ -86,7 +86,7 @@ class Element:
         if pressure := material.initial_pressure:
             self.row[:3] = -pressure
         at = self.components
-        #: Where in a row the state variables are.
+        #: Columns of the state variables in a row.
         self.places: dict[str, slice] = {}
         for state in states_of(kind):
             place = slice(at, at + state.width(self.dimensions))
@@ -99,7 +99,7 @@ class Element:
         self.speed = np.nan
 
     def tried(self, F: Array, dt: float | Array) -> tuple[Array, Array]:
-        """Return its state after steps, without doing them.
+        """Return the state after trial steps, without updating the particle.
 
         Parameters
         ----------
@@ -113,13 +113,13 @@ class Element:
         rows : (n, columns) float64
             Stress and state.
         speeds : (n,) float64
-            Of the fastest wave.
+            Speed of the fastest wave.
         """
         F = np.ascontiguousarray(F, dtype=float)
         n, D = len(F), self.dimensions
         steps = np.broadcast_to(np.asarray(dt, dtype=float), (n,)).copy()
         before = np.concatenate([self.F[None], F[:-1]])
-        # The step's gradient, as kernels have it: F = (1 + dt L) F_before.
+        # The step's gradient, as in the kernels: F = (1 + dt L) F_before.
         change = np.linalg.solve(before.transpose(0, 2, 1), (F - before).transpose(0, 2, 1))
         L = np.ascontiguousarray(change.transpose(0, 2, 1)) / steps[:, None, None]
         found, speed = np.zeros((n + 1, len(self.row))), np.zeros(n)
@@ -156,29 +156,29 @@ class Element:
 def element(
     material: Material | Mapping[str, Any], F: Array, dt: float | Array = 1.0
 ) -> dict[str, Array]:
-    """Return what a material does along a path, without a grid.
+    """Return the response of a material along a path, without a grid.
 
     Parameters
     ----------
     material : Material or mapping
-        The entry of a case, ``pgimp.load(CASE).materials[NAME]``, or what would be written there,
+        The entry of a case, ``pgimp.load(CASE).materials[NAME]``, or its content,
         ``{"model": "von-mises", "young": 2e11, ...}``.
     F : (n, D, D) array_like of float
-        Deformation gradients at the end of each step; before the first it is 1. D is 3, or less for
-        a case of fewer dimensions.
+        Deformation gradients at the end of each step, starting from 1. D is 3, or less for a case
+        of fewer dimensions.
     dt : float or (n,) array_like
         Lengths of the steps.
 
     Returns
     -------
     dict of str to ndarray
-        ``stress`` (n, 6), Cauchy, as xx yy zz xy yz xz; each state variable by its name, (n,), or
-        (n, components) of a tensor; ``wave-speed`` (n,).
+        ``stress`` (n, 6), Cauchy, as xx yy zz xy yz xz; ``wave-speed`` (n,). Each state variable
+        by its name, (n,), or (n, components) for a tensor.
 
     Raises
     ------
     UsageError
-        If the material or F is none.
+        If the material or F is invalid.
     """
     entry = entry_of(material)
     path = np.asarray(F, dtype=float)

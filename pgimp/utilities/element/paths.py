@@ -1,4 +1,4 @@
-"""Paths along which a material is driven: strained directions, and those of a given stress."""
+"""Paths of deformation: directions with prescribed strain, and with prescribed stress."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ class Path(NamedTuple):
     Attributes
     ----------
     meaning : str
-        What the value of ``--to`` is.
+        Meaning of the value of ``--to``.
     stretch : callable
         Takes the value; returns the logarithmic strains along x, y, z and the shear.
     free : tuple of int
-        Directions whose strain is found so that their stress is minus the confining pressure.
+        Directions whose stress is prescribed: minus the confining pressure.
     component : str
-        The stress that a plot shows.
+        Stress component in the plot.
     """
 
     meaning: str
@@ -67,7 +67,7 @@ PATHS = {
 
 
 def gradient(strains: Array, shear: float, dimensions: int) -> Array:
-    """Return the deformation gradient of logarithmic strains, then of a shear, (D, D)."""
+    """Return the deformation gradient of logarithmic strains followed by a shear, (D, D)."""
     F = np.diag(np.exp(strains))
     F = F @ np.eye(3)
     F[0, 1] += shear * F[1, 1]
@@ -75,7 +75,7 @@ def gradient(strains: Array, shear: float, dimensions: int) -> Array:
 
 
 def legs(values: Sequence[float], steps: int) -> Array:
-    """Return the values at the end of each step, `steps` of them to each value in turn."""
+    """Return the values at the end of each step, with `steps` steps to each value in turn."""
     ends = pairwise([0.0, *values])
     return np.concatenate([a + (b - a) * np.arange(1, steps + 1) / steps for a, b in ends])
 
@@ -86,7 +86,7 @@ def path_of(name: str) -> Path:
     Raises
     ------
     UsageError
-        If there is none of that name.
+        If there is no path of that name.
     """
     if name not in PATHS:
         raise UsageError(f"--path: {unknown('path', name, PATHS)}")

@@ -1,4 +1,4 @@
-"""Results for a particle along its path: columns, exact ones beside them, and a picture."""
+"""Results for a particle along its path: columns, exact columns, and a figure."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pgimp.utilities.element.follow import follow
 from pgimp.utilities.element.march import Array, Element
 from pgimp.utilities.element.paths import legs, path_of
 
-#: Columns beside which exact ones stand have these before their names.
+#: Prefix of exact columns.
 EXACT = "exact-"
 _COMPONENT = re.compile("-[xyz][xyz]$")
 
@@ -34,27 +34,27 @@ def curve(
     material : Material
         The entry of the case.
     name : str
-        Of the path.
+        Name of the path.
     values : list of float
-        Its targets, one after the other.
+        Target values, in order.
     steps : int
-        To each of them.
+        Number of steps to each value.
     confine, rate : float
-        Pressure before, 0 for that at which the material starts; rate of the value.
+        Confining pressure, 0 for the material's initial pressure; rate of the value.
 
     Returns
     -------
     dict of str to (n,) float64
-        By the names of columns: value, time, det-F, stresses, pressure, q (positive), states; where
-        the material knows the exact curve, its columns too, with ``exact-`` before their names,
-        nan in rows that it does not cover.
+        Columns by name: value, time, det-F, stresses, pressure, q (positive), states. If the
+        material has an exact curve, also its columns with the prefix ``exact-``, nan in rows that
+        it does not cover.
 
     Raises
     ------
     UsageError
-        If the path cannot be: without a stress across where the material has to be pressed.
+        If the path is impossible: no confining pressure for a material that needs pressure.
     RunError
-        If no strain gives the stress that the path prescribes.
+        If no strain gives the path's prescribed stress.
     """
     element = Element(material)
     path = path_of(name)
@@ -80,7 +80,7 @@ def curve(
                 f"{state}-{part}": found[:, i]
                 for i, part in enumerate(TENSOR.split()[: found.shape[1]])
             }
-    with np.errstate(all="ignore"):  # What is beyond a curve's range is not finite, so not known.
+    with np.errstate(all="ignore"):  # Values beyond a curve's range are not finite.
         exact = material.exact_path(name, table["value"], rate, pressure) or {}
     return table | {
         f"{EXACT}{column}": np.where(np.isfinite(found), found, np.nan)
@@ -90,7 +90,7 @@ def curve(
 
 
 def _pressure(material: Material, name: str, confine: float) -> float:
-    """Return the pressure from all sides at which a path begins, after checking that it can."""
+    """Return the isotropic pressure at a path's beginning, after checking that it is possible."""
     pressure = confine or material.initial_pressure
     if name == "uniaxial-stress" and pressure:
         raise UsageError(
@@ -106,9 +106,9 @@ def _pressure(material: Material, name: str, confine: float) -> float:
 
 
 def errors(table: dict[str, Array]) -> dict[str, float]:
-    """Return the greatest difference from each exact column, over its greatest value.
+    """Return the greatest difference from each exact column, over the column's greatest value.
 
-    Of stresses, which may all but vanish beside others, that is the greatest of all stresses.
+    For stresses it is over the greatest of all stresses, as a single one may nearly vanish.
     """
     exact = {name.removeprefix(EXACT): table[name] for name in table if name.startswith(EXACT)}
     sizes = {name: float(np.nanmax(np.abs(column))) for name, column in exact.items()}
@@ -122,7 +122,7 @@ def errors(table: dict[str, Array]) -> dict[str, float]:
 
 
 def text(table: dict[str, Array]) -> str:
-    """Return the table as CSV, with all digits; nothing where an exact curve is not known."""
+    """Return the table as CSV, with all digits; empty entries where exact values are unknown."""
     lines = [",".join(table)]
     columns = (values.tolist() for values in table.values())
     lines += [
@@ -133,7 +133,7 @@ def text(table: dict[str, Array]) -> str:
 
 
 def draw(table: dict[str, Array], name: str, title: str) -> Any:
-    """Return a figure of the path's stress and of the material's state, first of all scalars."""
+    """Return a figure of the path's stress and of the material's state, preferably a scalar."""
     from matplotlib.figure import Figure
 
     from pgimp.utilities.plot.style import COLOURS, plain

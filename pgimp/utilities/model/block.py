@@ -1,6 +1,6 @@
 """The standard block: a neo-Hookean block, 8 particles a cell at random positions, in free fall.
 
-Its exact motion is rigid, so that stresses and velocity differences are errors.
+Its exact motion is rigid, so stresses and velocity differences are errors.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class RandomCreation(Creation):
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
     ) -> tuple[Particles, int]:
         """See `Creation.create`."""
-        # A random position may lie in a layer next to its lattice plane's: look two cells further.
+        # A random position may lie in a layer next to its lattice plane's: extend by two cells.
         reach = 2 * lattice.per_cell[0]
         own = np.searchsorted(layer, (slab.first, slab.first + slab.layers))
         begin, end = max(0, int(own[0]) - reach), min(lattice.planes, int(own[1]) + reach)
@@ -52,13 +52,13 @@ class RandomCreation(Creation):
         here &= p.layer[:count] < slab.first + slab.layers
         arrays: list[np.ndarray] = list(p)
         del p
-        for i in range(len(arrays)):  # so that no more than one array is there twice
+        for i in range(len(arrays)):  # so that only one array at a time is duplicated
             arrays[i] = arrays[i][:count][here]
         return Particles._make(arrays), int(here.sum())
 
 
 class Block(Simulation):
-    """The block, its particles at random positions within their cells."""
+    """The block with particles at random positions within their cells."""
 
     creation = RandomCreation
 
@@ -75,9 +75,9 @@ def _uniform(ids: np.ndarray) -> np.ndarray:
 
 
 def block_case(cells: int, steps: int, length: int = 1) -> dict[str, Any]:
-    """The benchmark as a case: a block of `cells` cubed in a domain with four cells around.
+    """The benchmark as a case: a block of `cells` cubed in a domain with a margin of four cells.
 
-    With `length` it is a bar along x, longer by that factor.
+    With `length` it is a bar along x, longer by this factor.
     """
     h, pad = 1.0 / cells, 4
     lam = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
@@ -112,7 +112,7 @@ def block_case(cells: int, steps: int, length: int = 1) -> dict[str, Any]:
 
 
 def block_layout(cells: int, length: int, random: bool) -> tuple[Scene, list[Extent], Layout]:
-    """Scene, extents and layout of a block of any size, of which no particle is made.
+    """Scene, extents and layout of a block of any size, without creating particles.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def block_layout(cells: int, length: int, random: bool) -> tuple[Scene, list[Ext
     planes, h = scene.frame.cells[0] * 2, scene.frame.cell[0]
     counts = np.zeros(planes, np.int64)
     counts[bodies[0].low[0] : bodies[0].high[0]] = (2 * cells) ** 2
-    # As `Lattice` has them, to the bit: they lie where layers meet.
+    # Equal to the `Lattice`'s, to the bit: they lie between layers.
     layout = layout_of(scene, bodies, np.arange(0.5, planes) / 2 * h, counts)
     if random:
         layout = layout._replace(counts=_spread(layout.counts, scene.shape.half[0]))
@@ -134,9 +134,9 @@ def block_layout(cells: int, length: int, random: bool) -> tuple[Scene, list[Ext
 
 
 def _spread(counts: np.ndarray, half: float) -> np.ndarray:
-    """Particles of each layer at random positions, from those on the lattice.
+    """Particles of each layer at random positions, from the counts on the lattice.
 
-    Of a cell's positions, the part below the half-width has its support one vertex earlier.
+    Positions in a cell below the half-width have their support one vertex earlier.
     """
     moved = np.round(half * counts).astype(np.int64)
     return counts - moved + np.append(moved[1:], 0)

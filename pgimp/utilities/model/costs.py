@@ -1,4 +1,4 @@
-"""Costs of the parts of a step, in seconds: on this machine, and between nodes."""
+"""Costs of a step's parts, in seconds: on this machine, and between nodes."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from numpy.typing import ArrayLike, NDArray
 
 
 class Network(NamedTuple):
-    """The fabric between nodes, which cannot be measured on one.
+    """The network between nodes, which cannot be measured on a single node.
 
     Attributes
     ----------
     latency : float
         Seconds of a short message.
     bandwidth : float
-        Bytes per second in and, at once, out of a node.
+        Bytes per second into and, simultaneously, out of a node.
     ranks_per_node : int
-        Ranks on a node, neighbours together.
+        Consecutive ranks on a node.
     """
 
     latency: float = 2e-6
@@ -32,16 +32,16 @@ class Messages(NamedTuple):
     Attributes
     ----------
     neighbour : float
-        Seconds of a step for each neighbour, for messages of any size: calls, latencies, and the
-        search for particles that leave.
+        Seconds per step and neighbour, for messages of any size: calls, latencies, and the search
+        for leaving particles.
     bandwidth : float
         Bytes per second from one rank to another.
     reduction : float
         Seconds of a reduction of a few numbers on two ranks.
     migrant : float
-        Seconds for each particle that goes to a neighbour.
+        Seconds per particle that migrates to a neighbour.
     measured : bool
-        Whether they were measured here.
+        Whether the costs were measured here.
     """
 
     neighbour: float = 30e-6
@@ -52,25 +52,25 @@ class Messages(NamedTuple):
 
 
 class Costs(NamedTuple):
-    """Costs of a rank's work, and of its neighbours.
+    """Costs of a rank's work, and of its messages.
 
     Attributes
     ----------
     fixed : float
         Seconds of a step without particles: Python, and the calls of the kernels.
     particles : tuple of (float, float)
-        Numbers of particles of a rank, ascending, and seconds of a particle-step for each: the
-        kernels, changes of layer, and the step's share of the sort. In between and beyond, see
+        Numbers of particles of a rank, ascending, with seconds per particle-step. These include the
+        kernels, changes of layer, and the step's share of the sort. For other numbers, see
         `particle`.
     vertex : float
-        Seconds of a step for a vertex of a plane that takes part.
+        Seconds per step and vertex of an active plane.
     interior : float
-        Part of the cost of particles and their vertices that messages can hide behind.
+        Fraction of the cost of particles and their vertices that can overlap with messages.
     messages : Messages
-        Between ranks of a node.
+        Messages between ranks of a node.
     busy : float
-        Factor of all work where the other cores of a node work too: shared resources, and waiting
-        for cores that are slower for a while. 1 if not measured.
+        Factor of all work if the other cores of a node work too; 1 if not measured. It covers
+        shared resources, and waiting for cores that are temporarily slower.
     """
 
     fixed: float
@@ -81,6 +81,6 @@ class Costs(NamedTuple):
     busy: float = 1.0
 
     def particle(self, count: ArrayLike) -> NDArray[np.float64]:
-        """Seconds of a particle-step on a rank with `count` particles: caches hold few or many."""
+        """Seconds per particle-step on a rank with `count` particles, which may exceed caches."""
         numbers, seconds = zip(*self.particles, strict=True)
         return np.interp(np.log(np.maximum(count, 1.0)), np.log(numbers), seconds)

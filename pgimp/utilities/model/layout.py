@@ -1,4 +1,4 @@
-"""The scene to be cut into slabs: the particles of each layer, and the size of a plane."""
+"""Layout of a scene for division into slabs: particles per layer, and size of a plane."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
 
 
 class Layout(NamedTuple):
-    """A scene as slabs see it.
+    """Layout of a scene for division into slabs.
 
     Attributes
     ----------
     counts : (layers,) int64
         Particles of each layer.
     plane : int
-        Vertices of a plane, as far as it is stored.
+        Stored vertices of a plane.
     vertices : int
-        Vertices a direction in a support, s; slabs have at least s - 1 layers.
+        Vertices per direction in a support, s; slabs have at least s - 1 layers.
     ends : int
         Least number of layers of the first and of the last slab, if more.
     crossing : float
-        Part of a layer's particles that leave it in a step.
+        Fraction of a layer's particles that leave it in a step.
     wide : int
         Vertices of a plane on several ranks; 0 if the same.
     """
@@ -49,23 +49,23 @@ class Layout(NamedTuple):
 
     @property
     def particles(self) -> int:
-        """Particles in all."""
+        """Total number of particles."""
         return int(self.counts.sum())
 
     @property
     def most_ranks(self) -> int:
-        """Number of slabs that there can be."""
+        """Greatest number of slabs."""
         return most_slabs(len(self.counts), self.vertices - 1, self.ends)
 
     def cuts(self, ranks: int) -> list[int]:
-        """First layers of the slabs, and the number of layers, as a run on `ranks` ranks has."""
+        """First layers of the slabs, and the number of layers, as in a run on `ranks` ranks."""
         return cut(self.counts, ranks, self.vertices - 1, self.ends)
 
 
 def layout_of(
     scene: Scene, bodies: list[Extent], x: NDArray[Any], counts: NDArray[np.int64]
 ) -> Layout:
-    """Layout of a scene at its beginning.
+    """Layout of a scene in its initial state.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def layout_of(
     x : (planes,) float64
         Coordinates of the lattice's planes along x.
     counts : (planes,) int64
-        Particles of each of them.
+        Particles of each plane.
     """
     layer = np.empty(len(x), np.int64)
     D = scene.dimension
@@ -89,7 +89,7 @@ def layout_of(
 
 
 def layout_now(sim: Simulation) -> Layout:
-    """Layout of a simulation as it is; collective."""
+    """Layout of a simulation in its present state; collective."""
     scene, rows = sim.scene, sim.live()
     speed = float(np.abs(sim.particles.v[rows, 0]).sum())
     mine = (sim.rank.slab.first, np.diff(sim.population.start), speed)

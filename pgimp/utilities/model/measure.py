@@ -1,4 +1,4 @@
-"""Measurement of the costs of the parts of a step."""
+"""Measurement of the costs of a step's parts."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ _REPEATS = 20
 def run_in_turn(
     samples: Sequence[Sample | None], comm: Communicator, seconds: float, fewest: int = 3
 ) -> None:
-    """Time blocks of all samples by turns, so that disturbances hit all alike; collective.
+    """Time blocks of all samples in turn, so that disturbances affect all equally; collective.
 
-    On a rank that has no part in a sample, it is None.
+    On a rank without a part in a sample, the sample is None.
 
     Parameters
     ----------
     seconds : float
-        How long to go on.
+        Duration of the timing.
     fewest : int
-        Blocks of each at least.
+        Least number of blocks of each sample.
     """
     begin, turns = perf_counter(), 0
     while comm.bcast(turns < fewest or perf_counter() - begin < seconds):
@@ -46,12 +46,12 @@ def run_in_turn(
 
 
 def costs_of(samples: Sequence[Sample]) -> Costs:
-    """Costs from samples of different sizes, two at least, ascending, on one rank.
+    """Costs from at least two samples of different sizes, ascending, on one rank.
 
     Raises
     ------
     RunError
-        If no step of one of them could be timed.
+        If no step of a sample could be timed.
     """
     for sample in samples:
         if not sample.timed:
@@ -65,7 +65,7 @@ def costs_of(samples: Sequence[Sample]) -> Costs:
     grid = [sample.seconds("momentum") for sample in samples]
     vertex = max(0.0, (grid[-1] - grid[0]) / max(vertices[-1] - vertices[0], 1.0))
     rest = [sample.seconds() - vertex * n for sample, n in zip(samples, vertices, strict=True)]
-    # The smallest sample gives the fixed cost, the others that of a particle.
+    # The smallest sample gives the fixed cost, the others the cost per particle.
     each = max(0.0, (rest[1] - rest[0]) / max(counts[1] - counts[0], 1.0))
     fixed = max(rest[0] - each * counts[0], 0.05 * rest[0])
     particles = tuple(
@@ -77,7 +77,7 @@ def costs_of(samples: Sequence[Sample]) -> Costs:
 
 
 def messages_of(pair: Sample, costs: Costs, comm: Communicator) -> Messages:
-    """Costs of messages, from a small sample on all ranks, two at least; collective."""
+    """Costs of messages, from a small sample on all ranks, at least two; collective."""
     reduction = _reduction(comm) / ceil(log2(comm.size))
     bandwidth = _bandwidth(comm)
     migrant = _migrant(pair.sim)
@@ -89,7 +89,7 @@ def messages_of(pair: Sample, costs: Costs, comm: Communicator) -> Messages:
 
 
 def busy_of(crowd: Sample, costs: Costs, comm: Communicator) -> float:
-    """Factor of work on all ranks at once, from a large sample on all of them; collective."""
+    """Factor of work on all ranks at once, from a large sample on all ranks; collective."""
     step = predict(layout_now(crowd.sim), costs, Network(), comm.size)
     work = step.mean + step.excess
     measured = crowd.seconds() + crowd.seconds("sort")
@@ -97,7 +97,7 @@ def busy_of(crowd: Sample, costs: Costs, comm: Communicator) -> float:
 
 
 def _timed(comm: Communicator, act: Callable[[], object]) -> float:
-    """Seconds of something that all ranks do, the median; the same on every rank."""
+    """Median seconds of an action on all ranks; the same on every rank."""
     seconds = []
     for _ in range(_REPEATS):
         comm.Barrier()
@@ -116,7 +116,7 @@ def _reduction(comm: Communicator) -> float:
 
 
 def _bandwidth(comm: Communicator) -> float:
-    """Bytes per second that the first two ranks send to each other, both at once."""
+    """Bytes per second between the first two ranks, in both directions at once."""
     other = 1 - comm.rank
 
     def seconds(size: int) -> float:

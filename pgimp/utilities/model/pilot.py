@@ -1,11 +1,11 @@
 """A pilot run: the case itself on a coarse grid, from which the number of steps is predicted.
 
-Under Courant control a step follows the fastest wave, which speeds up in a body that is compressed
-and with the particles' velocity. The number of steps is the integral of max_p(c_p + |v_p|) over
-time, over the cell and the Courant number, but that steps lengthen rarely: the case's own are
-counted by that rule. The integral hardly depends on the cells. Its
-sensitivity follows from a further run on coarser cells: the error is assumed to grow linearly with
-the cells. A run that is ended early gives no information on the time after it.
+Under Courant control a step follows the fastest wave, which is faster in compressed bodies and with
+moving particles. The number of steps is the integral of max_p(c_p + |v_p|) over time, over the cell
+and the Courant number. But steps lengthen rarely: the case's own steps are counted by that rule.
+The integral hardly depends on the cells. Its sensitivity follows from a further run on coarser
+cells; the error is assumed to grow linearly with the cells. A run that is ended early gives no
+information on later times.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from pgimp.solver.simulation import Simulation
 from pgimp.solver.time.held_rate import LONGEST, HeldRate
 from pgimp.utilities.model.costs import Costs
 
-#: Seconds that a pilot run may take, about; it ends after twice as many.
+#: Intended seconds of a pilot run; it is ended after twice as many.
 _SECONDS = 2.0
-#: Cells that remain across a body, unless it has fewer.
+#: Least cells across a body, unless the case has fewer.
 _FEWEST_CELLS = 6.0
 #: Steps of a fixed length between two evaluations of the fastest wave.
 _LOOK = 10
-#: Further factors on the cells: with others a constraint may hold no particle.
+#: Further factors on the cells, tried because a constraint may hold no particle.
 _TRIES = (1.0, 0.9, 1.15, 0.8, 1.3, 0.65)
-#: Repetitions on coarser cells of a run that took too long.
+#: Repetitions on coarser cells if a run took too long.
 _REPEATS = 2
-#: Factor on the cells of a further run, which shows their influence; and the least error for each
-#: cell's length by which they are longer, as bodies tear later or earlier.
+#: Factor on the cells of a further run, which shows their influence. Least error per relative
+#: increase of the cells, as bodies may tear earlier or later.
 _COARSER, _LEAST_ERROR = 1.3, 0.05
-#: Particles of a pilot run at most. Those of files do not become fewer with larger cells.
+#: Most particles of a pilot run. Particles from files do not become fewer with larger cells.
 _MOST_PARTICLES = 200_000
 
 
@@ -46,20 +46,19 @@ class Pilot(NamedTuple):
     Attributes
     ----------
     steps : float
-        Steps of the case itself, predicted.
+        Predicted steps of the case itself.
     particles : int
-        Of the pilot run.
+        Particles of the pilot run.
     factor : float
-        Its cells over those of the case.
+        Its cells over the case's cells.
     done : float
-        Part of the time that it simulated. `steps` assumes that waves are as fast after it as at
-        its end.
+        Simulated fraction of the time. `steps` assumes that waves stay as fast as at its end.
     failure : str
-        First line of why it failed, if it did.
+        First line of the reason for a failure, if any.
     courant : float
         Greatest Courant number of the case's own steps.
     error : float
-        Estimate of the relative error of `steps` that is due to the cells; inf where there is none.
+        Estimate of the relative error of `steps` due to the cells; inf without an estimate.
     """
 
     steps: float
@@ -72,25 +71,25 @@ class Pilot(NamedTuple):
 
 
 def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> Pilot | None:
-    """Run a case on a coarse grid, or as it is if that takes little time; nothing is written.
+    """Run a case on a coarse grid, or unchanged if it is short; nothing is written.
 
     Parameters
     ----------
     case : Case
         The case.
     count : int
-        Its particles.
+        Number of its particles.
     steps : float
-        Its steps, if the wave speed stays as it is.
+        Number of its steps, if the wave speed does not change.
     costs : Costs
-        Of a step on this machine.
+        Costs of a step on this machine.
     fewest : float
         Cells across the thinnest body.
 
     Returns
     -------
     Pilot or None
-        None where no pilot run can be made.
+        None if no pilot run is possible.
     """
     regions = [part for body in case.bodies.values() for part in body.region.simple()]
     fixed = sum(part.summary.number for part in regions if isinstance(part, Points))
@@ -100,12 +99,12 @@ def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> 
     factor = 1.0
     while factor < most and _seconds(case, count, steps, costs, factor) > _SECONDS:
         factor = min(1.1 * factor, most)
-    # Rather too few cells across a body than too many particles.
+    # Too few cells across a body are preferred to too many particles.
     factor = max(factor, ((count - fixed) / _MOST_PARTICLES) ** (1.0 / case.dimensions))
     found = _first(case, factor)
     if found is None or found.failure:
         return found
-    for _ in range(_REPEATS):  # waves became so much faster, or the machine slower
+    for _ in range(_REPEATS):  # waves became faster, or the machine slower
         if found.done < 1.0 and found.factor < most:
             longer = max(1.2, (1.5 / max(found.done, 0.01)) ** 0.7)
             again = _first(case, min(longer * found.factor, most))
@@ -117,7 +116,7 @@ def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> 
 
 
 def _first(case: Case, factor: float) -> Pilot | None:
-    """The first of `_TRIES` that can be made, run; None if there is none."""
+    """Run the first possible of `_TRIES`; None if there is none."""
     for tried in _TRIES if factor > 1.0 else (1.0,):
         try:
             sim = Simulation(coarse(case, max(1.0, factor * tried)), Serial())
@@ -128,7 +127,7 @@ def _first(case: Case, factor: float) -> Pilot | None:
 
 
 def _error(fine: Pilot, rough: Pilot | None) -> float:
-    """Relative error of the steps of `fine`, growing linearly with the cells."""
+    """Relative error of the steps of `fine`, assumed linear in the cells."""
     if rough is None or rough.done < 1.0 or not rough.factor > fine.factor:
         return inf
     slope = abs(fine.steps / rough.steps - 1.0) / (rough.factor - fine.factor)
@@ -142,12 +141,12 @@ def _seconds(case: Case, count: int, steps: float, costs: Costs, factor: float) 
 
 
 def coarse(case: Case, factor: float) -> Case:
-    """The same case with cells `factor` times as long, as far as the domain is whole cells.
+    """The case with cells `factor` times as long, as far as the domain has whole cells.
 
     Raises
     ------
     ValueError, CaseError
-        If that is no case.
+        If the result is no valid case.
     """
     grid, time = case.grid, case.time
     cells = [max(1, round(n / factor)) for n in grid.cells]
@@ -161,14 +160,14 @@ def coarse(case: Case, factor: float) -> Case:
 
 
 class _OwnSteps:
-    """Steps that a case takes by itself where waves are as fast as in its pilot run."""
+    """Counter of the case's own steps, with the wave speeds of its pilot run."""
 
     def __init__(self, courant: float) -> None:
         self._courant, self._held = courant, HeldRate()
         self._left = self.count = 0.0
 
     def take(self, time: float, rate: float) -> None:
-        """Take the steps of a time in which the largest (c_p + |v_p|)/L is `rate`."""
+        """Count the steps of a time span with the largest (c_p + |v_p|)/L of `rate`."""
         self._left += time
         for _ in range(LONGEST):
             if self._left * max(self._held.rate, rate) < self._courant:
@@ -199,7 +198,7 @@ def _run(sim: Simulation, case: Case) -> Pilot:
 
 
 def _rate(sim: Simulation) -> float:
-    """Largest (c_p + |v_p|)/L; of fixed steps, which do not keep it, now and then."""
+    """Largest (c_p + |v_p|)/L; with fixed steps, which do not store it, only occasionally."""
     if not sim.clock.controlled and sim.step % _LOOK == 0:
         sim.rate = fastest(sim.scene, sim.particles, sim.population.order, True)
     return sim.rate

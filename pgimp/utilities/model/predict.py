@@ -1,4 +1,4 @@
-"""The time of a step on any number of ranks, from the costs of its parts."""
+"""Time of a step on any number of ranks, from the costs of its parts."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pgimp.decomposition.halo import PIECE, PIECES
 from pgimp.utilities.model.costs import Costs, Network
 from pgimp.utilities.model.layout import Layout
 
-#: Efficiency down to which more ranks pay off.
+#: Least efficiency at which more ranks pay off.
 EFFICIENT = 0.7
-#: Greatest number of ranks that is tried.
+#: Most ranks that are tried.
 MOST_RANKS = 10_000
 #: Bytes of a vertex's record.
 _RECORD = 64
@@ -22,20 +22,20 @@ _TRIES = 16
 
 
 class Step(NamedTuple):
-    """A step on a number of ranks; all times are seconds, those of the slowest rank.
+    """A step on a number of ranks; all times are in seconds, on the slowest rank.
 
     Attributes
     ----------
     ranks, slabs : int
-        Ranks, and those of them that own layers.
+        Ranks, and ranks with layers.
     seconds : float
-        The step.
+        Time of the step.
     fixed, mean, excess : float
-        Cost of a step without particles; mean over the slabs of particles and planes; excess of
-        the slowest rank over that mean, because layers are not divided.
+        Cost of a step without particles. Mean cost of particles and planes over the slabs. Excess
+        of the slowest rank over this mean, because layers are not divided.
     planes, calls, reduction : float
-        Exchange of shared planes that is not hidden; latencies and calls of messages to
-        neighbours, with the particles that go there; the reduction that is not hidden.
+        Exposed exchange of shared planes. Latencies and calls of messages to neighbours, with
+        migrating particles. Exposed reduction.
     most : int
         Particles of the fullest slab.
     """
@@ -53,11 +53,11 @@ class Step(NamedTuple):
 
     @property
     def exchange(self) -> float:
-        """Part of the step that goes into messages of all kinds."""
+        """Part of the step for messages of all kinds."""
         return (self.planes + self.calls + self.reduction) / self.seconds
 
     def efficiency(self, one: Step) -> float:
-        """Speed over that of as many ranks without any losses; `one` is the step on one rank."""
+        """Speed over the ideal speed of as many ranks; `one` is the step on one rank."""
         return one.seconds / (self.ranks * self.seconds)
 
     def loss(self, one: Step) -> str:
@@ -74,7 +74,7 @@ class Step(NamedTuple):
 
 
 def out_of_layers(slabs: int) -> str:
-    """Message: there are only this number of slabs."""
+    """Message: there are only this many slabs."""
     return f"the grid has layers for {slabs:,} {'rank' if slabs == 1 else 'ranks'}"
 
 
@@ -90,7 +90,7 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     network : Network
         Messages between nodes.
     ranks : int
-        How many there are.
+        Number of ranks.
 
     Returns
     -------
@@ -103,7 +103,7 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     plane = layout.plane_on(ranks)
     below = np.concatenate([[0], np.cumsum(layout.counts)])
     n = below[end] - below[first]
-    # A layer's particles take part in s planes.
+    # A layer's particles contribute to s planes.
     touched = np.convolve(layout.counts > 0, np.ones(s)) > 0.5
     planes = np.concatenate([[0], np.cumsum(touched)])
     vertices = (planes[end + s - 1] - planes[first]) * float(plane)
@@ -111,7 +111,7 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     if ranks > 1:
         work *= costs.busy
 
-    # Of each boundary between slabs: running sums go up, partial sums down.
+    # At each boundary between slabs: running sums go up, partial sums down.
     pairs = s * (s - 1) // 2
     up, down = (k * _RECORD * plane for k in (s - 1, pairs))
     crosses = np.arange(1, slabs) % network.ranks_per_node == 0
@@ -145,7 +145,7 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
     if ranks > 1:
         nodes = ceil(ranks / network.ranks_per_node)
         reduction = ceil(log2(min(ranks, network.ranks_per_node))) * messages.reduction
-        # It goes on while the next step sums its particles.
+        # It overlaps with the sums of the next step's particles.
         far = ceil(log2(nodes)) * network.latency
         reduction += max(0.0, far - costs.interior * float(work[slowest]))
     parts = (
@@ -162,14 +162,14 @@ def predict(layout: Layout, costs: Costs, network: Network, ranks: int) -> Step:
 def pays_off(
     layout: Layout, costs: Costs, network: Network, most: int = MOST_RANKS
 ) -> tuple[Step, Step, str]:
-    """The greatest number of ranks, up to `most`, that pays off.
+    """Greatest number of ranks, up to `most`, that pays off.
 
     Returns
     -------
     one, best : Step
         A step on one rank, and on the number of ranks that pays off.
     limit : str
-        Main loss of efficiency beyond that, as text; empty if it is `most`.
+        Main loss of efficiency beyond it, as text; empty if it is `most`.
     """
     one = predict(layout, costs, network, 1)
     most = min(most, MOST_RANKS)

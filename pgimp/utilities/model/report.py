@@ -1,4 +1,4 @@
-"""Predictions of the model, as tables of text and as plain data."""
+"""Predictions of the model, as text tables and as plain data."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def rank_counts(marks: Iterable[int], most: int = MOST_RANKS) -> list[int]:
 def scaling(
     layout: Layout, costs: Costs, network: Network, memory: Callable[[Step], float]
 ) -> dict[str, Any]:
-    """Strong scaling of a layout: up to where it pays off, and the reason for its limit.
+    """Strong scaling of a layout: number of ranks that pays off, and the reason for its limit.
 
     Parameters
     ----------
@@ -33,12 +33,12 @@ def scaling(
     Returns
     -------
     dict
-        ``particles``, ``slabs`` (the most that there can be), ``pays_off`` (ranks), ``limit`` (the
-        main loss of efficiency beyond, as text) and ``steps``, see `entry`.
+        ``particles``, ``slabs`` (the most possible), ``pays_off`` (ranks), ``limit`` (the main loss
+        of efficiency beyond, as text) and ``steps``, see `entry`.
     """
     one, best, limit = pays_off(layout, costs, network)
     slabs = layout.most_ranks
-    # Beyond the last slab every line would be the same.
+    # Beyond the last slab all rows would be the same.
     numbers = [n for n in rank_counts((best.ranks, slabs)) if n <= slabs or n == MOST_RANKS]
     steps = [predict(layout, costs, network, n) for n in numbers]
     return {
@@ -53,7 +53,7 @@ def scaling(
 
 
 def entry(step: Step, particles: int, efficiency: float, memory: float) -> dict[str, Any]:
-    """A line of a table: seconds, particle-steps per second, parts of the step, bytes a rank."""
+    """A row of a table: seconds, particle-steps per second, parts of the step, bytes per rank."""
     return {
         "ranks": step.ranks,
         "slabs": step.slabs,
@@ -69,7 +69,7 @@ def entry(step: Step, particles: int, efficiency: float, memory: float) -> dict[
 def lines(
     steps: Sequence[dict[str, Any]], remarks: Callable[[dict[str, Any]], str], indent: str = ""
 ) -> list[str]:
-    """The table as text; `remarks` follow its lines."""
+    """The table as text; `remarks` are added to its rows."""
     rows = [
         (
             f"{step['ranks']:,}",
@@ -93,7 +93,7 @@ def lines(
 
 
 def remark(found: dict[str, Any]) -> Callable[[dict[str, Any]], str]:
-    """Remarks on the lines of a strong scaling."""
+    """Remarks on the rows of a strong scaling."""
 
     def text(step: dict[str, Any]) -> str:
         said = []
@@ -119,7 +119,7 @@ def verdict(found: dict[str, Any]) -> str:
 
 
 def assumptions(costs: Costs, network: Network) -> list[str]:
-    """The assumptions behind the figures, as text."""
+    """Assumptions of the model, as text."""
     few, many = costs.particles[0], costs.particles[-1]
     return [
         f"a step: {seconds_text(costs.fixed)} without particles; {1e9 * few[1]:.3g} ns a particle "
@@ -142,7 +142,7 @@ def on_node(costs: Costs) -> str:
 
 
 def between_nodes(network: Network) -> str:
-    """The assumed cost of messages between nodes, as text."""
+    """Assumed cost of messages between nodes, as text."""
     return (
         f"between nodes: {seconds_text(network.latency)}, {network.bandwidth / 1e9:.3g} GB/s a "
         f"node, {network.ranks_per_node} ranks a node (assumed)"

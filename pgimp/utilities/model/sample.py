@@ -1,4 +1,4 @@
-"""Small scenes of a case's own kind, and simulations of them to be timed."""
+"""Small scenes similar to a case, and simulations of them for timing."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ from pgimp.solver.decomposition import RESORT
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.start.creation import Creation
 
-#: Seconds and steps of a block that is timed as one.
+#: Seconds, and least and most steps, of a timed block.
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
-#: Blocks in a row in which a scene remains about the same.
+#: Consecutive blocks during which a scene hardly changes.
 _ROW = 9
-#: Small strains, so that a material's functions take the branches that a run takes.
+#: Small strains, so that a material's functions take the same branches as in a run.
 _STRAIN = 1e-3
-#: Radians in which places and strains go around from cell to cell.
+#: Change of phase of positions and strains from cell to cell [rad].
 _WAVE = 0.6
-#: Least mean displacement of particles in a step, in cells: enough to change layers at times.
+#: Least mean displacement of particles in a step, in cells: enough for some changes of layers.
 _DRIFT = 0.005
-#: Greatest ratio of the particles of a sample to those requested.
+#: Greatest number of particles of a sample, over the requested number.
 _LARGER = 4.0
-#: Part of its particles that a sample must keep to be representative.
+#: Fraction of its particles that a sample must keep to be representative.
 _KEPT = 0.98
-#: Steps, or multiples of a case's end, that no sample reaches; and enough steps for a sample: a run
-#: of too many is refused, see `pgimp.solver.time.stability.require_end`.
+#: Steps, or multiples of a case's end, that no sample reaches. Enough steps for a sample; too many
+#: would be refused, see `pgimp.solver.time.stability.require_end`.
 _ENDLESS, _MANY = 1_000_000, 1e9
 
 
 class ScatteredCreation(Creation):
-    """Particles anywhere in their boxes, also those of neighbours' layers that end up here."""
+    """Particles at scattered positions in their boxes, also from neighbours' layers."""
 
     def create(
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
@@ -50,7 +50,7 @@ class ScatteredCreation(Creation):
         end = slab.first + slab.layers
         if slab.layers == 0:
             return super().create(slab, lattice, counts, layer)
-        # Particles of the neighbours' next layers may end up here.
+        # Particles of the neighbours' next layers may be scattered into this slab.
         wider = slab._replace(first=slab.first - 1, layers=slab.layers + 2)
         p, count = super().create(wider, lattice, counts, layer)
         scene, D = self.scene, self.scene.dimension
@@ -66,12 +66,12 @@ class ScatteredCreation(Creation):
         here = (p.layer[:count] >= slab.first) | (slab.lower is None)
         here &= (p.layer[:count] < end) | (slab.upper is None)
         rows = rows[here]
-        kept = np.append(rows, 0)  # room for one at least
+        kept = np.append(rows, 0)  # space for at least one
         return Particles._make(column[kept] for column in p), len(rows)
 
 
 class Scattered(Simulation):
-    """A simulation in the midst of its motion: particles lie anywhere in their boxes, and drift."""
+    """A simulation as if in mid-run: particles are scattered in their boxes, and drift."""
 
     creation = ScatteredCreation
 
@@ -87,26 +87,26 @@ class Scattered(Simulation):
 
 
 class Sample:
-    """A simulation that is timed block by block, in turn with others.
+    """A simulation timed block by block, in turn with others.
 
     Parameters
     ----------
     make : callable
-        Makes the simulation; again whenever it fails, as its results are of no interest.
+        Makes the simulation; again after a failure, as its results do not matter.
     comm : communicator
-        Of its ranks.
+        Communicator of its ranks.
     whole : bool
-        Whether the whole of it is timed, at least once. Otherwise it soon starts over, before its
-        scene has changed much.
+        Whether the whole simulation is timed, at least once. Otherwise it restarts before its scene
+        has changed much.
 
     Attributes
     ----------
     sim : Simulation
-        As it is.
+        Present state.
     done : bool
         Whether it has reached its end once, or need not.
     failure : str
-        Why the last steps that were to be timed were not; empty if they were.
+        Reason why the last steps were not timed; empty if they were.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class Sample:
         self.done, self.failure = not whole, ""
         self._begin()
         seconds: list[float] = []
-        for _ in range(3):  # as often on every rank
+        for _ in range(3):  # the same number on every rank
             begin = perf_counter()
             self._advance(_FEWEST)
             seconds.append(perf_counter() - begin)
@@ -131,7 +131,7 @@ class Sample:
         self.sim.advance()  # touches its memory
 
     def _advance(self, steps: int) -> int:
-        """Steps done, fewer at the end; 0 if they are discarded and it starts over.
+        """Do steps; return their number, fewer at the end, 0 if they are discarded for a restart.
 
         The same on every rank. If the whole run is timed, any steps count, and errors are raised.
         """
@@ -167,7 +167,7 @@ class Sample:
         begin = perf_counter()
         steps = self._advance(self._steps)
         if not steps:
-            self._steps = max(_FEWEST, self._steps // 2)  # it may always fail before that many
+            self._steps = max(_FEWEST, self._steps // 2)  # it may always fail before this number
             return
         spent = perf_counter() - begin
         block = {name: sim.rank.timings[name] - before[name] for name in before}
@@ -180,15 +180,15 @@ class Sample:
 
     @property
     def timed(self) -> bool:
-        """Whether there is a block to tell times from."""
+        """Whether there is a timed block."""
         return bool(self._blocks)
 
     def seconds(self, name: str = "step") -> float:
-        """Seconds of a phase in a step, of the slowest rank; collective.
+        """Seconds of a phase in a step, on the slowest rank; collective.
 
-        The median of all blocks; where the whole is timed, the mean of medians of some in a row,
-        so that either is that of an undisturbed machine. "step" is all of it but the sort, "sort"
-        the step's part of a sort.
+        The median of all blocks; if the whole is timed, the mean of medians of consecutive blocks.
+        Both exclude disturbances of the machine. "step" is everything but the sort, "sort" the
+        step's part of a sort.
         """
         every = [block[name] for block in self._blocks]
         row = _ROW if self._whole else max(1, len(every))
@@ -198,14 +198,14 @@ class Sample:
 
 
 def resized(case: Case, factor: float, longer: float = _ENDLESS) -> Case:
-    """The same case with cells `factor` times as long, as far as the domain is whole cells.
+    """The case with cells `factor` times as long, as far as the domain has whole cells.
 
-    It goes on for `longer` times as long, in steps of about the same Courant number.
+    Its end is `longer` times as late, with steps of about the same Courant number.
 
     Raises
     ------
     ValueError, CaseError
-        If that is no case.
+        If the result is no valid case.
     """
     grid, time = case.grid, case.time
     cells = [max(1, round(n / factor)) for n in grid.cells]
@@ -225,7 +225,7 @@ def resized(case: Case, factor: float, longer: float = _ENDLESS) -> Case:
 
 
 def _open(case: Case, boundaries: Collection[str]) -> dict[str, str]:
-    """``escape`` of a sample: it does not end because of a few particles at an open face."""
+    """``escape`` of a sample: a few particles at an open face do not end it."""
     if any(body.configuration == "initial" for body in case.bodies.values()):
         return {}
     faces = (f"{axis}-{end}" for axis in "xyz"[: case.dimensions] for end in ("min", "max"))
@@ -233,7 +233,7 @@ def _open(case: Case, boundaries: Collection[str]) -> dict[str, str]:
 
 
 def _standing(entry: Any, axis: int) -> Any:
-    """A face's condition that holds all in: one that the material leaves by has the same cost."""
+    """A face's condition, closed: a condition that material leaves by is replaced at equal cost."""
     if not isinstance(entry, dict) or "velocity" not in entry:
         return entry
     velocity = list(entry["velocity"])
@@ -242,7 +242,7 @@ def _standing(entry: Any, axis: int) -> Any:
 
 
 def plain(case: Case, count: int, longer: float = _ENDLESS) -> Case:
-    """A block of about `count` particles of the first body's material, without anything else."""
+    """A block of about `count` particles of the first body's material, without other features."""
     D = case.dimensions
     each = prod(case.method.particles_per_cell)
     cells = max(2, round((count / each) ** (1.0 / D)))
@@ -278,9 +278,9 @@ def plain(case: Case, count: int, longer: float = _ENDLESS) -> Case:
 def samples_of(
     case: Case, count: int, comm: Communicator, sizes: Sequence[int], steps: float = 1.0
 ) -> list[Sample]:
-    """Samples of a case with `count` particles, resized to about as many as `sizes` say.
+    """Samples of a case with `count` particles, resized to about `sizes` particles.
 
-    `steps` is the number of its steps, about, where they are many.
+    `steps` is the approximate number of its steps, if large.
     """
     longer = min(max(1.0, _MANY / steps), _ENDLESS)
 
@@ -291,12 +291,12 @@ def samples_of(
         return sample
 
     samples = []
-    # Particles of a file do not become fewer with coarser cells; a mesh would be read every time.
+    # Particles from a file do not become fewer with coarser cells; a mesh would be reread.
     regions = [part for body in case.bodies.values() for part in body.region.simple()]
     powers = () if any(part.FROM_FILE for part in regions) else (1.0, 0.9, 0.8, 0.7)
     for number, size in enumerate(sizes, 1):
         factor = (count / size) ** (1.0 / case.dimensions)
-        # Coarse cells may be too large for a part of the case.
+        # Coarse cells may be too large for some part of the case.
         for power in powers:
             if count / factor ** (power * case.dimensions) > _LARGER * size:
                 break

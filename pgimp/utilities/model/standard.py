@@ -1,4 +1,4 @@
-"""The model of the standard block, on as many ranks as there are, up to thousands of them."""
+"""The model of the standard block, measured on the present ranks, predicted for thousands."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from pgimp.utilities.model.report import (
 from pgimp.utilities.model.sample import Sample
 from pgimp.utilities.model.verify import compare
 
-#: Cells of the samples, along an edge: the last one has more than caches hold.
+#: Cells of the samples along an edge; the last sample exceeds the caches.
 _SAMPLES = (3, 9, 28)
 _STEPS = 10**6
-#: Particles that the model is asked for at most.
+#: Most particles for the model.
 MOST_PARTICLES = 10**10
 
 
@@ -41,11 +41,11 @@ def model_block(
     Parameters
     ----------
     cells, repeats : int
-        Cells along an edge, and turns in which everything is timed.
+        Cells along an edge, and repetitions of the timing.
     lattice : bool
         Whether particles are on a lattice, not at random positions.
     particles : int
-        Particles of the block whose strong scaling is predicted, about; 0: as many as those.
+        Approximate particles of the block for strong scaling; 0: as many as measured.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Measurement and prediction of the same steps, side by side."""
+"""Comparison of measured and predicted times of the same steps."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pgimp.utilities.model.sample import Sample
 
 
 class Comparison(NamedTuple):
-    """A step measured and predicted, in seconds."""
+    """Measured and predicted time of a step, in seconds."""
 
     name: str
     particles: int
@@ -26,7 +26,7 @@ class Comparison(NamedTuple):
 
     @property
     def deviation(self) -> float:
-        """Of the prediction from the measurement, over the latter."""
+        """Relative deviation of the prediction from the measurement."""
         return self.predicted / self.measured - 1.0
 
 
@@ -41,21 +41,21 @@ def compare(
     fewest: int,
     whole: bool = False,
 ) -> tuple[Costs, list[Comparison]]:
-    """Measure costs from samples, and compare what follows for targets with what they take.
+    """Measure costs from samples, and compare predicted with measured times of targets.
 
-    All take turns. Targets run on one rank and on all; collective.
+    All are timed in turn. Targets run on one rank and on all; collective.
 
     Parameters
     ----------
     samples : callable
         Makes the samples of one rank, ascending by size; they run while the others wait.
     small, large, targets : callable
-        Make a simulation on a communicator: a small one, of which messages take most of the time,
-        a large one, of which work takes most, and those to compare.
+        Make a simulation on a communicator. In the small one messages dominate, in the large one
+        work; the targets are compared.
     seconds, fewest : float, int
         See `run_in_turn`.
     whole : bool
-        Whether the whole of the targets is timed, see `Sample`.
+        Whether whole targets are timed, see `Sample`.
     """
     mine = list(samples()) if comm.rank == 0 else []
     number = comm.bcast(len(mine))
