@@ -233,7 +233,7 @@ def _open(case: Case, boundaries: Collection[str]) -> dict[str, str]:
 
 
 def _standing(entry: Any, axis: int) -> Any:
-    """A face's condition, closed: a condition that material leaves by is replaced at equal cost."""
+    """A face's condition without normal velocity, which keeps the material in at equal cost."""
     if not isinstance(entry, dict) or "velocity" not in entry:
         return entry
     velocity = list(entry["velocity"])

@@ -1,4 +1,4 @@
-"""A field along an axis: the mean over the particles across, or each particle near a line."""
+"""A field along an axis: the mean over cross-sections, or each particle near a line."""
 
 from __future__ import annotations
 
@@ -37,11 +37,10 @@ def along(
     snapshots : sequence of PlotFrame
         The frames.
     quantities : sequence of Quantity
-        What is drawn of each.
+        Quantity of each frame.
     selection : Selection
-        Which particles; with a place those that reach the line there, each a point. Otherwise, in
-        2D and 3D, the mean by volume over the particles across, in strips as wide as particles
-        are at first.
+        Particles to draw; with a place the particles that reach that line, each a point. Otherwise,
+        in 2D and 3D, volume means over cross-sections, in strips of the particles' initial width.
     axis : int
         The axis.
     logarithmic : bool
@@ -52,9 +51,9 @@ def along(
     figure : matplotlib.figure.Figure
         The figure.
     table : Table
-        What it shows.
+        Data of the figure.
     remarks : list of str
-        What it does not.
+        Remarks on omitted data.
 
     Raises
     ------
@@ -112,7 +111,7 @@ def along(
 def _means(
     snapshot: PlotFrame, quantity: Quantity, selection: Selection, axis: int
 ) -> tuple[Any, ...]:
-    """Return places, means and numbers of particles of the strips that have any."""
+    """Return positions, means and numbers of particles of the strips with particles."""
     case = snapshot.shown.case
     grid, each = case["grid"], case["method"]["particles_per_cell"]
     origin, length = float(grid["origin"][axis]), float(grid["size"][axis])
@@ -136,7 +135,7 @@ def _means(
 def _points(
     snapshot: PlotFrame, quantity: Quantity, selection: Selection, axis: int
 ) -> tuple[Any, ...]:
-    """Return numbers, places and values of particles in order along the axis, and how many."""
+    """Return ids, positions and values of particles in order along the axis, and their number."""
     blocks = list(selection.blocks(snapshot.frame, quantity))
     ids = np.concatenate([block.id for block in blocks])
     place = np.concatenate([block.position[:, axis] for block in blocks])

@@ -18,7 +18,7 @@ _EYES = {
     **{f"{axis}-min": -unit for axis, unit in zip(AXES, np.eye(3), strict=True)},
     **{f"{axis}-max": unit for axis, unit in zip(AXES, np.eye(3), strict=True)},
 }
-# Of faces across x, y and z: enough to show the shape, too little to look like another value.
+# Lightness of faces across x, y and z: shows the shape without looking like another value.
 _LIGHT = np.array([0.77, 0.89, 1.0])
 
 
@@ -59,7 +59,7 @@ class Camera(NamedTuple):
         Returns
         -------
         corners : ndarray, shape (k, 4, 2)
-            In the picture.
+            Corners in the picture.
         light : ndarray, shape (k,)
             1 for the lightest.
         """
@@ -72,16 +72,16 @@ class Camera(NamedTuple):
 
 
 def camera(text: str | None, dimension: int, normal: int | None) -> Camera:
-    """Return the camera that a name or a direction stands for.
+    """Return the camera of a name or a direction.
 
     Parameters
     ----------
     text : str or None
         A face of the domain, ``corner``, or the direction towards the eye, ``X,Y,Z``.
     dimension : int
-        Of the case; anything but 3 is seen from z-max.
+        Dimensions of the case; other than 3 it is viewed from z-max.
     normal : int or None
-        The axis across a slice, from which it is seen by default.
+        The axis across a slice, the default viewing direction.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Curves of histories and probes: a panel a kind of quantity, or, of several, a quantity."""
+"""Curves of histories and probes: a panel per kind of quantity; for several, per quantity."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _PATTERN = re.compile(r"[*?\[]")
 _MOST_COLUMNS = 24
 _WIDTHS = (5.4, 8.4, 9.9)
 _TICKS = {1: 8, 2: 7, 3: 5}
-# Inches: of a panel beside its axes; of a legend's entry without its words, and of a letter.
+# Inches: width of a panel beside its axes; of a legend's entry without text, and of a letter.
 _BESIDE, _HANDLE, _LETTER = 0.9, 0.5, 0.068
-_FEW = 3  # points that a line alone would not show
+_FEW = 3  # few points, which a line without markers would hide
 
 
 def curves(
@@ -46,10 +46,10 @@ def curves(
     runs : sequence of PlotRun
         The runs, overlaid.
     probes : sequence of str
-        The probes; the history alone if empty.
+        The probes; if empty, the history.
     columns : sequence of str
-        Columns of history.csv and of the probes, or patterns of their names; if empty those that
-        are needed most often.
+        Columns of history.csv and of the probes, or patterns of their names; if empty the most
+        common ones.
     across : str
         The column along the horizontal axis.
     logarithmic : bool
@@ -60,9 +60,9 @@ def curves(
     figure : matplotlib.figure.Figure
         The figure.
     table : Table
-        What it shows.
+        Data of the figure.
     remarks : list of str
-        What it does not.
+        Remarks on omitted data.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def _known(series: Sequence[Series]) -> list[str]:
 
 
 def _named(series: Sequence[Series], columns: Sequence[str]) -> list[str]:
-    """Return the columns that names and patterns stand for, in the order of the command line."""
+    """Return the columns of names and patterns, in the order of the command line."""
     known = _known(series)
     found: list[str] = []
     for column in columns:
@@ -114,8 +114,8 @@ def _named(series: Sequence[Series], columns: Sequence[str]) -> list[str]:
 def _default(series: Sequence[Series]) -> list[str]:
     """Return the energies, and the works, forces and errors that are not always zero.
 
-    Of each face and constraint this is the component of the force that is greatest in any run; of
-    a probe its displacement, velocity, pressure and von Mises stress.
+    For each face and constraint, the component of the force that is greatest in any run. For a
+    probe, its displacement, velocity, pressure and von Mises stress.
     """
     known = list(dict.fromkeys(name for one in series for name in one.own))
     if series[0].probe:
@@ -212,14 +212,14 @@ def _draw(
         )
     figure.draw_without_rendering()
     for axis in axes[: len(groups)]:
-        # A power of ten above the axis needs the place under the legend.
+        # A power of ten above the axis needs the space under the legend.
         if axis.get_legend() and axis.yaxis.get_offset_text().get_text():
             axis.get_legend().set_bbox_to_anchor((0.0, 1.06), axis.transAxes)
     return figure
 
 
 def _common(members: Sequence[str], kind: str) -> str:
-    """Return the words that several columns share: ``velocity``, ``energy``, ``reaction``."""
+    """Return the common words of several columns: ``velocity``, ``energy``, ``reaction``."""
     whole = {re.sub("-[xyz]{1,2}$", "", name) for name in members}
     first = {name.split(".")[0] for name in members}
     if len(whole) == 1:

@@ -1,4 +1,4 @@
-"""Pictures of frames: each particle in its place and size, coloured by a field."""
+"""Pictures of frames: particles with position and size, coloured by a field."""
 
 from __future__ import annotations
 
@@ -40,30 +40,30 @@ def picture(
     camera: Camera,
     limits: tuple[float, float] | None,
 ) -> tuple[Any, Table, list[str]]:
-    """Draw frames side by side, in one scale of colours.
+    """Draw frames side by side, with a common colour scale.
 
     Parameters
     ----------
     snapshots : sequence of PlotFrame
         The frames.
     quantities : sequence of Quantity
-        What is drawn of each.
+        Quantity of each frame.
     selection : Selection
-        Which particles.
+        Particles to draw.
     camera : Camera
-        From where.
+        The projection.
     limits : tuple of float, or None
-        Values of the first and the last colour; by default those of the particles drawn, without
-        the half per cent at an end that would stretch the scale by more than a quarter.
+        Values of the first and the last colour. By default the range of the drawn particles,
+        without half a per cent at an end that would widen it by more than a quarter.
 
     Returns
     -------
     figure : matplotlib.figure.Figure
         The figure.
     table : Table
-        What it shows.
+        Data of the figure.
     remarks : list of str
-        What it does not.
+        Remarks on omitted data.
 
     Raises
     ------
@@ -99,14 +99,14 @@ def picture(
 
 
 def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, float, str]:
-    """Return the ends of the scale of colours, and which of them values lie beyond.
+    """Return the ends of the colour scale, and the ends that values exceed.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
-        All that is drawn.
+        All drawn values.
     limits : tuple of float, or None
-        The ends, if they are prescribed.
+        The ends, if prescribed.
 
     Returns
     -------
@@ -193,10 +193,10 @@ def _draw(
 
 
 def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, Any]:
-    """Return a figure with `count` axes, of a shape that suits pictures of this size.
+    """Return a figure with `count` axes, in a shape for pictures of this size.
 
-    The scale of colours is below them if they are `wide`, else at their right; those that are not
-    `labelled` have no ticks.
+    The colour scale is below them if they are `wide`, else to their right; only `labelled` axes
+    have ticks.
     """
     from matplotlib.figure import Figure
 
@@ -215,11 +215,11 @@ def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, A
 
 
 def _label(axis: Any, snapshot: PlotFrame, camera: Camera, columns: int, *, lowest: bool) -> None:
-    """Name the axes at the left and below; `lowest` says that no picture is below this one."""
+    """Name the axes at the left and below; `lowest`: no picture is below this one."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
     if not camera.along_axes:
-        axis.set(xticks=[], yticks=[])  # without axes at all there would be no room for the title
+        axis.set(xticks=[], yticks=[])  # without axes there would be no space for the title
         axis.spines[:].set_visible(False)
         return
     first = axis.get_subplotspec().is_first_col()

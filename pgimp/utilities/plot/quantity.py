@@ -25,9 +25,9 @@ class Quantity(NamedTuple):
     Attributes
     ----------
     text : str
-        As the command line names it: ``von-mises``, ``stress.xx``, ``velocity``.
+        Name on the command line: ``von-mises``, ``stress.xx``, ``velocity``.
     field : str
-        The field it is made of.
+        The underlying field.
     column : int or None
         The component; None for a scalar, or for a vector's magnitude.
     """
@@ -38,17 +38,17 @@ class Quantity(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Its label on an axis, without its unit."""
+        """Label on an axis, without its unit."""
         name, _, component = self.text.partition(".")
         return f"{_NAMES.get(name, name.replace('-', ' '))} {component}".rstrip()
 
     @property
     def kind(self) -> str:
-        """Its kind, which has a unit."""
+        """Kind of quantity, which has a unit."""
         return kind_of_field(self.text.partition(".")[0])
 
     def rows(self, frame: Frame, first: int, last: int) -> Array:
-        """Return the values of a stretch of particles, ndarray of float64, shape (last - first,).
+        """Return the values of a range of particles, ndarray of float64, shape (last - first,).
 
         Raises
         ------
@@ -66,7 +66,7 @@ class Quantity(NamedTuple):
 
 
 def quantity(text: str | None, frame: Frame, dimension: int) -> Quantity:
-    """Find the quantity of a frame that a name stands for.
+    """Find a frame's quantity by its name.
 
     Parameters
     ----------
@@ -76,12 +76,12 @@ def quantity(text: str | None, frame: Frame, dimension: int) -> Quantity:
     frame : Frame
         The frame.
     dimension : int
-        Of the case.
+        Dimensions of the case.
 
     Returns
     -------
     Quantity
-        What it is.
+        The quantity.
 
     Raises
     ------

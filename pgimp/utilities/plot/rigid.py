@@ -1,4 +1,4 @@
-"""The outlines of rigid bodies in pictures of frames."""
+"""Outlines of rigid bodies in pictures of frames."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from pgimp.utilities.plot.camera import Camera
 
 Array = np.ndarray
 
-#: How far a picture is widened for rigid bodies, as part of its size.
+#: Greatest widening of a picture for rigid bodies, over its size.
 _ROOM = 0.12
 
 
 def lines(frame: Frame, camera: Camera) -> Array:
-    """Return the edges of the surfaces in a picture, (n, 2, 2); none where there are none."""
+    """Return the edges of the surfaces in a picture, (n, 2, 2); possibly none."""
     path = frame.path.with_name(frame.path.name.replace("particles-", "rigid-"))
     if not path.is_file():
         return np.zeros((0, 2, 2))
@@ -30,7 +30,7 @@ def lines(frame: Frame, camera: Camera) -> Array:
 
 
 def widened(inside: Array, edges: list[Array]) -> Array:
-    """Return the corners of a picture, (2, 2), widened where rigid bodies reach beyond."""
+    """Return the corners of a picture, (2, 2), widened for rigid bodies beyond them."""
     points = np.concatenate([some.reshape(-1, 2) for some in edges])
     if not len(points):
         return inside

@@ -1,4 +1,4 @@
-"""The runs and frames that a figure shows."""
+"""Runs and frames of a figure."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _LATE = 1.0e-6
 
 
 class PlotRun:
-    """A run that is drawn.
+    """A run in a figure.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class PlotRun:
     Raises
     ------
     UsageError
-        If the directory holds no run.
+        If the directory has no run.
     """
 
     def __init__(self, path: Path, name: str) -> None:
@@ -45,7 +45,7 @@ class PlotRun:
 
     @cached_property
     def case(self) -> dict[str, Any]:
-        """The case as resolved, as plain data, so that external materials need not be known."""
+        """The case as resolved, as plain data, so that external materials are not needed."""
         path = self.path / "case.yaml"
         try:
             content = read_plain(path, LARGEST_FILE)
@@ -58,12 +58,12 @@ class PlotRun:
 
     @property
     def dimension(self) -> int:
-        """1, 2 or 3."""
+        """Dimensions of the case: 1, 2 or 3."""
         return self.case["dimensions"]
 
     @property
     def units(self) -> str:
-        """The case's label of its units."""
+        """Label of the case's units."""
         return str(self.case.get("units", ""))
 
     def label(self, text: str, kind: str) -> str:
@@ -71,7 +71,7 @@ class PlotRun:
         return labelled(text, unit(kind, self.units, self.dimension))
 
     def instant(self, time: float) -> str:
-        """Return a time as a title says it: ``t = 0.32 s``."""
+        """Return a time as in a title: ``t = 0.32 s``."""
         second = unit("time", self.units, self.dimension)
         return f"t = {time:.4g} {second}".rstrip()
 
@@ -101,7 +101,7 @@ def _short(path: Path) -> str:
 
 
 class PlotFrame:
-    """A frame of a run that is drawn.
+    """A frame in a figure.
 
     Attributes
     ----------
@@ -117,14 +117,14 @@ class PlotFrame:
 
     @property
     def title(self) -> str:
-        """Its time."""
+        """Title: the time."""
         return self.shown.instant(self.frame.time)
 
 
 def _ended(shown: PlotRun) -> str:
-    """How far a run came that is not done, for messages."""
+    """Describe the progress of an unfinished run, for messages."""
     state = shown.run.state
-    if state == "running":  # how far is written at the end
+    if state == "running":  # progress is written at the end
         return "; the run goes on, or was killed"
     return "" if state == "done" else f"; the run {state} at t = {shown.run.info['time']:g}"
 
@@ -139,9 +139,9 @@ def snapshots(
     runs : sequence of PlotRun
         The runs.
     frames : sequence of int
-        Places among the frames of each run; -1 is the last.
+        Numbers among the frames of each run; -1 is the last.
     times : sequence of float
-        Simulated times: of each run the frame that is nearest. Used if `frames` is empty.
+        Simulated times: the nearest frame of each run. Used if `frames` is empty.
 
     Returns
     -------

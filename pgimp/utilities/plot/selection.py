@@ -20,20 +20,20 @@ _TOUCHING = 1.0 + 1.0e-6
 
 
 class Block(NamedTuple):
-    """Some particles of a frame, in ascending id.
+    """A block of a frame's particles, in ascending id.
 
     Attributes
     ----------
     id : ndarray of int64, shape (n,)
-        Their numbers.
+        Ids.
     position : ndarray of float64, shape (n, 3)
-        Their centres.
+        Centres.
     radius : ndarray of float64, shape (n,)
         Half the side of their boxes.
     value : ndarray of float64, shape (n,)
-        What is drawn of them.
+        Values of the drawn quantity.
     volume : ndarray of float64, shape (n,)
-        Their volumes.
+        Volumes.
     """
 
     id: Array
@@ -43,12 +43,12 @@ class Block(NamedTuple):
     volume: Array
 
     def take(self, rows: Array) -> Block:
-        """Return some of them."""
+        """Return the block with only the given rows."""
         return Block(*(column[rows] for column in self))
 
 
 class Selection(NamedTuple):
-    """A choice of particles.
+    """A selection of particles.
 
     Attributes
     ----------
@@ -62,14 +62,14 @@ class Selection(NamedTuple):
     place: Mapping[int, float] = {}
 
     def blocks(self, frame: Frame, quantity: Quantity | None) -> Iterator[Block]:
-        """Go through the particles chosen.
+        """Iterate over the selected particles.
 
         Parameters
         ----------
         frame : Frame
             The frame.
         quantity : Quantity or None
-            What is drawn; with None the values, numbers and volumes are left out.
+            The drawn quantity; with None values, ids and volumes are left out.
 
         Raises
         ------
@@ -104,7 +104,7 @@ class Selection(NamedTuple):
 
 
 def empty(frame: Frame, place: Mapping[int, float]) -> UsageError:
-    """Return the error that nothing is to be seen, with what there is."""
+    """Return the error of an empty selection, with the available range."""
     if not len(frame):
         return UsageError(f"{frame.path} has no particles: all have left the domain")
     if not place:
@@ -122,12 +122,12 @@ def empty(frame: Frame, place: Mapping[int, float]) -> UsageError:
 
 
 def parse_place(text: str | None, option: str, axes: Sequence[int]) -> dict[int, float]:
-    """Return the coordinates that ``y=0.5,z=0.1`` names, by axis.
+    """Return the coordinates in ``y=0.5,z=0.1``, by axis.
 
     Raises
     ------
     UsageError
-        If that is not what it says, or an axis is not one of `axes`.
+        If the text has another form, or an axis is not one of `axes`.
     """
     place: dict[int, float] = {}
     for part in (text or "").split(",") if text is not None else ():

@@ -1,4 +1,4 @@
-"""The lines over time that a figure shows: of a run's history, or of a probe."""
+"""Time series of a figure: a run's history, or a probe."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ Array = np.ndarray
 
 
 class Series:
-    """The history of a run, or the lines of one of its probes with those of the history.
+    """The history of a run, or the lines of a probe together with the history.
 
     Parameters
     ----------
     shown : PlotRun
         The run.
     probe : str
-        The probe; empty for the history alone.
+        The probe; empty for only the history.
     label : str
-        Its name in legends.
+        Name in legends.
 
     Raises
     ------
@@ -49,18 +49,18 @@ class Series:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """All columns, those of the history after those of the probe."""
+        """All columns, first the probe's, then the history's."""
         return tuple(dict.fromkeys(name for file in self._files for name in _columns(file)))
 
     def take(self, names: Sequence[str]) -> tuple[dict[str, Array], int]:
-        """Return columns, each of shape (lines,), and how many lines were left out.
+        """Return columns, each of shape (lines,), and the number of omitted lines.
 
-        Columns of probe and history together have the lines of the steps that both have.
+        Columns of probe and history together have only the lines of common steps.
 
         Raises
         ------
         UsageError
-            If there are none.
+            If there are no lines.
         """
         source = {
             name: next((file for file in self._files if name in _columns(file)), None)
@@ -86,7 +86,7 @@ class Series:
 
 
 def open_series(runs: Sequence[PlotRun], probes: Sequence[str]) -> list[Series]:
-    """Return what the curves are of: the probes of all runs, or their histories."""
+    """Return the series of the curves: the probes of all runs, or their histories."""
     found = []
     for shown in runs:
         for probe in dict.fromkeys(probes) or ("",):

@@ -1,4 +1,4 @@
-"""The look of every figure: one style, and colours that the colour-blind tell apart."""
+"""Style of all figures, with colours for the colour-blind."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ STYLE: dict[str, Any] = {
 
 
 def plain(text: str) -> str:
-    """Return a name so that matplotlib shows its dollar signs instead of reading mathematics."""
+    """Return a name with escaped dollar signs, which matplotlib would read as mathematics."""
     return text.replace("$", r"\$")
 
 
@@ -60,8 +60,8 @@ def log_ticks(ticks: Any) -> None:
     Parameters
     ----------
     ticks : matplotlib.axis.Axis
-        The axis, with its limits as they are to be. Over many decades powers of ten are labelled,
-        over few 1, 2 and 5 of each, over less than a decade round numbers.
+        The axis, with its final limits. Labels are powers of ten over many decades, 1, 2 and 5 of
+        each over few, round numbers over less than a decade.
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
@@ -77,7 +77,7 @@ def log_ticks(ticks: Any) -> None:
 
 
 def _number(value: float) -> str:
-    """Return a number as plain as it can be: 20, 0.005, or with a power of ten."""
+    """Return a number in the simplest form: 20, 0.005, or with a power of ten."""
     if 1.0e-3 <= value < 1.0e4:
         return f"{value:g}"
     mantissa, _, exponent = f"{value:e}".partition("e")

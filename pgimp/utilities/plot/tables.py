@@ -1,4 +1,4 @@
-"""CSV of the data of a figure."""
+"""CSV of a figure's data."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Table:
     Parameters
     ----------
     columns : sequence of str
-        Their names, the first of them `run`.
+        Names of the columns, the first is `run`.
     """
 
     def __init__(self, columns: Sequence[str]) -> None:
@@ -33,14 +33,14 @@ class Table:
         Parameters
         ----------
         same : sequence
-            The values of the first columns, the same in all of the rows.
+            Values of the first columns, the same in all rows.
         columns : sequence of ndarray, each of shape (n,)
-            The others.
+            The other columns.
         """
         self._parts.append((list(same), list(columns)))
 
     def text(self) -> str:
-        """Return the whole as CSV."""
+        """Return the table as CSV."""
         stream = io.StringIO()
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(self.columns)
@@ -52,7 +52,7 @@ class Table:
 
     @staticmethod
     def is_one(beginning: bytes) -> bool:
-        """Return whether a file that begins like this is such a table."""
+        """Return whether a file with this beginning is such a table."""
         return bool(_OWN.match(beginning))
 
 

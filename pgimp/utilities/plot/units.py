@@ -1,4 +1,4 @@
-"""Units of quantities, from the label that a case gives of its units."""
+"""Units of quantities, from the case's label of its units."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pgimp.physics import columns, fields
 from pgimp.solver.history.columns import HISTORY
 
 _BASE = ("length", "mass", "time")
-# Those of consistent sets of length, mass and time that have a name of their own.
+# Derived units with a name of their own, in consistent sets of length, mass and time.
 _NAMES = {
     ("m", "kg", "s"): {"stress": "Pa", "energy": "J", "force": "N"},
     ("mm", "t", "s"): {"stress": "MPa", "energy": "mJ", "force": "N"},
@@ -32,7 +32,7 @@ def unit(kind: str, units: str, dimension: int) -> str:
     Parameters
     ----------
     kind : str
-        In the words of the reference: ``stress``, ``length/time``, ``mass length^2/time``.
+        As in the reference: ``stress``, ``length/time``, ``mass length^2/time``.
     units : str
         The case's label: units of length, mass and time.
     dimension : int
@@ -50,7 +50,7 @@ def unit(kind: str, units: str, dimension: int) -> str:
         return ""
     length, mass, time = base
     if kind == "mass/length^dimensions":
-        kind = "mass/length^3"  # per section and per thickness come in above and below
+        kind = "mass/length^3"  # per section and per thickness are handled above and below
         dimension = 3
     words = dict(zip(_BASE, base, strict=True)) | _NAMES.get(
         (length, mass, time),

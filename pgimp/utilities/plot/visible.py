@@ -1,4 +1,4 @@
-"""Particles as boxes, drawn from the back to the front; of many only those nearest to the eye."""
+"""Particles as boxes, drawn from back to front; of many only the nearest to the eye."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ FEW = 20_000
 SPOTS = 1000
 """Spots along the longer side of a picture with more particles; each shows one."""
 
-_SEAM = 0.5  # points; without, hairlines show between neighbours
+_SEAM = 0.5  # points; avoids visible hairlines between neighbours
 
 
 def extent(frame: Frame, selection: Selection, camera: Camera) -> Array:
-    """Return the corners of the particles' extent in a picture, (2, 2); low above high if none."""
+    """Return the corners of the particles' extent in a picture, (2, 2); low above high if empty."""
     reach = np.abs(camera.faces()[0]).max(axis=(0, 1))
     found = np.array([[np.inf] * 2, [-np.inf] * 2])
     for block in selection.blocks(frame, None):
@@ -37,29 +37,29 @@ def extent(frame: Frame, selection: Selection, camera: Camera) -> Array:
 def visible(
     frame: Frame, selection: Selection, quantity: Quantity, camera: Camera, inside: Array
 ) -> tuple[Block, int]:
-    """Choose the particles to draw, in memory that does not grow with their number.
+    """Select the visible particles, in memory independent of their number.
 
     Parameters
     ----------
     frame : Frame
         The frame.
     selection : Selection
-        Which to choose from, at least one.
+        Particles to select from, at least one.
     quantity : Quantity
-        What is drawn of them.
+        The drawn quantity.
     camera : Camera
         The projection.
     inside : ndarray, shape (2, 2)
-        Low and high corner of what they fill, or more.
+        Low and high corner of their extent, or more.
 
     Returns
     -------
     particles : Block
-        All, if there are few; otherwise for each spot the one whose centre is nearest to the eye,
-        of equally near ones that with the greatest id. A spot is the least that their boxes cover
-        then, so that no gaps show.
+        All, if there are few. Otherwise for each spot the particle with its centre nearest to the
+        eye, among equals the greatest id. A spot is the least area that the boxes cover, so that no
+        gaps show.
     total : int
-        How many there were to choose from.
+        Number of particles before the selection.
     """
     spot = (inside[1] - inside[0]).max() / SPOTS
     kept: Block | None = None
@@ -90,7 +90,7 @@ def draw(axis: Any, camera: Camera, position: Array, radius: Array, colours: Arr
     camera : Camera
         The projection.
     position : ndarray, shape (n, 3)
-        Their centres.
+        Centres of the boxes.
     radius : ndarray, shape (n,)
         Half the side of the boxes.
     colours : ndarray, shape (n, 4)
@@ -104,7 +104,7 @@ def draw(axis: Any, camera: Camera, position: Array, radius: Array, colours: Arr
     corners, light = camera.faces()
     shaded = np.repeat(colours[order], len(light), axis=0)
     shaded[:, :3] *= np.tile(light, len(order))[:, None]
-    # Ellipses have sizes in units of the data. Of k paths the item i has that of number i modulo k.
+    # Ellipses have sizes in data units. Of k paths, item i has path i modulo k.
     size = np.repeat(2.0 * radius[order], len(light))
     shown = EllipseCollection(
         size,

@@ -1,4 +1,4 @@
-"""JSON schema of the case file, with the types that are registered now."""
+"""JSON schema of the case file, with the registered types."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from pgimp.schema.registries import COMMENT, ByKey
 
 Schema = dict[str, Any]
 
-#: Schema of a number of a material that varies in space.
+#: Schema of a material's number that varies in space.
 VARIES: Schema = {"$ref": f"#/$defs/{VARIATION.what}"}
 
 
 def json_schema() -> Schema:
-    """Return the JSON schema (draft 2020-12) that editors check a case file with.
+    """Return the JSON schema (draft 2020-12) of a case file, for editors.
 
-    It says what each part may be. What must hold between the parts (one entry a direction, whole
-    cells, known materials) is for `pgimp.case.checks.parts`.
+    It covers each part. Conditions between the parts (one entry a direction, whole cells, known
+    materials) are in `pgimp.case.checks.parts`.
     """
     definitions: Schema = {}
     schema = _collect(Case.model_json_schema(), definitions)
@@ -53,7 +53,7 @@ def _let_vary(form: Schema, definitions: Schema) -> None:
 
 
 def study_schema() -> Schema:
-    """Return the JSON schema (draft 2020-12) that editors check a study file with."""
+    """Return the JSON schema (draft 2020-12) of a study file, for editors."""
     from pgimp.utilities.study.schema import Study
 
     definitions: Schema = {}
@@ -84,7 +84,7 @@ def _collect(schema: Schema, definitions: Schema) -> Schema:
 
 
 def _tidy(schema: Any) -> Any:
-    """Drop titles that only repeat names; refer to definitions where dispatch left a comment."""
+    """Drop titles that only repeat names; replace comments of dispatch by references."""
     if isinstance(schema, list):
         return [_tidy(item) for item in schema]
     if not isinstance(schema, dict):

@@ -47,7 +47,7 @@ depth, surface: 12.0}`. See [docs/variation.md](../docs/variation.md).
 
 
 class _Section(NamedTuple):
-    """The keys of one type that a registry offers."""
+    """Keys of a registered type."""
 
     heading: str
     path: str
@@ -140,8 +140,8 @@ def _rows(
 ) -> Rows:
     """Yield a table row for every key below `path`.
 
-    Types that a registry offers go to `sections`. The mapping at `path` may be one of several
-    `forms`; a key is required if all of them do.
+    Registered types are added to `sections`. The mapping at `path` may be one of several `forms`; a
+    key is required if all of them require it.
     """
     for name, value in _properties(schema).items():
         key = f"{path}.{name}" if path else name
@@ -164,7 +164,7 @@ def _rows(
 
 
 def _below(path: str, value: Schema, definitions: Schema, sections: list[_Section]) -> Rows:
-    """Yield the rows below `path` for every form that its value may have."""
+    """Yield the rows below `path` for every form of its value."""
     forms = _forms(value, definitions)
     known: set[str] = set()
     for form in forms:
@@ -173,10 +173,10 @@ def _below(path: str, value: Schema, definitions: Schema, sections: list[_Sectio
             yield from _rows(f"{path}.ENTRY", item, definitions, sections)
         elif word is None:
             for row in _rows(path, form, definitions, sections, forms):
-                if row[0] not in known:  # also in an earlier form
+                if row[0] not in known:  # not in an earlier form
                     yield row
             known |= {row[0] for row in _rows(path, form, definitions, [], forms)}
-        elif "description" in form:  # else a word that is no type
+        elif "description" in form:  # else a plain word, no type
             entry = f"{{{_key_of(form)}: {word}, ...}}" if "properties" in form else word
             section = _Section(f"`{path}: {entry}`", path, form)
             if section not in sections:
@@ -184,7 +184,7 @@ def _below(path: str, value: Schema, definitions: Schema, sections: list[_Sectio
 
 
 def _properties(schema: Schema) -> Schema:
-    """Return the properties, the one that names the type first."""
+    """Return the properties, first the type's name."""
     found = schema.get("properties", {})
     return dict(sorted(found.items(), key=lambda item: "const" not in item[1]))
 
@@ -195,13 +195,13 @@ def _key_of(form: Schema) -> str | None:
 
 
 def _word(form: Schema) -> str | None:
-    """Return the name of a type that a registry offers, None for any other form."""
+    """Return the name of a registered type, None for any other form."""
     key = _key_of(form)
     return form.get("const") if key is None else form["properties"][key]["const"]
 
 
 def _forms(schema: Schema, definitions: Schema) -> list[Schema]:
-    """Return the forms that a value may have, those of nested choices too."""
+    """Return the forms of a value, with nested choices."""
     whole = _resolve(schema, definitions)
     choices = whole.get("oneOf", whole.get("anyOf"))
     if choices is None:
@@ -209,7 +209,7 @@ def _forms(schema: Schema, definitions: Schema) -> list[Schema]:
     return [
         form
         for choice in choices
-        if choice != VARIES  # the same everywhere, and stated once
+        if choice != VARIES  # the same everywhere, so stated once
         for form in _forms(choice, definitions)
     ]
 
@@ -221,7 +221,7 @@ def _resolve(schema: Schema, definitions: Schema) -> Schema:
 
 
 def _allowed(schema: Schema, definitions: Schema) -> str:
-    """Return what a value may be."""
+    """Describe the allowed values."""
     forms = _forms(schema, definitions)
     return " or ".join(dict.fromkeys(_form(form, definitions) for form in forms))
 

@@ -1,4 +1,4 @@
-"""The study that finds the error of a case: three cell sizes, a short time, no exact solution."""
+"""The study of a case's error: three cell sizes, a short time, no exact solution."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pgimp.case.load import load
 from pgimp.case.schema import Case
 from pgimp.errors import UsageError
 
-#: Cells of the runs over those of the case. Finer ones would cost 2^(D + 1) times as much.
+#: Cells of the runs over the case's cells. Finer cells would cost 2^(D + 1) times as much.
 FACTORS = (4.0, 2.0, 1.0)
-#: Part of the case's time that is run.
+#: Simulated fraction of the case's time.
 SHORT = 0.1
 
 _TEXT = """\
@@ -43,7 +43,7 @@ def study_of(name: str | Path, path: Path) -> str:
     name : str or Path
         The case file.
     path : Path
-        Where the study is to be.
+        Path of the study.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def study_of(name: str | Path, path: Path) -> str:
 
 
 def _cells(case: Case) -> list[list[float]]:
-    """Cells of the runs: whole numbers of them fill the domain."""
+    """Cells of the runs, each a whole fraction of the domain."""
     grid = case.grid
     return [
         [

@@ -1,9 +1,9 @@
 """Errors without an exact solution: differences from a curve's limit as cells shrink.
 
-Richardson's extrapolation: where a quantity q has an error c x^p, those of three sizes of x give p
-and its limit, (q1 - q2)/(q2 - q3) = (x1^p - x2^p)/(x2^p - x3^p). Two sizes, or three whose
-differences do not shrink like a power, do not tell p: it is taken to be 1, which gives the larger
-error (Roache, Verification and Validation in Computational Science and Engineering, 1998).
+Richardson's extrapolation: if a quantity q has an error c x^p, its values at three sizes x give p
+and the limit, (q1 - q2)/(q2 - q3) = (x1^p - x2^p)/(x2^p - x3^p). With two sizes, or three whose
+differences do not shrink like a power, p is unknown and set to 1, which gives the larger error
+(Roache, Verification and Validation in Computational Science and Engineering, 1998).
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-#: Orders between which one is believed: the methods here are of second order at most. A greater
-#: one means that cells are still too coarse, or that another error dominates.
+#: Bounds of a plausible order: the methods here are of second order at most. A greater order
+#: means that cells are still too coarse, or that another error dominates.
 LEAST, MOST = 0.5, 2.5
 
 
 class Limit(NamedTuple):
-    """Limit of a curve: the value, and the order found, None where it is assumed to be 1."""
+    """Limit of a curve: the value, and the observed order, None if it is assumed to be 1."""
 
     value: float
     order: float | None
@@ -29,7 +29,7 @@ def limit(points: Sequence[tuple[float, float]]) -> Limit | None:
     Parameters
     ----------
     points : sequence of (x, value)
-        Cell sizes, or what stands for them, in any order.
+        Cell sizes, or equivalent numbers, in any order.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def limit(points: Sequence[tuple[float, float]]) -> Limit | None:
 
 
 def _order(found: Sequence[tuple[float, float]]) -> float | None:
-    """Order of three values at ascending x; None where they have none between the bounds."""
+    """Order of three values at ascending x; None if it is not within the bounds."""
     (x3, q3), (x2, q2), (x1, q1) = found
     fine, coarse = q2 - q3, q1 - q2
     if not fine * coarse > 0.0:

@@ -17,7 +17,7 @@ SAME_TIME = 1e-9
 
 
 class MeasureError(Exception):
-    """A run's history lacks the quantity to be measured; the message says why."""
+    """A run's history lacks the measured quantity; the message has the reason."""
 
 
 def measure(history: np.ndarray, quantity: Measure) -> float:
@@ -28,18 +28,18 @@ def measure(history: np.ndarray, quantity: Measure) -> float:
     history : ndarray, shape (lines,)
         A structured array with a field for each column, and ``time``.
     quantity : Measure
-        Which number.
+        The number to read.
 
     Returns
     -------
     float
-        ``|column - reference|``, over ``|reference|`` where it is relative; of a reference that is
-        not known yet, the limit, the column itself.
+        ``|column - reference|``, over ``|reference|`` if relative. If the reference is the limit,
+        not known yet, the column itself.
 
     Raises
     ------
     MeasureError
-        If there is no such column or line, or it holds no finite number.
+        If there is no such column or line, or the number is not finite.
     """
     names = history.dtype.names or ()
     if quantity.column not in names:
@@ -83,12 +83,12 @@ def orders(points: Sequence[tuple[float, float]]) -> list[float | None]:
     Parameters
     ----------
     points : sequence of (x, error)
-        Cell sizes, or what stands for them, and errors, in any order of x.
+        Cell sizes, or equivalent numbers, and errors, in any order of x.
 
     Returns
     -------
     list of float or None
-        d log(error)/d log(x) for each point, None where there is no coarser one to compare with.
+        d log(error)/d log(x) for each point, None if there is no coarser point.
     """
     found: list[float | None] = [None] * len(points)
     sound = [i for i, (x, error) in enumerate(points) if x > 0.0 and error > 0.0]
@@ -106,13 +106,13 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
     Parameters
     ----------
     points : sequence of (cost, error)
-        The less of either, the better.
+        Cost and error, both to be minimised.
 
     Returns
     -------
     list of int
-        Indices of the points for which no other point has as little cost and as little error and
-        less of one of them, by ascending cost.
+        Indices of the points that no other point dominates, by ascending cost: no other has at most
+        the same cost and error, and less of one.
     """
     front: list[int] = []
     least: tuple[float, float] | None = None
@@ -124,5 +124,5 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
 
 
 def number(value: Any, digits: int = 3) -> str:
-    """Return a number in a few digits, and nothing for None."""
+    """Return a number with few digits, empty for None."""
     return "" if value is None else f"{value:.{digits}g}"

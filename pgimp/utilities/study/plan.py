@@ -1,4 +1,4 @@
-"""A study read and checked: every run with its case, before any of them starts."""
+"""Reading and checking a study: every run with its case, before any run starts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ABSENT = object()
 
 @dataclass(frozen=True)
 class Planned:
-    """A run that is to be."""
+    """A planned run."""
 
     name: str
     file: str
@@ -63,14 +63,14 @@ def read_plan(name: str | Path, examine: Callable[[Case], object] | None = None)
     name : str or Path
         The study file.
     examine : callable, optional
-        Raises a `CaseError` for a case that is refused once its particles are made.
+        Raises a `CaseError` for a case with errors that only its particles show.
 
     Raises
     ------
     UsageError
         If the file cannot be read.
     CaseError
-        For everything that is wrong in it or in the cases that it makes.
+        For all errors in it or in its cases.
     """
     try:
         text = read(name)
@@ -126,7 +126,7 @@ class _Cases:
         return f"{where}: {dotted(path)}"
 
     def read(self, path: str) -> Document:
-        """Return the content of a case's file, to be changed; many runs may share the file."""
+        """Return a changeable copy of a case file's content; many runs may share the file."""
         if path not in self.documents:
             try:
                 self.documents[path] = read_document(read(path), path)
@@ -138,7 +138,7 @@ class _Cases:
         raise found
 
     def make(self, variant: Variant) -> tuple[str, Case | None]:
-        """Return the file and the case of a run, None where it is wrong."""
+        """Return the file and the case of a run, None if the case is wrong."""
         file: Any = self.study.case
         label = self.label((CASE,))
         for one in variant.changes:
@@ -165,8 +165,8 @@ class _Cases:
     def check_measures(self, found: list[Variant], cases: list[Case]) -> None:
         """Check that histories will have the measured quantities.
 
-        The error is needed of every run. Of the further columns, which runs may lack, those are
-        wrong that no run has.
+        Every run needs the error. A further column, which runs may lack, is wrong if no run has
+        it.
         """
         names: list[list[str]] = []
         for one, case in zip(found, cases, strict=True):
@@ -207,7 +207,7 @@ class _Cases:
             self.wrong[f"{self.label((*path, 'at'))}: {text}"].append(variant.name)
 
     def arrange(self, found: list[Variant], cases: list[tuple[str, Case]]) -> list[Planned]:
-        """Find for every run its abscissa and its curve."""
+        """Find abscissa and curve of every run."""
         plot = self.study.plot
         data = [case.model_dump(by_alias=True) for _, case in cases]
         x = [self._number(plot.x, content, one) for content, one in zip(data, found, strict=True)]
@@ -268,7 +268,7 @@ class _Cases:
 
 
 def _moving(found: list[Variant], x: list[float]) -> set[int]:
-    """Return the entries of the sweep whose choices change x, all others being equal."""
+    """Return the entries of the sweep whose choices change x, with all others equal."""
     moving = set()
     for entry in range(len(found[0].choices)):
         first: dict[tuple[int, ...], float] = {}

@@ -1,4 +1,4 @@
-"""study.png: the error against what is refined, and against each measure of cost."""
+"""study.png: the error against the refined quantity, and against each measure of cost."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pgimp.utilities.study.tables import curves
 _LABELS = {"wall": "wall time [s]", "core": "wall time x ranks [s]"}
 _INCHES = (4.2, 4.2)
 _COLUMNS_OF_LEGEND = 6
-# Parts of a panel where an order's label goes to the left of its place, and below it.
+# Fractions of a panel beyond which an order's label is to the left of its point, and below it.
 _RIGHT, _TOP = 0.8, 0.92
 
 
@@ -27,7 +27,7 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
     plan : Plan
         The study.
     outcomes : sequence of Outcome
-        Its runs; those without a result, or without an error to draw on a logarithmic axis, are
+        Its runs. Runs without a result, or without a positive error for the logarithmic axis, are
         counted in the title.
 
     Returns
@@ -124,7 +124,7 @@ def _guides(ax: Any, drawn: Sequence[Outcome]) -> None:
 
 
 def _front(ax: Any, points: Sequence[tuple[float, float]]) -> Any:
-    """Draw the border between what some run achieves and what none does; return the line."""
+    """Draw the Pareto front as a stepped line to the panel's edges, and return it."""
     front = [points[i] for i in pareto(points)]
     limits = ax.get_xlim(), ax.get_ylim()
     (far, high), (_, low) = (limits[0][1], limits[1][1]), front[-1]

@@ -1,4 +1,4 @@
-"""The runs of a study: started one after the other, or found done already."""
+"""Runs of a study: started in turn, or found finished."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from pgimp.utilities.study.schema import LIMIT, Study, measure_of
 
 DONE, FAILED, ABSENT = "done", "failed", "not run"
 
-# Signals after which a run ends by itself, first with a checkpoint, then at once; and seconds.
+# Signals that end a run, first with a checkpoint, then at once; with waiting times in seconds.
 _PATIENCE = (
     (signal.SIGINT, 10.0),
     (signal.SIGINT, 2.0),
@@ -67,7 +67,7 @@ class Outcome:
 
 
 def command(study: Study, run: Planned, output: Path) -> list[str]:
-    """Return the words that start a run."""
+    """Return the command of a run, word by word."""
     words = [*study.words, sys.executable, "-m", "pgimp", run.file]
     words += [word for option in run.options for word in ("--set", option)]
     words += [word for name in imported for word in ("--import", name)]
@@ -81,12 +81,12 @@ def perform(
     again: bool = False,
     check: Callable[[], None] = lambda: None,
 ) -> Outcome:
-    """Run a case, unless the same run is there already, and measure it.
+    """Run a case, unless the same run exists already, and measure it.
 
     Parameters
     ----------
     study : Study
-        How runs are started, and what is measured.
+        The study, with the launcher of runs and the measures.
     run : Planned
         The run.
     output : Path
@@ -94,7 +94,7 @@ def perform(
     again : bool
         Whether a finished run is run again.
     check : callable
-        Called all the time; what it raises ends the run, and then comes through.
+        Called repeatedly; its exceptions end the run, and are then passed on.
     """
     check()
     outcome = Outcome(run)
@@ -113,7 +113,7 @@ def _last_start(output: Path) -> dict[str, Any]:
 
 
 def _is_done(study: Study, run: Planned, output: Path) -> bool:
-    """Return whether the directory holds this run, done by this version on as many ranks."""
+    """Return whether the directory has this run, finished by this version on as many ranks."""
     info = _last_start(output)
     if info.get("state") != DONE or info.get("seconds") is None:
         return False
@@ -128,7 +128,7 @@ def _is_done(study: Study, run: Planned, output: Path) -> bool:
 
 
 def _execute(study: Study, run: Planned, output: Path, check: Callable[[], None]) -> str:
-    """Run the case; return why that failed, nothing if it did not."""
+    """Run the case; return the reason for a failure, empty if successful."""
     words = command(study, run, output)
     with tempfile.TemporaryFile() as said:
         try:
@@ -137,7 +137,7 @@ def _execute(study: Study, run: Planned, output: Path, check: Callable[[], None]
                 stdin=subprocess.DEVNULL,
                 stdout=said,
                 stderr=subprocess.STDOUT,
-                start_new_session=True,  # Ctrl-C reaches it through _end alone
+                start_new_session=True,  # Ctrl-C reaches it only through _end
             )
         except OSError as error:
             return f"cannot start {shlex.quote(words[0])}: {error.strerror or error}"
@@ -166,7 +166,7 @@ def _execute(study: Study, run: Planned, output: Path, check: Callable[[], None]
 def _wait(
     process: subprocess.Popen[bytes], seconds: float | None, check: Callable[[], None]
 ) -> int:
-    """Wait until a run has ended, or the time is over; return its status."""
+    """Wait until a run has ended, or the time is over; return its exit status."""
     until = time.monotonic() + (inf if seconds is None else seconds)
     while True:
         left = until - time.monotonic()
@@ -191,19 +191,19 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def last_words(text: str, status: int) -> str:
-    """Return why a run failed, from what it said and its exit status, in one line.
+    """Return the reason of a run's failure in one line, from its output and exit status.
 
     Parameters
     ----------
     text : str
-        What it wrote: pgimp's own message starts with ``pgimp:``, a launcher's remarks may follow.
+        Output: pgimp's own message starts with ``pgimp:``, a launcher's remarks may follow.
     status : int
-        Its exit status, negative for a signal.
+        Exit status, negative for a signal.
     """
     lines = [line.rstrip() for line in text.splitlines()]
     starts = [i for i, line in enumerate(lines) if line.startswith("pgimp: ")]
     if starts:
-        # Advice follows, and what is intact; after dashes the launcher speaks.
+        # Advice and the intact files follow; the launcher's text comes after dashes.
         kept = [lines[starts[-1]].removeprefix("pgimp: ")]
         for line in lines[starts[-1] + 1 :]:
             if not line or line.startswith("---") or _REST.match(line):

@@ -48,7 +48,7 @@ def _launcher(value: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _changes(changes: Mapping[str, Any], path: tuple[str | int, ...] = ()) -> Iterator[Problem]:
-    """Check that every key is a path of keys, and that none undoes one before it."""
+    """Check that every key is a path of keys, and that none overrides an earlier one."""
     seen: list[str] = []
     for key in changes:
         if not all(key.split(".")):
@@ -64,7 +64,7 @@ def _set(value: dict[str, Any]) -> dict[str, Any]:
 
 
 def is_named(entry: Mapping[str, Any]) -> bool:
-    """Return whether an entry of the sweep is sets of changes by name, rather than lists by key."""
+    """Whether an entry of the sweep has sets of changes by name, not lists by key."""
     return all(isinstance(value, dict) for value in entry.values())
 
 
@@ -151,7 +151,7 @@ class Measure(Model):
 
     @property
     def label(self) -> str:
-        """Its name in tables."""
+        """Name in tables."""
         return self.column if self.at == "end" else f"{self.column}@{self.at}"
 
 
@@ -263,7 +263,7 @@ class Study(Model):
 
     @property
     def words(self) -> list[str]:
-        """The words that start a run, before the interpreter's name."""
+        """Words of the launcher, before the interpreter's name."""
         words = self.launcher
         if words is None:
             words = ("mpirun", "-n", "{ranks}") if self.ranks > 1 else ()
@@ -271,10 +271,10 @@ class Study(Model):
 
 
 def measure_of(entry: str | Measure) -> Measure:
-    """Return the measure that the name of a column stands for."""
+    """Return the measure of a column's name, or the measure itself."""
     return Measure(column=entry) if isinstance(entry, str) else entry
 
 
 def missing_file(value: Any) -> str:
-    """Message: the name is not that of a case file."""
+    """Message: the value is no name of a case file."""
     return f"expected the name of a case file, got {describe(value)}"

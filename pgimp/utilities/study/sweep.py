@@ -1,4 +1,4 @@
-"""The runs of a sweep: every choice of one entry with every choice of the others."""
+"""Runs of a sweep: every choice of one entry with every choice of the others."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Path = tuple[str | int, ...]
 
 
 class Change(NamedTuple):
-    """A value of the case that a run has instead of the file's."""
+    """A changed value of the case in a run."""
 
     key: str
     """Keys and list indices joined by dots."""
@@ -28,12 +28,12 @@ class Change(NamedTuple):
 
     @property
     def option(self) -> str:
-        """As ``--set`` takes it."""
+        """Text for ``--set``."""
         return f"{self.key}={flow(self.value)}"
 
 
 class Choice(NamedTuple):
-    """One of the choices of an entry."""
+    """A choice of an entry."""
 
     label: str
     changes: tuple[Change, ...]
@@ -53,7 +53,7 @@ class Variant(NamedTuple):
 
 
 def variants(study: Study) -> list[Variant]:
-    """Return the runs of a study, the choices of the last entry changing first."""
+    """Return the runs of a study; the choices of the last entry change first."""
     fixed = tuple(Change(key, value, ("set", key)) for key, value in study.set.items())
     entries = [_choices(entry, number) for number, entry in enumerate(study.sweep)]
     found: list[Variant] = []
@@ -85,7 +85,7 @@ def _choices(entry: Mapping[str, Any], number: int) -> list[Choice]:
 
 
 def _labels(sets: list[tuple[Change, ...]]) -> list[str]:
-    """Distinguish the choices by as few of their values as possible."""
+    """Labels that distinguish the choices by as few of their values as possible."""
     leaves = [
         {key: text for change in changes for key, text in _leaves(change.key, change.value)}
         for changes in sets
@@ -104,7 +104,7 @@ def _labels(sets: list[tuple[Change, ...]]) -> list[str]:
 
 
 def _leaves(key: str, value: Any) -> Iterator[tuple[str, str]]:
-    """Yield the parts of a value, by their key, as short texts."""
+    """Yield the parts of a value, by key, as short texts."""
     if isinstance(value, dict) and value:
         for name, part in value.items():
             yield from _leaves(f"{key}.{name}", part)
@@ -116,7 +116,7 @@ def _leaves(key: str, value: Any) -> Iterator[tuple[str, str]]:
 
 
 def short(value: Any) -> str:
-    """Return a value as people would write it: 0.5 for [0.5]."""
+    """Return a value in a short form: 0.5 for [0.5]."""
     if isinstance(value, list | tuple):
         parts = [short(part) for part in value]
         if len(parts) == 1 and not isinstance(value[0], list | tuple):
@@ -129,7 +129,7 @@ def short(value: Any) -> str:
 
 
 def _folder(labels: tuple[str, ...], taken: set[str]) -> str:
-    """Return a name for the run's folder, and note that it is taken."""
+    """Return a name for the run's folder, and add it to `taken`."""
     parts = [re.sub(r"[^A-Za-z0-9.+-]+", "-", label).strip("-.") for label in labels]
     name = plain = "_".join(part for part in parts if part)[:LONGEST_NAME].strip("-._") or "run"
     number = 1

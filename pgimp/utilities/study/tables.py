@@ -19,7 +19,7 @@ _VERSIONS = ("pgimp", "numba", "numpy")
 
 
 def compare(plan: Plan, outcomes: Sequence[Outcome]) -> None:
-    """Note the observed orders along the curves, and who is on a Pareto front."""
+    """Set the observed orders along the curves, and the runs on a Pareto front."""
     if plan.study.measure.reference == LIMIT:
         _from_limits(plan, outcomes)
     done = [one for one in outcomes if one.state == DONE and one.error is not None]
@@ -33,7 +33,7 @@ def compare(plan: Plan, outcomes: Sequence[Outcome]) -> None:
 
 
 def _from_limits(plan: Plan, outcomes: Sequence[Outcome]) -> None:
-    """Turn the values of the runs into differences from the limits of their curves."""
+    """Replace the values of the runs by differences from the limits of their curves."""
     done = [one for one in outcomes if one.state == DONE and one.value is not None]
     for runs in curves(done).values():
         found = limit([(one.plan.x, one.value or 0.0) for one in runs])
@@ -50,7 +50,7 @@ def _from_limits(plan: Plan, outcomes: Sequence[Outcome]) -> None:
 
 
 def verdict(plan: Plan, finest: Outcome, found: Limit) -> str:
-    """Return what the finest run of a curve is worth."""
+    """Describe the accuracy of a curve's finest run."""
     part = "" if finest.error is None else f"{finest.error:.2g}"
     if plan.study.measure.relative and finest.error is not None:
         part = f"{100.0 * finest.error:.2g} %"
@@ -69,7 +69,7 @@ def curves(outcomes: Sequence[Outcome]) -> dict[str, list[Outcome]]:
 
 
 def as_csv(plan: Plan, outcomes: Sequence[Outcome]) -> str:
-    """Return study.csv: numbers with all their digits, the runs in the order of the sweep."""
+    """Return study.csv: numbers with all digits, runs in the order of the sweep."""
     study = plan.study
     keys = list(dict.fromkeys(key for run in plan.runs for key in run.values))
     columns = list(dict.fromkeys(measure_of(entry).label for entry in study.columns))
@@ -91,7 +91,7 @@ def as_csv(plan: Plan, outcomes: Sequence[Outcome]) -> str:
 
 
 def as_markdown(plan: Plan, outcomes: Sequence[Outcome]) -> str:
-    """Return study.md: the runs by curve from coarse to fine, remarks, and where they ran."""
+    """Return study.md: runs by curve from coarse to fine, remarks, machine and versions."""
     study = plan.study
     columns = list(dict.fromkeys(measure_of(entry).label for entry in study.columns))
     many = len({one.plan.curve for one in outcomes}) > 1
@@ -152,7 +152,7 @@ def _legend(plan: Plan) -> Iterator[str]:
 
 
 def _origin(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    """Describe machine and versions of the runs; lists what differs between them."""
+    """Describe machine and versions of the runs, with lists where they differ."""
     done = [one.info for one in outcomes if one.info]
     if done:
         ranks = " or ".join(_unlike(info["ranks"] for info in done))
