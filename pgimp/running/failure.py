@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 
 #: Distances in cells, per direction, within which particles are neighbours of one of the first
-#: particles at fault; smaller ones if there would be too many.
+#: particles at fault. Smaller distances apply if there would be too many.
 RADII = (3.0, 2.5, 2.0, 1.5, 1.0, 0.5)
 _MOST_CENTRES = 32
 _MOST_FAULTS = 1000

@@ -57,7 +57,7 @@ class Face:
         if self.side < 0:
             return place, speed
         # Just within the last cell: the gradient of a point on the face itself would act on
-        # massless vertices beyond, and the force that balances the face's would be lost.
+        # massless vertices beyond. The force that balances the face's would be lost.
         while (place - origin) * frame.inverse[self.axis] >= cells:
             place = float(np.nextafter(place, -np.inf))
         return place, speed

@@ -42,8 +42,8 @@ def tuples(value: Any) -> Any:
 class Model(BaseModel):
     """Base class of everything in a case: strict types, no unknown keys, frozen, finite numbers.
 
-    A description of a field ends with its unit in square brackets where it has one, in terms of
-    length, mass, time, and what derives from them: ``"Young's modulus [stress]"``.
+    A description of a field ends with its unit, if any, in square brackets. Units are length, mass,
+    time, and derived ones: ``"Young's modulus [stress]"``.
     """
 
     model_config = ConfigDict(

@@ -1,6 +1,6 @@
 """Regions of space that bodies fill, one file a kind.
 
-A region is a pydantic model of its entry in the case that is also a `Region`, with an inside test
+A region is a pydantic model of its entry in the case, and also a `Region`: it has an inside test
 for points and a bounding box.
 """
 

@@ -103,7 +103,7 @@ def worst_of(blocks: Iterable[tuple[int, Array, Array]], tolerance: Tolerance) -
     blocks : iterable of (int, ndarray, ndarray)
         Number of the first row, and (n,) or (n, k) values of each side.
     tolerance : Tolerance
-        What may differ by how much.
+        Allowed differences.
 
     Returns
     -------
@@ -153,7 +153,7 @@ def tables(name: str, first: Array, second: Array, tolerance: Tolerance) -> Iter
     first, second : ndarray
         From `pgimp.storage.lines.read`.
     tolerance : Tolerance
-        What may differ by how much.
+        Allowed differences.
 
     Yields
     ------

@@ -1,7 +1,7 @@
 """Conditions on faces of the domain, one file each.
 
 A condition is the entry of the case (a `Boundary`) whose ``parameters(axis, side, ...)`` gives a
-NamedTuple with one kernel as a static method: ``constrain(face, v, a) -> (v, a)``. The kernel is
+NamedTuple. It has one kernel as a static method: ``constrain(face, v, a) -> (v, a)``. The kernel is
 called after the momentum update, for each vertex on the face and beyond it. Its arguments are the
 vertex's new velocity and acceleration, tuples of three. Faces that the case does not name are open.
 """

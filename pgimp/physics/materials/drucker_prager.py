@@ -7,10 +7,11 @@ of dilation,
     dl = max(0, tau_tr - alpha p_tr - k)/(G + K alpha alpha'),  tau = tau_tr - G dl,
     p = p_tr + K alpha' dl.
 
-Where p is then below -t, with t the greatest tension of the soil, it returns to p = -t and
-tau <= k - alpha t: the apex, unless the tension is cut off before it. The volume by which the soil
-opens there is a state variable, and has to close before pressure rises again. Otherwise loose soil
-would grow each time that it is pulled apart (Tampubolon et al., ACM Trans. Graph. 36, 2017).
+t is the greatest tension of the soil. Where p is then below -t, the stress returns to p = -t and
+tau <= k - alpha t. This is the apex, unless the tension is cut off before it. The volume by which
+the soil opens there is a state variable, and has to close before pressure rises again. Otherwise
+loose soil would grow each time that it is pulled apart (Tampubolon et al., ACM Trans. Graph. 36,
+2017).
 """
 
 from math import sqrt

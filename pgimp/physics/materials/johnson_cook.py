@@ -56,7 +56,7 @@ class JohnsonCookParameters(NamedTuple):
 
     @staticmethod
     def losses(material, F, J, sigma, state):
-        """Plastic work, and what of it is heat."""
+        """Plastic work, and its part that becomes heat."""
         k = material.strength
         return state[2], 0.0, (state[1] - k.start) / k.heating
 
@@ -102,7 +102,7 @@ class JohnsonCookDamageParameters(NamedTuple):
 
     @staticmethod
     def losses(material, F, J, sigma, state):
-        """Plastic work, and what of it is heat."""
+        """Plastic work, and its part that becomes heat."""
         k = material.strength
         return state[2], 0.0, (state[1] - k.start) / k.heating
 

@@ -60,14 +60,14 @@ class JohnsonCookShockParameters(NamedTuple):
 
     @staticmethod
     def energy(material, F, J, sigma, state):
-        """Internal energy without the heat of plastic flow, and that of shape, per volume."""
+        """Internal energy without heat of plastic flow, plus energy of distortion, per volume."""
         k = material.strength
         inner = material.density * state[3] - k.share * state[2]
         return inner + distortion_energy(k.shear, J, sigma)
 
     @staticmethod
     def losses(material, F, J, sigma, state):
-        """Plastic work, and what of it is heat."""
+        """Plastic work, and its part that becomes heat."""
         return state[2], 0.0, material.strength.share * state[2]
 
     @staticmethod
@@ -111,14 +111,14 @@ class JohnsonCookShockDamageParameters(NamedTuple):
 
     @staticmethod
     def energy(material, F, J, sigma, state):
-        """Internal energy without the heat of plastic flow, and that of shape, per volume."""
+        """Internal energy without heat of plastic flow, plus energy of distortion, per volume."""
         k = material.strength
         inner = material.density * state[4] - k.share * state[2]
         return inner + distortion_energy(k.shear, J, sigma)
 
     @staticmethod
     def losses(material, F, J, sigma, state):
-        """Plastic work, and what of it is heat."""
+        """Plastic work, and its part that becomes heat."""
         return state[2], 0.0, material.strength.share * state[2]
 
     @staticmethod

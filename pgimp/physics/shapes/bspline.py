@@ -1,10 +1,10 @@
 """B-splines of second and third order, as in other codes: chi_p is as wide as a cell.
 
-The quadratic weight is the grid's tent averaged over a box of one cell: gimp's weight (40) with a
-half-width of half a cell for any particles per cell. The cubic weight is the tent averaged over a
-tent of one cell to either side, as for a fuzzy particle of constant size. So both use the kernels
-of these shapes. Weights are smooth, once and twice differentiable. The particles of a cell overlap,
-so there is little cell-crossing noise.
+The quadratic weight is the grid's tent averaged over a box of one cell. This is gimp's weight (40)
+with a half-width of half a cell for any particles per cell. The cubic weight is the tent averaged
+over a tent of one cell to either side, as for a fuzzy particle of constant size. So both use the
+kernels of these shapes. Weights are smooth, once and twice differentiable. The particles of a cell
+overlap, so there is little cell-crossing noise.
 
 The price is a blurred surface. Inside a body the chi_p add up to one. At its surface they fall to
 zero over a cell, half of it outside; the mass stays exact. At faces with a condition

@@ -4,7 +4,7 @@ In one dimension this is the paper's Finite GIMP: half-width l_p F. In two and t
 deformed box is approximated by the grid-aligned box with the same second moments. This is exact
 under stretches along the grid, and a cube keeps its size under any rotation. Under shear the box
 has the parallelepiped's spread along each direction but not its tilt. Neighbours then overlap or
-leave gaps, on a part of the volume that grows with the square of the shear: a simple shear g widens
+leave gaps, on a part of the volume that grows with the square of the shear. A simple shear g widens
 boxes by g^2/2. So the particles are a partition of unity to first order. The same holds for boxes
 of a rotated lattice, which stay along the grid.
 """

@@ -27,8 +27,8 @@ def tents(half, f):
 def _tents(half, f):
     def convolve(half, f):
         # The particle's tent lies right of the first vertex. A weight is then a sum of third powers
-        # of distances from its low end, middle and high end to the end of a grid tent: t, u, s to
-        # the end of the first vertex's tent, a_j and b_j from vertex j.
+        # of distances from its low end, middle and high end to the end of a grid tent. t, u, s go
+        # to the end of the first vertex's tent; a_j and b_j start from vertex j.
         t, u, s = 1.0 + half - f, max(1.0 - f, 0.0), max(1.0 - half - f, 0.0)
         b1 = max(f - 1.0, 0.0)
         a1, a2 = max(f + half - 1.0, 0.0), max(f + half - 2.0, 0.0)
@@ -90,7 +90,7 @@ class TrackedFuzzyParameters(NamedTuple):
 
 
 class _Fuzzy(WideShape):
-    """What the two fuzzy shapes have in common."""
+    """Base of the two fuzzy shapes."""
 
     size: Literal["tracked", "fixed"] = Field(
         default="tracked",

@@ -22,7 +22,7 @@ _SLACK = 1e-9
 
 
 class _Along(Variation):
-    """What depends on one coordinate."""
+    """Base of variations along one coordinate."""
 
     over: Literal["x", "y", "z", "depth"] = Field(
         description="the coordinate: x, y or z; or depth, by which a place lies below `surface`, "

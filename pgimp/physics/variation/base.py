@@ -73,7 +73,7 @@ VARIATION = _ByKind()
 
 
 class Variation(Model):
-    """Base of what a parameter may be in place of a number."""
+    """Base of the variations in place of a parameter's number."""
 
     times: Annotated[
         Any, Either("a number or another variation", {float: Number, dict: VARIATION, None: None})

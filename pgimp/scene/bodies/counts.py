@@ -12,8 +12,8 @@ from pgimp.scene.bodies.lattice import Lattice
 class Counts(NamedTuple):
     """Particle counts on all ranks before any particle exists.
 
-    `counts` holds the particles of each body in each plane, (bodies, planes); `notes` says which
-    bodies share cells.
+    `counts` holds the particles of each body in each plane, (bodies, planes); `notes` names
+    the bodies that share cells.
     """
 
     counts: np.ndarray

@@ -2,7 +2,7 @@
 
 A particle shares vertices of the grid with everything within its reach. The outermost particles
 lie half a particle's spacing inside the surface. So the reach between two surfaces is
-2 (1 + d) - 1/n cells: d is the half-width of chi_p in cells, n the particles a cell; 2 with boxes.
+2 (1 + d) - 1/n cells, 2 with boxes. d is the half-width of chi_p in cells, n the particles a cell.
 From a wall the reach is half as large. Pairs of bodies with an entry of `contact` follow its law.
 Fluids, gases and grains flow together where they meet; without tension no wall holds them back.
 """

@@ -92,9 +92,9 @@ def greatest(load: Any, dimensions: int) -> np.ndarray:
 def own_weight(case: Case, body: BodyFacts) -> dict[str, float]:
     """Strains of a linear body under its weight, by a description of its support.
 
-    As a column: rho g h/M with the wave modulus M. If clamped at the side, also as a cantilever
-    whose end sinks by 1.5 rho g l^4/(E h^2): the strain at its root is 3 rho g l^2/(E h). With
-    both ends clamped it is a sixth.
+    As a column: rho g h/M with the wave modulus M. If clamped at the side, also as a cantilever:
+    its end sinks by 1.5 rho g l^4/(E h^2). The strain at its root is 3 rho g l^2/(E h); with both
+    ends clamped it is a sixth.
 
     Parameters
     ----------

@@ -15,9 +15,9 @@ from pgimp.scene.checks.facts import wave_speed
 from pgimp.scene.faces import Face
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 
-#: Fraction of the wave speed above which a prescribed rigid body is fast. At half the wave speed
-#: rubber gets some per cent too little momentum on cells of a twelfth of the block, at 2.7 times
-#: the wave speed half of it.
+#: Fraction of the wave speed above which a prescribed rigid body is fast. On cells of
+#: a twelfth of the block, rubber hit at half the wave speed gets some per cent too little momentum.
+#: At 2.7 times the wave speed it gets half of it.
 _FAST = 0.3
 
 #: Instants of a stage at which bodies are examined. Least depth in cells beyond a plane; least

@@ -2,7 +2,7 @@
 
 Richardson's extrapolation: if a quantity q has an error c x^p, its values at three sizes x give p
 and the limit, (q1 - q2)/(q2 - q3) = (x1^p - x2^p)/(x2^p - x3^p). With two sizes, or three whose
-differences do not shrink like a power, p is unknown and set to 1, which gives the larger error
+differences do not shrink like a power, p is unknown. It is set to 1, which gives the larger error
 (Roache, Verification and Validation in Computational Science and Engineering, 1998).
 """
 

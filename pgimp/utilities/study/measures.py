@@ -111,8 +111,8 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
     Returns
     -------
     list of int
-        Indices of the points that no other point dominates, by ascending cost: no other has at most
-        the same cost and error, and less of one.
+        Indices of the points that no other point dominates, by ascending cost. A dominating point
+        has at most the same cost and error, and less of one.
     """
     front: list[int] = []
     least: tuple[float, float] | None = None

@@ -53,7 +53,7 @@ def cone_of(soil: "Soil", match: Match) -> tuple[float, float, float]:
 
 
 class Soil(Material):
-    """What soils with cohesion, friction and dilation have in common."""
+    """Base of soils with cohesion, friction and dilation."""
 
     RESTS: ClassVar[bool] = True
     SPELLINGS: ClassVar[dict[str, str]] = {

@@ -1,8 +1,8 @@
 """Mie and Gruneisen's pressure of shocked solids, about the Hugoniot U_s = c0 + s u_p.
 
-The pressure is p = p_H (1 - gamma eta/2) + gamma rho0 e with eta = 1 - J,
-p_H = rho0 c0^2 eta/(1 - s eta)^2 (rho0 c0^2 eta in tension) and the internal energy e per mass. In
-a step e grows by the heat h of plastic flow, the work of the mean pressure and of the viscous q,
+The pressure is p = p_H (1 - gamma eta/2) + gamma rho0 e with eta = 1 - J and the internal energy e
+per mass. The Hugoniot is p_H = rho0 c0^2 eta/(1 - s eta)^2, in tension p_H = rho0 c0^2 eta. In a
+step e grows by the heat h of plastic flow, the work of the mean pressure and of the viscous q,
 
     rho0 (e' - e) = h - ((p + p')/2 + q) (J' - J),
 

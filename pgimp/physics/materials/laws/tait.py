@@ -81,7 +81,7 @@ def _compression(stiffness, exponent, least, J):
 
 
 class Liquid(Material):
-    """What fluids with Tait's equation of state have in common."""
+    """Base of fluids with Tait's equation of state."""
 
     VOLUME_ONLY: ClassVar[bool] = True
     LIQUID: ClassVar[bool] = True
