@@ -16,6 +16,8 @@ from two_blocks import CASE
 
 from pgimp import cli, commands, signals
 
+pytestmark = pytest.mark.slow(210)
+
 CONSOLE = Path(sys.executable).parent / "pgimp"
 # Imported by `signal` itself, and the first parts of pgimp.
 LIGHT = {"__future__", "pgimp", "pgimp.signals", "signal", "enum", "types", "functools", "operator"}
@@ -42,7 +44,6 @@ signal.signal(signal.SIGINT, signal.{interrupt})
 import pgimp.__main__ as entry
 from pgimp import cli, signals
 
-pytestmark = pytest.mark.slow(210)
 numbers = signals.STOPPING
 print([int(signal.getsignal(number) is signals.note) for number in numbers])
 cli.main = lambda: 7

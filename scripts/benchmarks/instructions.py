@@ -23,7 +23,11 @@ from blocks import block, create
 from numba.core.dispatcher import Dispatcher
 from report import number, origin, write
 
-import pgimp.solver.step as steps
+from pgimp.solver import transfers, vertices
+from pgimp.solver.contact import base
+
+#: What calls the kernels of a step.
+CALLERS = (transfers, vertices, base)
 
 #: What kernels are compiled for, whatever the machine: AVX2; valgrind does not know AVX-512.
 CPU = {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""}
@@ -52,7 +56,12 @@ def record(name):
     for _ in range(BEFORE):
         sim.advance()
     calls = []
-    kernels = {n: each for n, each in vars(steps).items() if isinstance(each, Dispatcher)}
+    kernels = [
+        (caller, n, each)
+        for caller in CALLERS
+        for n, each in vars(caller).items()
+        if isinstance(each, Dispatcher)
+    ]
 
     def recorder(kernel):
         def call(*arguments):
@@ -61,13 +70,13 @@ def record(name):
 
         return call
 
-    for n, kernel in kernels.items():
-        setattr(steps, n, recorder(kernel))
+    for caller, n, kernel in kernels:
+        setattr(caller, n, recorder(kernel))
     try:
         sim.advance()
     finally:
-        for n, kernel in kernels.items():
-            setattr(steps, n, kernel)
+        for caller, n, kernel in kernels:
+            setattr(caller, n, kernel)
     return calls, sim.count
 
 

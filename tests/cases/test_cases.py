@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from coarse_cases import CASES, COARSER
 
+pytestmark = pytest.mark.slow(90)
+
 
 def test_every_case_is_run_here_and_shown():
     names = {path.stem for path in CASES.glob("*.yaml")}

@@ -9,6 +9,8 @@ import pytest
 from coarse_cases import CASES
 from processes import run
 
+pytestmark = pytest.mark.slow(90)
+
 
 def test_disks_collide_and_part(runs):
     results = runs("disks")

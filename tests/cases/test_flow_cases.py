@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow(90)
+
 
 def test_a_shock_runs_down_the_tube(runs):
     """Cells twice as large: plateaus to 1 %, energy, and where the shock is."""

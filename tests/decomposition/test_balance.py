@@ -25,6 +25,8 @@ from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.physics.shapes.mpm import MpmParameters
 
+pytestmark = pytest.mark.slow(150)
+
 # -- where to cut
 
 
@@ -141,7 +143,6 @@ from pgimp.mpi.comm import world
 from pgimp.mpi.node import cores
 from pgimp.solver.simulation import Simulation
 
-pytestmark = pytest.mark.slow(150)
 
 if sys.argv[1] == "one":
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})

@@ -17,6 +17,8 @@ from pgimp.errors import UsageError
 from pgimp.jit.compiled.folder import COMPILED, preferred_folder
 from pgimp.jit.kernel import FOLDER
 
+pytestmark = pytest.mark.slow(30)
+
 SEED = 20041
 
 PACKAGE = Path(pgimp.__file__).parent
@@ -29,7 +31,6 @@ from pgimp.physics.shapes.mpm import MpmParameters
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Carried, Particles
 
-pytestmark = pytest.mark.slow(30)
 
 p = Particles.empty(1, Carried(1))
 p.x[0, 0] = 2.5

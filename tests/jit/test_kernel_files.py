@@ -19,6 +19,8 @@ from pgimp.jit.compiled.cache import KernelCache, Store, announced, messages
 from pgimp.jit.compiled.folder import Folder, cache_folder, preferred_folder
 from pgimp.jit.kernel import kernel
 
+pytestmark = pytest.mark.slow(30)
+
 SEED = 20041
 
 
@@ -119,7 +121,6 @@ import sys
 from pathlib import Path
 from pgimp.jit.compiled.cache import Store, messages
 
-pytestmark = pytest.mark.slow(30)
 store, first = Store(Path(sys.argv[1])), int(sys.argv[2])
 print("begins", flush=True)
 for turn in range(int(sys.argv[3])):

@@ -6,6 +6,8 @@ from mentioned import mentions
 from pgimp.errors import UsageError
 from pgimp.mpi.comm import Serial, abort_on_error, launcher
 
+pytestmark = pytest.mark.slow(135)
+
 TRACEBACK_HINT = "(set PGIMP_TRACEBACK=1 for the traceback)"
 
 
@@ -146,7 +148,6 @@ import sys
 from pgimp.errors import CaseError, RunError
 from pgimp.mpi.comm import abort_on_error, world
 
-pytestmark = pytest.mark.slow(135)
 comm = world()
 with abort_on_error(comm):
     {statement}

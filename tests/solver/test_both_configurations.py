@@ -7,6 +7,8 @@ from scenes import SOFT, box, energy, field, finish, scene, start
 
 from pgimp.kernels.data.ledger import IMPULSE
 
+pytestmark = pytest.mark.slow(90)
+
 HARD = SOFT | {"young": 1000.0}
 
 
@@ -83,8 +85,11 @@ def disks(first, second, cell=0.5, **parts):
 def test_disks_meet_alike_in_any_configuration():
     """Impulse and loss of two bodies in the current one, two in the initial one, one in either."""
     found = {}
-    for one, other in ("current", "current"), ("initial", "initial"), ("initial", "current"), (
-        "current", "initial"
+    for one, other in (
+        ("current", "current"),
+        ("initial", "initial"),
+        ("initial", "current"),
+        ("current", "initial"),
     ):
         sim = start(disks(one, other))
         first = sim.diagnostics()

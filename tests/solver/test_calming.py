@@ -8,6 +8,8 @@ from scenes import start
 
 from pgimp.solver.flows import CALM, EVERY
 
+pytestmark = pytest.mark.slow(90)
+
 #: Speed of waves is sqrt(1.2 young/density), times cells of 1.
 SAND = {
     "model": "drucker-prager", "young": 1.0e3, "poisson": 0.25, "density": 1.0, "cohesion": 0.0,

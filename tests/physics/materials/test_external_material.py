@@ -15,6 +15,8 @@ from pgimp.errors import UsageError
 from pgimp.jit import outside
 from pgimp.physics.materials import NeoHookean, registry
 
+pytestmark = pytest.mark.slow(30)
+
 # The speed of a particle at rest, asked of a kernel of the package, and how often it was cached.
 ASK = """
 import sys
@@ -26,7 +28,6 @@ from pgimp.physics.materials.parameters.outside import parameters_of
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Carried, Particles
 
-pytestmark = pytest.mark.slow(30)
 
 def ask():
     law = parameters_of(MATERIALS["law"](model="law", density=1.0), 1)

@@ -11,6 +11,8 @@ import pytest
 from processes import clean_env, run
 from two_blocks import CASE
 
+pytestmark = pytest.mark.slow(255)
+
 ROOT = Path(__file__).resolve().parents[3]
 
 # Particles and steps for about six seconds, and how long before the early signal the job comes.
@@ -23,7 +25,6 @@ SHARED = {"OMPI_MCA_hwloc_base_binding_policy": "none", "OMPI_MCA_mpi_yield_when
 STAND_IN = """#!/usr/bin/env python3
 import os, signal, sys, time
 
-pytestmark = pytest.mark.slow(255)
 [folder] = [word[len("--output="):] for word in sys.argv if word.startswith("--output=")]
 came = []
 signal.signal(signal.SIGUSR1, lambda *_: came.append(1))

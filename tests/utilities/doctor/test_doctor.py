@@ -13,6 +13,8 @@ from doctor_findings import OPEN_MPI, only
 
 from pgimp.utilities.doctor import hdf5, kernels, machine
 
+pytestmark = pytest.mark.slow(30)
+
 # The real h5py, changed; in its place.
 OTHER_H5PY = """
 import ctypes, sys
@@ -20,7 +22,6 @@ folder = sys.path.pop(next(i for i, path in enumerate(sys.path) if path == {fold
 del sys.modules["h5py"]
 import h5py
 
-pytestmark = pytest.mark.slow(30)
 real = h5py.File
 class Locking(real):
     def __init__(self, *args, **options):
