@@ -33,7 +33,7 @@ def step(
     Parameters
     ----------
     rank : Rank
-        The rank, which gets the number and a list of particles at fault.
+        The rank; it receives count and list of its particles at fault.
     start : float
         Time at the beginning of the step.
     begin : callable

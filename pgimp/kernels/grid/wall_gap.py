@@ -7,7 +7,7 @@ wall, along its normal, the divergence theorem turns the sum over the body's par
 
 into minus the density times the integral of w S over the body's lower surface. It is zero for a
 body on the wall, for any filled part of the neighbourhood and any strain. For a surface along the
-lies on the wall, for any filled part of the neighbourhood and any strain. For a surface along the
+wall at the distance z it is -2 z/(h - z) times the vertex's mass, which gives z; for other
 surfaces z is a mean. Away from the wall w falls to zero, so that walls of other directions are not
 affected, except at edges, where both clearances add up.
 

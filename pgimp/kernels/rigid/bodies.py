@@ -57,9 +57,9 @@ class RigidBodies(NamedTuple):
 
     Attributes
     ----------
-    motion : (tools,) MOTION
+    motion : (rigid bodies,) MOTION
         Motion of each in the step, and position of its lattice.
-    lattice : (tools,) LATTICE
+    lattice : (rigid bodies,) LATTICE
         The shape of its lattice, and the vertices near it.
     values : (points, 5) float64
         Values of each `DistanceField`, one body after the other.

@@ -44,10 +44,10 @@ class Keepers(NamedTuple):
         The rigid bodies at their positions of the step's end.
     pairs : Pairs
         The laws of contact.
-    yields : (tools, 6, 6) float64
+    yields : (rigid bodies, 6, 6) float64
         Velocities along and about x, y, z of a free body per impulse and moment. They are times the
         greatest mass of the particles that it may hold; 0 for others.
-    impulses : (layers, tools, 6) float64
+    impulses : (layers, rigid bodies, 6) float64
         Grows by impulse and moment on each body.
     """
 
@@ -123,7 +123,7 @@ def count_near(rigid_bodies, particles, rows, reach, counts, most):
     ----------
     rows : (n,) int32
         The particles.
-    counts, most : (tools,) int64, (tools,) float64
+    counts, most : (rigid bodies,) int64, (rigid bodies,) float64
         Set here.
     """
     counts[:], most[:] = 0, 0.0
@@ -148,7 +148,7 @@ def count_inside(rigid_bodies, pairs, particles, rows, depth, counts):
     ----------
     rows : (n,) int32
         The particles.
-    counts : (tools,) int64
+    counts : (rigid bodies,) int64
         Set here.
     """
     counts[:] = 0

@@ -55,7 +55,7 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
     assert flows is not None
     own = Grid(scene.frame, scene.vertices, grid.slab, fields=flows.fields)
     own.store(grid.base)
-    sums, rigid_bodies = sums_of(flows), _tools(scene, grid)
+    sums, rigid_bodies = sums_of(flows), _rigid_bodies(scene, grid)
     yield 6.0, lambda: particles_to_grid(
         scene.setting.without_materials(), own.field, p, sums, order, np.zeros((0, 3), np.int64), ()
     )
@@ -70,7 +70,7 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
         yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)
 
 
-def _tools(scene: Scene, grid: Grid) -> Any:
+def _rigid_bodies(scene: Scene, grid: Grid) -> Any:
     """The rigid bodies for kernels; () where there are none."""
     return scene.rigid_bodies.in_planes(grid.planes) if scene.rigid_bodies else ()
 
@@ -122,7 +122,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
         yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, bodies, len(frame.cell))))
         yield from presentcalls.calls(scene, grid, p, vertex_forcing, faces, ledger)
     elif scene.pairs:
-        rigid_bodies = _tools(scene, grid)
+        rigid_bodies = _rigid_bodies(scene, grid)
         contact = Contact.empty(scene.pairs, grid.G, grid.planes, 1, count, rigid_bodies)
         if scene.rigid_bodies.free:
             yield (

@@ -82,7 +82,7 @@ class NearParticles:
         self, scene: Scene, comm: Communicator, rigid_bodies: Any, walls: SeparatingWalls
     ) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
-        self._tools, self._walls = rigid_bodies, walls
+        self._rigid_bodies, self._walls = rigid_bodies, walls
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
         self.mirrors = mirrors_of(scene)
         self.local = local_vertices(scene.vertices, scene.dimension)
@@ -156,7 +156,7 @@ class NearParticles:
 
     def _rigid_boxes(self) -> np.ndarray:
         """Least and greatest numbers of vertices at rigid bodies and walls, (n, 2, 3) int64."""
-        D, rigid_bodies = self.scene.dimension, self._tools
+        D, rigid_bodies = self.scene.dimension, self._rigid_bodies
         lattice = rigid_bodies.lattice if rigid_bodies else ()
         boxes = np.full((len(lattice) + len(self._walls.planes), 2, 3), [[[-FAR], [FAR]]])
         for n, row in enumerate(lattice):
