@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.kernels.contact.colouring import colour_bodies, find_intervals
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.data.frame import Frame
 from pgimp.mpi.communicator import Communicator
@@ -62,22 +63,13 @@ def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: 
     """
     if not any(fields):
         return np.empty((0, 2))
-    low, high = boxes
-    first, second = np.triu_indices(len(fields), 1)
-    own = np.array(fields)
-    differ = own[first] != own[second]
-    first, second = first[differ], second[differ]
-    wide = 2.0 * steps + reach
-    near = np.ones(len(first), bool)
-    for d in range(low.shape[1]):
-        near &= low[first, d] - high[second, d] < wide
-        near &= low[second, d] - high[first, d] < wide
-    first, second = first[near], second[near]
-    ends = np.stack(
-        [np.maximum(low[first, 0], low[second, 0]), np.minimum(high[first, 0], high[second, 0])],
-        axis=1,
-    )
-    return ends + 0.5 * wide * np.array([-1.0, 1.0])
+    numbers, wide, room = np.array(fields, np.int64), 2.0 * steps + reach, 8 * len(fields)
+    while True:
+        ends = np.empty((room, 2))
+        found = find_intervals(boxes, numbers, wide, ends)
+        if found <= room:
+            return ends[:found]
+        room = found
 
 
 def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
@@ -97,21 +89,7 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
     steps : int
         Steps for which this holds.
     """
-    low, high = boxes
-    count = len(low)
-    apart = np.full((count, count), -np.inf)
-    with np.errstate(invalid="ignore"):  # bodies without particles
-        for d in range(low.shape[1]):
-            np.maximum(apart, low[:, None, d] - high[None, :, d], out=apart)
-    apart = np.maximum(apart, apart.T)
-    apart[np.isnan(apart)] = np.inf
-    # Steps until they may have a common vertex.
-    alone = np.floor(0.5 * np.maximum(apart - reach, 0.0))
-    fields, steps = np.zeros(count, np.int64), MOST
-    for b in range(count):
-        before, near = fields[:b], alone[b, :b]
-        taken = set(before[near < FEWEST].tolist())
-        own = next(f for f in range(b + 1) if f not in taken)
-        steps = min(steps, int(near[before == own].min(initial=MOST)))
-        fields[b] = own
+    count = boxes.shape[1]
+    fields, stamps = np.zeros(count, np.int64), np.zeros(count + 1, np.int64)
+    steps = colour_bodies(boxes, reach, FEWEST, MOST, stamps, fields)
     return tuple(fields.tolist()), min(steps, NEAR) if fields.any() else steps

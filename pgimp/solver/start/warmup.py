@@ -10,6 +10,7 @@ from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
 from pgimp.jit.compiled.collector import spared
+from pgimp.kernels.contact.colouring import colour_bodies, find_intervals
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.forces import contact_forces
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
@@ -165,7 +166,10 @@ def _calls(scene: Scene) -> Iterator[Call]:
                 start.copy(),
             ),
         )
-        yield 0.3, lambda: grow_boxes(frame, p, rows, np.zeros((2, len(fields), len(frame.cell))))
+        boxes, none = np.zeros((2, len(fields), len(frame.cell))), np.zeros(0, np.int64)
+        yield 0.3, lambda: grow_boxes(frame, p, rows, boxes)
+        yield 0.3, lambda: colour_bodies(boxes[:, :0], 1.0, 2, 64, np.zeros(1, np.int64), none)
+        yield 0.3, lambda: find_intervals(boxes[:, :0], none, 1.0, np.zeros((0, 2)))
         yield (
             6.0,
             lambda: particles_to_grid(
