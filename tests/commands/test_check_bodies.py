@@ -196,3 +196,27 @@ bodies: {{hill: {{material: ground, region: {{box: {{min: [1.0, 1.0], max: [3.0,
     plastic = model in ("drucker-prager", "mohr-coulomb", "von-mises")
     assert len(found) == (plastic and "mean" not in method)
     assert all("stripes" in one and "'hill'" in one and "materials.ground" in one for one in found)
+
+
+def test_bodies_of_one_material_are_named_together():
+    """Hundreds of grains give one note, not one each."""
+    balls = "\n".join(
+        f"  grain{n}: {{material: M, region: {{ball: {{centre: [{n + 0.5}, 1.0], radius: 0.4}}}}}}"
+        for n in range(9)
+    )
+    text = f"""
+format: 1
+dimensions: 2
+grid: {{size: [9.0, 2.0], cell: [0.2, 0.2]}}
+method: {{shape: gimp, particles_per_cell: [2, 2]}}
+time: {{end: 1.0, step: {{courant: 0.3}}}}
+materials:
+  metal: {{model: von-mises, young: 1.0, poisson: 0.3, yield-stress: 0.1, density: 1.0}}
+  rubber: {{model: neo-hookean, young: 1.0, poisson: 0.49, density: 1.0}}
+bodies:
+{balls}
+"""
+    (note,) = stripes(read_case(text.replace("M,", "metal,")))
+    assert "'grain0', 'grain1', 'grain2' and 6 more flow plastically" in note
+    (warning,) = locking(read_case(text.replace("M,", "rubber,")))
+    assert "and 'grain0', 'grain1', 'grain2' and 6 more will be too stiff" in warning

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
+#: Most bodies that a message names one by one.
+_NAMED = 3
+
 #: Poisson's ratio above which bodies lock.
 _NEARLY_HALF = 0.45
 
@@ -22,14 +25,17 @@ def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
     poisson : mapping of str to float, optional
         Greatest Poisson's ratio of bodies where it varies in space.
     """
+    found: dict[tuple[str, float], list[str]] = {}
     for body, name, material in _pointwise(case):
         ratio = _ratio(body, material, poisson)
         if ratio > _NEARLY_HALF:
-            yield (
-                f"materials.{name}.poisson: {ratio:g} is nearly incompressible, and '{body}' "
-                "will be too stiff, the more so the closer to 0.5 it is (locking); "
-                f"method.volumetric: mean keeps it from that{_boxes(case)}"
-            )
+            found.setdefault((name, ratio), []).append(body)
+    for (name, ratio), bodies in found.items():
+        yield (
+            f"materials.{name}.poisson: {ratio:g} is nearly incompressible, and {_named(bodies)} "
+            "will be too stiff, the more so the closer to 0.5 it is (locking); "
+            f"method.volumetric: mean keeps it from that{_boxes(case)}"
+        )
 
 
 def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[str]:
@@ -37,14 +43,24 @@ def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
 
     None for liquids, grains and bodies that `locking` warns of. Parameters as in `locking`.
     """
+    found: dict[str, list[str]] = {}
     for body, name, material in _pointwise(case):
         plastic = "plastic-work" in material.LOSSES and not material.VOLUME_ONLY
         if plastic and not _ratio(body, material, poisson) > _NEARLY_HALF:
-            yield (
-                f"materials.{name}: '{body}' flows plastically, where particles of one cell get "
-                "different pressures (stripes of stress) and too much strength (locking); "
-                f"method.volumetric: mean keeps it from that{_boxes(case)}"
-            )
+            found.setdefault(name, []).append(body)
+    for name, bodies in found.items():
+        flow = "flows" if len(bodies) == 1 else "flow"
+        yield (
+            f"materials.{name}: {_named(bodies)} {flow} plastically, where particles of one cell "
+            "get different pressures (stripes of stress) and too much strength (locking); "
+            f"method.volumetric: mean keeps it from that{_boxes(case)}"
+        )
+
+
+def _named(bodies: list[str]) -> str:
+    """Names of the first bodies, and the number of the others."""
+    names = ", ".join(f"'{body}'" for body in bodies[:_NAMED])
+    return names + (f" and {len(bodies) - _NAMED} more" if len(bodies) > _NAMED else "")
 
 
 def _pointwise(case: Case) -> Iterator[tuple[str, str, Any]]:
