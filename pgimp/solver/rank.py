@@ -242,16 +242,18 @@ class Rank:
         population = self.population
         self.keeping.finish(self.ledger, int(self.grid.window.lower[0]))
         self.particle_steps += self.count
-        self.clamped += sum(report.clamped for report in reports)
-        self.held += sum(report.held for report in reports)
-        failed = [number for report in reports for number in report.failed]
+        found, outflow, failed = 0, 0, list[int]()
+        for report in reports:
+            self.clamped += report.clamped
+            self.held += report.held
+            failed += report.failed
+            found, outflow = found + len(report.changed), outflow + report.outflow
         if sum(failed):
             self._list_errors(failed)
-        found = sum(len(report.changed) for report in reports)
         changed = population.changed[:found]
         if len(reports) > 1:
             changed.sort()
-        if any(report.outflow for report in reports):
+        if outflow:
             self._remove_outflow(changed)
         arrived = changed
         if found or self.migrates:

@@ -101,7 +101,9 @@ def update_particles(
     found : sequence of RangeReport
         Reports of the earlier ranges; this one writes behind them.
     """
-    first = sum(len(report.changed) for report in found)
+    first = 0
+    for report in found:
+        first += len(report.changed)
     buffers = rank.error_buffer[len(groups) * len(found) :]
     moved, rate, outflow, clamped, held = 0, 0.0, 0, 0, 0
     failed: list[int] = []
