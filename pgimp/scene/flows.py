@@ -11,6 +11,9 @@ from pgimp.kernels.grid.mirror import Mirror
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.faces import Face
 
+#: Most bodies that are calmed where there is contact: each needs a field of its own.
+MOST_CALMED = 16
+
 
 class SceneFlows:
     """Liquids, grains and loose soils of a scene.
@@ -43,7 +46,7 @@ class SceneFlows:
         Greatest J without voids, for flowing bodies without a gap; 0 for others.
     fields : tuple of int
         Number of each body's field of J. Flowing bodies of a material share one, except calmed
-        bodies where there is contact, as neighbours may slide along each other; see `fields_of`.
+        bodies where there is contact, as neighbours may slide along each other.
     relaxes : bool
         Whether there are flowing bodies without a gap.
     calms : (bodies,) float64
@@ -75,9 +78,12 @@ class SceneFlows:
         self.gap, self.most = gaps[material_of], most[material_of] * (self.rates > 0.0)
         grains = np.array([calms and entry.RESTS and not entry.LIQUID for entry in materials])
         self.calms = 1.0 * (grains[material_of] & (self.rates > 0.0))
-        self._of_materials = number[material_of]
+        if pairs is not None and np.count_nonzero(self.calms) > MOST_CALMED:
+            self.calms[:] = 0.0
+        # A field keeps its number for ever: sums over fields have one order, also after a resume.
         apart = np.arange(len(material_of)) if pairs is not None else material_of
-        self.fields = self.fields_of(apart)
+        keys = np.stack([number[material_of], self.calms * (apart + 1)], axis=1)
+        self.fields = tuple(int(i) for i in np.unique(keys, axis=0, return_inverse=True)[1].ravel())
         self.relaxes = bool(own.any())
         self.walls = [
             Mirror(face.axis, face.side, n, False, False)
@@ -87,14 +93,6 @@ class SceneFlows:
         self.sides = np.zeros(6, bool)
         for wall in self.walls:
             self.sides[2 * wall.axis + (wall.side > 0)] = True
-
-    def fields_of(self, apart: Sequence[int] | np.ndarray) -> tuple[int, ...]:
-        """Numbers of the bodies' fields; calmed bodies with different numbers `apart` differ.
-
-        Bodies of one field are calmed at one rate: different rates would not conserve momentum.
-        """
-        keys = np.stack([self._of_materials, self.calms * (np.array(apart) + 1)], axis=1)
-        return tuple(int(i) for i in np.unique(keys, axis=0, return_inverse=True)[1].ravel())
 
 
 def _gap_of(entry: Any, dimensions: int) -> int:

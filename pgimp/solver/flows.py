@@ -73,10 +73,8 @@ class Flows:
             return self._idle
         grid, particles = rank.grid, rank.particles
         rank.ledger.filled.fill(0.0)
-        # Bodies of one velocity field cannot meet: so hundreds of bodies need a few fields.
-        contact, flows = rank.contact, self.flows
-        fields = flows.fields_of(contact.fields) if contact.at_vertices else flows.fields
-        self._sums.fit(grid, fields)
+        flows = self.flows
+        self._sums.fit(grid, flows.fields)
         self._sums.add(particles, order, np.arange(grid.planes))
         own, frame = self._sums.grid, self.scene.frame
         for wall in flows.walls:
