@@ -199,3 +199,13 @@ def test_sand_that_has_collapsed_comes_to_rest():
         undone.append((max(lost) - lost[-1]) / most)
     assert left[0] < 0.02 and left[1] > 0.05
     assert undone[0] < 0.005
+
+
+@pytest.mark.parametrize("count", [16, 17])
+def test_many_bodies_that_meet_are_not_calmed(count):
+    """Each would need a field: numbers of fields that bodies share change when a run is resumed."""
+    bodies = {f"g{n}": block([0.25 * n, 0.0], [0.25 * n + 0.25, 0.5]) for n in range(count)}
+    case = blocks(bodies=bodies, contact=[{"bodies": "all"}])
+    flows = start(case).scene.flows
+    assert flows.calms.any() == (count == 16)
+    assert len(set(flows.fields)) == (16 if count == 16 else 1)
