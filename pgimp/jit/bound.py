@@ -25,5 +25,6 @@ class Bound:
         result = kernel(*args)
         if overloads := getattr(kernel, "overloads", None):
             types = tuple(numba.typeof(arg) for arg in args)
-            self._entries[kernel] = overloads[types].entry_point
+            if types in overloads:  # not where the call is only noted
+                self._entries[kernel] = overloads[types].entry_point
         return result

@@ -21,6 +21,7 @@ from numba.extending import overload  # noqa: E402
 
 from pgimp.jit.compiled.cache import KernelCache  # noqa: E402
 from pgimp.jit.compiled.compiler import Compiler  # noqa: E402
+from pgimp.jit.rehearsal import notable  # noqa: E402
 
 Compiler.folder = FOLDER.path
 
@@ -76,6 +77,7 @@ def _kernel(function: Callable, options: dict[str, Any]) -> Any:
     compiled = numba.njit(**options)(function)
     if not options.get("no_cpython_wrapper"):  # parts of kernels: the compiler keeps them itself
         compiled._cache = KernelCache(function, FOLDER.path)  # instead of Numba's, as by cache=True
+        notable(compiled)
     return compiled
 
 

@@ -1,13 +1,13 @@
 """Ranks of one node: shared cores, and the order in which they compile."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from pgimp.mpi.communicator import Communicator
 
-#: A call that compiles a kernel, and its rough compile time in seconds.
+#: A call that compiles a kernel, and a measure of its rough compile time.
 Call = tuple[float, Callable[[], Any]]
 
 
@@ -34,33 +34,29 @@ def one_rank_first(comm: Communicator) -> Iterator[None]:
         node.Free()
 
 
-def shared_out(comm: Communicator, calls: Iterable[Call]) -> None:
-    """Make calls that compile kernels: the ranks of a node share them, then make all; collective.
+def shared_out(comm: Communicator, calls: list[Call]) -> None:
+    """Make calls that compile kernels, shared out to the ranks of a node; collective.
 
-    Kernels compiled by another rank are found in the cache. An error in a call passes through after
-    the others have been released, which then raise it too.
+    Each rank then finds the kernels of the others in the cache. An error in a call passes through
+    after the others have been released.
     """
-    calls = list(calls)
-    if comm.size > 1:
-        from mpi4py import MPI
+    from mpi4py import MPI
 
-        node = comm.Split_type(MPI.COMM_TYPE_SHARED)
-        try:
-            for call in _part(calls, node.rank, node.size):
-                call()
-        finally:
-            node.Barrier()
-            node.Free()
-    for _, call in calls:
-        call()
+    node = comm.Split_type(MPI.COMM_TYPE_SHARED)
+    try:
+        for call in _part(calls, node.rank, node.size):
+            call()
+    finally:
+        node.Barrier()
+        node.Free()
 
 
 def _part(calls: list[Call], rank: int, ranks: int) -> list[Callable[[], Any]]:
     """A rank's part of the calls: the longest first, each to the rank with the least so far."""
     busy, mine = [0.0] * ranks, []
-    for seconds, call in sorted(calls, key=lambda one: -one[0]):
+    for time, call in sorted(calls, key=lambda one: -one[0]):
         first = busy.index(min(busy))
-        busy[first] += seconds
+        busy[first] += time
         if first == rank:
             mine.append(call)
     return mine

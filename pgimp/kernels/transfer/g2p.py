@@ -33,7 +33,9 @@ def materials_of(material_of, body, rows):
 
 
 @kernel
-def grid_to_particles(setting, field, particles, order, layers, forcing, report, ledger):
+def grid_to_particles(
+    setting, field, particles, order, layers, forcing, report, ledger
+) -> tuple[int, int, int, float, int, int]:
     """Advance particles of a rank by one step, and report on them.
 
     A particle at fault stays as computed, in its layer; the others go on. One that has left through

@@ -10,6 +10,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
+from pgimp.jit.rehearsal import marked, needed
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.forces import contact_forces
 from pgimp.kernels.contact.rigid_newton import find_rigid_impulses
@@ -102,7 +103,7 @@ class MultifieldContact(NoContact):
         contact = self.data
         ledger.contact[:, :, CONTACT_AREA] = 0.0
         scene, rigid_bodies = self.scene, self.scene.rigid_bodies
-        if max(self.fields) == 0 and not rigid_bodies:
+        if not needed(max(self.fields) or rigid_bodies):
             return
         if self._where is None:
             self._where = self._find_planes(grid)
@@ -125,7 +126,7 @@ class MultifieldContact(NoContact):
                 contact.vertex_counts,
                 contact.vertex_ranges,
             )
-        found = np.flatnonzero(contact.vertex_counts)
+        found = marked(contact.vertex_counts)
         if len(found):
             order = self._near(grid, rank.population, found)
             self._volumes.add(rank.particles, order, found)

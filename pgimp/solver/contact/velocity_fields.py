@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.colouring import colour_bodies, find_intervals
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.data.frame import Frame
@@ -61,7 +62,7 @@ def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: 
     (pairs, 2) float64
         Ends of an interval for each such pair, along x in cells.
     """
-    if not any(fields):
+    if not needed(any(fields)):
         return np.empty((0, 2))
     numbers, wide, room = np.array(fields, np.int64), 2.0 * steps + reach, 8 * len(fields)
     while True:

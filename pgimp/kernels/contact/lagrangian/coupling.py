@@ -45,6 +45,12 @@ class Coupling(NamedTuple):
     answer: FloatArray
     beyond: FloatArray
 
+    @classmethod
+    def empty(cls) -> "Coupling":
+        """No rows."""
+        none = np.empty((0, 3))
+        return cls(np.zeros(1, np.int64), np.empty(0, np.int64), none, none, none[:, :, None])
+
 
 @inner_kernel
 def _answer(column, entry, first, last, values, part):
@@ -83,7 +89,9 @@ def _value(before, i, q, way):
 
 
 @allocating_kernel
-def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, values):
+def find_coupling(
+    frame, table, now, before, mirrors, contact_pairs, sums, values
+) -> Coupling:
     """Find the rows of B for the contact pairs.
 
     Parameters

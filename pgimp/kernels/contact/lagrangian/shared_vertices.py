@@ -34,6 +34,12 @@ class Patches(NamedTuple):
     numbers: IntArray
     keys: IntArray
 
+    @classmethod
+    def empty(cls) -> "Patches":
+        """No particles."""
+        none = np.empty(0, np.int64)
+        return cls(none, none, np.empty((0, 1), np.int64), none)
+
 
 @inner_kernel
 def _vertex(begin, local, q):
@@ -54,7 +60,7 @@ def _inside(boxes, number):
 
 
 @allocating_kernel
-def find_shared(table, local, within, boxes, contact_vertices):
+def find_shared(table, local, within, boxes, contact_vertices) -> Patches:
     """Find the particles with shared vertices.
 
     Parameters

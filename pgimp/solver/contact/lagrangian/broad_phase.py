@@ -8,6 +8,7 @@ import numpy as np
 
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.contact.lagrangian.broad_phase import Regions, find_near, mark_blocks
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
@@ -161,9 +162,7 @@ class BroadPhase:
     ) -> Regions:
         """Regions with marks near either of their two groups; collective."""
         count, n = len(ends), len(meeting)
-        if count == 0:
-            return no_regions(self.scene.dimension)
-        blocks, size = np.ones((count, ends.shape[2]), np.int64), np.zeros(count, np.int64)
+        blocks, size = np.ones((count, self.scene.dimension), np.int64), np.zeros(count, np.int64)
         for r in range(n):
             size[r] = 1
             while True:
@@ -177,7 +176,7 @@ class BroadPhase:
         marks = np.zeros(first[-1], np.uint8)
         places = np.concatenate([first[:-1], np.zeros(count - n, np.int64)])
         regions = Regions(ends, pairs, blocks, size, places, marks)
-        if n == 0:
+        if not needed(n):
             return regions
         order = population.order
         self.call(mark_blocks, self.scene.frame, population.particles, order, groups, regions)

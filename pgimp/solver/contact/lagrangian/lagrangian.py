@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.jit.bound import Bound
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_contacts, book_mirrored
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
@@ -136,7 +137,7 @@ class LagrangianContact(NoContact):
             free.begin(rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
         looked = self._broad_phase.update(rank.population, self.groups, rigid_bodies, t, rate)
-        if self._broad_phase.any:
+        if needed(self._broad_phase.any):
             self._exchange_near(rank, update, looked)
         if free:
             free.end(rigid_bodies, t.dt)
@@ -154,7 +155,7 @@ class LagrangianContact(NoContact):
         if self.comm.size > 1:
             contact_pairs, coupling, vertices = unite(self.comm, contact_pairs, coupling, vertices)
         self.sweeps = 0
-        if len(contact_pairs.ends) == 0:
+        if not needed(len(contact_pairs.ends)):
             return
         values, free = vertices.values, nothing_held(holding)
         before = values["velocity"].copy()
@@ -204,7 +205,7 @@ class LagrangianContact(NoContact):
                 break
             capacity = pairs
         contact_pairs = contact_pairs.chosen(slice(pairs))
-        if pairs:
+        if needed(pairs):
             hashes = empty_table(len(vertices.keys))
             call(insert_keys, vertices.keys, hashes)
             fields = 1 + max(self.fields, default=0)

@@ -8,6 +8,7 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.jit.bound import Bound
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.cut_supports import narrow_supports
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import (
@@ -203,7 +204,7 @@ class NearParticles:
         """
         if not isinstance(self.scene.shape, BOXES):
             return now, 1.0
-        if not table["cut"].any():
+        if not needed(table["cut"].any()):
             return now, 0.0
         left, scene = self._storage(len(table), "left"), self.scene
         self.call(narrow_supports, scene.shape, scene.frame, table, now, left)
