@@ -127,10 +127,10 @@ class SceneLoads:
             for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.force, t) if self.force else ()
-        mean, around = ((), self.mean) if all(self.lagrangian) else (self.mean, ())
+        mean, mean_lagrangian = ((), self.mean) if all(self.lagrangian) else (self.mean, ())
         return Loads(
             self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean,
-            around, self.rest,
+            mean_lagrangian, self.rest,
         )  # fmt: skip
 
     def _constraints_at(self, start: float, end: float) -> tuple:

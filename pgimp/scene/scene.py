@@ -8,7 +8,7 @@ import numpy as np
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import Frame, InitialFrame, MixedFrame
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.grid.mirror import Mirror
@@ -78,7 +78,7 @@ class Scene:
         The rigid bodies; false if there are none.
     exact : NamedTuple or ()
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
-    setting : Setting
+    setting : KernelScene
         The scene for kernels; `setting_lagrangian` is for bodies in the initial configuration
         beside others.
     placing : Frame, InitialFrame or MixedFrame
@@ -197,7 +197,7 @@ class Scene:
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         start = InitialFrame(*self.frame)
         frame = start if self.initial else self.frame
-        self.setting = Setting(
+        self.setting = KernelScene(
             self.shape, frame, self.identity, self.variations.materials, self.material_of,
             self.tracked, self.exits,
         )  # fmt: skip

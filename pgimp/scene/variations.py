@@ -23,7 +23,7 @@ from pgimp.scene.bodies.lattice import ParticleBlock
 Reals = np.ndarray
 
 
-class Own(NamedTuple):
+class ParticleParameters(NamedTuple):
     """Parameters of particles whose material varies, (n, ...) each.
 
     Attributes
@@ -116,7 +116,7 @@ class Variations:
 
         return Field(values, f"{'.'.join(path)} of the particle's material: {meaning}")
 
-    def of(self, block: ParticleBlock, material: int) -> Own | None:
+    def of(self, block: ParticleBlock, material: int) -> ParticleParameters | None:
         """Return the particles' own parameters; None if their material is uniform.
 
         Raises
@@ -130,7 +130,7 @@ class Variations:
         with located(self.case):
             return self._of(block, material, layout)
 
-    def _of(self, block: ParticleBlock, material: int, layout: Layout) -> Own:
+    def _of(self, block: ParticleBlock, material: int, layout: Layout) -> ParticleParameters:
         body = list(self.case.bodies)[block.body]
         name = self.names[material]
         entry = self.case.materials[name]
@@ -147,7 +147,7 @@ class Variations:
                 ) from None
         distinct, which = np.unique(values, axis=0, return_inverse=True)
         which, make, pack = which.reshape(-1), entry.maker(), layout.packer()
-        found = Own(
+        found = ParticleParameters(
             np.zeros((len(distinct), self.width)), np.empty(len(distinct)), np.empty(len(distinct)),
             np.zeros((len(distinct), self._states)), distinct,
         )  # fmt: skip
@@ -168,7 +168,7 @@ class Variations:
             found.columns[i, : layout.width] = carried
             found.density[i], found.pressure[i] = parameters.density, one.initial_pressure
             found.state[i] = initial_row(parameters, self.case.dimensions, self._states)
-        return Own(*(part[which] for part in found))
+        return ParticleParameters(*(part[which] for part in found))
 
     def _particle(self, block: ParticleBlock, row: int, body: str) -> str:
         """Name a particle, by the line of its file or by its position."""

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.decomposition.population import Population
-from pgimp.kernels.data.arguments import Forcing, Order, Setting
+from pgimp.kernels.data.arguments import Forcing, KernelScene, Order
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.order.split import split_order
 from pgimp.kernels.sums.sums import fastest_rate
@@ -24,19 +24,19 @@ class ConfigurationGroup(NamedTuple):
 
     Attributes
     ----------
-    setting : Setting
+    setting : KernelScene
         The scene for kernels.
     order : Order
         The particles; all groups have the same layers.
-    places : (n,) int32 or None
+    rank_in_order : (n,) int32 or None
         Their offsets in the order of all particles; None if they are all.
     lagrangian : bool
         Whether they are in the initial configuration, beside others.
     """
 
-    setting: Setting
+    setting: KernelScene
     order: Order
-    places: np.ndarray | None = None
+    rank_in_order: np.ndarray | None = None
     lagrangian: bool = False
 
     def bounded(self, scene: Scene, field: Any) -> Any:
@@ -47,7 +47,7 @@ class ConfigurationGroup(NamedTuple):
         """The loads on these particles."""
         if not self.lagrangian:
             return loads
-        return loads._replace(mean=(), around=() if isinstance(loads.mean, tuple) else 1.0)
+        return loads._replace(mean=(), mean_lagrangian=() if isinstance(loads.mean, tuple) else 1.0)
 
     def forced(self, forcing: Forcing) -> Forcing:
         """The forcing of these particles."""
@@ -61,10 +61,10 @@ def groups_by_configuration(scene: Scene, population: Population) -> tuple[Confi
     order = population.ordered
     if not scene.mixed:
         return (ConfigurationGroup(scene.setting, order),)
-    places = np.empty((2, len(order.rows)), np.int32)
+    rank_in_order = np.empty((2, len(order.rows)), np.int32)
     ends = np.empty((2, len(order.start)), np.int64)
-    split_order(scene.lagrangian, population.particles.body, *order, places, ends)
-    found = [places[i, : ends[i, -1]] for i in range(2)]
+    split_order(scene.lagrangian, population.particles.body, *order, rank_in_order, ends)
+    found = [rank_in_order[i, : ends[i, -1]] for i in range(2)]
     orders = [Order(order.rows[found[i]], ends[i]) for i in range(2)]
     return (
         ConfigurationGroup(scene.setting, orders[0], found[0]),

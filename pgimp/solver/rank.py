@@ -294,7 +294,7 @@ class Rank:
         found = np.concatenate(
             [buffer[:n] for buffer, n in zip(self.error_buffer, numbers, strict=False)]
         )
-        place = np.empty(self.particles.capacity, np.int64)
-        place[self.population.order] = np.arange(self.count)
+        rank_in_order = np.empty(self.particles.capacity, np.int64)
+        rank_in_order[self.population.order] = np.arange(self.count)
         self.failed = sum(numbers)
-        self.errors = found[np.argsort(place[found[:, 0]])][:MOST_LISTED]
+        self.errors = found[np.argsort(rank_in_order[found[:, 0]])][:MOST_LISTED]

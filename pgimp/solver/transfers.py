@@ -114,8 +114,8 @@ def update_particles(
             rank.particles, group.order, layers, group.forced(forcing),
             Report(rank.vertex_bounds, mine, errors), rank.ledger,
         )  # fmt: skip
-        if away and group.places is not None:
-            mine[:away] = group.places[mine[:away]]
+        if away and group.rank_in_order is not None:
+            mine[:away] = group.rank_in_order[mine[:away]]
         failed.append(wrong)
         rate, moved, outflow = max(rate, fastest), moved + away, outflow + left
         clamped, held = clamped + narrow, held + kept

@@ -56,7 +56,7 @@ def on_vertices(forcing: Forcing) -> Forcing:
 
 def on_particles(forcing: Forcing) -> Forcing:
     """The forcing without vertex-only loads; see `on_vertices`."""
-    return forcing._replace(loads=forcing.loads._replace(walls=()), marked=(), clearances=())
+    return forcing._replace(loads=forcing.loads._replace(approached=()), marked=(), clearances=())
 
 
 def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:

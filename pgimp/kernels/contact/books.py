@@ -16,7 +16,7 @@ from pgimp.kernels.data.ledger import (
     RIGID_WORK,
     TANGENTIAL_IMPULSE,
 )
-from pgimp.kernels.rigid.bodies import move_freely, place_of
+from pgimp.kernels.rigid.bodies import move_freely, position_of
 
 
 @inner_kernel
@@ -52,7 +52,7 @@ def book(contact, holding, number, pair, part, last, ledger, plane):
     booked[LOSS] += part * loss
     if last and row.normal_impulse != 0.0:
         booked[CONTACT_AREA] += row.area
-    x = place_of(holding.frame, number)
+    x = position_of(holding.frame, number)
     book_rigid_bodies(contact, contact.rigid_bodies, x, pair, part, (u, v), ledger, plane)
 
 

@@ -67,7 +67,7 @@ class Contact(NamedTuple):
         Number of the contact vertices in each plane.
     vertex_ranges : (planes,) VERTEX_RANGE
         Range of these vertices in each plane, see `select_near`.
-    places, bodies : (fields,) int64
+    offsets, bodies : (fields,) int64
         Scratch: offsets of the fields' records at a vertex, and their bodies.
     fields : (fields,) FIELD_STATE
         Scratch: their states.
@@ -86,7 +86,7 @@ class Contact(NamedTuple):
     volumes: np.ndarray
     vertex_counts: np.ndarray
     vertex_ranges: np.ndarray
-    places: np.ndarray
+    offsets: np.ndarray
     bodies: np.ndarray
     fields: np.ndarray
     ends: np.ndarray

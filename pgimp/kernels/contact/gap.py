@@ -67,13 +67,14 @@ def find_pairs(contact, frame, sides, count, rigid, dt):
                         continue
                 elif fields[a].filled < LEAST_HELD or fields[b].filled < LEAST_FILLED:
                     continue
-                if not _find_gap(frame, fields, one, other, sides, row):
+                length = _find_normal(frame, fields, one, other, sides, row)
+                if length == 0.0:
                     continue
                 if b >= count - rigid and fields[a].filled < _least_held(row):
                     continue
                 excess = max(fields[one].curvature_gap + fields[other].curvature_gap, 0.0)
-                bent = excess * _volume(frame, sides) / row.gap_rate**2
-                gap = row.gap_rate * _gap(fields[one], fields[other], row, missing, bent)
+                bent = excess * _volume(frame, sides) / length**2
+                gap = length * _gap(fields[one], fields[other], row, missing, bent)
                 row.gap_rate = max(gap - excess, 0.0) / dt
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]
                 if row.gap_rate * dt < reach:
@@ -123,10 +124,10 @@ def _gap(a, b, row, missing, bent):
 
 
 @inner_kernel
-def _find_gap(frame, fields, a, b, sides, row):
-    """Set normal, from `a` to `b`, and, as `gap_rate`, the cell's length along the normal.
+def _find_normal(frame, fields, a, b, sides, row):
+    """Set the normal, from `a` to `b`; returns the cell's length along it, 0 without a surface.
 
-    Returns whether there is a surface. A cut by a wall is no contact surface: on a wall the normal
+    A cut by a wall is no contact surface: on a wall the normal
     is along the wall, unless bodies lie on each other there. With a rigid body, its exact normal is
     used.
     """
@@ -149,8 +150,7 @@ def _find_gap(frame, fields, a, b, sides, row):
         side *= frame.cell[d]
     length = sqrt(square)
     if not sqrt(along) > LEAST_NORMAL * side:
-        return False
+        return 0.0
     for d in range(3):
         row.normal[d] /= length
-    row.gap_rate = length / sqrt(along)
-    return True
+    return length / sqrt(along)

@@ -31,7 +31,7 @@ def held_field_velocity(contact, holding, number, a, last):
     v = (row.velocity[0], row.velocity[1], row.velocity[2])
     if row.mass == inf:
         return v
-    return held_velocity(holding, number, contact.places[a], v, last)
+    return held_velocity(holding, number, contact.offsets[a], v, last)
 
 
 @inner_kernel
@@ -49,7 +49,7 @@ def find_held(contact, holding, number, count, rigid, last):
         for d in range(3):
             moves = d < len(holding.frame.cell)
             row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 1.0 / row.mass if moves else 0.0
-        if not (near or is_marked(holding.forcing.marked, contact.places[a])):
+        if not (near or is_marked(holding.forcing.marked, contact.offsets[a])):
             continue
         if speed < 0.0:
             speed = _fastest(contact.fields, count + rigid)

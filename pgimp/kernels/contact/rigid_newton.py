@@ -17,7 +17,7 @@ from pgimp.kernels.contact.vertex import contact_at_vertex
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.rigid.bodies import (
     lever,
-    place_of,
+    position_of,
 )
 from pgimp.physics.contact.base import TIED
 
@@ -111,7 +111,7 @@ def _add(contact, rigid_bodies, holding, number, pair, count, plane):
     sign = -1.0 if rigid == a else 1.0
     answer, x, motion = (
         rigid_bodies.responses[plane, free],
-        place_of(holding.frame, number),
+        position_of(holding.frame, number),
         rigid_bodies.motion[t],
     )
     arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])

@@ -10,13 +10,14 @@ from pgimp.kernels.contact.data import (
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.law import exchange, find_held
 from pgimp.kernels.contact.select import clear_range, include
-from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.data.record import ACCELERATION, FORCE, MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size, has_several
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.grid.faces import on_walls, wall_sides
 from pgimp.kernels.loads.loads import relaxed_part
-from pgimp.kernels.rigid.bodies import place_of
+from pgimp.kernels.rigid.bodies import position_of
 from pgimp.kernels.rigid.fill import fill
+from pgimp.kernels.transfer.contribution import VOLUME_CORRECTION
 
 
 @kernel
@@ -92,14 +93,14 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
             if pairs == 0:
                 continue
             for a in range(count):
-                place = contact.places[a]
+                offset = contact.offsets[a]
                 for d in range(3):
                     change = contact.fields[a].velocity[d] - contact.fields[a].velocity_before[d]
                     if last:
-                        field.G[place + VELOCITY + d] += change
-                        field.G[place + ACCELERATION + d] += change / dt
+                        field.G[offset + VELOCITY + d] += change
+                        field.G[offset + ACCELERATION + d] += change / dt
                     else:
-                        field.G[place + MOMENTUM + d] += contact.fields[a].mass * change
+                        field.G[offset + MOMENTUM + d] += contact.fields[a].mass * change
             # Particles get a part of the first pass, by which they relax to the grid.
             part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
             if part > 0.0 and i < field.owned:
@@ -126,10 +127,10 @@ def contact_at_vertex(contact, holding, field, number, r, last):
     if pairs == 0:
         return 0, 0
     for a in range(count):
-        place = contact.places[a]
+        offset = contact.offsets[a]
         inverse = 1.0 if last else 1.0 / contact.fields[a].mass
         for d in range(3):
-            v = field.G[place + VELOCITY + d] * inverse
+            v = field.G[offset + VELOCITY + d] * inverse
             contact.fields[a].velocity[d] = contact.fields[a].velocity_before[d] = v
     held = find_held(contact, holding, number, count, rigid, last)
     for _ in range(SWEEPS if held or pairs > 1 else 1):
@@ -150,17 +151,17 @@ def _find_fields(contact, faces, frame, field, r, number):
         cell *= frame.cell[d]
     count = 0
     for f in range(field_count(field.window)):
-        place = r + f * size
-        if not (G[place + MASS] > 0.0 and V[place + MASS] > 0.0):
+        offset = r + f * size
+        if not (G[offset + MASS] > 0.0 and V[offset + MASS] > 0.0):
             continue
-        contact.places[count] = place
-        contact.bodies[count] = int(V[place + MOMENTUM] / V[place + MASS] + 0.5) - 1
-        contact.fields[count].mass = G[place + MASS]
-        contact.fields[count].filled = (V[place + MASS] + V[place + HELD]) / cell
-        cut = V[place + MOMENTUM + 2]
-        contact.fields[count].curvature_gap = V[place + MOMENTUM + 1] / cut if cut > 0.0 else 0.0
+        contact.offsets[count] = offset
+        contact.bodies[count] = int(V[offset + MOMENTUM] / V[offset + MASS] + 0.5) - 1
+        contact.fields[count].mass = G[offset + MASS]
+        contact.fields[count].filled = (V[offset + MASS] + V[offset + VOLUME_CORRECTION]) / cell
+        cut = V[offset + MOMENTUM + 2]
+        contact.fields[count].curvature_gap = V[offset + MOMENTUM + 1] / cut if cut > 0.0 else 0.0
         for d in range(3):
-            contact.fields[count].surface[d] = V[place + FORCE + d]
+            contact.fields[count].surface[d] = V[offset + FORCE + d]
         count += 1
     return count
 
@@ -187,9 +188,9 @@ def _load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last)
                 continue
             row, motion = contact.fields[found], rigid_bodies.motion[t]
             velocity = motion.velocity_after if last else motion.velocity_before
-            contact.places[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
+            contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
             row.mass, row.filled, row.curvature_gap = inf, point.filled, point.curvature_gap
-            x = place_of(frame, number)
+            x = position_of(frame, number)
             arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
             for d in range(3):
                 e, f = (d + 1) % 3, (d + 2) % 3

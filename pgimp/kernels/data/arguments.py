@@ -12,7 +12,7 @@ from pgimp.kernels.data.frame import Frame, Window
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
 
-class Setting(NamedTuple):
+class KernelScene(NamedTuple):
     """The scene for kernels; constant during a run.
 
     Attributes
@@ -65,7 +65,7 @@ class Order(NamedTuple):
     start: IntArray
 
 
-class Batch(NamedTuple):
+class FourParticles(NamedTuple):
     """Four particles of a layer, computed together.
 
     Attributes
@@ -148,7 +148,7 @@ class Forcing(NamedTuple):
         The constraints, see `pgimp.kernels.grid.constraints`.
     marked : (constraints, mask) or ()
         The constraints and their vertices, see `constrained_velocity`.
-    walls : (6, WALL) float64
+    position_limits : (6, WALL) float64
         The faces that hold particles, see `pgimp.kernels.grid.position_limits`.
     controlled : bool or float
         Whether the next step depends on the particles' speeds.
@@ -166,7 +166,7 @@ class Forcing(NamedTuple):
     loads: Any
     constraints: tuple
     marked: tuple
-    walls: FloatArray
+    position_limits: FloatArray
     controlled: bool | float
     clearances: Any = ()
     filling: Any = ()

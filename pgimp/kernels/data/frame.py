@@ -29,9 +29,10 @@ class Frame(NamedTuple):
 class InitialFrame(Frame):
     """Position of a grid of the initial configuration (total Lagrangian).
 
-    In kernels that get it, in a `Setting`, weights are taken at the particles' initial positions,
-    with gradients by these. Forces come from the first Piola-Kirchhoff stress, and particles keep
-    their layer. Kernels choose by its type, so that other scenes are compiled as without it.
+    In kernels that get it, in a `KernelScene`, weights are taken at the particles' initial
+    positions, with gradients by these. Forces come from the first Piola-Kirchhoff stress, and
+    particles keep their layer. Kernels choose by its type, so that other scenes are compiled as
+    without it.
     """
 
     __slots__ = ()

@@ -10,7 +10,7 @@ import numpy as np
 #: tangential impulse; friction heat; energy lost in impacts; area.
 IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
 
-#: Columns of `Ledger.walls`, for each face: heat of friction; energy lost in impacts.
+#: Columns of `Ledger.wall_energy`, for each face: heat of friction; energy lost in impacts.
 WALL_HEAT, WALL_LOSS, WALL_BOOKED = 0, 1, 2
 
 #: Columns of `Ledger.rigid_bodies`, accumulated for each rigid body: received impulse and angular
@@ -35,7 +35,7 @@ class Ledger(NamedTuple):
         Mass beyond each face in the last step.
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
-    walls : (planes, faces, WALL_BOOKED) float64
+    wall_energy : (planes, faces, WALL_BOOKED) float64
         Energy taken by each unilateral face, or each face that holds all components; else zeros.
     contact : (planes, entries, BOOKED) float64
         Sums of each entry of contact.
@@ -51,7 +51,7 @@ class Ledger(NamedTuple):
     impulse: np.ndarray
     outside_mass: np.ndarray
     constraint_impulse: np.ndarray
-    walls: np.ndarray
+    wall_energy: np.ndarray
     contact: np.ndarray
     rigid_bodies: np.ndarray
     escaped: np.ndarray
@@ -95,5 +95,5 @@ class Ledger(NamedTuple):
 
     def datasets(self) -> dict[str, np.ndarray]:
         """Return the sums by their names in checkpoints."""
-        stored = {"outside_mass": "beyond", "rigid_bodies": "tools"}
+        stored = {"outside_mass": "beyond", "wall_energy": "walls", "rigid_bodies": "tools"}
         return {stored.get(name, name): sums for name, sums in self._asdict().items()}

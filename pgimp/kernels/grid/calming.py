@@ -93,38 +93,38 @@ def _find_motion(calming, field, i, first, count, size):
     return find
 
 
-def keep_gain(calming, frame, particles, p, A, scratch, place):
-    """Store the velocity gain of particle `p` at `place`; `A` is its gathered (1, w)."""
+def keep_gain(calming, frame, particles, p, A, scratch, offset):
+    """Store the velocity gain of particle `p` at `offset`; `A` is its gathered (1, w)."""
 
 
 @specialise(keep_gain)
-def _keep_gain(calming, frame, particles, p, A, scratch, place):
+def _keep_gain(calming, frame, particles, p, A, scratch, offset):
     if not hasattr(calming, "instance_class"):  # ()
-        return lambda calming, frame, particles, p, A, scratch, place: None
+        return lambda calming, frame, particles, p, A, scratch, offset: None
     D = len(frame.types[0])
 
-    def keep(calming, frame, particles, p, A, scratch, place):
+    def keep(calming, frame, particles, p, A, scratch, offset):
         part, v = part_of(calming, particles, p), particles.v
         y = part * (lane(A, 2) - v[p, 1]) if D > 1 else 0.0
         z = part * (lane(A, 3) - v[p, 2]) if D > 2 else 0.0
-        store(scratch, place, pack(part * (lane(A, 1) - v[p, 0]), y, z, 0.0))
+        store(scratch, offset, pack(part * (lane(A, 1) - v[p, 0]), y, z, 0.0))
 
     return keep
 
 
-def with_gains(calming, v, scratch, place):
-    """Velocities v of four particles with the gains that `keep_gain` has stored from `place` on."""
+def with_gains(calming, v, scratch, offset):
+    """Velocities v of four particles with the gains that `keep_gain` stored from `offset` on."""
 
 
 @specialise(with_gains)
-def _with_gains(calming, v, scratch, place):
+def _with_gains(calming, v, scratch, offset):
     if not hasattr(calming, "instance_class"):  # ()
-        return lambda calming, v, scratch, place: v
+        return lambda calming, v, scratch, offset: v
 
-    def gained(calming, v, scratch, place):
+    def gained(calming, v, scratch, offset):
         gain = transpose(
-            load(scratch, place), load(scratch, place + 4), load(scratch, place + 8),
-            load(scratch, place + 12),
+            load(scratch, offset), load(scratch, offset + 4), load(scratch, offset + 8),
+            load(scratch, offset + 12),
         )  # fmt: skip
         return plus_first(v, gain)
 

@@ -11,8 +11,8 @@ from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.constraint_flags import LEAST_WEIGHT
 from pgimp.kernels.transfer.cornertransfer import corner
-from pgimp.kernels.transfer.lane_io import LANES, four
-from pgimp.kernels.transfer.supports import SUPPORT_SIZE, entry, extent, first_place, supports
+from pgimp.kernels.transfer.lane_io import LANES, four_rows
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, entry, extent, first_offset, supports
 from pgimp.kernels.transfer.transfer import Support
 from pgimp.physics.shapes.base import by_corners
 
@@ -30,63 +30,63 @@ def _any_held_of(particles, rows):
     return any_held
 
 
-def _mark(shape, mask, bit, place, support, d, stride, like):
+def _mark(shape, mask, bit, offset, support, d, stride, like):
     """Set a bit at the vertices in a particle's support; `like` has its number of directions."""
 
 
 @specialise(_mark)
-def _mark_along(shape, mask, bit, place, support, d, stride, like):
+def _mark_along(shape, mask, bit, offset, support, d, stride, like):
     if len(like) == 0:
 
-        def vertex(shape, mask, bit, place, support, d, stride, like):
-            mask[place // RECORD] |= bit
+        def vertex(shape, mask, bit, offset, support, d, stride, like):
+            mask[offset // RECORD] |= bit
 
         return vertex
 
-    def line(shape, mask, bit, place, support, d, stride, like):
+    def line(shape, mask, bit, offset, support, d, stride, like):
         buffer, j = support
         for i in range(extent(shape, buffer, d, j)):
             if entry(buffer, d, 0, i, j) >= LEAST_WEIGHT:
-                at = place + i * stride[0]
+                at = offset + i * stride[0]
                 _mark(shape, mask, bit, at, support, d + 1, stride[1:], like[1:])
 
     return line
 
 
-def _mark_cell(mask, bit, place, w, t, stride):
+def _mark_cell(mask, bit, offset, w, t, stride):
     """Set a bit at the vertices round the position t in a cell, as `spread` in `cornertransfer`."""
 
 
 @specialise(_mark_cell)
-def _mark_cell_along(mask, bit, place, w, t, stride):
-    def vertex(mask, bit, place, w, t, stride):
+def _mark_cell_along(mask, bit, offset, w, t, stride):
+    def vertex(mask, bit, offset, w, t, stride):
         if w >= LEAST_WEIGHT:
-            mask[place // RECORD] |= bit
+            mask[offset // RECORD] |= bit
 
-    def both(mask, bit, place, w, t, stride):
-        _mark_cell(mask, bit, place, w * (1.0 - t[0]), t[1:], stride[1:])
-        _mark_cell(mask, bit, place + stride[0], w * t[0], t[1:], stride[1:])
+    def both(mask, bit, offset, w, t, stride):
+        _mark_cell(mask, bit, offset, w * (1.0 - t[0]), t[1:], stride[1:])
+        _mark_cell(mask, bit, offset + stride[0], w * t[0], t[1:], stride[1:])
 
     return vertex if len(t) == 0 else both
 
 
-def _mark_support(shape, mask, bit, place, support, stride, like):
+def _mark_support(shape, mask, bit, offset, support, stride, like):
     """Set a bit at the vertices in a particle's support, for any kind of support."""
 
 
 @specialise(_mark_support)
-def _mark_support_of(shape, mask, bit, place, support, stride, like):
+def _mark_support_of(shape, mask, bit, offset, support, stride, like):
     corners, part = 2 ** len(like), 0.5 ** len(like)
 
-    def by_all(shape, mask, bit, place, support, stride, like):
+    def by_all(shape, mask, bit, offset, support, stride, like):
         for c in range(corners):
             t, cell = corner(support.buffer, c, support.j, like)
-            _mark_cell(mask, bit, place + cell, part, t, stride)
+            _mark_cell(mask, bit, offset + cell, part, t, stride)
 
     if by_corners(shape):
         return by_all
-    return lambda shape, mask, bit, place, support, stride, like: _mark(
-        shape, mask, bit, place, support, 0, stride, like
+    return lambda shape, mask, bit, offset, support, stride, like: _mark(
+        shape, mask, bit, offset, support, 0, stride, like
     )
 
 
@@ -97,7 +97,7 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
     Parameters
     ----------
     setting, window, particles, order
-        See `Setting`, `Window`, `Particles`, `Order`.
+        See `KernelScene`, `Window`, `Particles`, `Order`.
     mask : (planes * plane / 8,) int64
         Grows: bit k of a vertex is set where constraint k holds it.
     """
@@ -106,7 +106,7 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
     for layer in range(len(start) - 1):
         plane = layer + window.lower[0]
         for k in range(start[layer], start[layer + 1], LANES):
-            rows = four(rows_of_all, k, start[layer + 1])
+            rows = four_rows(rows_of_all, k, start[layer + 1])
             if not _any_held(particles, rows):
                 continue
             supports(shape, frame, window, particles, rows, plane, buffer, ())
@@ -114,7 +114,7 @@ def mark_constrained_vertices(setting, window, particles, order, mask):
                 p = rows_of_all[k + j]
                 number = particles.constraint[p, 0]
                 if number > 0:
-                    place = first_place(buffer, j) + layer * window.stride[0]
+                    offset = first_offset(buffer, j) + layer * window.stride[0]
                     bit = 1 << (number - 1)
                     support = Support(buffer, j)
-                    _mark_support(shape, mask, bit, place, support, window.stride, frame.origin)
+                    _mark_support(shape, mask, bit, offset, support, window.stride, frame.origin)

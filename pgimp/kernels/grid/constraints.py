@@ -115,13 +115,13 @@ def apply_constraints(field, forcing, ledger):
                         work[i] += change * last[d]
 
 
-def constrain_particles(constraints, particles, batch, u, v, ledger):
-    """Velocities of a batch, and velocities of its motion, after its constraints.
+def constrain_particles(constraints, particles, four, u, v, ledger):
+    """Velocities of four particles, and velocities of its motion, after its constraints.
 
     Parameters
     ----------
-    particles, batch
-        See `Particles`, `Batch`.
+    particles, four
+        See `Particles`, `FourParticles`.
     u, v : tuple of Vec4
         For each direction, the velocities of four particles.
     ledger : Ledger
@@ -150,26 +150,26 @@ def _held_by_each(constraints, k, number, m, u, v, ledger, plane):
     return held
 
 
-def _hold(one, d, chosen, m, u, v, ledger, place):
+def _hold(one, d, chosen, m, u, v, ledger, entry):
     """Apply one constraint in the directions from `d` on, one vector each of `u` and `v`.
 
-    `place` is the plane and the constraint's number in the ledger.
+    `entry` is the plane and the constraint's number in the ledger.
     """
 
 
 @specialise(_hold)
-def _hold_along(one, d, chosen, m, u, v, ledger, place):
+def _hold_along(one, d, chosen, m, u, v, ledger, entry):
     if len(u) == 0:
-        return lambda one, d, chosen, m, u, v, ledger, place: (u, v)
+        return lambda one, d, chosen, m, u, v, ledger, entry: (u, v)
 
-    def hold(one, d, chosen, m, u, v, ledger, place):
-        U, V = _hold(one, d + 1, chosen, m, u[1:], v[1:], ledger, place)
+    def hold(one, d, chosen, m, u, v, ledger, entry):
+        U, V = _hold(one, d + 1, chosen, m, u[1:], v[1:], ledger, entry)
         if not one.held[d]:
             return (u[0], *U), (v[0], *V)
         prescribed = one.velocity[d]
         given = where(chosen, m * (prescribed - v[0]), 0.0)
         total = (lane(given, 0) + lane(given, 1)) + (lane(given, 2) + lane(given, 3))
-        plane, k = place
+        plane, k = entry
         ledger.constraint_impulse[plane, k, d] += total
         ledger.work[plane] += total * prescribed
         return (where(chosen, prescribed, u[0]), *U), (where(chosen, prescribed, v[0]), *V)
@@ -178,19 +178,19 @@ def _hold_along(one, d, chosen, m, u, v, ledger, place):
 
 
 @specialise(constrain_particles)
-def _constrain_particles(constraints, particles, batch, u, v, ledger):
+def _constrain_particles(constraints, particles, four, u, v, ledger):
     if len(constraints) == 0:
-        return lambda constraints, particles, batch, u, v, ledger: (u, v)
+        return lambda constraints, particles, four, u, v, ledger: (u, v)
 
-    def constrain_particles(constraints, particles, batch, u, v, ledger):
-        column, rows = particles.constraint, batch.rows
+    def constrain_particles(constraints, particles, four, u, v, ledger):
+        column, rows = particles.constraint, four.rows
         number = pack(
             float(column[rows[0], 0]), float(column[rows[1], 0]),
             float(column[rows[2], 0]), float(column[rows[3], 0]),
         )  # fmt: skip
         if bits(number > 0.0) == 0:
             return u, v
-        m = where(pack(0.0, 1.0, 2.0, 3.0) < batch.size, take(particles.m, rows), 0.0)
-        return _held(constraints, 0, number, m, u, v, ledger, batch.layer)
+        m = where(pack(0.0, 1.0, 2.0, 3.0) < four.size, take(particles.m, rows), 0.0)
+        return _held(constraints, 0, number, m, u, v, ledger, four.layer)
 
     return constrain_particles

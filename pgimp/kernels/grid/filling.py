@@ -36,7 +36,7 @@ from pgimp.kernels.data.frame import Window
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
 from pgimp.kernels.grid.calming import find_motion
-from pgimp.kernels.grid.mirror import mirror_places, vertices_beyond
+from pgimp.kernels.grid.mirror import beyond_count, image_of
 from pgimp.kernels.rigid.fill import fill
 from pgimp.kernels.transfer.first_vertex import deformation
 
@@ -64,9 +64,9 @@ class FillingSums(NamedTuple):
     force: tuple[()] = ()
     relaxation: tuple[()] = ()
     affine: float = 1.0
-    walls: tuple[()] = ()
+    approached: tuple[()] = ()
     mean: tuple[()] = ()
-    around: tuple[()] = ()
+    mean_lagrangian: tuple[()] = ()
     most: Any = ()
     calming: Any = ()
 
@@ -171,21 +171,14 @@ def fold_filling(frame, field, mirror):
     mirror : Mirror
         The wall.
     """
-    window, G, active = field.window, field.G, field.active
-    i0, i1 = vertices_beyond(frame, window, mirror, 0)
-    j0, j1 = vertices_beyond(frame, window, mirror, 1)
-    k0, k1 = vertices_beyond(frame, window, mirror, 2)
+    window, G = field.window, field.G
     for f in range(field_count(window)):
         begin = f * field_size(window)
-        for i in range(i0, i1):
-            if active[i] == 0 or not is_used(field, i, f):
-                continue
-            for j in range(j0, j1):
-                for k in range(k0, k1):
-                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
-                    if r >= 0 and is_used(field, r // window.stride[0], f):
-                        G[r + VOLUME] += G[g + VOLUME]
-                        G[g + VOLUME] = 0.0
+        for n in range(beyond_count(frame, window, mirror)):
+            i, g, r, _ = image_of(frame, field, mirror, begin, n)
+            if r >= 0 and is_used(field, i, f) and is_used(field, r // window.stride[0], f):
+                G[r + VOLUME] += G[g + VOLUME]
+                G[g + VOLUME] = 0.0
 
 
 @kernel
@@ -279,18 +272,11 @@ def reflect_filling(frame, field, mirror):
     frame, field, mirror
         As in `fold_filling`, after `find_filling`.
     """
-    window, G, active = field.window, field.G, field.active
-    i0, i1 = vertices_beyond(frame, window, mirror, 0)
-    j0, j1 = vertices_beyond(frame, window, mirror, 1)
-    k0, k1 = vertices_beyond(frame, window, mirror, 2)
+    window, G = field.window, field.G
     for f in range(field_count(window)):
         begin = f * field_size(window)
-        for i in range(i0, i1):
-            if active[i] == 0 or not is_used(field, i, f):
-                continue
-            for j in range(j0, j1):
-                for k in range(k0, k1):
-                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
-                    if r >= 0 and is_used(field, r // window.stride[0], f):
-                        for e in (EXCESS, SURPLUS, OVERLAP):
-                            G[g + e] = G[r + e]
+        for n in range(beyond_count(frame, window, mirror)):
+            i, g, r, _ = image_of(frame, field, mirror, begin, n)
+            if r >= 0 and is_used(field, i, f) and is_used(field, r // window.stride[0], f):
+                for e in (EXCESS, SURPLUS, OVERLAP):
+                    G[g + e] = G[r + e]

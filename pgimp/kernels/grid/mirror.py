@@ -16,7 +16,17 @@ the relaxed part of the velocity (`relaxed`) it is -2 (p' + f' dt + m' v) likewi
 from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.data.record import (
+    ACCELERATION,
+    CLEARANCE_SUM,
+    FOLDED_MASS,
+    FORCE,
+    HELD,
+    MASS,
+    MOMENTUM,
+    RECORD,
+    VELOCITY,
+)
 from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used, use
 from pgimp.kernels.grid.constraint_flags import also_held
 from pgimp.kernels.grid.wall_gap import clearance_at
@@ -45,12 +55,32 @@ class Mirror(NamedTuple):
     sticks: bool
 
 
+class Image(NamedTuple):
+    """A vertex beyond a face, and the vertex inside that stands for it.
+
+    Attributes
+    ----------
+    plane : int
+        The vertex's plane.
+    beyond, inside : int
+        Offsets of both records; -1 if there is no image in the window, or in an active plane: then
+        the vertex has no weight.
+    wall : int
+        Offset of the record between them, on the face.
+    """
+
+    plane: int
+    beyond: int
+    inside: int
+    wall: int
+
+
 @kernel
 def fold(frame, field, mirror, forcing, ledger):
     """Add the sums beyond a face to the sums of the mirror images.
 
     A vertex beyond it then has the face's number, made negative, in place of its mass, which moves
-    to `HELD`. `reflect` needs both; everywhere else the vertex has no mass.
+    to `FOLDED_MASS`. `reflect` needs both; everywhere else the vertex has no mass.
 
     Parameters
     ----------
@@ -59,53 +89,48 @@ def fold(frame, field, mirror, forcing, ledger):
     mirror : Mirror
         The face.
     """
-    window, G, active, owned = field.window, field.G, field.active, field.owned
+    window, G, owned = field.window, field.G, field.owned
     dt, gravity, impulse = forcing.dt, forcing.gravity, ledger.impulse
     relaxation = forcing.loads.relaxation
     axis = mirror.axis
-    i0, i1 = vertices_beyond(frame, window, mirror, 0)
-    j0, j1 = vertices_beyond(frame, window, mirror, 1)
-    k0, k1 = vertices_beyond(frame, window, mirror, 2)
     for f in range(field_count(window)):
         begin = f * field_size(window)
-        for i in range(i0, i1):
-            if active[i] == 0 or not is_used(field, i, f):
+        for n in range(beyond_count(frame, window, mirror)):
+            i, g, r, wall = image_of(frame, field, mirror, begin, n)
+            if r < 0 or not is_used(field, i, f):
                 continue
-            for j in range(j0, j1):
-                for k in range(k0, k1):
-                    g, r, wall = mirror_places(frame, window, active, mirror, begin, i, j, k)
-                    if r < 0 or not G[g + MASS] > 0.0 or G[r + MASS] < 0.0:
-                        continue
-                    if mirror.releases:
-                        push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
-                        into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
-                        near = clearance_at(forcing.clearances, mirror.number, wall)
-                        gap_momentum = G[wall + MASS] * near / dt
-                        if not (G[wall + MASS] > 0.0 and into > gap_momentum):
-                            continue
-                    # Gravity will act on all mass of the image alike, but on this part in reverse.
-                    part = relaxed_part(relaxation, dt)
-                    for d in range(3):
-                        if not _turns(mirror, d):
-                            continue
-                        weight = G[g + MASS] * gravity[d]
-                        G[r + FORCE + d] -= 2.0 * weight
-                        if i < owned:
-                            force, momentum = G[g + FORCE + d] + weight, G[g + MOMENTUM + d]
-                            impulse[i, mirror.number, d] -= 2.0 * dt * force + 2.0 * part * momentum
-                    place = r - begin  # the image's plane now has this field
-                    use(field, place // window.stride[0], begin, begin + RECORD)
-                    G[r + MASS] += G[g + MASS]
-                    G[r + HELD] += G[g + HELD]
-                    for d in range(3):
-                        sign = -1.0 if _turns(mirror, d) else 1.0
-                        G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
-                        G[r + FORCE + d] += sign * G[g + FORCE + d]
-                    mass = G[g + MASS]
-                    for d in range(RECORD):
-                        G[g + d] = 0.0
-                    G[g + MASS] = -1.0 - mirror.number
-                    G[g + HELD] = mass
+            if not G[g + MASS] > 0.0 or G[r + MASS] < 0.0:
+                continue
+            if mirror.releases:
+                push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
+                into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
+                near = clearance_at(forcing.clearances, mirror.number, wall)
+                gap_momentum = G[wall + MASS] * near / dt
+                if not (G[wall + MASS] > 0.0 and into > gap_momentum):
+                    continue
+            # Gravity will act on all mass of the image alike, but on this part in reverse.
+            part = relaxed_part(relaxation, dt)
+            for d in range(3):
+                if not _turns(mirror, d):
+                    continue
+                weight = G[g + MASS] * gravity[d]
+                G[r + FORCE + d] -= 2.0 * weight
+                if i < owned:
+                    force, momentum = G[g + FORCE + d] + weight, G[g + MOMENTUM + d]
+                    impulse[i, mirror.number, d] -= 2.0 * dt * force + 2.0 * part * momentum
+            # The image's plane now has this field.
+            use(field, (r - begin) // window.stride[0], begin, begin + RECORD)
+            G[r + MASS] += G[g + MASS]
+            G[r + CLEARANCE_SUM] += G[g + CLEARANCE_SUM]
+            for d in range(3):
+                sign = -1.0 if _turns(mirror, d) else 1.0
+                G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
+                G[r + FORCE + d] += sign * G[g + FORCE + d]
+            mass = G[g + MASS]
+            for d in range(RECORD):
+                G[g + d] = 0.0
+            G[g + MASS] = -1.0 - mirror.number
+            G[g + FOLDED_MASS] = mass
 
 
 @kernel
@@ -119,23 +144,16 @@ def fold_volumes(frame, field, volumes, mirror):
     volumes : (planes * plane,) float64
         The sums.
     """
-    window, G, active = field.window, field.G, field.active
-    i0, i1 = vertices_beyond(frame, window, mirror, 0)
-    j0, j1 = vertices_beyond(frame, window, mirror, 1)
-    k0, k1 = vertices_beyond(frame, window, mirror, 2)
+    window, G = field.window, field.G
     for f in range(field_count(window)):
         begin = f * field_size(window)
-        for i in range(i0, i1):
-            if active[i] == 0:
+        for n in range(beyond_count(frame, window, mirror)):
+            _, g, r, _ = image_of(frame, field, mirror, begin, n)
+            if r < 0 or G[g + MASS] != -1.0 - mirror.number:
                 continue
-            for j in range(j0, j1):
-                for k in range(k0, k1):
-                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
-                    if r < 0 or G[g + MASS] != -1.0 - mirror.number:
-                        continue
-                    for d in range(RECORD):
-                        sign = -1.0 if d == FORCE + mirror.axis else 1.0
-                        volumes[r + d] += sign * volumes[g + d]
+            for d in range(RECORD):
+                sign = -1.0 if d == FORCE + mirror.axis else 1.0
+                volumes[r + d] += sign * volumes[g + d]
 
 
 @kernel
@@ -152,37 +170,30 @@ def reflect(frame, field, mirror, forcing, ledger):
     mirror : Mirror
         The face.
     """
-    window, G, active, owned = field.window, field.G, field.active, field.owned
+    window, G, owned = field.window, field.G, field.owned
     dt, gravity, impulse, work = forcing.dt, forcing.gravity, ledger.impulse, ledger.work
     relaxation = forcing.loads.relaxation
     axis = mirror.axis
-    i0, i1 = vertices_beyond(frame, window, mirror, 0)
-    j0, j1 = vertices_beyond(frame, window, mirror, 1)
-    k0, k1 = vertices_beyond(frame, window, mirror, 2)
     for f in range(field_count(window)):
         begin = f * field_size(window)
-        for i in range(i0, i1):
-            if active[i] == 0:
+        for n in range(beyond_count(frame, window, mirror)):
+            i, g, r, _ = image_of(frame, field, mirror, begin, n)
+            if r < 0 or G[g + MASS] != -1.0 - mirror.number:
                 continue
-            for j in range(j0, j1):
-                for k in range(k0, k1):
-                    g, r, _ = mirror_places(frame, window, active, mirror, begin, i, j, k)
-                    if r < 0 or G[g + MASS] != -1.0 - mirror.number:
-                        continue
-                    twice = 2.0 * G[g + HELD]
-                    for d in range(3):
-                        if i < owned and _turns(mirror, d):
-                            v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
-                            impulse[i, mirror.number, d] -= given(
-                                relaxation, twice, dt, 0.0, 0.0, v, a
-                            )  # fmt: skip
-                            work[i] -= twice * dt * gravity[d] * v
-                    G[r + HELD] = also_held(G[r + HELD], axis)
-                    G[g + HELD] = G[r + HELD]
-                    for d in range(3):
-                        sign = -1.0 if _turns(mirror, d) else 1.0
-                        G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
-                        G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
+            twice = 2.0 * G[g + FOLDED_MASS]
+            for d in range(3):
+                if i < owned and _turns(mirror, d):
+                    v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
+                    impulse[i, mirror.number, d] -= given(
+                        relaxation, twice, dt, 0.0, 0.0, v, a
+                    )  # fmt: skip
+                    work[i] -= twice * dt * gravity[d] * v
+            G[r + HELD] = also_held(G[r + HELD], axis)
+            G[g + HELD] = G[r + HELD]
+            for d in range(3):
+                sign = -1.0 if _turns(mirror, d) else 1.0
+                G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
+                G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
 
 
 @inner_kernel
@@ -192,35 +203,44 @@ def _turns(mirror, d):
 
 
 @inner_kernel
-def vertices_beyond(frame, window, mirror, d):
-    """Range of the window's vertices along direction `d` that may lie beyond the face."""
+def _range_beyond(frame, window, mirror, d):
+    """First vertex along direction `d` that may lie beyond the face, and the number of them."""
     if d != mirror.axis:
         return 0, window.extent[d]
     if mirror.side < 0:
         return 0, min(window.extent[d], max(0, frame.ghost - window.lower[d]))
-    wall = frame.ghost + frame.cells[d]
-    return max(0, wall + 1 - window.lower[d]), window.extent[d]
+    first = max(0, frame.ghost + frame.cells[d] + 1 - window.lower[d])
+    return first, max(0, window.extent[d] - first)
 
 
 @inner_kernel
-def mirror_places(frame, window, active, mirror, begin, i, j, k):
-    """Offsets of a vertex beyond the face, of its mirror image, and of the one between on the face.
+def beyond_count(frame, window, mirror):
+    """Number of the window's vertices that may lie beyond the face."""
+    x, y = _range_beyond(frame, window, mirror, 0)[1], _range_beyond(frame, window, mirror, 1)[1]
+    return x * y * _range_beyond(frame, window, mirror, 2)[1]
 
-    They are in the velocity field that starts at `begin` in each plane. All are -1 for other
-    vertices, and for an image that is not stored: then the vertex has no weight.
+
+@inner_kernel
+def image_of(frame, field, mirror, begin, n):
+    """The `n`-th vertex beyond the face and its image.
+
+    Offsets are in the velocity field that starts at `begin` in each plane.
     """
-    axis, side = mirror.axis, mirror.side
+    window, axis, side = field.window, mirror.axis, mirror.side
+    i0, _ = _range_beyond(frame, window, mirror, 0)
+    j0, y = _range_beyond(frame, window, mirror, 1)
+    k0, z = _range_beyond(frame, window, mirror, 2)
+    i, j, k = i0 + n // (y * z), j0 + n // z % y, k0 + n % z
+    if field.active[i] == 0:
+        return Image(i, -1, -1, -1)
     number = window.lower[axis] + (i if axis == 0 else (j if axis == 1 else k))
     wall = frame.ghost if side < 0 else frame.ghost + frame.cells[axis]
-    beyond = (number - wall) * side
-    if beyond <= 0:
-        return -1, -1, -1
-    shift = -2 * beyond * side
+    shift = -2 * (number - wall)
     image = number - window.lower[axis] + shift
     if image < 0 or image >= window.extent[axis]:
-        return -1, -1, -1
-    if axis == 0 and active[image] == 0:
-        return -1, -1, -1
-    place = begin + i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+        return Image(i, -1, -1, -1)
+    if axis == 0 and field.active[image] == 0:
+        return Image(i, -1, -1, -1)
+    beyond = begin + i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
     step = shift * window.stride[axis]
-    return place, place + step, place + step // 2
+    return Image(i, beyond, beyond + step, beyond + step // 2)

@@ -29,8 +29,8 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
         `impulse` grows by each face's momentum given to the material. `work` grows by the work of
         gravity and of moving faces, force times displacement. So a constant gravity's work is the
         weight times the displacement of the centre of mass. Kinetic energy differs from it by an
-        amount of order dt, also in free fall. `walls` grows by the energy taken by unilateral
-        faces. `outside_mass` is set to the mass on the vertices beyond each face.
+        amount of order dt, also in free fall. `wall_energy` grows by what unilateral faces take.
+        `outside_mass` is set to the mass on the vertices beyond each face.
     contact : Contact or ()
         Contact of the velocity fields.
     part : int
@@ -150,7 +150,7 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
                     if v[d] != u[d] or a[d] != b[d]:
                         held = also_held(held, d)
                 work[i] += done - book_losses(
-                    holding, number, r, (u, b), last, mass, ledger.walls[i]
+                    holding, number, r, (u, b), last, mass, ledger.wall_energy[i]
                 )  # fmt: skip
                 G[r + HELD] = held
                 for d in range(3):

@@ -85,52 +85,52 @@ def _settled_part(frame, forcing, m, x, motion, ledger, layer):
 
     `motion` is its velocity and the velocity of its motion.
     """
-    n, far = _nearest(frame, forcing.walls, x)
+    n, far = _nearest(frame, forcing.position_limits, x)
     if n < 0:
         return 0.0
-    (v, u), wall = motion, forcing.walls[n]
+    (v, u), wall = motion, forcing.position_limits[n]
     lost, face = _lost_part(frame, forcing.dt, far, wall, u, v), int(wall[NUMBER])
     for d in range(len(x)):
         change = lost * (u[d] - v[d])
         ledger.impulse[layer, face, d] += m * change
         ledger.work[layer] += m * change * wall[MOTION + d]
         against = v[d] + 0.5 * change - wall[MOTION + d]
-        ledger.walls[layer, face, WALL_LOSS] -= m * change * against
+        ledger.wall_energy[layer, face, WALL_LOSS] -= m * change * against
     return lost
 
 
-def settle(rest, frame, forcing, particles, batch, motion, ledger):
+def settle(rest, frame, forcing, particles, four, motion, ledger):
     """Velocities of four particles, reduced for held ones.
 
     Parameters
     ----------
     rest
         See `Loads`.
-    frame, forcing, particles, batch, ledger
-        See `Frame`, `Forcing`, `Particles`, `Batch`, `Ledger`.
+    frame, forcing, particles, four, ledger
+        See `Frame`, `Forcing`, `Particles`, `FourParticles`, `Ledger`.
     motion : tuple
         Their velocities, and the velocities of their motion.
     """
 
 
 @specialise(settle)
-def _settle(rest, frame, forcing, particles, batch, motion, ledger):
+def _settle(rest, frame, forcing, particles, four, motion, ledger):
     if hasattr(rest, "count"):  # ()
-        return lambda rest, frame, forcing, particles, batch, motion, ledger: motion[0]
+        return lambda rest, frame, forcing, particles, four, motion, ledger: motion[0]
 
-    def settled(rest, frame, forcing, particles, batch, motion, ledger):
+    def settled(rest, frame, forcing, particles, four, motion, ledger):
         v, u = motion
-        x = coordinates(frame, particles, batch.rows)
-        if _any_near(frame, forcing.walls, x, 0) == 0:
+        x = coordinates(frame, particles, four.rows)
+        if _any_near(frame, forcing.position_limits, x, 0) == 0:
             return v
         lost, part = vector(0.0), 0.0
         for j in range(LANES):
-            if j < batch.size:  # else a repetition of the last one
-                p, part = batch.rows[j], 0.0
+            if j < four.size:  # else a repetition of the last one
+                p, part = four.rows[j], 0.0
                 if rest[particles.body[p]]:
                     part = _settled_part(
                         frame, forcing, particles.m[p], of_lane(x, j), of_lane(motion, j), ledger,
-                        batch.layer,
+                        four.layer,
                     )  # fmt: skip
             lost = with_lane(lost, j, part)
         return plus_scaled(lost, u, plus_scaled(-lost, v, v))

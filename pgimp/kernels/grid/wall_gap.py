@@ -17,7 +17,7 @@ The sum uses the entry of a vertex's record that is free until the momentum upda
 from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.kernels.data.record import HELD, MASS, RECORD
+from pgimp.kernels.data.record import CLEARANCE_SUM, MASS, RECORD
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 
 #: Clearance, as part of a cell, that counts as none: greater than the strain of a closed one gives.
@@ -69,7 +69,7 @@ def _distance(sides, x):
 
 
 def wall(walls, d):
-    """The entry of `Loads.walls` for a direction; () without any."""
+    """The entry of `Loads.approached` for a direction; () without any."""
 
 
 @specialise(wall)
@@ -80,7 +80,7 @@ def _wall(walls, d):
 
 
 def moment(walls, particles, p, d):
-    """m_p w_p along direction `d`; `walls` is the entry of `Loads.walls` for it, or ()."""
+    """m_p w_p along direction `d`; `walls` is the entry of `Loads.approached` for it, or ()."""
 
 
 @specialise(moment)
@@ -134,20 +134,20 @@ def find_clearances(frame, field, wall, joint, clearances):
                 continue
             for j in range(j0, j1):
                 for k in range(k0, k1):
-                    place = begin + i * window.stride[0] + j * window.stride[1]
-                    place += k * window.stride[2]
-                    if not G[place + MASS] > 0.0:
+                    offset = begin + i * window.stride[0] + j * window.stride[1]
+                    offset += k * window.stride[2]
+                    if not G[offset + MASS] > 0.0:
                         continue
-                    on = place + (face - (i if axis == 0 else (j if axis == 1 else k))) * step
+                    on = offset + (face - (i if axis == 0 else (j if axis == 1 else k))) * step
                     mass, sums = 0.0, 0.0
                     if axis > 0 or active[face] != 0:
                         first = on - begin if joint else on
                         for g in range(field_count(window) if joint else 1):
                             mass += G[first + g * field_size(window) + MASS]
-                            sums += G[first + g * field_size(window) + HELD]
+                            sums += G[first + g * field_size(window) + CLEARANCE_SUM]
                     deficit = max(-sums, 0.0)
                     part = deficit / (2.0 * mass + deficit) if mass > 0.0 else 0.0
-                    row[place // RECORD] = max(part - CLOSED, 0.0) * frame.cell[axis]
+                    row[offset // RECORD] = max(part - CLOSED, 0.0) * frame.cell[axis]
 
 
 @inner_kernel
@@ -162,7 +162,7 @@ def _reached(window, wall, face, d):
 
 
 def clear(clearances, G, r):
-    """Clear the entry `HELD` of the record at `r`, which held the sums for the clearances."""
+    """Clear the sum for the clearances in the record at `r`."""
 
 
 @specialise(clear)
@@ -171,7 +171,7 @@ def _clear(clearances, G, r):
         return lambda clearances, G, r: None
 
     def free(clearances, G, r):
-        G[r + HELD] = 0.0
+        G[r + CLEARANCE_SUM] = 0.0
 
     return free
 

@@ -30,14 +30,14 @@ class Loads(NamedTuple):
         Rate at which particles relax to the grid's velocity, see `relaxed`.
     affine : float or ()
         A number where particles carry their velocity gradient, see `pgimp.kernels.update.affine`.
-    walls : tuple of Sides
+    approached : tuple of Sides
         For each direction the walls across it that need clearances; () without any.
     mean : float, (bodies,) float64 or ()
-        A number where cells have one dilatation each, see `pgimp.kernels.update.mean`. In scenes
-        with liquids under gravity an array, 1 for liquids and 0 for other bodies.
-    around : float or ()
+        A number where cells have one dilatation each, see `pgimp.kernels.update.mean_dilatation`.
+        In scenes with liquids under gravity an array, 1 for liquids and 0 for other bodies.
+    mean_lagrangian : float or ()
         Likewise for bodies in the initial configuration, see
-        `pgimp.kernels.update.mean_lagrangian`.
+        `pgimp.kernels.update.mean_dilatation_lagrangian`.
     rest : (bodies,) bool or ()
         Bodies that come to rest on faces that hold every component: see
         `pgimp.kernels.grid.resting`.
@@ -48,9 +48,9 @@ class Loads(NamedTuple):
     force: Any = ()
     relaxation: Any = ()
     affine: Any = ()
-    walls: Any = ()
+    approached: Any = ()
     mean: Any = ()
-    around: Any = ()
+    mean_lagrangian: Any = ()
     rest: Any = ()
 
     def summed(self) -> Self:
@@ -207,18 +207,18 @@ def _layer_power(loads, setting, field, particles, rows, span, layer):
     )
 
 
-def add_force_power(force, frame, particles, batch, u, power):
-    """Power so far plus the power of the body force on a batch, which moves at `u`."""
+def add_force_power(force, frame, particles, four, u, power):
+    """Power so far plus the power of the body force on four particles, which moves at `u`."""
 
 
 @specialise(add_force_power)
-def _add_force_power(force, frame, particles, batch, u, power):
+def _add_force_power(force, frame, particles, four, u, power):
     if not hasattr(force, "instance_class"):
-        return lambda force, frame, particles, batch, u, power: power
+        return lambda force, frame, particles, four, u, power: power
 
-    def add(force, frame, particles, batch, u, power):
-        for j in range(batch.size):
-            p, w = batch.rows[j], of_lane(u, j)
+    def add(force, frame, particles, four, u, power):
+        for j in range(four.size):
+            p, w = four.rows[j], of_lane(u, j)
             b = _force(force, frame, particles, p)
             rate = 0.0
             for d in range(len(w)):

@@ -118,34 +118,34 @@ def _along(traction, frame, F, x, d, vertex, like):
         wide *= 0.5
     last = len(like) - 1.0
     half = min(sqrt(deep + wide) * frame.inverse[d], 0.5 * last)
-    place = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-    g = place + centre * frame.inverse[d]
+    position = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+    g = position + centre * frame.inverse[d]
     if traction.follows and not traction.tents:  # a face that is inclined reaches past the box
         half = min(half, own)
-        g = min(max(g, place - own + half), place + own - half)
+        g = min(max(g, position - own + half), position + own - half)
     return _means(traction.ends, tent, half, min(max(g, half), last - half), like)
 
 
-def _support(traction, places, window, particles, p, layer, F, buffer):
+def _support(traction, layout, window, particles, p, layer, F, buffer):
     """Store the weights of the vertices under a patch; returns the first offset.
 
-    `places` is the shape and the frame.
+    `layout` is the shape and the frame.
     """
 
 
 @specialise(_support)
-def _support_of(traction, places, window, particles, p, layer, F, buffer):
-    D = len(places[1].types[0])
-    like = (0.0,) * places[0].instance_class.vertices()
+def _support_of(traction, layout, window, particles, p, layer, F, buffer):
+    D = len(layout[1].types[0])
+    like = (0.0,) * layout[0].instance_class.vertices()
 
-    def support1(traction, places, window, particles, p, layer, F, buffer):
-        _, frame = places
+    def support1(traction, layout, window, particles, p, layer, F, buffer):
+        _, frame = layout
         w = _along(traction, frame, F, coordinate(frame, particles, p, 0), 0, layer, like)
         keep_support(buffer, 0, w, w)
         return 0
 
-    def support2(traction, places, window, particles, p, layer, F, buffer):
-        shape, frame = places
+    def support2(traction, layout, window, particles, p, layer, F, buffer):
+        shape, frame = layout
         x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
         j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
         w = _along(traction, frame, F, x, 0, layer, like)
@@ -154,8 +154,8 @@ def _support_of(traction, places, window, particles, p, layer, F, buffer):
         keep_support(buffer, 1, v, v)
         return (j - window.lower[1]) * window.stride[1]
 
-    def support3(traction, places, window, particles, p, layer, F, buffer):
-        shape, frame = places
+    def support3(traction, layout, window, particles, p, layer, F, buffer):
+        shape, frame = layout
         x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
         z = coordinate(frame, particles, p, 2)
         half = half_widths(shape, frame, particles, p)
@@ -209,11 +209,11 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
                 continue
             F = deformation(frame, particles, p)
             f = patch_force(tractions[t], F, area)
-            place = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
-            place += field_of(window, particles, p)
+            offset = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
+            offset += field_of(window, particles, p)
             force = pack(0.0, f[0], f[1], f[2])
             share = Share(zero, force, nothing, (), ())
-            scatter_products(shape, scratch, Support(buffer, 0), place, window.stride, share)
+            scatter_products(shape, scratch, Support(buffer, 0), offset, window.stride, share)
 
 
 @inner_kernel
@@ -234,9 +234,9 @@ def traction_power(tractions, setting, field, particles, rows, span, layer):
                 continue
             F = deformation(frame, particles, p)
             f = patch_force(tractions[t], F, area)
-            place = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
-            place += field_of(window, particles, p)
-            support, at = Support(buffer, 0), start + place
+            offset = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
+            offset += field_of(window, particles, p)
+            support, at = Support(buffer, 0), start + offset
             U = gather_products(shape, G, support, at, window.stride, frame.origin, ())[0]
             power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
     return power

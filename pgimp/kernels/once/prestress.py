@@ -15,7 +15,7 @@ def remember_stress(setting, particles, rows):
     Parameters
     ----------
     setting, particles
-        See `Setting`, `Particles`.
+        See `KernelScene`, `Particles`.
     rows : (n,) int64
         Their rows; at least one material of the scene has state variables.
     """
@@ -35,7 +35,7 @@ def bearable_stress(setting, particles, rows, stresses):
     Parameters
     ----------
     setting, particles
-        See `Setting`, `Particles`.
+        See `KernelScene`, `Particles`.
     rows : (n,) int64
         Their rows.
     stresses : (n, 3, 4 or 6) float64

@@ -9,7 +9,7 @@ from pgimp.kernels.update.checks import OUTFLOW
 
 
 @kernel
-def partition_migrants(layer, order, places, first, layers, kept, migrants):
+def partition_migrants(layer, order, ranks_in_order, first, layers, kept, migrants):
     """Partition the particles that have changed their layer by whether they leave the slab.
 
     Parameters
@@ -18,7 +18,7 @@ def partition_migrants(layer, order, places, first, layers, kept, migrants):
         Of all particles; `OUTFLOW` marks particles without destination.
     order : (n,) int32
         Rows in canonical order.
-    places : (k,) int32
+    ranks_in_order : (k,) int32
         Offsets in `order`.
     first, layers : int
         The slab.
@@ -32,8 +32,8 @@ def partition_migrants(layer, order, places, first, layers, kept, migrants):
         Their numbers.
     """
     stay, down, up = 0, 0, 0
-    for place in places:
-        p = order[place]
+    for k in ranks_in_order:
+        p = order[k]
         if layer[p] == OUTFLOW:
             continue
         if layer[p] < first:
@@ -49,8 +49,8 @@ def partition_migrants(layer, order, places, first, layers, kept, migrants):
 
 
 @kernel
-def pack_rows(words, halves, rows, wire, place, width):
-    """Write the records, of `width` numbers each, of the particles in `rows` from `place` on.
+def pack_rows(words, halves, rows, wire, offset, width):
+    """Write the records, of `width` numbers each, of the particles in `rows` from `offset` on.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def pack_rows(words, halves, rows, wire, place, width):
         A message.
     """
     for k in range(len(rows)):
-        at = place + k * width
+        at = offset + k * width
         for column in words:
             for i in range(column.shape[1]):
                 wire[at] = column[rows[k], i]
@@ -74,10 +74,10 @@ def pack_rows(words, halves, rows, wire, place, width):
 
 
 @kernel
-def unpack_rows(words, halves, rows, wire, place, width):
+def unpack_rows(words, halves, rows, wire, offset, width):
     """Set the particles in `rows` from records that `pack_rows` wrote."""
     for k in range(len(rows)):
-        at = place + k * width
+        at = offset + k * width
         for column in words:
             for i in range(column.shape[1]):
                 column[rows[k], i] = wire[at]

@@ -133,22 +133,22 @@ def merge(particles, order, start, left, first, arrivals, order_out, start_out):
     for j in range(len(start) - 1):
         start_out[j] = n
         k, end = start[j], start[j + 1]
-        place = -1  # offset of the next arrival; -1 when not yet known
+        rank_in_order = -1  # offset of the next arrival; -1 when not yet known
         while True:
-            if place < 0:
-                place = end + 1
+            if rank_in_order < 0:
+                rank_in_order = end + 1
                 if a < len(arrivals) and particles.layer[arrivals[a]] == first + j:
-                    place = _place(particles, order, k, end, arrivals[a])
+                    rank_in_order = _rank_in_order(particles, order, k, end, arrivals[a])
             leaves = left[gone] if gone < len(left) and left[gone] < end else end
-            stop = min(place, leaves)
+            stop = min(rank_in_order, leaves)
             copy(order_out, n, order, k, stop - k)
             n += stop - k
             k = stop
-            if place <= leaves:
+            if rank_in_order <= leaves:
                 order_out[n] = arrivals[a]
                 n += 1
                 a += 1
-                place = -1
+                rank_in_order = -1
             elif leaves < end:
                 k += 1
                 gone += 1
@@ -159,7 +159,7 @@ def merge(particles, order, start, left, first, arrivals, order_out, start_out):
 
 
 @inner_kernel
-def _place(particles, order, low, high, arrival):
+def _rank_in_order(particles, order, low, high, arrival):
     """First offset in ``order[low:high]`` of a particle after `arrival` by (cell, id)."""
     cell, number = particles.cell[arrival], particles.id[arrival]
     while low < high:

@@ -4,7 +4,7 @@ from pgimp.jit.kernel import kernel
 
 
 @kernel
-def split_order(lagrangian, body, rows, start, places, ends):
+def split_order(lagrangian, body, rows, start, rank_in_order, ends):
     """Split the particles of a rank by the configuration of their body.
 
     Parameters
@@ -15,7 +15,7 @@ def split_order(lagrangian, body, rows, start, places, ends):
         The particles' bodies.
     rows, start
         See `Order`.
-    places : (2, n) int32
+    rank_in_order : (2, n) int32
         Filled with the offsets in `rows`: of particles in the current configuration, then in the
         initial one.
     ends : (2, layers + 1) int64
@@ -26,9 +26,9 @@ def split_order(lagrangian, body, rows, start, places, ends):
         ends[0, layer], ends[1, layer] = found, more
         for k in range(start[layer], start[layer + 1]):
             if lagrangian[body[rows[k]]]:
-                places[1, more] = k
+                rank_in_order[1, more] = k
                 more += 1
             else:
-                places[0, found] = k
+                rank_in_order[0, found] = k
                 found += 1
     ends[0, len(start) - 1], ends[1, len(start) - 1] = found, more

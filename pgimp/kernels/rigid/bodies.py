@@ -94,7 +94,7 @@ def find_distance(rigid_bodies, t, D, x, y, z):
     row, lattice, point = rigid_bodies.motion[t], rigid_bodies.lattice[t], rigid_bodies.point[0]
     gap = (x - row.centre[0], y - row.centre[1], z - row.centre[2])
     point.distance = point.mean_distance = point.normal[0] = point.normal[1] = point.normal[2] = 0.0
-    place, inside = 0, True
+    offset, inside = 0, True
     part = (0.0, 0.0, 0.0)
     step = (0, 0, 0)
     for d in range(D):
@@ -108,7 +108,7 @@ def find_distance(rigid_bodies, t, D, x, y, z):
         i = min(max(int(s), 0), most) if inside else 0
         f = s - i
         part = (f if d == 0 else part[0], f if d == 1 else part[1], f if d == 2 else part[2])
-        place = place * lattice.points[d] + i
+        offset = offset * lattice.points[d] + i
         stride = 1
         for k in range(d + 1, D):
             stride *= lattice.points[k]
@@ -121,7 +121,7 @@ def find_distance(rigid_bodies, t, D, x, y, z):
         return
     own0, own1, own2 = 0.0, 0.0, 0.0
     for corner in range(1 << D):
-        weight, where = 1.0, lattice.first + place
+        weight, where = 1.0, lattice.first + offset
         for d in range(D):
             if corner >> d & 1:
                 weight *= part[d]
@@ -153,12 +153,12 @@ def lever(arm, d, u):
 
 
 @inner_kernel
-def place_of(frame, number):
+def position_of(frame, number):
     """Position of a vertex, three coordinates."""
     x, y, z = 0.0, 0.0, 0.0
     for d in range(len(frame.cell)):
-        place = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
-        x, y, z = place if d == 0 else x, place if d == 1 else y, place if d == 2 else z
+        here = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
+        x, y, z = here if d == 0 else x, here if d == 1 else y, here if d == 2 else z
     return x, y, z
 
 

@@ -15,7 +15,7 @@ from pgimp.kernels.data.record import MASS
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.rigid.bodies import (
     find_distance,
-    place_of,
+    position_of,
 )
 from pgimp.kernels.rigid.tents import cut
 
@@ -60,7 +60,7 @@ def _is_near(rigid_bodies, t, frame, number):
         if number[d] < lattice.least[d] or number[d] > lattice.most[d]:
             return False
         square += frame.cell[d] ** 2
-    x, y, z = place_of(frame, number)
+    x, y, z = position_of(frame, number)
     find_distance(rigid_bodies, t, D, x, y, z)
     for d in range(D):
         along += abs(point.normal[d]) * frame.cell[d]
@@ -92,7 +92,7 @@ def fill(rigid_bodies, t, frame, number, sides):
     bent = point.mean_distance - point.distance
     wide = _tangent(frame, point)
     point.curvature_gap = BEND * bent if abs(bent) < SHARP * wide else 0.0
-    x, y, z = place_of(frame, number)
+    x, y, z = position_of(frame, number)
     n0, n1, n2 = point.normal[0], point.normal[1], point.normal[2]
     if point.distance < -reach:  # deep inside
         point.filled, scale = 1.0, volume / reach

@@ -57,33 +57,33 @@ class Keepers(NamedTuple):
     impulses: np.ndarray
 
 
-def hold_outside(keepers, forcing, particles, batch, x, v, ledger):
+def hold_outside(keepers, forcing, particles, four, x, v, ledger):
     """Hold four stored particles out of rigid bodies; returns their positions and velocities.
 
     Parameters
     ----------
     keepers : Keepers or ()
         () in scenes without rigid bodies.
-    forcing, particles, batch, ledger
-        See `Forcing`, `Particles`, `Batch`, `Ledger`.
+    forcing, particles, four, ledger
+        See `Forcing`, `Particles`, `FourParticles`, `Ledger`.
     x, v : tuple of D Vec4
         Their positions and velocities.
     """
 
 
 @specialise(hold_outside)
-def _hold_outside(keepers, forcing, particles, batch, x, v, ledger):
+def _hold_outside(keepers, forcing, particles, four, x, v, ledger):
     if not hasattr(keepers, "instance_class"):
-        return lambda keepers, forcing, particles, batch, x, v, ledger: (x, v)
+        return lambda keepers, forcing, particles, four, x, v, ledger: (x, v)
 
-    def hold(keepers, forcing, particles, batch, x, v, ledger):
+    def hold(keepers, forcing, particles, four, x, v, ledger):
         held = 0
-        for j in range(batch.size):
+        for j in range(four.size):
             for t in range(len(keepers.rigid_bodies.motion)):
-                held += _hold(keepers, forcing, particles, batch.rows[j], t, batch.layer, ledger)
+                held += _hold(keepers, forcing, particles, four.rows[j], t, four.layer, ledger)
         if held > 0:
-            x = take_row(particles.x, batch.rows, 0, x)
-            v = take_row(particles.v, batch.rows, 0, v)
+            x = take_row(particles.x, four.rows, 0, x)
+            v = take_row(particles.v, four.rows, 0, v)
         return x, v
 
     return hold
@@ -93,7 +93,7 @@ def _hold_outside(keepers, forcing, particles, batch, x, v, ledger):
 def _is_within(rigid_bodies, t, D, x, reach):
     """Whether a point may be within `reach` of body `t`, by the nearest point of its lattice."""
     row, lattice = rigid_bodies.motion[t], rigid_bodies.lattice[t]
-    place = 0
+    offset = 0
     for d in range(D):
         own = row.reference[d]
         for k in range(3):
@@ -101,12 +101,12 @@ def _is_within(rigid_bodies, t, D, x, reach):
         s = (own - row.low[d]) / row.spacing
         if not (s > -0.5 and s < lattice.points[d] - 0.5):
             return False
-        place = place * lattice.points[d] + int(s + 0.5)
-    return rigid_bodies.values[lattice.first + place, 0] < row.spacing + reach
+        offset = offset * lattice.points[d] + int(s + 0.5)
+    return rigid_bodies.values[lattice.first + offset, 0] < row.spacing + reach
 
 
 @inner_kernel
-def place_of_particle(particles, p):
+def position_of_particle(particles, p):
     """Position of a particle, three coordinates."""
     D = particles.x.shape[1]
     return (
@@ -132,7 +132,7 @@ def count_near(rigid_bodies, particles, rows, reach, counts, most):
             continue
         for p in rows:
             if _is_within(
-                rigid_bodies, t, particles.x.shape[1], place_of_particle(particles, p), reach
+                rigid_bodies, t, particles.x.shape[1], position_of_particle(particles, p), reach
             ):
                 counts[t] += 1
                 most[t] = max(most[t], particles.m[p])
@@ -154,7 +154,7 @@ def count_inside(rigid_bodies, pairs, particles, rows, depth, counts):
     counts[:] = 0
     for t in range(len(rigid_bodies.motion)):
         for p in rows:
-            D, x = particles.x.shape[1], place_of_particle(particles, p)
+            D, x = particles.x.shape[1], position_of_particle(particles, p)
             if (
                 pairs.entry[particles.body[p], rigid_bodies.bodies + t] == 0
             ):  # bodies of a material first
@@ -197,7 +197,7 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
     """Hold particle `p` out of body `t`; returns 1 if it was changed, else 0."""
     rigid_bodies, D = keepers.rigid_bodies, particles.x.shape[1]
     point, motion = rigid_bodies.point[0], rigid_bodies.motion[t]
-    x = place_of_particle(particles, p)
+    x = position_of_particle(particles, p)
     if not _is_within(rigid_bodies, t, D, x, 0.0):
         return 0
     find_distance(rigid_bodies, t, D, x[0], x[1], x[2])

@@ -22,7 +22,7 @@ def layer_errors(solution, t, follows, setting, particles, order, sums, most):
     follows : bool
         Whether the particles' size follows the deformation, so that (47) takes the current one.
     setting, particles, order
-        See `Setting`, `Particles`, `Order`.
+        See `KernelScene`, `Particles`, `Order`.
     sums : (layers, 5) float64
         Zero on entry: initial volume times the squared errors, initial volume, and the error in
         stress times volume (47).

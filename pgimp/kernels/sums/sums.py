@@ -41,7 +41,7 @@ def layer_sums(setting, particles, order, sums):
     Parameters
     ----------
     setting, particles, order
-        See `Setting`, `Particles`, `Order`.
+        See `KernelScene`, `Particles`, `Order`.
     sums : (layers, bodies, columns) float64
         Zero on entry; `SUMS` columns as named in this module, and one for each of `LOSSES` where
         materials have any.

@@ -11,9 +11,12 @@ from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.grid.filling import FillingSums, filling_share
 from pgimp.kernels.grid.wall_gap import moment, wall
 from pgimp.kernels.transfer.first_vertex import deformation, is_initial
-from pgimp.kernels.update.mean import set_apart
+from pgimp.kernels.update.mean_dilatation import set_apart
 from pgimp.kernels.update.piola import kept_force
 from pgimp.kernels.update.viscosity import viscous_pressure
+
+#: The entry of a vertex's record with the correction of the sums of volumes.
+VOLUME_CORRECTION = 4
 
 
 class VolumeSums(NamedTuple):
@@ -25,8 +28,8 @@ class VolumeSums(NamedTuple):
     `Loads`, and
 
     gradient : float or ()
-        A number where S belongs to whole particles: the entry `HELD` then has the correction
-        V_p d . grad S for the offset d of their volume; see `pgimp.kernels.contact.volumes`.
+        A number where S belongs to whole particles: `VOLUME_CORRECTION` then has V_p d . grad S
+        for the offset d of their volume; see `pgimp.kernels.contact.volumes`.
     """
 
     viscosity: tuple[()] = ()
@@ -34,16 +37,16 @@ class VolumeSums(NamedTuple):
     force: tuple[()] = ()
     relaxation: tuple[()] = ()
     affine: tuple[()] = ()
-    walls: tuple[()] = ()
+    approached: tuple[()] = ()
     mean: tuple[()] = ()
-    around: tuple[()] = ()
+    mean_lagrangian: tuple[()] = ()
     gradient: Any = ()
 
 
 def contribution(loads, frame, particles, p, forces, j):
     """Contribution of a particle to the sums of vertices, times its weights, as vectors.
 
-    Particle `p` is number `j` of a batch; `forces` is from `keep_forces`.
+    Particle `p` is number `j` of four; `forces` is from `keep_forces`.
 
     Returns
     -------
@@ -140,7 +143,7 @@ def _contribution(loads, frame, particles, p, forces, j):
             m = particles.m[p]
             V = -particles.V[p]
             q = viscous_pressure(loads.viscosity, particles, p)
-            mx = moment(wall(loads.walls, 0), particles, p, 0)
+            mx = moment(wall(loads.approached, 0), particles, p, 0)
             return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
                 pack(mx, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
             )
@@ -154,10 +157,11 @@ def _contribution(loads, frame, particles, p, forces, j):
             q = set_apart(loads, frame, particles, p)
             s = particles.sigma
             xy = V * s[p, 3]
+            mx = moment(wall(loads.approached, 0), particles, p, 0)
+            my = moment(wall(loads.approached, 1), particles, p, 1)
             return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
-                pack(moment(wall(loads.walls, 0), particles, p, 0), V * (s[p, 0] - q), xy, 0.0),
-                pack(moment(wall(loads.walls, 1), particles, p, 1), xy, V * (s[p, 1] - q), 0.0),
-            )
+                pack(mx, V * (s[p, 0] - q), xy, 0.0), pack(my, xy, V * (s[p, 1] - q), 0.0),
+            )  # fmt: skip
 
         return contribution2
 
@@ -171,9 +175,9 @@ def _contribution(loads, frame, particles, p, forces, j):
         yz = V * s[p, 4]
         xz = V * s[p, 5]
         return pack(m, m * v[p, 0], m * v[p, 1], m * v[p, 2]), (
-            pack(moment(wall(loads.walls, 0), particles, p, 0), V * (s[p, 0] - q), xy, xz),
-            pack(moment(wall(loads.walls, 1), particles, p, 1), xy, V * (s[p, 1] - q), yz),
-            pack(moment(wall(loads.walls, 2), particles, p, 2), xz, yz, V * (s[p, 2] - q)),
+            pack(moment(wall(loads.approached, 0), particles, p, 0), V * (s[p, 0] - q), xy, xz),
+            pack(moment(wall(loads.approached, 1), particles, p, 1), xy, V * (s[p, 1] - q), yz),
+            pack(moment(wall(loads.approached, 2), particles, p, 2), xz, yz, V * (s[p, 2] - q)),
         )
 
     return contribution3

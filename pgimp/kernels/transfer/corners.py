@@ -138,9 +138,9 @@ def _from_first_vertex(frame, window, d, half, x, vertex):
 
     def more(frame, window, d, half, x, vertex):
         first = first_vertex(frame, d + 1, half[1], x[1])
-        rest, place = _from_first(frame, window, d + 1, half[1:], x[1:], first)
+        rest, offset = _from_first(frame, window, d + 1, half[1:], x[1:], first)
         f = (x[0] - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-        return (f, *rest), place + (first - window.lower[d + 1]) * window.stride[d + 1]
+        return (f, *rest), offset + (first - window.lower[d + 1]) * window.stride[d + 1]
 
     return last if len(x) == 1 else more
 
@@ -159,11 +159,11 @@ def _keep_corners(shape, frame, window, F, x, layer, buffer, arms):
 
     def keep(shape, frame, window, F, x, layer, buffer, arms):
         E = edges(shape, F)
-        f, place = _from_first(frame, window, 0, size(shape, frame.cell, F)[0], x, layer)
+        f, offset = _from_first(frame, window, 0, size(shape, frame.cell, F)[0], x, layer)
         _keep_each(buffer, 0, f, E, window.stride)
         _keep_rows(buffer, INVERSE, _inverse(E), frame.inverse)
         if armed:
             _keep_rows(buffer, EDGES, E, ones)
-        return place
+        return offset
 
     return keep

@@ -78,12 +78,12 @@ def _along_first(A, t, C):
     return (lambda A, t, C: A) if len(C) == 0 else (lambda A, t, C: t * C[0] + A)
 
 
-def spread(G, place, stride, w, t, A, B, C):
+def spread(G, offset, stride, w, t, A, B, C):
     """Add vectors A and B, times `w`, to the vertices round the position t in a cell.
 
     Parameters
     ----------
-    place, stride
+    offset, stride
         For the cell's first vertex; from the current direction on.
     t : tuple of float
         The position along the current direction and the following ones.
@@ -93,19 +93,19 @@ def spread(G, place, stride, w, t, A, B, C):
 
 
 @specialise(spread)
-def _spread(G, place, stride, w, t, A, B, C):
-    def vertex(G, place, stride, w, t, A, B, C):
-        store(G, place, load(G, place) + w * A)
-        store(G, place + 4, load(G, place + 4) + w * B)
+def _spread(G, offset, stride, w, t, A, B, C):
+    def vertex(G, offset, stride, w, t, A, B, C):
+        store(G, offset, load(G, offset) + w * A)
+        store(G, offset + 4, load(G, offset + 4) + w * B)
 
     if len(t) == 0:
         return vertex
     innermost = len(t) == 1
 
-    def both(G, place, stride, w, t, A, B, C):
-        above = place + (RECORD if innermost else stride[0])
+    def both(G, offset, stride, w, t, A, B, C):
+        above = offset + (RECORD if innermost else stride[0])
         low, high = _along(A, -t[0], C), _along(A, 1.0 - t[0], C)
-        spread(G, place, stride[1:], w * (1.0 - t[0]), t[1:], low, B, C[1:])
+        spread(G, offset, stride[1:], w * (1.0 - t[0]), t[1:], low, B, C[1:])
         spread(G, above, stride[1:], w * t[0], t[1:], high, B, C[1:])
 
     return both
@@ -114,7 +114,7 @@ def _spread(G, place, stride, w, t, A, B, C):
 def _scatter_each(support, c, planes, middle, changes, like):
     """Add the shares of the corners c, c + 1, ... of a particle.
 
-    `planes` are G, place and stride, `middle` A, B in the middle of these corners and C, `changes`
+    `planes` are G, offset and stride, `middle` A, B in the middle of these corners and C, `changes`
     K and T.
     """
 
@@ -122,9 +122,9 @@ def _scatter_each(support, c, planes, middle, changes, like):
 @specialise(_scatter_each)
 def _scatter_each_corner(support, c, planes, middle, changes, like):
     def one(support, c, planes, middle, changes, like):
-        (G, place, stride), (A, B, C) = planes, middle
+        (G, offset, stride), (A, B, C) = planes, middle
         t, cell = corner(support[0], c, support[1], like)
-        spread(G, place + cell, stride, 1.0, t, A, B, C)
+        spread(G, offset + cell, stride, 1.0, t, A, B, C)
 
     def both(support, c, planes, middle, changes, like):
         (A, B, C), (K, T) = middle, changes
@@ -159,59 +159,59 @@ def _over_all_cells(part, C, cell):
     )  # fmt: skip
 
 
-def scatter_corners(shape, G, support, place, stride, share):
+def scatter_corners(shape, G, support, offset, stride, share):
     """See `pgimp.kernels.transfer.scatter.scatter`."""
 
 
 @specialise(scatter_corners)
-def _scatter_corners(shape, G, support, place, stride, share):
+def _scatter_corners(shape, G, support, offset, stride, share):
     D = len(share.types[2])
     part, like = 0.5**D, (0.0,) * D
 
-    def scatter(shape, G, support, place, stride, share):
+    def scatter(shape, G, support, offset, stride, share):
         (buffer, j), (A, B, S, C, _) = support, share
         T = _combinations(part, buffer, INVERSE + j, S, like)
         C = _over_cells(part, C, shape.cell)
         K = _combinations(1.0, buffer, EDGES + j, C, like)
         middle = (part * A, _part_of(part, B), C)
-        _scatter_each((buffer, j), 0, (G, place, stride), middle, (K, T), like)
+        _scatter_each((buffer, j), 0, (G, offset, stride), middle, (K, T), like)
 
     return scatter
 
 
-def interpolated(G, place, stride, t):
+def interpolated(G, offset, stride, t):
     """The two vectors of the records at the position t in a cell; arguments as for `spread`."""
 
 
 @specialise(interpolated)
-def _interpolated(G, place, stride, t):
+def _interpolated(G, offset, stride, t):
     if len(t) == 0:
-        return lambda G, place, stride, t: (load(G, place), load(G, place + 4))
+        return lambda G, offset, stride, t: (load(G, offset), load(G, offset + 4))
     innermost = len(t) == 1
 
-    def between(G, place, stride, t):
-        u, a = interpolated(G, place, stride[1:], t[1:])
-        v, b = interpolated(G, place + (RECORD if innermost else stride[0]), stride[1:], t[1:])
+    def between(G, offset, stride, t):
+        u, a = interpolated(G, offset, stride[1:], t[1:])
+        v, b = interpolated(G, offset + (RECORD if innermost else stride[0]), stride[1:], t[1:])
         s = 1.0 - t[0]
         return t[0] * v + s * u, t[0] * b + s * a
 
     return between
 
 
-def _sums(G, buffer, j, c, place, stride, like, rest):
+def _sums(G, buffer, j, c, offset, stride, like, rest):
     """Sums over the corners c, c + 1, ... of both vectors, and of s_j U_c for each of `rest`."""
 
 
 @specialise(_sums)
-def _sums_over_corners(G, buffer, j, c, place, stride, like, rest):
-    def one(G, buffer, j, c, place, stride, like, rest):
+def _sums_over_corners(G, buffer, j, c, offset, stride, like, rest):
+    def one(G, buffer, j, c, offset, stride, like, rest):
         t, cell = corner(buffer, c, j, like)
-        u, a = interpolated(G, place + cell, stride, t)
+        u, a = interpolated(G, offset + cell, stride, t)
         return u, a, ()
 
-    def both(G, buffer, j, c, place, stride, like, rest):
-        u, a, low = _sums(G, buffer, j, 2 * c, place, stride, like, rest[1:])
-        v, b, high = _sums(G, buffer, j, 2 * c + 1, place, stride, like, rest[1:])
+    def both(G, buffer, j, c, offset, stride, like, rest):
+        u, a, low = _sums(G, buffer, j, 2 * c, offset, stride, like, rest[1:])
+        v, b, high = _sums(G, buffer, j, 2 * c + 1, offset, stride, like, rest[1:])
         return u + v, a + b, (v - u, *plus_scaled(1.0, low, high))
 
     return one if len(rest) == 0 else both
@@ -243,17 +243,17 @@ def _down_a_column(buffer, at, step, E):
     )
 
 
-def gather_corners(shape, G, support, place, stride, like):
+def gather_corners(shape, G, support, offset, stride, like):
     """See `pgimp.kernels.transfer.gather.gather`; there is no `mean`."""
 
 
 @specialise(gather_corners)
-def _gather_corners(shape, G, support, place, stride, like):
+def _gather_corners(shape, G, support, offset, stride, like):
     part = 0.5 ** len(like)
 
-    def gather(shape, G, support, place, stride, like):
+    def gather(shape, G, support, offset, stride, like):
         buffer, j = support
-        U, A, E = _sums(G, buffer, j, 0, place, stride, like, like)
+        U, A, E = _sums(G, buffer, j, 0, offset, stride, like, like)
         D = _transposed(part, buffer, INVERSE + j, E, like)
         return part * U, part * A, D, ()
 

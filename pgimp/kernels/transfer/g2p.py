@@ -3,18 +3,22 @@
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.vectors.simd import lane, stack, vector
-from pgimp.kernels.data.arguments import Batch
+from pgimp.kernels.data.arguments import FourParticles
 from pgimp.kernels.loads.loads import add_force_power, layer_power
 from pgimp.kernels.rigid.hold import hold_outside
 from pgimp.kernels.transfer.gather_shared import take_from_grid
-from pgimp.kernels.transfer.lane_io import LANES, four, put, put_row, take
+from pgimp.kernels.transfer.lane_io import LANES, four_rows, put, put_row, take
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, supports
 from pgimp.kernels.transfer.transpose import SUMS
 from pgimp.kernels.update.affine import keep_gradients, when_moved
 from pgimp.kernels.update.checks import check, limits_of
-from pgimp.kernels.update.mean import with_means
-from pgimp.kernels.update.mean_lagrangian import deform, keep_around, take_around
-from pgimp.kernels.update.meanweights import keep_means
+from pgimp.kernels.update.mean_dilatation import with_means
+from pgimp.kernels.update.mean_dilatation_lagrangian import (
+    deform,
+    keep_mean_lagrangian,
+    take_mean_lagrangian,
+)
+from pgimp.kernels.update.mean_dilatation_weights import keep_means
 from pgimp.kernels.update.refill import refill
 from pgimp.kernels.update.speed import grid_speed
 from pgimp.kernels.update.stress import keep_state, margins, update_stress
@@ -44,7 +48,7 @@ def grid_to_particles(
     Parameters
     ----------
     setting, field, particles, order, forcing
-        See `Setting`, `Field`, `Particles`, `Order`, `Forcing`; the field holds velocities and
+        See `KernelScene`, `Field`, `Particles`, `Order`, `Forcing`; the field holds velocities and
         accelerations.
     layers : (k,) int64
         The layers to advance, ascending, counted from the rank's first one.
@@ -82,30 +86,30 @@ def grid_to_particles(
         span = (start[layer], start[layer + 1])
         power = layer_power(loads, setting, field, particles, order.rows, span, number)
         for k in range(start[layer], start[layer + 1], LANES):
-            rows = four(order.rows, k, start[layer + 1])
+            rows = four_rows(order.rows, k, start[layer + 1])
             count = min(LANES, start[layer + 1] - k)
-            batch = Batch(rows, count, k, layer, number)
+            four = FourParticles(rows, count, k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
             keep_means(loads.mean, shape, frame, buffer)
-            keep_around(loads.around, shape, frame, buffer, weights)
+            keep_mean_lagrangian(loads.mean_lagrangian, shape, frame, buffer, weights)
             u, a, grad, codes = take_from_grid(  # (30)
-                (shape, frame), field, loads.mean, batch, buffer, sums
+                (shape, frame), field, loads.mean, four, buffer, sums
             )
-            power = add_force_power(loads.force, frame, particles, batch, u, power)
-            u, v = update_velocity(frame, forcing, particles, batch, u, a, ledger)  # (27)
-            x = update_position(forcing, particles, batch, u)  # (26)
+            power = add_force_power(loads.force, frame, particles, four, u, power)
+            u, v = update_velocity(frame, forcing, particles, four, u, a, ledger)  # (27)
+            x = update_position(forcing, particles, four, u)  # (26)
             moved = when_moved(loads.affine, frame, dt, grad)
             keep_gradients(loads.affine, particles, rows, moved, codes)
             grad = with_means(  # the cells' rates of dilatation
                 loads.mean, frame, particles, rows, buffer, sums, count, grad
             )
-            cells = take_around(
-                loads.around, (shape, frame), field, batch, buffer, weights, sums
+            cells = take_mean_lagrangian(
+                loads.mean_lagrangian, (shape, frame), field, four, buffer, weights, sums
             )  # fmt: skip
             m = materials_of(setting.material_of, particles.body, rows)
-            L, F = deform(cells, setting, forcing, particles, batch, m, grad)  # (29)
+            L, F = deform(cells, setting, forcing, particles, four, m, grad)  # (29)
             x, F, v = refill(
-                forcing, setting, field, particles, batch, (buffer, sums), (x, F, v), ledger
+                forcing, setting, field, particles, four, (buffer, sums), (x, F, v), ledger
             )
             J = determinant(F)
             own = substitute_parameters(setting, particles, rows)
@@ -113,7 +117,7 @@ def grid_to_particles(
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
             put_row(particles.F, rows, 0, F)
-            x, v = hold_outside(forcing.keepers, forcing, particles, batch, x, v, ledger)
+            x, v = hold_outside(forcing.keepers, forcing, particles, four, x, v, ledger)
             put_row(particles.sigma, rows, 0, sigma)
             keep_state(particles, rows, state)
             if setting.tracked:
@@ -126,7 +130,7 @@ def grid_to_particles(
                 fastest = max(c * inverse, fastest)
             margin = margins(own, m, F, J, sigma, state)
             found = (u, v, x, F, J, state, margin)
-            counts = check(limits, field, particles, batch, found, report, ledger, counts)
+            counts = check(limits, field, particles, four, found, report, ledger, counts)
         work[layer] += dt * power
     failed, outflow, moved, clamped, held = counts
     rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))

@@ -6,8 +6,8 @@ from pgimp.jit.vectors.simd import load, vector
 from pgimp.kernels.transfer.cornertransfer import gather_corners
 from pgimp.kernels.transfer.supports import entry, extent, extents
 from pgimp.kernels.transfer.transfer import last_entries, last_step
-from pgimp.kernels.update.mean import no_rates
-from pgimp.kernels.update.meanweights import factor
+from pgimp.kernels.update.mean_dilatation import no_rates
+from pgimp.kernels.update.mean_dilatation_weights import factor
 from pgimp.physics.shapes.base import by_corners
 
 
@@ -31,24 +31,24 @@ def _plus_rates_of(mean, f, u, M):
     return lambda mean, f, u, M: f * u + M
 
 
-def _gather_line(G, place, step, w, g, f, mean):
+def _gather_line(G, offset, step, w, g, f, mean):
     """Sums over a line of vertices, which are `step` apart."""
 
 
 @specialise(_gather_line)
-def _gather_vertices(G, place, step, w, g, f, mean):
-    def vertex(G, place, step, w, g, f, mean):
-        u = load(G, place)
-        return w[0] * u, w[0] * load(G, place + 4), (g[0] * u,), _rates(mean, f[0], u)
+def _gather_vertices(G, offset, step, w, g, f, mean):
+    def vertex(G, offset, step, w, g, f, mean):
+        u = load(G, offset)
+        return w[0] * u, w[0] * load(G, offset + 4), (g[0] * u,), _rates(mean, f[0], u)
 
     if len(w) == 1:
         return vertex
 
-    def vertices(G, place, step, w, g, f, mean):
-        U, A, D, M = _gather_line(G, place + step, step, w[1:], g[1:], f[1:], mean)
-        u = load(G, place)
+    def vertices(G, offset, step, w, g, f, mean):
+        U, A, D, M = _gather_line(G, offset + step, step, w[1:], g[1:], f[1:], mean)
+        u = load(G, offset)
         M = _plus_rates(mean, f[0], u, M)
-        return w[0] * u + U, w[0] * load(G, place + 4) + A, (g[0] * u + D[0],), M
+        return w[0] * u + U, w[0] * load(G, offset + 4) + A, (g[0] * u + D[0],), M
 
     return vertices
 
@@ -64,24 +64,24 @@ def _nothing_of(counts):
     return lambda counts: (vector(0.0), *_nothing(counts[1:]))
 
 
-def _gather_lines(G, support, d, place, counts, stride, Z, mean):
+def _gather_lines(G, support, d, offset, counts, stride, Z, mean):
     """Sums over the lines of a support, from direction `d` on; see `gather`, `_scatter_lines`."""
 
 
 @specialise(_gather_lines)
-def _gather_all(G, support, d, place, counts, stride, Z, mean):
+def _gather_all(G, support, d, offset, counts, stride, Z, mean):
     if len(counts) == 0:
-        return lambda G, support, d, place, counts, stride, Z, mean: _gather_line(
-            G, place, last_step(stride), Z[0], Z[1], Z[3], mean
+        return lambda G, support, d, offset, counts, stride, Z, mean: _gather_line(
+            G, offset, last_step(stride), Z[0], Z[1], Z[3], mean
         )
 
-    def lines(G, support, d, place, counts, stride, Z, mean):
+    def lines(G, support, d, offset, counts, stride, Z, mean):
         buffer, j = support
         U, A, D, M = vector(0.0), vector(0.0), _nothing(counts), no_rates(mean)
         for i in range(counts[0]):
             w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
             u, a, b, m = _gather_lines(
-                G, support, d + 1, place + i * stride[0], counts[1:], stride[1:], Z, mean
+                G, support, d + 1, offset + i * stride[0], counts[1:], stride[1:], Z, mean
             )
             U, A = w * u + U, w * a + A
             D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
@@ -91,36 +91,36 @@ def _gather_all(G, support, d, place, counts, stride, Z, mean):
     return lines
 
 
-def _gather_some(like, count, G, support, place, counts, stride, mean):
+def _gather_some(like, count, G, support, offset, counts, stride, mean):
     """Sums over the support of a particle with weight on `count` vertices; `_scatter_some`."""
 
 
 @specialise(_gather_some)
-def _gather_number(like, count, G, support, place, counts, stride, mean):
+def _gather_number(like, count, G, support, offset, counts, stride, mean):
     last = len(counts)
 
-    def exactly(like, count, G, support, place, counts, stride, mean):
+    def exactly(like, count, G, support, offset, counts, stride, mean):
         Z = last_entries(support, last, like, mean)
-        return _gather_lines(G, support, 0, place, counts, stride, Z, mean)
+        return _gather_lines(G, support, 0, offset, counts, stride, Z, mean)
 
     if len(like) == 2:
         return exactly
 
-    def at_most(like, count, G, support, place, counts, stride, mean):
+    def at_most(like, count, G, support, offset, counts, stride, mean):
         if count < len(like):
-            return _gather_some(like[1:], count, G, support, place, counts, stride, mean)
+            return _gather_some(like[1:], count, G, support, offset, counts, stride, mean)
         Z = last_entries(support, last, like, mean)
-        return _gather_lines(G, support, 0, place, counts, stride, Z, mean)
+        return _gather_lines(G, support, 0, offset, counts, stride, Z, mean)
 
     return at_most
 
 
-def gather(shape, G, support, place, stride, like, mean):
+def gather(shape, G, support, offset, stride, like, mean):
     """Sums over a particle's support.
 
     Parameters
     ----------
-    shape, G, support, place, stride
+    shape, G, support, offset, stride
         As in `scatter`.
     like : tuple
         One entry a direction of the scene.
@@ -139,28 +139,28 @@ def gather(shape, G, support, place, stride, like, mean):
 
 
 @specialise(gather)
-def _gather(shape, G, support, place, stride, like, mean):
+def _gather(shape, G, support, offset, stride, like, mean):
     if by_corners(shape):
-        return lambda shape, G, support, place, stride, like, mean: gather_corners(
-            shape, G, support, place, stride, like
+        return lambda shape, G, support, offset, stride, like, mean: gather_corners(
+            shape, G, support, offset, stride, like
         )
-    return lambda shape, G, support, place, stride, like, mean: gather_products(
-        shape, G, support, place, stride, like, mean
+    return lambda shape, G, support, offset, stride, like, mean: gather_products(
+        shape, G, support, offset, stride, like, mean
     )
 
 
-def gather_products(shape, G, support, place, stride, like, mean):
+def gather_products(shape, G, support, offset, stride, like, mean):
     """As `gather`, for weights that are products by direction, of any shape."""
 
 
 @specialise(gather_products)
-def _gather_products(shape, G, support, place, stride, like, mean):
+def _gather_products(shape, G, support, offset, stride, like, mean):
     outer, last = (0,) * (len(like) - 1), len(like) - 1
     most = (0.0,) * shape.instance_class.vertices()
 
-    def gather(shape, G, support, place, stride, like, mean):
+    def gather(shape, G, support, offset, stride, like, mean):
         counts = extents(shape, support.buffer, 0, support.j, outer)
         count = extent(shape, support.buffer, last, support.j)
-        return _gather_some(most, count, G, support, place, counts, stride, mean)
+        return _gather_some(most, count, G, support, offset, counts, stride, mean)
 
     return gather

@@ -14,7 +14,7 @@ from pgimp.kernels.data.record import ACCELERATION, HELD, RECORD, VELOCITY
 from pgimp.kernels.transfer.first_vertex import is_initial
 from pgimp.kernels.transfer.gather import gather
 from pgimp.kernels.transfer.lane_io import LANES
-from pgimp.kernels.transfer.supports import first_place, four_entries, share_support
+from pgimp.kernels.transfer.supports import first_offset, four_entries, share_support
 from pgimp.kernels.transfer.transfer import Support
 from pgimp.kernels.transfer.transpose import (
     collected,
@@ -23,22 +23,22 @@ from pgimp.kernels.transfer.transpose import (
     keep_sums,
     repeat_sums,
 )
-from pgimp.kernels.update.mean import keep_rates
+from pgimp.kernels.update.mean_dilatation import keep_rates
 
 
-def take_from_grid(places, field, mean, batch, buffer, sums):
+def take_from_grid(layout, field, mean, four, buffer, sums):
     """Gather velocity, acceleration and gradient for four particles.
 
     Parameters
     ----------
-    places : tuple
+    layout : tuple
         The shape and the frame, without materials and loads, of which there are many.
-    field, batch
-        See `Field`, `Batch`.
+    field, four
+        See `Field`, `FourParticles`.
     mean
         See `Loads`.
     buffer, sums
-        The supports of the batch, and scratch for `keep_sums`.
+        The supports of the four particles, and scratch for `keep_sums`.
 
     Returns
     -------
@@ -52,41 +52,41 @@ def take_from_grid(places, field, mean, batch, buffer, sums):
 
 
 @specialise(take_from_grid)
-def _take_from_grid(places, field, mean, batch, buffer, sums):
-    def where_shared(places, field, mean, batch, buffer, sums):
-        if batch.size < LANES or not share_support(buffer):
-            return _take_separately(places, field, mean, batch, buffer, sums)
-        (shape, frame), window = places, field.window
-        place = batch.layer * window.stride[0] + first_place(buffer, 0)
+def _take_from_grid(layout, field, mean, four, buffer, sums):
+    def where_shared(layout, field, mean, four, buffer, sums):
+        if four.size < LANES or not share_support(buffer):
+            return _take_separately(layout, field, mean, four, buffer, sums)
+        (shape, frame), window = layout, field.window
+        offset = four.layer * window.stride[0] + first_offset(buffer, 0)
         u, a, D, held = gather_shared(
-            shape, field.G, buffer, place, window.stride, frame.origin, frame.origin
+            shape, field.G, buffer, offset, window.stride, frame.origin, frame.origin
         )
         return u, a, row_major(D), held
 
-    if is_initial(places[1]):
+    if is_initial(layout[1]):
         return where_shared
-    return lambda places, field, mean, batch, buffer, sums: _take_separately(
-        places, field, mean, batch, buffer, sums
+    return lambda layout, field, mean, four, buffer, sums: _take_separately(
+        layout, field, mean, four, buffer, sums
     )
 
 
-def _take_separately(places, field, mean, batch, buffer, sums):
+def _take_separately(layout, field, mean, four, buffer, sums):
     """As `take_from_grid`, one particle after the other."""
 
 
 @specialise(_take_separately)
-def _take_one_by_one(places, field, mean, batch, buffer, sums):
-    def one_by_one(places, field, mean, batch, buffer, sums):
-        (shape, frame), window = places, field.window
-        begin = batch.layer * window.stride[0]
-        for j in range(batch.size):
-            place = begin + first_place(buffer, j)
+def _take_one_by_one(layout, field, mean, four, buffer, sums):
+    def one_by_one(layout, field, mean, four, buffer, sums):
+        (shape, frame), window = layout, field.window
+        begin = four.layer * window.stride[0]
+        for j in range(four.size):
+            offset = begin + first_offset(buffer, j)
             U, A, D, M = gather(
-                shape, field.G, Support(buffer, j), place, window.stride, frame.origin, mean
+                shape, field.G, Support(buffer, j), offset, window.stride, frame.origin, mean
             )
             keep_sums(sums, j, U, A, D)
             keep_rates(M, buffer, j)
-        repeat_sums(sums, batch.size, frame.origin)
+        repeat_sums(sums, four.size, frame.origin)
         u, a = collected(sums, 0, frame.origin), collected(sums, 1, frame.origin)
         return u, a, gradients(sums, 2, frame.origin), held_weights(sums)
 
@@ -153,69 +153,69 @@ def _add_gradients_of(w, ds, Ds):
     )  # fmt: skip
 
 
-def _line(G, buffer, d, i, place, step, like, most):
+def _line(G, buffer, d, i, offset, step, like, most):
     """Sums over the vertices i, i + 1, ... of a line, as many as `most` has, `step` apart."""
 
 
 @specialise(_line)
-def _line_of(G, buffer, d, i, place, step, like, most):
-    def last(G, buffer, d, i, place, step, like, most):
+def _line_of(G, buffer, d, i, offset, step, like, most):
+    def last(G, buffer, d, i, offset, step, like, most):
         w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
-        v = _numbers(G, place + VELOCITY, like)
-        a = _numbers(G, place + ACCELERATION, like)
-        return scaled(w, v), scaled(w, a), (scaled(g, v),), w * G[place + HELD]
+        v = _numbers(G, offset + VELOCITY, like)
+        a = _numbers(G, offset + ACCELERATION, like)
+        return scaled(w, v), scaled(w, a), (scaled(g, v),), w * G[offset + HELD]
 
-    def more(G, buffer, d, i, place, step, like, most):
-        U, A, D, held = _line(G, buffer, d, i + 1, place + step, step, like, most[1:])
+    def more(G, buffer, d, i, offset, step, like, most):
+        U, A, D, held = _line(G, buffer, d, i + 1, offset + step, step, like, most[1:])
         w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
-        v = _numbers(G, place + VELOCITY, like)
-        a = _numbers(G, place + ACCELERATION, like)
+        v = _numbers(G, offset + VELOCITY, like)
+        a = _numbers(G, offset + ACCELERATION, like)
         return (
             plus_scaled(w, v, U), plus_scaled(w, a, A), (plus_scaled(g, v, D[0]),),
-            w * G[place + HELD] + held,
+            w * G[offset + HELD] + held,
         )  # fmt: skip
 
     return last if len(most) == 1 else more
 
 
-def _line_of_some(most, count, G, buffer, d, place, step, like):
+def _line_of_some(most, count, G, buffer, d, offset, step, like):
     """Sums over a line of `count` vertices, at least two and at most as many as in `most`."""
 
 
 @specialise(_line_of_some)
-def _line_of_number(most, count, G, buffer, d, place, step, like):
-    def exactly(most, count, G, buffer, d, place, step, like):
-        return _line(G, buffer, d, 0, place, step, like, most)
+def _line_of_number(most, count, G, buffer, d, offset, step, like):
+    def exactly(most, count, G, buffer, d, offset, step, like):
+        return _line(G, buffer, d, 0, offset, step, like, most)
 
-    def at_most(most, count, G, buffer, d, place, step, like):
+    def at_most(most, count, G, buffer, d, offset, step, like):
         if count < len(most):
-            return _line_of_some(most[1:], count, G, buffer, d, place, step, like)
-        return _line(G, buffer, d, 0, place, step, like, most)
+            return _line_of_some(most[1:], count, G, buffer, d, offset, step, like)
+        return _line(G, buffer, d, 0, offset, step, like, most)
 
     return exactly if len(most) == 2 else at_most
 
 
-def _lines(G, buffer, d, place, counts, stride, like, most):
+def _lines(G, buffer, d, offset, counts, stride, like, most):
     """Sums over the lines of a support, from direction `d` on."""
 
 
 @specialise(_lines)
-def _lines_of(G, buffer, d, place, counts, stride, like, most):
+def _lines_of(G, buffer, d, offset, counts, stride, like, most):
     if len(counts) == 1:
         if len(like) == 1:
-            return lambda G, buffer, d, place, counts, stride, like, most: _line_of_some(
-                most, counts[0], G, buffer, d, place, stride[0], like
+            return lambda G, buffer, d, offset, counts, stride, like, most: _line_of_some(
+                most, counts[0], G, buffer, d, offset, stride[0], like
             )
-        return lambda G, buffer, d, place, counts, stride, like, most: _line_of_some(
-            most, counts[0], G, buffer, d, place, RECORD, like
+        return lambda G, buffer, d, offset, counts, stride, like, most: _line_of_some(
+            most, counts[0], G, buffer, d, offset, RECORD, like
         )
 
-    def lines(G, buffer, d, place, counts, stride, like, most):
+    def lines(G, buffer, d, offset, counts, stride, like, most):
         U, A, D, held = _zeros(like), _zeros(like), _zero_gradients(counts, like), vector(0.0)
         for i in range(counts[0]):
             w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
             u, a, b, h = _lines(
-                G, buffer, d + 1, place + i * stride[0], counts[1:], stride[1:], like, most
+                G, buffer, d + 1, offset + i * stride[0], counts[1:], stride[1:], like, most
             )
             D = joined(plus_scaled(g, u, D[0]), _add_gradients(w, b, D[1:]))
             U, A, held = plus_scaled(w, u, U), plus_scaled(w, a, A), w * h + held
@@ -254,7 +254,7 @@ def _all_reached_of(shape, buffer, d, like):
     )  # fmt: skip
 
 
-def gather_shared(shape, G, buffer, place, stride, directions, like):
+def gather_shared(shape, G, buffer, offset, stride, directions, like):
     """Sums of velocities, accelerations, derivatives along each direction, and codes.
 
     For as many numbers of a record as `like` has, in a scene of as many `directions`.
@@ -262,11 +262,11 @@ def gather_shared(shape, G, buffer, place, stride, directions, like):
 
 
 @specialise(gather_shared)
-def _gather_shared_of(shape, G, buffer, place, stride, directions, like):
+def _gather_shared_of(shape, G, buffer, offset, stride, directions, like):
     most = (0.0,) * shape.instance_class.vertices()
 
-    def gather_shared(shape, G, buffer, place, stride, directions, like):
+    def gather_shared(shape, G, buffer, offset, stride, directions, like):
         counts = _all_reached(shape, buffer, 0, directions)
-        return _lines(G, buffer, 0, place, counts, stride, like, most)
+        return _lines(G, buffer, 0, offset, counts, stride, like, most)
 
     return gather_shared

@@ -1,8 +1,8 @@
 """Four particles at once: their rows, and reads and writes of their columns.
 
 Weights, deformation and stress are computed for four particles in one vector register. A short
-batch at the end of a layer repeats its last particle: a particle's results do not depend on its
-batch and lane.
+group at the end of a layer repeats its last particle: a particle's results do not depend on its
+group and lane.
 """
 
 from pgimp.jit.kernel import specialise
@@ -10,15 +10,15 @@ from pgimp.jit.vectors.rows import load_row, store_row, transpose
 from pgimp.jit.vectors.simd import lane, pack
 from pgimp.kernels.transfer.first_vertex import is_initial
 
-#: Particles in a batch.
+#: Particles computed together.
 LANES = 4
 
 
-def four(order, k, end):
+def four_rows(order, k, end):
     """Rows of the particles ``order[k:k + 4]``; the last before `end` replaces missing ones."""
 
 
-@specialise(four)
+@specialise(four_rows)
 def _four(order, k, end):
     return lambda order, k, end: (
         order[k], order[min(k + 1, end - 1)], order[min(k + 2, end - 1)],

@@ -22,7 +22,7 @@ class Others(NamedTuple):
     Attributes
     ----------
     setting, loads, order
-        See `Setting`, `Loads`, `Order`; the order has the same layers.
+        See `KernelScene`, `Loads`, `Order`; the order has the same layers.
     """
 
     setting: Any
@@ -61,7 +61,7 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
     Parameters
     ----------
     setting, field, particles, loads, order
-        See `Setting`, `Field`, `Particles`, `Loads`, `Order`.
+        See `KernelScene`, `Field`, `Particles`, `Loads`, `Order`.
     runs : (k, 3) int64
         Runs of layers to sum, one after the other: first layer, layer after the last one, and
         whether to defer. Deferred are the sums for planes not shared with the upper rank. Only the

@@ -8,7 +8,7 @@ from pgimp.jit.vectors.simd import load, store
 from pgimp.kernels.transfer.cornertransfer import scatter_corners
 from pgimp.kernels.transfer.supports import entry, extent, extents
 from pgimp.kernels.transfer.transfer import last_entries, last_step
-from pgimp.kernels.update.meanweights import factor, factored, plus_factored
+from pgimp.kernels.update.mean_dilatation_weights import factor, factored, plus_factored
 from pgimp.physics.shapes.base import by_corners
 
 
@@ -49,16 +49,16 @@ def _sloped_by(w, A, e, C):
     return lambda w, A, e, C: w * A + e * C[0]
 
 
-def _add(G, place, w, A, e, C):
-    """Add w A + e C_0 to the vector at `place`; nothing where A is ()."""
+def _add(G, offset, w, A, e, C):
+    """Add w A + e C_0 to the vector at `offset`; nothing where A is ()."""
 
 
 @specialise(_add)
-def _add_to(G, place, w, A, e, C):
-    def add(G, place, w, A, e, C):
-        store(G, place, load(G, place) + _sloped(w, A, e, C))
+def _add_to(G, offset, w, A, e, C):
+    def add(G, offset, w, A, e, C):
+        store(G, offset, load(G, offset) + _sloped(w, A, e, C))
 
-    return (lambda G, place, w, A, e, C: None) if hasattr(A, "count") else add
+    return (lambda G, offset, w, A, e, C: None) if hasattr(A, "count") else add
 
 
 def _force(w, B, g, S):
@@ -72,37 +72,37 @@ def _force_of(w, B, g, S):
     return lambda w, B, g, S: w * B + g * S
 
 
-def _scatter_line(G, place, step, w, g, e, f, share):
+def _scatter_line(G, offset, step, w, g, e, f, share):
     """Add a particle to a line of vertices, which are `step` apart."""
 
 
 @specialise(_scatter_line)
-def _scatter_vertices(G, place, step, w, g, e, f, share):
-    def vertex(G, place, step, w, g, e, f, share):
+def _scatter_vertices(G, offset, step, w, g, e, f, share):
+    def vertex(G, offset, step, w, g, e, f, share):
         A, B, S, C, M = share
-        _add(G, place, w[0], A, e[0], C)
+        _add(G, offset, w[0], A, e[0], C)
         more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
-        store(G, place + 4, load(G, place + 4) + more)
+        store(G, offset + 4, load(G, offset + 4) + more)
 
     if len(w) == 1:
         return vertex
 
-    def vertices(G, place, step, w, g, e, f, share):
+    def vertices(G, offset, step, w, g, e, f, share):
         A, B, S, C, M = share
-        _add(G, place, w[0], A, e[0], C)
+        _add(G, offset, w[0], A, e[0], C)
         more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
-        store(G, place + 4, load(G, place + 4) + more)
-        _scatter_line(G, place + step, step, w[1:], g[1:], e[1:], f[1:], share)
+        store(G, offset + 4, load(G, offset + 4) + more)
+        _scatter_line(G, offset + step, step, w[1:], g[1:], e[1:], f[1:], share)
 
     return vertices
 
 
-def _scatter_lines(G, support, d, place, counts, stride, Z, share):
+def _scatter_lines(G, support, d, offset, counts, stride, Z, share):
     """Add a particle to the lines of its support, from direction `d` on.
 
     Parameters
     ----------
-    place : int
+    offset : int
         Offset of the first vertex.
     counts : tuple of int
         Vertices of the current direction and the following ones but the last; `stride` alike.
@@ -115,18 +115,18 @@ def _scatter_lines(G, support, d, place, counts, stride, Z, share):
 
 
 @specialise(_scatter_lines)
-def _scatter_all(G, support, d, place, counts, stride, Z, share):
+def _scatter_all(G, support, d, offset, counts, stride, Z, share):
     if len(counts) == 0:
-        return lambda G, support, d, place, counts, stride, Z, share: _scatter_line(
-            G, place, last_step(stride), Z[0], Z[1], Z[2], Z[3], share
+        return lambda G, support, d, offset, counts, stride, Z, share: _scatter_line(
+            G, offset, last_step(stride), Z[0], Z[1], Z[2], Z[3], share
         )
 
-    def lines(G, support, d, place, counts, stride, Z, share):
+    def lines(G, support, d, offset, counts, stride, Z, share):
         (buffer, j), (A, B, S, C, M) = support, share
         for i in range(counts[0]):
             w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
             e = entry(buffer, d, 2, i, j)
-            at = place + i * stride[0]
+            at = offset + i * stride[0]
             part = Share(
                 _sloped(w, A, e, C), _force(w, B, g, S[0]), scaled(w, S[1:]), scaled(w, C[1:]),
                 factored(factor(M, buffer, d, i, j), M),
@@ -136,7 +136,7 @@ def _scatter_all(G, support, d, place, counts, stride, Z, share):
     return lines
 
 
-def _scatter_some(like, count, G, support, place, counts, stride, share):
+def _scatter_some(like, count, G, support, offset, counts, stride, share):
     """Add a particle with weight on `count` vertices along the last direction.
 
     At most as many as `like` has; each number has its own code.
@@ -144,34 +144,34 @@ def _scatter_some(like, count, G, support, place, counts, stride, share):
 
 
 @specialise(_scatter_some)
-def _scatter_number(like, count, G, support, place, counts, stride, share):
+def _scatter_number(like, count, G, support, offset, counts, stride, share):
     last = len(counts)
 
-    def exactly(like, count, G, support, place, counts, stride, share):
+    def exactly(like, count, G, support, offset, counts, stride, share):
         Z = last_entries(support, last, like, share.M)
-        _scatter_lines(G, support, 0, place, counts, stride, Z, share)
+        _scatter_lines(G, support, 0, offset, counts, stride, Z, share)
 
     if len(like) == 2:
         return exactly
 
-    def at_most(like, count, G, support, place, counts, stride, share):
+    def at_most(like, count, G, support, offset, counts, stride, share):
         if count < len(like):
-            _scatter_some(like[1:], count, G, support, place, counts, stride, share)
+            _scatter_some(like[1:], count, G, support, offset, counts, stride, share)
         else:
             Z = last_entries(support, last, like, share.M)
-            _scatter_lines(G, support, 0, place, counts, stride, Z, share)
+            _scatter_lines(G, support, 0, offset, counts, stride, Z, share)
 
     return at_most
 
 
-def scatter(shape, G, support, place, stride, share):
+def scatter(shape, G, support, offset, stride, share):
     """Add a particle's share to its support.
 
     Parameters
     ----------
     support : Support
         Its weights.
-    place : int
+    offset : int
         Offset of the first vertex in `G`.
     stride : tuple of int
         The window's.
@@ -181,29 +181,29 @@ def scatter(shape, G, support, place, stride, share):
 
 
 @specialise(scatter)
-def _scatter(shape, G, support, place, stride, share):
+def _scatter(shape, G, support, offset, stride, share):
     if by_corners(shape):
-        return lambda shape, G, support, place, stride, share: scatter_corners(
-            shape, G, support, place, stride, share
+        return lambda shape, G, support, offset, stride, share: scatter_corners(
+            shape, G, support, offset, stride, share
         )
-    return lambda shape, G, support, place, stride, share: scatter_products(
-        shape, G, support, place, stride, share
+    return lambda shape, G, support, offset, stride, share: scatter_products(
+        shape, G, support, offset, stride, share
     )
 
 
-def scatter_products(shape, G, support, place, stride, share):
+def scatter_products(shape, G, support, offset, stride, share):
     """As `scatter`, for weights that are products by direction, of any shape."""
 
 
 @specialise(scatter_products)
-def _scatter_products(shape, G, support, place, stride, share):
+def _scatter_products(shape, G, support, offset, stride, share):
     last = len(share.types[2]) - 1
     outer = (0,) * last
     like = (0.0,) * shape.instance_class.vertices()
 
-    def scatter(shape, G, support, place, stride, share):
+    def scatter(shape, G, support, offset, stride, share):
         counts = extents(shape, support.buffer, 0, support.j, outer)
         count = extent(shape, support.buffer, last, support.j)
-        _scatter_some(like, count, G, support, place, counts, stride, share)
+        _scatter_some(like, count, G, support, offset, counts, stride, share)
 
     return scatter

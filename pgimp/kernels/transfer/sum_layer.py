@@ -8,14 +8,17 @@ from pgimp.kernels.grid.calming import motion_share
 from pgimp.kernels.grid.filling import FillingSums, ratio_arms
 from pgimp.kernels.loads.loads import scatter_loads, weight
 from pgimp.kernels.transfer.contribution import contribution
-from pgimp.kernels.transfer.lane_io import LANES, four
+from pgimp.kernels.transfer.lane_io import LANES, four_rows
 from pgimp.kernels.transfer.scatter import Share, scatter
-from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_place
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset
 from pgimp.kernels.transfer.transfer import Support
 from pgimp.kernels.update.affine import affine_momentum
-from pgimp.kernels.update.mean import mean_force
-from pgimp.kernels.update.mean_lagrangian import keep_around, scatter_around
-from pgimp.kernels.update.meanweights import keep_means
+from pgimp.kernels.update.mean_dilatation import mean_force
+from pgimp.kernels.update.mean_dilatation_lagrangian import (
+    keep_mean_lagrangian,
+    scatter_mean_lagrangian,
+)
+from pgimp.kernels.update.mean_dilatation_weights import keep_means
 from pgimp.kernels.update.piola import PIOLA_SIZE, keep_forces
 
 
@@ -38,7 +41,9 @@ def second(loads, frame, particles, p):
 def _second(loads, frame, particles, p):
     if loads.instance_class is FillingSums:
         return lambda loads, frame, particles, p: motion_share(loads.calming, frame, particles, p)
-    return lambda loads, frame, particles, p: weight(loads.force, loads.walls, frame, particles, p)
+    return lambda loads, frame, particles, p: weight(
+        loads.force, loads.approached, frame, particles, p
+    )
 
 
 def sum_layer(setting, field, particles, loads, rows, span, number):
@@ -75,26 +80,26 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
         forces = stack(PIOLA_SIZE)
         weights = stack(SUPPORT_SIZE)
         for k in range(begin, end, LANES):
-            batch = four(rows, k, end)
-            summed_supports(loads, shape, frame, window, particles, batch, number, buffer)
+            four = four_rows(rows, k, end)
+            summed_supports(loads, shape, frame, window, particles, four, number, buffer)
             keep_means(loads.mean, shape, frame, buffer)
-            keep_around(loads.around, shape, frame, buffer, weights)
-            keep_forces(loads, frame, particles, batch, forces)
+            keep_mean_lagrangian(loads.mean_lagrangian, shape, frame, buffer, weights)
+            keep_forces(loads, frame, particles, four, forces)
             for j in range(min(LANES, end - k)):
                 p = rows[k + j]
-                place = first_place(buffer, j)
+                offset = first_offset(buffer, j)
                 A, S = contribution(loads, frame, particles, p, forces, j)
                 B = second(loads, frame, particles, p)
                 C = arms(loads, frame, particles, p)
                 M = mean_force(loads, frame, particles, p)
                 share = Share(A, B, S, C, M)
-                scatter(shape, scratch, Support(buffer, j), place, window.stride, share)
-                scatter_around(
-                    loads.around, (shape, frame), scratch, Support(weights, j), place,
+                scatter(shape, scratch, Support(buffer, j), offset, window.stride, share)
+                scatter_mean_lagrangian(
+                    loads.mean_lagrangian, (shape, frame), scratch, Support(weights, j), offset,
                     window.stride, forces,
                 )  # fmt: skip
-                low = min(low, place)
-                high = max(high, place)
+                low = min(low, offset)
+                high = max(high, offset)
         scatter_loads(loads, setting, field, particles, rows, span, number)
         # Behind the last particle's first vertex lies the rest of its support within the plane.
         high += RECORD

@@ -13,12 +13,12 @@ from pgimp.kernels.transfer.first_vertex import first_vertex
 from pgimp.kernels.transfer.lane_io import coordinates, deformations
 from pgimp.physics.shapes.base import by_corners, size, weights
 
-#: Numbers in the buffer for the supports of a batch: by direction weights (19), gradients (20),
+#: Numbers in the buffer for supports of four particles: by direction weights (19), gradients (20),
 #: weights times arms, each of up to four vertices. Then the offset of the first vertex; each four
-#: times. From `MEANS` on there is space for `pgimp.kernels.update.mean`. Supports by corners have
-#: the numbers of `pgimp.kernels.transfer.corners`, on either side of the offset.
+#: times. From `MEANS` on there is space for `pgimp.kernels.update.mean_dilatation`. Supports by
+#: corners have the numbers of `pgimp.kernels.transfer.corners`, on either side of the offset.
 SUPPORT_SIZE = 224
-_DIRECTION, _QUANTITY, _PLACE, MEANS = 48, 16, 144, 152
+_DIRECTION, _QUANTITY, _OFFSET, MEANS = 48, 16, 144, 152
 
 
 def _arms(w, f, cell):
@@ -80,8 +80,8 @@ def _across_directions(shape, frame, window, buffer, arms, d, half, x):
     def across(shape, frame, window, buffer, arms, d, half, x):
         vertex = first_vertex(frame, d, half[0], x[0])
         _along(shape, frame, buffer, arms, d, half[0], x[0], vertex)
-        place = (vertex - window.lower[d]) * window.stride[d]
-        return place + _across(shape, frame, window, buffer, arms, d + 1, half[1:], x[1:])
+        offset = (vertex - window.lower[d]) * window.stride[d]
+        return offset + _across(shape, frame, window, buffer, arms, d + 1, half[1:], x[1:])
 
     return across
 
@@ -99,14 +99,14 @@ def _supports(shape, frame, window, particles, rows, layer, buffer, arms):
         half = size(shape, frame.cell, deformations(frame, particles, rows))[0]
         x = coordinates(frame, particles, rows)
         _along(shape, frame, buffer, arms, 0, half[0], x[0], layer)
-        store(buffer, _PLACE, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
-        move_to_fields(window, particles, rows, buffer, _PLACE)
+        store(buffer, _OFFSET, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
+        move_to_fields(window, particles, rows, buffer, _OFFSET)
 
     def corners(shape, frame, window, particles, rows, layer, buffer, arms):
         F, x = deformations(frame, particles, rows), coordinates(frame, particles, rows)
-        place = keep_corners(shape, frame, window, F, x, layer, buffer, arms)
-        store(buffer, _PLACE, place)
-        move_to_fields(window, particles, rows, buffer, _PLACE)
+        offset = keep_corners(shape, frame, window, F, x, layer, buffer, arms)
+        store(buffer, _OFFSET, offset)
+        move_to_fields(window, particles, rows, buffer, _OFFSET)
 
     return corners if by_corners(shape) else supports
 
@@ -124,13 +124,13 @@ def _keep_support(buffer, d, w, g):
     return keep
 
 
-def first_place(buffer, j):
-    """Offset of the first vertex of the batch's particle `j` within its plane."""
+def first_offset(buffer, j):
+    """Offset of the first vertex of particle `j` of four within its plane."""
 
 
-@specialise(first_place)
-def _first_place(buffer, j):
-    return lambda buffer, j: int(number(buffer, _PLACE + j))
+@specialise(first_offset)
+def _first_offset(buffer, j):
+    return lambda buffer, j: int(number(buffer, _OFFSET + j))
 
 
 def entry(buffer, d, quantity, i, j):
@@ -169,12 +169,12 @@ def _entries(buffer, d, quantity, i, j, like):
 
 
 def share_support(buffer):
-    """Whether all particles of a batch share their first vertex and field."""
+    """Whether all four particles share their first vertex and field."""
 
 
 @specialise(share_support)
 def _share_support(buffer):
-    return lambda buffer: bits(load(buffer, _PLACE) == number(buffer, _PLACE)) == 15
+    return lambda buffer: bits(load(buffer, _OFFSET) == number(buffer, _OFFSET)) == 15
 
 
 def extent(shape, buffer, d, j):

@@ -12,18 +12,18 @@ from typing import Any, NamedTuple
 from pgimp.jit.kernel import specialise
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.transfer.supports import entries
-from pgimp.kernels.update.meanweights import factors
+from pgimp.kernels.update.mean_dilatation_weights import factors
 
 
 class Support(NamedTuple):
-    """Support of one particle of a batch.
+    """Support of one of four particles.
 
     Attributes
     ----------
     buffer
-        The supports of the batch, see `pgimp.kernels.transfer.supports`.
+        The supports of the four particles, see `pgimp.kernels.transfer.supports`.
     j : int
-        Number of the particle in the batch.
+        Number of the particle among the four.
     """
 
     buffer: Any

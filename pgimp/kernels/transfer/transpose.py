@@ -1,10 +1,10 @@
-"""Results of `gather` for a batch, transposed from a vector a particle to one a component."""
+"""Results of `gather` for four particles, as a vector a component in place of one a particle."""
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, store
 
-#: Size of a batch's results of `gather`: at most five vectors for each of four particles.
+#: Size of four particles' results of `gather`: at most five vectors for each of four particles.
 SUMS = 80
 
 
@@ -26,7 +26,7 @@ def _keep_sums(buffer, j, U, A, D):
 
 
 def repeat_sums(buffer, count, like):
-    """Repeat the sums of the batch's last particle, `count` - 1, for missing ones."""
+    """Repeat the sums of the last of four particles, `count` - 1, for missing ones."""
 
 
 @specialise(repeat_sums)
@@ -42,7 +42,7 @@ def _repeat_sums(buffer, count, like):
 
 
 def _columns(buffer, i):
-    """The first, second, third and fourth elements of the vectors `i` of a batch."""
+    """The first, second, third and fourth elements of the vectors `i` of four particles."""
 
 
 @specialise(_columns)
@@ -54,7 +54,7 @@ def _columns_of(buffer, i):
 
 
 def collected(buffer, i, like):
-    """The components of the vectors `i` of a batch: for each direction a vector of four."""
+    """The components of the vectors `i` of four particles: for each direction a vector of four."""
 
 
 @specialise(collected)
@@ -67,7 +67,7 @@ def _collected(buffer, i, like):
 
 
 def gathered_mass(buffer):
-    """Weighted sums of the masses of the vertices in the supports of a batch's particles."""
+    """Weighted sums of the masses of the vertices in the supports of four particles."""
 
 
 @specialise(gathered_mass)
@@ -76,7 +76,7 @@ def _gathered_mass(buffer):
 
 
 def held_weights(buffer):
-    """Weighted sums of `HELD` over the vertices in the supports of a batch's particles."""
+    """Weighted sums of `HELD` over the vertices in the supports of four particles."""
 
 
 @specialise(held_weights)
@@ -85,7 +85,7 @@ def _held_weights(buffer):
 
 
 def gradients(buffer, i, like):
-    """Velocity gradients of a batch, row-major, from the vectors `i`, `i` + 1, ... of its sums."""
+    """Velocity gradients of four particles, row-major, from the vectors `i`, ... of their sums."""
 
 
 @specialise(gradients)

@@ -103,7 +103,7 @@ def _outside(frame, exits, x):
     return error
 
 
-def check(limits, field, particles, batch, found, report, ledger, counts):
+def check(limits, field, particles, four, found, report, ledger, counts):
     """Check four particles, and examine those that fail the combined check.
 
     In the initial configuration they keep their layers, and may be anywhere except beyond a wall.
@@ -112,8 +112,8 @@ def check(limits, field, particles, batch, found, report, ledger, counts):
     ----------
     limits : tuple
         See `limits_of`.
-    field, particles, batch, report, ledger
-        See `Field`, `Particles`, `Batch`, `Report`, `Ledger`.
+    field, particles, four, report, ledger
+        See `Field`, `Particles`, `FourParticles`, `Report`, `Ledger`.
     found : tuple
         u, v, x, F, J, state and margin of the four.
     counts : tuple of 5 int
@@ -127,9 +127,9 @@ def check(limits, field, particles, batch, found, report, ledger, counts):
 
 
 @specialise(check)
-def _check(limits, field, particles, batch, found, report, ledger, counts):
-    def check(limits, field, particles, batch, found, report, ledger, counts):
-        frame, shape, limit, number = limits[0], limits[1], limits[2], batch.number
+def _check(limits, field, particles, four, found, report, ledger, counts):
+    def check(limits, field, particles, four, found, report, ledger, counts):
+        frame, shape, limit, number = limits[0], limits[1], limits[2], four.number
         u, v, x, F, J, state, margin = found
         # One branch for all rare events, NaN included; its speed limit is stricter.
         half, most = size(shape, frame.cell, F)
@@ -141,18 +141,18 @@ def _check(limits, field, particles, batch, found, report, ledger, counts):
         if usual != 15:
             good = (usual, _all_finite(state), bits(and_positive(vector(0.0) == 0.0, margin)))
             counts = examine(
-                (frame, *limits[3:]), particles, batch, good, (u, v, x, J, half, now, most),
+                (frame, *limits[3:]), particles, four, good, (u, v, x, J, half, now, most),
                 report, ledger, counts,
             )  # fmt: skip
         return counts
 
-    def check_initial(limits, field, particles, batch, found, report, ledger, counts):
+    def check_initial(limits, field, particles, four, found, report, ledger, counts):
         _, v, x, _, J, state, margin = found
         sound = and_finite(and_finite(within(field.bounds, x) & (J > 0.0), state), v)
         usual = bits(and_positive(sound, margin))
         if usual != 15:
             good = (usual, _all_finite(state))
-            counts = _count_errors(field.bounds, batch, good, (v, x, J), report, counts)
+            counts = _count_errors(field.bounds, four, good, (v, x, J), report, counts)
         return counts
 
     return check_initial if is_initial(limits[0]) else check
@@ -164,7 +164,7 @@ def limits_of(setting, forcing, inverse):
     Parameters
     ----------
     setting, forcing
-        See `Setting`, `Forcing`.
+        See `KernelScene`, `Forcing`.
     inverse : float
         The greatest 1/L.
 
@@ -180,21 +180,21 @@ def limits_of(setting, forcing, inverse):
 def _limits_of(setting, forcing, inverse):
     return lambda setting, forcing, inverse: (
         setting.frame, setting.shape, (forcing.dt * inverse) ** 2, setting.exits, forcing.dt,
-        forcing.walls, forcing.constraints,
+        forcing.position_limits, forcing.constraints,
     )  # fmt: skip
 
 
-def _count_errors(bounds, batch, good, found, report, counts):
+def _count_errors(bounds, four, good, found, report, counts):
     """As `examine`, in the initial configuration: errors alone."""
 
 
 @specialise(_count_errors)
-def _count_errors_of(bounds, batch, good, found, report, counts):
-    def count(bounds, batch, good, found, report, counts):
+def _count_errors_of(bounds, four, good, found, report, counts):
+    def count(bounds, four, good, found, report, counts):
         usual, finite = good
         v, x, J = found
         failed, outflow, moved, clamped, held = counts
-        for j in range(batch.size):
+        for j in range(four.size):
             if usual >> j & 1:
                 continue
             xj = of_lane(x, j)
@@ -202,7 +202,7 @@ def _count_errors_of(bounds, batch, good, found, report, counts):
             if error == 0:
                 error = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
             if failed < len(report.errors):
-                report.errors[failed, 0] = batch.rows[j]
+                report.errors[failed, 0] = four.rows[j]
                 report.errors[failed, 1] = error
             failed += 1
         return failed, outflow, moved, clamped, held
@@ -210,7 +210,7 @@ def _count_errors_of(bounds, batch, good, found, report, counts):
     return count
 
 
-def examine(limits, particles, batch, good, found, report, ledger, counts):
+def examine(limits, particles, four, good, found, report, ledger, counts):
     """Examine the particles of four that failed the combined check.
 
     Parameters
@@ -218,7 +218,7 @@ def examine(limits, particles, batch, good, found, report, ledger, counts):
     limits : tuple
         From `limits_of` without the shape and the speed of a slow particle, so that many shapes
         share this part of the kernels.
-    particles, batch, report, ledger
+    particles, four, report, ledger
         As in `check`.
     good : tuple of 3 int
         In turn, bit j is set if particle j passed the check, has a finite state, is in its
@@ -237,17 +237,17 @@ def examine(limits, particles, batch, good, found, report, ledger, counts):
 
 
 @specialise(examine)
-def _examine(limits, particles, batch, good, found, report, ledger, counts):
-    def examine(limits, particles, batch, good, found, report, ledger, counts):
+def _examine(limits, particles, four, good, found, report, ledger, counts):
+    def examine(limits, particles, four, good, found, report, ledger, counts):
         frame, exits, dt, walls, constraints = limits
-        number, bounds = batch.number, report.vertex_bounds
+        number, bounds = four.number, report.vertex_bounds
         usual, finite, valid = good
         u, v, x, J, half, now, most = found
         failed, outflow, moved, clamped, held = counts
-        for j in range(batch.size):
+        for j in range(four.size):
             if usual >> j & 1:
                 continue
-            p = batch.rows[j]
+            p = four.rows[j]
             clamped += lane(vector(most), j) > LARGEST
             xj = of_lane(x, j)
             layer_now = int(lane(now, j))
@@ -259,7 +259,7 @@ def _examine(limits, particles, batch, good, found, report, ledger, counts):
                 error = _outside(frame, exits, xj)
             if error == OUTSIDE and hold_inside(
                 walls, frame, constraints, particles, p,
-                ledger.impulse[batch.layer], ledger.work[batch.layer : batch.layer + 1],
+                ledger.impulse[four.layer], ledger.work[four.layer : four.layer + 1],
             ):  # fmt: skip
                 held += 1
                 xj = read(particles.x, p, 0, frame.origin)
@@ -267,7 +267,7 @@ def _examine(limits, particles, batch, good, found, report, ledger, counts):
                 error = _outside(frame, exits, xj)
             if error == _LEAVES:
                 particles.layer[p] = OUTFLOW
-                report.changed[moved] = batch.first + j
+                report.changed[moved] = four.first + j
                 moved += 1
                 outflow += 1
                 continue
@@ -285,7 +285,7 @@ def _examine(limits, particles, batch, good, found, report, ledger, counts):
                 bounds[1, d - 1] = max(bounds[1, d - 1], i)
             if layer_now != number:
                 particles.layer[p] = layer_now
-                report.changed[moved] = batch.first + j
+                report.changed[moved] = four.first + j
                 moved += 1
         return failed, outflow, moved, clamped, held
 

@@ -21,7 +21,7 @@ from pgimp.physics.materials.base import volume_only
 _NEAR = 0.25
 
 
-def velocity_gradients(frame, particles, batch, D):
+def velocity_gradients(frame, particles, four, D):
     """Velocity gradients L of four particles at the step's beginning, by current positions.
 
     `D` is from the grid. It is L itself or, in the initial configuration, the rate of F, the
@@ -31,21 +31,21 @@ def velocity_gradients(frame, particles, batch, D):
 
 
 @specialise(velocity_gradients)
-def _velocity_gradients(frame, particles, batch, D):
+def _velocity_gradients(frame, particles, four, D):
     if not is_initial(frame):
-        return lambda frame, particles, batch, D: D
-    return lambda frame, particles, batch, D: multiply(
-        D, inverse(deformations(frame, particles, batch.rows))
+        return lambda frame, particles, four, D: D
+    return lambda frame, particles, four, D: multiply(
+        D, inverse(deformations(frame, particles, four.rows))
     )
 
 
-def update_deformation(setting, forcing, particles, batch, numbers, L):
+def update_deformation(setting, forcing, particles, four, numbers, L):
     """Deformation gradients F of four particles after a step, from velocity gradients L (29).
 
     Parameters
     ----------
-    setting, forcing, particles, batch
-        See `Setting`, `Forcing`, `Particles`, `Batch`.
+    setting, forcing, particles, four
+        See `KernelScene`, `Forcing`, `Particles`, `FourParticles`.
     numbers : tuple of 4 int
         Their materials.
     L : tuple of D*D Vec4
@@ -54,22 +54,22 @@ def update_deformation(setting, forcing, particles, batch, numbers, L):
 
 
 @specialise(update_deformation)
-def _update_deformation(setting, forcing, particles, batch, numbers, L):
+def _update_deformation(setting, forcing, particles, four, numbers, L):
     materials = setting.types[setting.fields.index("materials")]
     flows = tuple(float(volume_only(each.instance_class)) for each in materials)
 
-    def initial(setting, forcing, particles, batch, numbers, L):
-        return plus_scaled(forcing.dt, L, deformations(setting.frame, particles, batch.rows))
+    def initial(setting, forcing, particles, four, numbers, L):
+        return plus_scaled(forcing.dt, L, deformations(setting.frame, particles, four.rows))
 
-    def full(setting, forcing, particles, batch, numbers, L):
-        return multiply(one_plus(forcing.dt, L), deformations(setting.frame, particles, batch.rows))
+    def full(setting, forcing, particles, four, numbers, L):
+        return multiply(one_plus(forcing.dt, L), deformations(setting.frame, particles, four.rows))
 
-    def isotropic(setting, forcing, particles, batch, numbers, L):
-        F = deformations(setting.frame, particles, batch.rows)
+    def isotropic(setting, forcing, particles, four, numbers, L):
+        F = deformations(setting.frame, particles, four.rows)
         return _diagonal(F[0] * side(determinant(one_plus(forcing.dt, L)), L), L)
 
-    def each_its_own(setting, forcing, particles, batch, numbers, L):
-        F = deformations(setting.frame, particles, batch.rows)
+    def each_its_own(setting, forcing, particles, four, numbers, L):
+        F = deformations(setting.frame, particles, four.rows)
         grown = one_plus(forcing.dt, L)
         kinds = pack(
             flows[numbers[0]], flows[numbers[1]], flows[numbers[2]], flows[numbers[3]]

@@ -14,7 +14,8 @@ from pgimp.kernels.transfer.first_vertex import is_initial
 from pgimp.kernels.transfer.lane_io import deformations, take, take_row
 from pgimp.kernels.update.viscosity import trace
 
-#: Offset in the buffer of the forces by cells, see `pgimp.kernels.update.mean_lagrangian`.
+#: Offset in the buffer of the forces by cells, see
+#: `pgimp.kernels.update.mean_dilatation_lagrangian`.
 BY_CELLS = 48
 
 #: Numbers in the buffer: for each direction a vector a particle, and as many by cells.
@@ -77,7 +78,7 @@ def _keep_all_columns(buffer, at, P):
 def keep_forces(loads, frame, particles, rows, buffer):
     """Store -V0 P of four particles, less viscosity's, in a buffer of `PIOLA_SIZE` float64.
 
-    With an `around` also the forces by cells. Nothing is done in the current configuration.
+    With `mean_lagrangian` also the forces by cells. Nothing is done in the current configuration.
     """
 
 
@@ -106,12 +107,12 @@ def _keep_forces(loads, frame, particles, rows, buffer):
         G = take_row(particles.around, rows, 0, matrix)
         _keep_columns(buffer, BY_CELLS, scaled(V * mean, cofactor(G)))
 
-    around = loads.types[loads.fields.index("around")]
-    return keep_pointwise if hasattr(around, "count") else keep_both
+    mean = loads.types[loads.fields.index("mean_lagrangian")]
+    return keep_pointwise if hasattr(mean, "count") else keep_both
 
 
 def kept_force(buffer, at, j, like):
-    """For each direction the vector (0, -V0 P_xi, -V0 P_yi, -V0 P_zi) of the batch's `j`.
+    """For each direction the vector (0, -V0 P_xi, -V0 P_yi, -V0 P_zi) of number `j` of four.
 
     From the offset `at` on, 0 or `BY_CELLS`.
     """

@@ -20,7 +20,7 @@ from pgimp.kernels.grid.position_limits import free_part
 from pgimp.kernels.transfer.first_vertex import deformation, is_initial
 from pgimp.kernels.transfer.gather import gather
 from pgimp.kernels.transfer.lane_io import LANES
-from pgimp.kernels.transfer.supports import first_place, supports
+from pgimp.kernels.transfer.supports import first_offset, supports
 from pgimp.kernels.transfer.transfer import Support
 from pgimp.physics.shapes.base import by_corners
 
@@ -41,16 +41,16 @@ FARTHEST = 0.1
 GAINS = 16
 
 
-def refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
+def refill(forcing, setting, field, particles, four, buffers, moved, ledger):
     """Shift four particles, close their gaps, relax J and their null modes.
 
     Parameters
     ----------
-    forcing, setting, field, particles, batch
-        See `Forcing`, `Setting`, `Field`, `Particles`, `Batch`; the filling belongs to the step's
-        beginning.
+    forcing, setting, field, particles, four
+        See `Forcing`, `KernelScene`, `Field`, `Particles`, `FourParticles`; the filling belongs to
+        the step's beginning.
     buffers : tuple
-        The batch's supports, and scratch.
+        Their supports, and scratch.
     moved : tuple
         Positions, deformation gradients and velocities, tuples of D, D*D and D Vec4.
     ledger : Ledger
@@ -64,36 +64,36 @@ def refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
 
 
 @specialise(refill)
-def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
+def _refill(forcing, setting, field, particles, four, buffers, moved, ledger):
     frame = setting.types[setting.fields.index("frame")]
     filling = forcing.types[forcing.fields.index("filling")]
     if not hasattr(filling, "instance_class") or is_initial(frame):  # ()
-        return lambda forcing, setting, field, particles, batch, buffers, moved, ledger: moved
+        return lambda forcing, setting, field, particles, four, buffers, moved, ledger: moved
     D = len(frame.types[0])
     part = 1.0 / D
 
-    def shifted(forcing, setting, field, particles, batch, buffers, moved, ledger):
+    def shifted(forcing, setting, field, particles, four, buffers, moved, ledger):
         (x, F, v), filling, gravity = moved, forcing.filling, forcing.gravity
         if not filling.due:
             return x, F, v
         buffer, scratch = buffers
         shape, frame, stride = setting.shape, setting.frame, filling.window.stride
-        _find_corners(shape, frame, filling.window, particles, batch, buffer)
+        _find_corners(shape, frame, filling.window, particles, four, buffer)
         for j in range(LANES):
-            if j >= batch.size:  # the last one once more
+            if j >= four.size:  # the last one once more
                 store(scratch, 4 * j, load(scratch, 4 * j - 4))
                 store(scratch, GAINS + 4 * j, load(scratch, GAINS + 4 * j - 4))
                 continue
-            p = batch.rows[j]
+            p = four.rows[j]
             body = particles.body[p]
             if not filling.shift[body] > 0.0:
                 store(scratch, 4 * j, pack(0.0, 0.0, 0.0, 1.0))
                 store(scratch, GAINS + 4 * j, pack(0.0, 0.0, 0.0, 0.0))
                 continue
-            place = batch.layer * stride[0] + first_place(buffer, j)
-            place += _to_field(shape, filling.window, field.window, particles, p)
+            offset = four.layer * stride[0] + first_offset(buffer, j)
+            offset += _to_field(shape, filling.window, field.window, particles, p)
             U, A, slopes, _ = gather(
-                shape, filling.G, Support(buffer, j), place, stride, frame.origin, ()
+                shape, filling.G, Support(buffer, j), offset, stride, frame.origin, ()
             )
             keep_gain(filling.calming, frame, particles, p, A, scratch, GAINS + 4 * j)
             step = _steps(slopes, frame.cell, filling.shift[body])
@@ -115,9 +115,9 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
                     lost = filling.closed[body] * over * (J - min(lane(U, FIELD), most))
             store(scratch, 4 * j, pack(step[0], step[1], step[2], power((J - lost) / J, part)))
             along = gravity[0] * step[0] + gravity[1] * step[1] + gravity[2] * step[2]
-            ledger.work[batch.layer] += particles.m[p] * along
+            ledger.work[four.layer] += particles.m[p] * along
             V = min(J, most) * particles.V0[p]
-            filled = ledger.filled[batch.layer, body]
+            filled = ledger.filled[four.layer, body]
             filled[CARRIED] += V
             filled[ROOM] += V * (1.0 - lane(U, OVERLAP))
         S = transpose(load(scratch, 0), load(scratch, 4), load(scratch, 8), load(scratch, 12))
@@ -126,17 +126,17 @@ def _refill(forcing, setting, field, particles, batch, buffers, moved, ledger):
     return shifted
 
 
-def _find_corners(shape, frame, window, particles, batch, buffer):
+def _find_corners(shape, frame, window, particles, four, buffer):
     """Find the offsets of corners anew: planes are apart as in another window."""
 
 
 @specialise(_find_corners)
-def _find_corners_in(shape, frame, window, particles, batch, buffer):
+def _find_corners_in(shape, frame, window, particles, four, buffer):
     if by_corners(shape):
-        return lambda shape, frame, window, particles, batch, buffer: supports(
-            shape, frame, window, particles, batch.rows, batch.number, buffer, ()
+        return lambda shape, frame, window, particles, four, buffer: supports(
+            shape, frame, window, particles, four.rows, four.number, buffer, ()
         )
-    return lambda shape, frame, window, particles, batch, buffer: None
+    return lambda shape, frame, window, particles, four, buffer: None
 
 
 def _to_field(shape, window, other, particles, p):

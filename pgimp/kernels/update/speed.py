@@ -57,7 +57,7 @@ def grid_speed(setting, controlled, numbers, after, inverse, extra):
     Parameters
     ----------
     setting
-        See `Setting`.
+        See `KernelScene`.
     controlled : bool or float
         See `pace`.
     numbers : tuple of 4 int

@@ -58,7 +58,7 @@ def update_stress(setting, forcing, particles, rows, numbers, F, J, L):
     Parameters
     ----------
     setting, forcing, particles
-        See `Setting`, `Forcing`, `Particles`.
+        See `KernelScene`, `Forcing`, `Particles`.
     rows, numbers : tuple of 4 int
         Their rows and the numbers of their materials.
     F, L : tuple of D*D Vec4

@@ -1,6 +1,6 @@
 """Parameters of materials that vary in space, substituted for each particle.
 
-In such a material `Setting` has `Own` in place of each number that varies. Derived parameters
+In such a material `KernelScene` has `Own` in place of each number that varies. Derived parameters
 (Lame's constants from Young's modulus) were computed when particles were created. They are in the
 column `own`, in the order of each `Own` in the particle's material. The functions of materials get
 numbers, or vectors of four, as without variation.
@@ -11,7 +11,7 @@ from numba.core import types
 from pgimp.jit.kernel import specialise
 from pgimp.jit.own import count_own, filled
 from pgimp.jit.tuples import read
-from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.transfer.lane_io import take_row
 
 
@@ -40,7 +40,7 @@ def _with_materials(setting, materials):
 
 @specialise(_with_materials)
 def _setting_with(setting, materials):
-    return lambda setting, materials: Setting(
+    return lambda setting, materials: KernelScene(
         setting.shape, setting.frame, setting.identity, materials, setting.material_of,
         setting.tracked, setting.exits,
     )  # fmt: skip

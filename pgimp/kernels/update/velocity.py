@@ -8,13 +8,13 @@ from pgimp.kernels.loads.loads import relaxed
 from pgimp.kernels.transfer.lane_io import take_row
 
 
-def update_velocity(frame, forcing, particles, batch, u, a, ledger):
+def update_velocity(frame, forcing, particles, four, u, a, ledger):
     """Velocities of four particles after a step, and velocities of their motion.
 
     Parameters
     ----------
-    frame, forcing, particles, batch, ledger
-        See `Frame`, `Forcing`, `Particles`, `Batch`, `Ledger`.
+    frame, forcing, particles, four, ledger
+        See `Frame`, `Forcing`, `Particles`, `FourParticles`, `Ledger`.
     u, a : tuple of D Vec4
         The grid's velocity and acceleration at their positions.
 
@@ -26,22 +26,22 @@ def update_velocity(frame, forcing, particles, batch, u, a, ledger):
 
 
 @specialise(update_velocity)
-def _update_velocity(frame, forcing, particles, batch, u, a, ledger):
-    def update(frame, forcing, particles, batch, u, a, ledger):
-        v = plus_scaled(forcing.dt, a, take_row(particles.v, batch.rows, 0, u))  # (27)
+def _update_velocity(frame, forcing, particles, four, u, a, ledger):
+    def update(frame, forcing, particles, four, u, a, ledger):
+        v = plus_scaled(forcing.dt, a, take_row(particles.v, four.rows, 0, u))  # (27)
         v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
-        v = settle(forcing.loads.rest, frame, forcing, particles, batch, (v, u), ledger)
-        return constrain_particles(forcing.constraints, particles, batch, u, v, ledger)
+        v = settle(forcing.loads.rest, frame, forcing, particles, four, (v, u), ledger)
+        return constrain_particles(forcing.constraints, particles, four, u, v, ledger)
 
     return update
 
 
-def update_position(forcing, particles, batch, u):
+def update_position(forcing, particles, four, u):
     """Positions of four particles after a step, moving at `u` (26)."""
 
 
 @specialise(update_position)
-def _update_position(forcing, particles, batch, u):
-    return lambda forcing, particles, batch, u: plus_scaled(
-        forcing.dt, u, take_row(particles.x, batch.rows, 0, u)
+def _update_position(forcing, particles, four, u):
+    return lambda forcing, particles, four, u: plus_scaled(
+        forcing.dt, u, take_row(particles.x, four.rows, 0, u)
     )

@@ -13,28 +13,21 @@ is at most one cell. With two particles a cell and stretches beyond four, neighb
 touch; the log counts such particles.
 """
 
-from typing import ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from pgimp.physics.shapes.base import WideShape
-from pgimp.physics.shapes.stretch import stretched
+from pgimp.physics.shapes.stretch import FixedSize, TrackedSize
 
 
-class CpdiParameters(NamedTuple):
+class CpdiParameters(TrackedSize):
     """Initial half-widths of the particles' boxes by direction, in cells; at most 1/2."""
-
-    half: tuple[float, ...]
 
     @staticmethod
     def vertices():
         """Vertices a direction in a support."""
         return 4
-
-    @staticmethod
-    def size(shape, cell, F):
-        """Follows the deformation."""
-        return stretched(shape.half, cell, F)
 
     @staticmethod
     def weights(shape, half, f):
@@ -59,20 +52,13 @@ class CpdiParameters(NamedTuple):
         )
 
 
-class FixedCpdiParameters(NamedTuple):
+class FixedCpdiParameters(FixedSize):
     """Half-widths of the particles' boxes by direction, in cells; at most 1/2, and constant."""
-
-    half: tuple[float, ...]
 
     @staticmethod
     def vertices():
         """Vertices a direction in a support."""
         return 3
-
-    @staticmethod
-    def size(shape, cell, F):
-        """Constant in time."""
-        return shape.half, 0.0
 
     @staticmethod
     def weights(shape, half, f):

@@ -9,29 +9,22 @@ boxes by g^2/2. So the particles are a partition of unity to first order. The sa
 of a rotated lattice, which stay along the grid.
 """
 
-from typing import ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from pgimp.physics.shapes.base import WideShape
 from pgimp.physics.shapes.gimp import GimpParameters
-from pgimp.physics.shapes.stretch import stretched
+from pgimp.physics.shapes.stretch import TrackedSize
 
 
-class FiniteGimpParameters(NamedTuple):
+class FiniteGimpParameters(TrackedSize):
     """Initial half-widths of the particles' boxes by direction, in cells; at most 1/2."""
-
-    half: tuple[float, ...]
 
     @staticmethod
     def vertices():
         """Vertices a direction in a support."""
         return 4
-
-    @staticmethod
-    def size(shape, cell, F):
-        """Follows the deformation."""
-        return stretched(shape.half, cell, F)
 
     @staticmethod
     def weights(shape, half, f):

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from pgimp.jit.kernel import specialise
 from pgimp.physics.shapes.base import WideShape, beyond_walls
-from pgimp.physics.shapes.stretch import stretched
+from pgimp.physics.shapes.stretch import FixedSize, TrackedSize
 
 
 def tents(half, f):
@@ -47,46 +47,26 @@ def _tents(half, f):
     return convolve
 
 
-class FixedFuzzyParameters(NamedTuple):
+class _Tents:
+    """Base of the two kinds of parameters."""
+
+    @staticmethod
+    def vertices():
+        """Vertices a direction in a support."""
+        return 4
+
+    @staticmethod
+    def weights(shape, half, f):
+        """See `pgimp.physics.shapes`."""
+        return tents(half, f)
+
+
+class FixedFuzzyParameters(_Tents, FixedSize):
     """Half-widths of the particles' tents by direction, in cells."""
 
-    half: tuple[float, ...]
 
-    @staticmethod
-    def vertices():
-        """Vertices a direction in a support."""
-        return 4
-
-    @staticmethod
-    def size(shape, cell, F):
-        """Constant in time."""
-        return shape.half, 0.0
-
-    @staticmethod
-    def weights(shape, half, f):
-        """See `pgimp.physics.shapes`."""
-        return tents(half, f)
-
-
-class TrackedFuzzyParameters(NamedTuple):
+class TrackedFuzzyParameters(_Tents, TrackedSize):
     """Initial half-widths of the particles' tents by direction, in cells."""
-
-    half: tuple[float, ...]
-
-    @staticmethod
-    def vertices():
-        """Vertices a direction in a support."""
-        return 4
-
-    @staticmethod
-    def size(shape, cell, F):
-        """Follows the deformation."""
-        return stretched(shape.half, cell, F)
-
-    @staticmethod
-    def weights(shape, half, f):
-        """See `pgimp.physics.shapes`."""
-        return tents(half, f)
 
 
 class _Fuzzy(WideShape):

@@ -1,26 +1,20 @@
 """Contiguous-particle GIMP: chi_p is a box of constant size, S_vp piecewise quadratic (36-40)."""
 
-from typing import ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from pgimp.physics.shapes.base import PointShape, WideShape
+from pgimp.physics.shapes.stretch import FixedSize
 
 
-class GimpParameters(NamedTuple):
+class GimpParameters(FixedSize):
     """Half-widths l_p of the particles' boxes by direction, in cells; at most 1/2."""
-
-    half: tuple[float, ...]
 
     @staticmethod
     def vertices():
         """Vertices a direction in a support."""
         return 3
-
-    @staticmethod
-    def size(shape, cell, F):
-        """Constant in time."""
-        return shape.half, 0.0
 
     @staticmethod
     def weights(shape, half, f):

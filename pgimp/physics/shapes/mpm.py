@@ -1,26 +1,20 @@
 """The material point method: particles are points, S_vp = S_v(x_p) (34, 35)."""
 
-from typing import ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from pgimp.physics.shapes.base import PointShape
+from pgimp.physics.shapes.stretch import FixedSize
 
 
-class MpmParameters(NamedTuple):
+class MpmParameters(FixedSize):
     """A point has no size; the tuple keeps one number because Numba needs a field."""
-
-    half: tuple[float, ...]
 
     @staticmethod
     def vertices():
         """Vertices a direction in a support."""
         return 2
-
-    @staticmethod
-    def size(shape, cell, F):
-        """Zero for a point."""
-        return shape.half, 0.0
 
     @staticmethod
     def weights(shape, half, f):

@@ -1,6 +1,7 @@
-"""Half-widths that follow the deformation, for the shapes whose size is tracked."""
+"""Half-widths of chi_p that are constant, or follow the deformation: bases of parameters."""
 
 from math import sqrt
+from typing import NamedTuple
 
 from pgimp.jit.kernel import exact
 
@@ -53,3 +54,25 @@ def _stretched(half0, cell, F):
         return (min(l0, LARGEST), min(l1, LARGEST), min(l2, LARGEST)), most
 
     return stretched3
+
+
+class FixedSize(NamedTuple):
+    """Half-widths by direction, in cells; constant in time."""
+
+    half: tuple[float, ...]
+
+    @staticmethod
+    def size(shape, cell, F):
+        """See `pgimp.physics.shapes`."""
+        return shape.half, 0.0
+
+
+class TrackedSize(NamedTuple):
+    """Initial half-widths by direction, in cells; they follow the deformation."""
+
+    half: tuple[float, ...]
+
+    @staticmethod
+    def size(shape, cell, F):
+        """See `pgimp.physics.shapes`."""
+        return stretched(shape.half, cell, F)

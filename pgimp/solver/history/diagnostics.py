@@ -171,7 +171,9 @@ class Diagnostics:
         errors = self._own_errors(rank, done.end)
         rows = rank.population.ordered.rows
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
-        booked = (impulse, own.outside_mass, own.contact, own.rigid_bodies, own.walls, own.filled)
+        booked = (
+            impulse, own.outside_mass, own.contact, own.rigid_bodies, own.wall_energy, own.filled,
+        )  # fmt: skip
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None:
             return None

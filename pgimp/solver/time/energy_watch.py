@@ -162,7 +162,7 @@ class EnergyWatch:
         rows = [found[:, :, which].sum(axis=1) for found in (sums, escaped)
                 for which in (KINETIC, STRAIN, MASS)]  # fmt: skip
         # Energy taken by unilateral walls cannot come from nothing.
-        parts = rank.comm.allgather((own.work - own.walls.sum(axis=(1, 2)), *rows))
+        parts = rank.comm.allgather((own.work - own.wall_energy.sum(axis=(1, 2)), *rows))
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
         kinetic, strain, mass = (a + b for a, b in zip(found[:3], found[3:], strict=True))
         return kinetic, strain, work, mass

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow(30)
 ASK = """
 import sys
 import numpy as np
-from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.parameters.outside import parameters_of
@@ -34,7 +34,7 @@ def ask():
     frame = Frame((0.0,), (1.0,), (1.0,), (4,), 1)
     p = Particles.empty(1, Carried(1))
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
-    rate = fastest_rate(Setting((), frame, (1.0,), (law,), zero), p, rows, True)
+    rate = fastest_rate(KernelScene((), frame, (1.0,), (law,), zero), p, rows, True)
     print(rate, sum(fastest_rate.stats.cache_hits.values()))
 """
 

@@ -11,7 +11,7 @@ from written_laws import law, write_law
 
 import pgimp
 from pgimp.errors import CaseError, UsageError
-from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.sums.sums import fastest_rate
@@ -44,7 +44,7 @@ def ask(entry, dimensions=1):
     frame = Frame((0.0,) * D, (1.0,) * D, (1.0,) * D, (4,) * D, 1)
     one = tuple(np.eye(D).ravel())
     rows, zero = np.zeros(1, np.int32), np.zeros(1, np.int64)
-    setting = Setting((), frame, one, (parameters,), zero)
+    setting = KernelScene((), frame, one, (parameters,), zero)
     return fastest_rate(setting, Particles.empty(1, Carried(D)), rows, True)
 
 

@@ -13,7 +13,7 @@ from material_driver import (
     response,
 )
 
-from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import InitialFrame
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.sums.sums import fastest_rate
@@ -43,7 +43,7 @@ def rate_on_initial_grid(parameters, F):
     one = Particles.empty(1, Carried(D, origin=True))
     one.F[0], one.v[0] = np.ravel(F), 1e6  # which does not count
     of = np.zeros(1, np.int64)
-    setting = Setting((), frame, tuple(np.eye(D).ravel().tolist()), parameters, of)
+    setting = KernelScene((), frame, tuple(np.eye(D).ravel().tolist()), parameters, of)
     return fastest_rate(setting, one, np.zeros(1, np.int32), True)
 
 

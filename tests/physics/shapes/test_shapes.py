@@ -15,7 +15,7 @@ from pgimp.kernels.data.frame import Window
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.transfer import supports as batch
 from pgimp.kernels.transfer.first_vertex import first_vertex, half_widths
-from pgimp.kernels.transfer.lane_io import four
+from pgimp.kernels.transfer.lane_io import four_rows
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.base import weights
@@ -42,9 +42,9 @@ def collect(shape, frame, window, particles, order, lowest, place, weight, slope
         p = order[k]
         half = half_widths(shape, frame, particles, p)
         layer = first_vertex(frame, 0, half[0], particles.x[p, 0])
-        rows = four(order, k, k + 1 + p % 4 if k + 4 < len(order) else k + 1)
+        rows = four_rows(order, k, k + 1 + p % 4 if k + 4 < len(order) else k + 1)
         batch.supports(shape, frame, window, particles, rows, layer, buffer, ())
-        place[p] = batch.first_place(buffer, 0)
+        place[p] = batch.first_offset(buffer, 0)
         for d in range(lowest.shape[1]):
             lowest[p, d] = first_vertex(frame, d, half[d], particles.x[p, d])
             extent[p, d] = batch.extent(shape, buffer, d, 0)

@@ -3,7 +3,7 @@
 import numpy as np
 from kernel_driver import MATERIALS
 
-from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.sums.sums import SUMS, fastest_rate, layer_sums
 
 
@@ -11,7 +11,7 @@ def sums_of(rank, D, bodies, material_of):
     """Result of `layer_sums`, (layers, bodies, columns)."""
     sums = np.zeros((rank.slab.layers, bodies, SUMS))
     population = rank.population
-    setting = Setting((), rank.frame, rank.setting.identity, MATERIALS, material_of)
+    setting = KernelScene((), rank.frame, rank.setting.identity, MATERIALS, material_of)
     layer_sums(setting, population.particles, population.ordered, sums)
     return sums
 
@@ -19,5 +19,5 @@ def sums_of(rank, D, bodies, material_of):
 def rate_of(rank, D, material_of):
     """Result of `fastest_rate`."""
     population = rank.population
-    setting = Setting((), rank.frame, rank.setting.identity, MATERIALS, material_of)
+    setting = KernelScene((), rank.frame, rank.setting.identity, MATERIALS, material_of)
     return fastest_rate(setting, population.particles, population.order, True)

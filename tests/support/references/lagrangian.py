@@ -4,14 +4,15 @@ import numpy as np
 from reference import Reference
 from reference_materials import STRESS, matrix, tensor, voigt
 
-from pgimp.kernels.update.mean_lagrangian import LEAST
+from pgimp.kernels.update.mean_dilatation_lagrangian import LEAST
 
 
 class Lagrangian(Reference):
     """The method on the grid of the start: weights of the first places of undeformed particles.
 
     f = -sum V0 P grad0 S with P = J s F^-T, and F grows by dt sum v (x) grad0 S (de Vaucorbeil,
-    Nguyen and Hutchinson 2020). With mean dilatation as in `pgimp.kernels.update.mean_lagrangian`.
+    Nguyen and Hutchinson 2020). With mean dilatation as in
+    `pgimp.kernels.update.mean_dilatation_lagrangian`.
     """
 
     def weights_of(self, p, k):

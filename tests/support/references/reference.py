@@ -10,7 +10,7 @@ from quadrature import chi_of, integrals
 from reference_materials import STRESS, matrix, speed, tensor, voigt
 
 from pgimp.kernels.grid.wall_gap import CLOSED
-from pgimp.kernels.update.mean import DENSE, SPARSE
+from pgimp.kernels.update.mean_dilatation import DENSE, SPARSE
 
 
 def weights(name, xi, L, half):

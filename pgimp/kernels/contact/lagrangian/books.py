@@ -97,8 +97,8 @@ def book_contacts(contact, free, contact_pairs, coupling, values, walls, ledger)
             for d in range(3):
                 ledger.impulse[0, face, d] += sign * impulse_of(row, d)
             heat, loss = losses_of(row, fields[0].velocity, fields[1].velocity)
-            ledger.walls[0, face, WALL_HEAT] += heat
-            ledger.walls[0, face, WALL_LOSS] += loss
+            ledger.wall_energy[0, face, WALL_HEAT] += heat
+            ledger.wall_energy[0, face, WALL_LOSS] += loss
             continue
         number = (end.vertex[0], end.vertex[1], end.vertex[2])
         book(contact, free, number, 0, 1.0, True, ledger, 0)

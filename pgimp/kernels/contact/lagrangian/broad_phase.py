@@ -40,17 +40,17 @@ class Regions(NamedTuple):
 
 
 @inner_kernel
-def _block(frame, particles, p, regions, r):
+def _block_of(frame, particles, p, regions, r):
     """Number of a particle's block in a region, 0 without blocks; -1 for a particle outside."""
-    place = 0
+    block = 0
     for d in range(len(frame.origin)):
         x = (particles.x[p, d] - frame.origin[d]) * frame.inverse[d]
         if not regions.ends[r, 0, d] <= x <= regions.ends[r, 1, d]:
             return -1
         if regions.size[r] > 0:
             away = int(x - regions.ends[r, 0, d]) // regions.size[r]
-            place = place * regions.blocks[r, d] + min(away, regions.blocks[r, d] - 1)
-    return place
+            block = block * regions.blocks[r, d] + min(away, regions.blocks[r, d] - 1)
+    return block
 
 
 @kernel
@@ -61,9 +61,9 @@ def mark_blocks(frame, particles, rows, groups, regions):
         for r in range(len(regions.ends)):
             for end in range(2):
                 if regions.groups[r, end] == group:
-                    place = _block(frame, particles, p, regions, r)
-                    if place >= 0:
-                        regions.marks[regions.first[r] + place] |= MARKS[end]
+                    block = _block_of(frame, particles, p, regions, r)
+                    if block >= 0:
+                        regions.marks[regions.first[r] + block] |= MARKS[end]
 
 
 @kernel
@@ -93,12 +93,12 @@ def find_near(frame, particles, rows, groups, regions, near):
             one, other = regions.groups[r]
             if one >= 0 and group != one and group != other:
                 continue
-            place = _block(frame, particles, rows[i], regions, r)
-            if place < 0:
+            block = _block_of(frame, particles, rows[i], regions, r)
+            if block < 0:
                 continue
             if one >= 0:
                 seen = MARKS[1] if group == one else MARKS[0]
-                if regions.marks[regions.first[r] + place] & seen == 0:
+                if regions.marks[regions.first[r] + block] & seen == 0:
                     continue
             near[found] = i
             found += 1

@@ -133,19 +133,19 @@ def find_coupling(
                 many[row_of[at[i, q]] + 1] += 1
     for r in range(rows):
         many[r + 1] += many[r]
-    who, place_in = np.empty(many[rows], np.int64), np.empty(many[rows], np.int64)
+    who, vertex_in = np.empty(many[rows], np.int64), np.empty(many[rows], np.int64)
     filled = many[:rows].copy()
     for i in range(len(table)):
         for q in range(at.shape[1]):
             if at[i, q] >= 0 and row_of[at[i, q]] >= 0:
                 r = row_of[at[i, q]]
-                who[filled[r]], place_in[filled[r]] = i, q
+                who[filled[r]], vertex_in[filled[r]] = i, q
                 filled[r] += 1
     capacity, plain = 64 * rows + at0.shape[1], len(mirrors) == 0
     start = np.zeros(rows + 1, np.int64)
     column, entry = np.empty(capacity, np.int64), np.empty((capacity, 3))
     answer, beyond = np.zeros((rows, 3)), np.zeros((rows, len(mirrors), 3))
-    seen, place = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
+    seen, entry_of = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
     used = 0
     for r in range(rows):
         for k in range(many[r], many[r + 1]):
@@ -155,25 +155,26 @@ def find_coupling(
                 longer, more = np.empty(capacity, np.int64), np.empty((capacity, 3))
                 longer[:used], more[:used] = column[:used], entry[:used]
                 column, entry = longer, more
-            x, y, z = weights_at(now, i, place_in[k])
+            x, y, z = weights_at(now, i, vertex_in[k])
             part = table[i].mass * (x * y * z) / sums[slots[r]].mass
             moves = table[i].lagrangian == 0  # its own grid is the current one
-            u, v, w = _way(frame, table[i], vertex_at(now, i, place_in[k]))
+            u, v, w = _way(frame, table[i], vertex_at(now, i, vertex_in[k]))
             for q in range(at0.shape[1]):
                 j = at0[i, q]
-                if j < 0 or (moves and q != place_in[k]):
+                if j < 0 or (moves and q != vertex_in[k]):
                     continue
                 if seen[j] != r:
-                    seen[j], place[j] = r, used
+                    seen[j], entry_of[j] = r, used
                     column[used], entry[used, :] = j, 0.0
                     used += 1
                 share = part if moves else part * _value(before, i, q, (u, v, w))
                 if plain:
-                    entry[place[j], 0] += share
+                    entry[entry_of[j], 0] += share
                 else:
                     number = vertex_at(before, i, q)
+                    n = len(mirrors)
                     for d in range(3):
-                        entry[place[j], d] += share * reflection(mirrors, number, d, len(mirrors))
+                        entry[entry_of[j], d] += share * reflection(mirrors, number, d, n)
                     for n in range(len(mirrors)):
                         if is_turned(mirrors, n, number):
                             for d in range(3):

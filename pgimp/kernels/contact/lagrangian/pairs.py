@@ -88,7 +88,7 @@ def _load(contact, a, row, cell):
     for d in range(3):
         fields[a].surface[d] = row.surface[d]
         fields[a].velocity[d] = fields[a].velocity_before[d] = 0.0
-    contact.bodies[a], contact.places[a] = int(row.body), 0
+    contact.bodies[a], contact.offsets[a] = int(row.body), 0
 
 
 @inner_kernel
@@ -105,18 +105,18 @@ def _is_far(frame, row, normal):
 
 
 @inner_kernel
-def _keep_pairs(contact, frame, sums, number, places, pairs, found, contact_pairs):
+def _keep_pairs(contact, frame, sums, number, slots, pairs, found, contact_pairs):
     """Keep the pairs found by `find_pairs` at a vertex, up to the capacity.
 
-    `places` are the groups' entries in `sums`; fields behind them are rigid. Returns the number of
+    `slots` are the groups' entries in `sums`; fields behind them are rigid. Returns the number of
     pairs so far, `found` before.
     """
     for k in range(pairs):
         far = False
         for side in range(2):
             a = contact.ends[k].fields[side]
-            if a < len(places) and contact.pairs.way[contact.ends[k].law - 1] == UNILATERAL:
-                far = far or _is_far(frame, sums[places[a]], contact.pair_states[k])
+            if a < len(slots) and contact.pairs.way[contact.ends[k].law - 1] == UNILATERAL:
+                far = far or _is_far(frame, sums[slots[a]], contact.pair_states[k])
         if far:
             continue
         found += 1
@@ -131,8 +131,8 @@ def _keep_pairs(contact, frame, sums, number, places, pairs, found, contact_pair
         for side in range(2):
             a = contact.ends[k].fields[side]
             end.bodies[side] = contact.bodies[a]
-            end.rows[side] = places[a] if a < len(places) else -1 - contact.bodies[a]
-            if a >= len(places):
+            end.rows[side] = slots[a] if a < len(slots) else -1 - contact.bodies[a]
+            if a >= len(slots):
                 for d in range(3):
                     rigid[side, d] = contact.fields[a].velocity[d]
     return found
@@ -208,26 +208,26 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
         begin, vertex = i, keys[order[i]] // contact_vertices.groups
         while i < len(order) and keys[order[i]] // contact_vertices.groups == vertex:
             i += 1
-        places, number = order[begin:i], number_of(contact_vertices, vertex)
-        count, sides = len(places), wall_sides(faces, frame, number)
+        slots, number = order[begin:i], number_of(contact_vertices, vertex)
+        count, sides = len(slots), wall_sides(faces, frame, number)
         cell = whole * 0.5 ** on_walls(faces, frame, number)
         for a in range(count):
-            _load(contact, a, sums[places[a]], cell)
+            _load(contact, a, sums[slots[a]], cell)
         rigid_bodies = load_rigid_bodies(
             contact, contact.rigid_bodies, frame, number, sides, count, True
         )
         if count + rigid_bodies > 1:
             pairs = find_pairs(contact, frame, sides, count + rigid_bodies, rigid_bodies, dt)
-            found = _keep_pairs(contact, frame, sums, number, places, pairs, found, contact_pairs)
+            found = _keep_pairs(contact, frame, sums, number, slots, pairs, found, contact_pairs)
         for w in range(len(walls.planes)):
             for a in range(count):
                 on = depth(walls.planes[w], number) == 0
                 half = cell * 2.0 if on else cell
-                _load(contact, 0, sums[places[a]], half)
+                _load(contact, 0, sums[slots[a]], half)
                 pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)
                 if pairs > 0:
                     contact.pair_states[0].gap_rate /= dt
                     found = _keep_pairs(
-                        contact, frame, sums, number, places[a : a + 1], pairs, found, contact_pairs
+                        contact, frame, sums, number, slots[a : a + 1], pairs, found, contact_pairs
                     )
     return found

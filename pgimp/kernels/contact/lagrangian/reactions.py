@@ -5,7 +5,7 @@ and constraints bear their share, as for all forces there.
 """
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.kernels.contact.lagrangian.reference_grid import place_of_key
+from pgimp.kernels.contact.lagrangian.reference_grid import offset_of_key
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.grid.conditions import Holding, hold
 
@@ -65,7 +65,7 @@ def book_held(holding, field, vertices, ledger):
         lost = (row.held_impulse[0], row.held_impulse[1], row.held_impulse[2])
         if lost[0] == 0.0 and lost[1] == 0.0 and lost[2] == 0.0:
             continue
-        r, number = place_of_key(holding.frame, field, vertices.keys[n])
+        r, number = offset_of_key(holding.frame, field, vertices.keys[n])
         i = number[0] - field.window.lower[0]
         if r < 0 or i >= field.owned or not G[r + MASS] > forcing.mass_cutoff:
             continue

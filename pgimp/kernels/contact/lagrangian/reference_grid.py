@@ -214,7 +214,7 @@ def number_reference_vertices(frame, table, supports, mirrors, fields, hashes):
 
 
 @inner_kernel
-def place_of_key(frame, field, key):
+def offset_of_key(frame, field, key):
     """Offset of a vertex's record on a rank, -1 without one, and the vertex's numbers."""
     window = field.window
     size, count = field_size(window), field_count(window)
@@ -246,7 +246,7 @@ def change_velocities(frame, field, keys, changes, forcing, work):
     """
     G, dt, gravity = field.G, forcing.dt, forcing.gravity
     for n in range(len(keys)):
-        r, number = place_of_key(frame, field, keys[n])
+        r, number = offset_of_key(frame, field, keys[n])
         if r < 0:
             continue
         power = 0.0

@@ -11,14 +11,14 @@ from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.rigid.bodies import (
     lever,
     move_freely,
-    place_of,
+    position_of,
 )
 
 
 @inner_kernel
 def _arm(rigid_bodies, t, frame, number):
     """Vector from the centre of a rigid body to a vertex."""
-    x, motion = place_of(frame, number), rigid_bodies.motion[t]
+    x, motion = position_of(frame, number), rigid_bodies.motion[t]
     return x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2]
 
 

@@ -27,7 +27,7 @@ from pgimp.kernels.contact.lagrangian.vertices import (
     copy_near_particles,
 )
 from pgimp.kernels.contact.volumes import BOXES
-from pgimp.kernels.data.arguments import Setting
+from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
@@ -226,7 +226,7 @@ def in_order(vertices: ReferenceVertices) -> ReferenceVertices:
     return ReferenceVertices(keys, vertices.values[first])
 
 
-def plain(scene: Scene) -> Setting:
+def plain(scene: Scene) -> KernelScene:
     """Kernel scene with current positions, without materials."""
     return scene.setting.without_materials()._replace(frame=scene.frame)
 

@@ -1,4 +1,6 @@
-"""Weights of vertices in the mean dilatation of a particle, see `pgimp.kernels.update.mean`.
+"""Weights of vertices in the mean dilatation of a particle.
+
+See `pgimp.kernels.update.mean_dilatation`.
 
 The rate D_p is the sum over vertices of dD_p/dv_v times velocities. Its factors along each
 direction are the a and g of the particle's box. In P2G they turn `mean_force` into forces, in G2P
@@ -65,7 +67,7 @@ def _means_of_parts(shape, buffer, d, cell):
 
 
 def factor(mean, buffer, d, i, j):
-    """Factors of direction `d` in dD_p/dv_v of its vertex `i`, for particle `j` of a batch.
+    """Factors of direction `d` in dD_p/dv_v of its vertex `i`, for particle `j` of four.
 
     A vector like a velocity or a force in its record: g for the component along `d`, else a. An
     unused weight unless there is a `mean`.

@@ -1,7 +1,7 @@
 """Mean dilatation in the initial configuration (``method.volumetric: mean``), against locking.
 
-As in `pgimp.kernels.update.mean` a particle has the volume change of the cells under its box, here
-by deformation gradients in place of rates:
+As in `pgimp.kernels.update.mean_dilatation` a particle has the volume change of the cells under its
+box, here by deformation gradients in place of rates:
 
     G_p = 1 + integral of sum_v v_v dD_p/dv_v dt,    r_p^d = det G_p/det F_p.
 
@@ -32,30 +32,30 @@ from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.gather_shared import gather_shared, row_major
 from pgimp.kernels.transfer.lane_io import LANES, deformations, put_row, take, take_row
 from pgimp.kernels.transfer.scatter import Share, scatter_products
-from pgimp.kernels.transfer.supports import first_place, four_entries, keep_support, share_support
+from pgimp.kernels.transfer.supports import first_offset, four_entries, keep_support, share_support
 from pgimp.kernels.transfer.transfer import Support
 from pgimp.kernels.transfer.transpose import gathered_mass, gradients, keep_sums, repeat_sums
 from pgimp.kernels.update.deformation import side, update_deformation, velocity_gradients
-from pgimp.kernels.update.meanweights import means_of_parts
+from pgimp.kernels.update.mean_dilatation_weights import means_of_parts
 from pgimp.kernels.update.piola import BY_CELLS, kept_force
 
 #: d-th root of the filled part of its cells from which a particle is not isolated.
 LEAST = 0.4
 
 
-def keep_around(around, shape, frame, buffer, weights):
+def keep_mean_lagrangian(mean, shape, frame, buffer, weights):
     """Store supports of four particles with the weights of dD_p/dv_v in the buffer `weights`.
 
-    Of `SUPPORT_SIZE`, from the supports in `buffer`. Nothing unless there is an `around`, which is
-    () or a number, as everywhere here.
+    Of `SUPPORT_SIZE`, from the supports in `buffer`. Nothing unless there is a `mean`, which is ()
+    or a number, as everywhere here.
     """
 
 
-@specialise(keep_around)
-def _keep_around(around, shape, frame, buffer, weights):
-    if hasattr(around, "count"):  # ()
-        return lambda around, shape, frame, buffer, weights: None
-    return lambda around, shape, frame, buffer, weights: _along(
+@specialise(keep_mean_lagrangian)
+def _keep_mean_lagrangian(mean, shape, frame, buffer, weights):
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, shape, frame, buffer, weights: None
+    return lambda mean, shape, frame, buffer, weights: _along(
         shape, buffer, weights, 0, frame.cell
     )
 
@@ -90,15 +90,15 @@ def _slopes_of(buffer, d, i, like):
     )  # fmt: skip
 
 
-def take_around(around, places, field, batch, buffer, weights, sums):
-    """Gather the input of `deform` from four particles' cells; () unless there is an `around`.
+def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
+    """Gather the input of `deform` from four particles' cells; () unless there is a `mean`.
 
     Parameters
     ----------
-    places, field, batch, buffer, sums
+    layout, field, four, buffer, sums
         See `take_from_grid`, whose sums are overwritten.
     weights
-        From `keep_around`.
+        From `keep_mean_lagrangian`.
 
     Returns
     -------
@@ -109,27 +109,27 @@ def take_around(around, places, field, batch, buffer, weights, sums):
     """
 
 
-@specialise(take_around)
-def _take_around(around, places, field, batch, buffer, weights, sums):
-    if hasattr(around, "count"):  # ()
-        return lambda around, places, field, batch, buffer, weights, sums: ()
+@specialise(take_mean_lagrangian)
+def _take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, layout, field, four, buffer, weights, sums: ()
 
-    def take(around, places, field, batch, buffer, weights, sums):
-        (shape, frame), window = places, field.window
-        begin = batch.layer * window.stride[0]
-        if batch.size == LANES and share_support(buffer):
-            place = begin + first_place(buffer, 0) + MASS - VELOCITY
+    def take(mean, layout, field, four, buffer, weights, sums):
+        (shape, frame), window = layout, field.window
+        begin = four.layer * window.stride[0]
+        if four.size == LANES and share_support(buffer):
+            offset = begin + first_offset(buffer, 0) + MASS - VELOCITY
             U, _, D, _ = gather_shared(
-                shape, field.G, weights, place, window.stride, frame.origin, (0.0, *frame.origin)
+                shape, field.G, weights, offset, window.stride, frame.origin, (0.0, *frame.origin)
             )
             return U[0], row_major(_but_first(D))
-        for j in range(batch.size):
+        for j in range(four.size):
             U, A, D, _ = gather_products(
-                shape, field.G, Support(weights, j), begin + first_place(buffer, j), window.stride,
+                shape, field.G, Support(weights, j), begin + first_offset(buffer, j), window.stride,
                 frame.origin, (),
             )  # fmt: skip
             keep_sums(sums, j, U, A, D)
-        repeat_sums(sums, batch.size, frame.origin)
+        repeat_sums(sums, four.size, frame.origin)
         return gathered_mass(sums), gradients(sums, 2, frame.origin)
 
     return take
@@ -146,40 +146,40 @@ def _but_first_of(D):
     return lambda D: (D[0][1:], *_but_first(D[1:]))
 
 
-def scatter_around(around, places, G, support, place, stride, forces):
-    """Add a particle's forces by cells to its support; nothing unless there is an `around`.
+def scatter_mean_lagrangian(mean, layout, G, support, offset, stride, forces):
+    """Add a particle's forces by cells to its support; nothing unless there is a `mean`.
 
     Parameters
     ----------
-    places
+    layout
         The shape and the frame.
-    G, support, place, stride
-        See `scatter`, with the weights from `keep_around`.
+    G, support, offset, stride
+        See `scatter`, with the weights from `keep_mean_lagrangian`.
     forces
         From `keep_forces`.
     """
 
 
-@specialise(scatter_around)
-def _scatter_around(around, places, G, support, place, stride, forces):
-    def by_cells(around, places, G, support, place, stride, forces):
-        shape, frame = places
+@specialise(scatter_mean_lagrangian)
+def _scatter_mean_lagrangian(mean, layout, G, support, offset, stride, forces):
+    def by_cells(mean, layout, G, support, offset, stride, forces):
+        shape, frame = layout
         P = kept_force(forces, BY_CELLS, support.j, frame.origin)
-        scatter_products(shape, G, support, place, stride, Share((), (), P, (), ()))
+        scatter_products(shape, G, support, offset, stride, Share((), (), P, (), ()))
 
-    if hasattr(around, "count"):  # ()
-        return lambda around, places, G, support, place, stride, forces: None
+    if hasattr(mean, "count"):  # ()
+        return lambda mean, layout, G, support, offset, stride, forces: None
     return by_cells
 
 
-def deform(cells, setting, forcing, particles, batch, numbers, D):
+def deform(cells, setting, forcing, particles, four, numbers, D):
     """Deform four particles by a step.
 
     Parameters
     ----------
     cells : tuple
-        From `take_around`.
-    setting, forcing, particles, batch, numbers, D
+        From `take_mean_lagrangian`.
+    setting, forcing, particles, four, numbers, D
         See `update_deformation`.
 
     Returns
@@ -191,11 +191,11 @@ def deform(cells, setting, forcing, particles, batch, numbers, D):
 
 
 @specialise(deform)
-def _deform(cells, setting, forcing, particles, batch, numbers, D):
-    def alike(cells, setting, forcing, particles, batch, numbers, D):
+def _deform(cells, setting, forcing, particles, four, numbers, D):
+    def alike(cells, setting, forcing, particles, four, numbers, D):
         return (
-            velocity_gradients(setting.frame, particles, batch, D),
-            update_deformation(setting, forcing, particles, batch, numbers, D),
+            velocity_gradients(setting.frame, particles, four, D),
+            update_deformation(setting, forcing, particles, four, numbers, D),
         )
 
     if len(cells) == 0:
@@ -203,8 +203,8 @@ def _deform(cells, setting, forcing, particles, batch, numbers, D):
     directions = len(setting.types[setting.fields.index("frame")].types[0])
     least = LEAST**directions
 
-    def by_cells(cells, setting, forcing, particles, batch, numbers, D):
-        (mass, C), frame, rows, dt = cells, setting.frame, batch.rows, forcing.dt
+    def by_cells(cells, setting, forcing, particles, four, numbers, D):
+        (mass, C), frame, rows, dt = cells, setting.frame, four.rows, forcing.dt
         ratio = take_row(particles.ratio, rows, 0, (0.0,))[0]
         before = scaled(1.0 / ratio, deformations(frame, particles, rows))
         after = plus_scaled(dt, D, before)

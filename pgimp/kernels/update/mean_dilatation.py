@@ -115,7 +115,7 @@ def _no_rates(mean):
 
 
 def keep_rates(M, buffer, j):
-    """Store the sum M of velocities times factors of the batch's particle `j` in the buffer."""
+    """Store the sum M of velocities times factors of particle `j` of four in the buffer."""
 
 
 @specialise(keep_rates)
@@ -126,18 +126,18 @@ def _keep_rates(M, buffer, j):
 
 
 def with_means(mean, frame, particles, rows, buffer, sums, count, L):
-    """Velocity gradients of a batch, as gathered, with the cells' rates as their traces.
+    """Velocity gradients of four particles, as gathered, with the cells' rates as their traces.
 
     Sets the particles' isolation, for the next step.
 
     Parameters
     ----------
     frame, particles, rows
-        See `Frame`, `Particles`; the batch's rows.
+        See `Frame`, `Particles`; the four rows.
     buffer, sums
         As filled by `keep_rates` and `keep_sums`.
     count : int
-        Particles in the batch; the last one replaces missing ones.
+        Particles, up to four; the last one replaces missing ones.
     L : tuple of D*D Vec4
         Row-major, as gathered.
     """
@@ -191,7 +191,7 @@ def _with_trace_of(L, e):
 
 
 def _rates(buffer, count, like):
-    """D_p of a batch; `like` has an entry for each direction."""
+    """D_p of four particles; `like` has an entry for each direction."""
 
 
 @specialise(_rates)
