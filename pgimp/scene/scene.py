@@ -182,7 +182,8 @@ class Scene:
             surfaces=self.pairs is not None or self.unilateral_walls,
             own=self.variations.width, liquid=bool(self.flows and self.flows.relaxes),
         )  # fmt: skip
-        varies = any(face.condition.varies for face in self.faces)
+        # Faces that bodies approach vary by the length of the step alone.
+        moves = any(each.condition.varies and not each.condition.approaches for each in self.faces)
         self._face_table = FaceTable(
             [
                 face
@@ -190,7 +191,10 @@ class Scene:
                 if not (self.unilateral_walls and face.condition.approaches)
             ]
         )
-        self._walls = None if varies else walls(self.faces, self.frame, 0.0)
+        self._gravity = self._gravity_at(0.0)
+        self._walls = None if moves else walls(self.faces, self.frame, 0.0)
+        if self._walls is not None:
+            self._walls[:, GRAVITY] = np.repeat(self._gravity, 2)
         #: Coordinate limits of particles that the grid does not limit.
         self.bounds = position_bounds(self.faces, self.frame) if remote else None
         D = self.dimension
@@ -248,6 +252,9 @@ class Scene:
 
     def gravity(self, t: float) -> tuple[float, float, float]:
         """Gravity at a time, force per mass; zero in directions that the scene does not have."""
+        return self._gravity_at(t) if isinstance(self.case.gravity, VectorTable) else self._gravity
+
+    def _gravity_at(self, t: float) -> tuple[float, float, float]:
         b = self.case.gravity
         if b is None:
             return (0.0, 0.0, 0.0)
@@ -268,7 +275,11 @@ class Scene:
 
         See `pgimp.kernels.grid.position_limits`.
         """
-        found = walls(self.faces, self.frame, end) if self._walls is None else self._walls
+        found = self._walls
+        if found is None:
+            found = walls(self.faces, self.frame, end)
+        elif not isinstance(self.case.gravity, VectorTable):
+            return found
         found[:, GRAVITY] = np.repeat(self.gravity(start), 2)
         return found
 

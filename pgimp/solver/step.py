@@ -16,10 +16,9 @@ from pgimp.solver.transfers import (
 from pgimp.solver.vertices import (
     VertexUpdate,
     fold_mirrors,
-    forcing_of,
     hold_constrained,
-    on_vertices,
     reflect_mirrors,
+    vertex_forcing,
 )
 
 
@@ -63,9 +62,8 @@ def step(
     t = begin()
     lap("exchange")
 
-    forcing = forcing_of(rank, t, loads, controlled)
     faces = scene.face_parameters(t.start, t.end)
-    update = VertexUpdate(t, faces, on_vertices(forcing), rank.ledger)
+    update = VertexUpdate(t, faces, vertex_forcing(rank, t, loads), rank.ledger)
     contact.detect(rank, t, rank.ledger)
     lap("contact")
     fold_mirrors(rank, update)
@@ -77,11 +75,11 @@ def step(
     reflect_mirrors(rank, update)
     lap("momentum")
 
-    on_particles = particle_forcing(rank, groups, t, forcing)
+    forcing = particle_forcing(rank, groups, update, loads, controlled)
     lap("P2G")
     reports: list[RangeReport] = []
     for layers in rank.halo.halves(rank.population.start):  # first the layers neighbours wait for
-        reports.append(update_particles(rank, groups, on_particles, layers, reports))
+        reports.append(update_particles(rank, groups, forcing, layers, reports))
         lap("G2P")  # (26, 27, 29, 30)
         rank.send(reports[-1])
         lap("migrate")

@@ -14,8 +14,7 @@ from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, particles_to_grid
 from pgimp.solver.configurations import ConfigurationGroup
 from pgimp.solver.rank_state import RankState
-from pgimp.solver.time.clock import Step
-from pgimp.solver.vertices import on_particles
+from pgimp.solver.vertices import VertexUpdate
 
 
 class RangeReport(NamedTuple):
@@ -69,14 +68,22 @@ def sum_particles(
 
 
 def particle_forcing(
-    rank: RankState, groups: Sequence[ConfigurationGroup], t: Step, forcing: Forcing
+    rank: RankState,
+    groups: Sequence[ConfigurationGroup],
+    update: VertexUpdate,
+    loads: Loads,
+    controlled: bool | float,
 ) -> Forcing:
-    """The forcing of particles: with the filling where bodies flow, and rigid bodies that hold."""
-    found = on_particles(forcing)
-    if rank.flows:
-        found = found._replace(filling=rank.flows.find(rank, groups[0].order, t))
-    keepers = rank.keeping.at(t, rank.particles, rank.population.ordered.rows)
-    return found._replace(keepers=keepers)
+    """Forcing of the particles in a step, without vertex-only loads; see `vertex_forcing`."""
+    t, constraints = update.t, rank.scene.loads.constraints_at(update.t.start, update.t.end)
+    if loads.approached:
+        loads = loads._replace(approached=())
+    return Forcing(
+        t.dt, update.forcing.gravity, rank.mass_cutoff, loads, constraints, (),
+        update.forcing.position_limits, controlled, (),
+        rank.flows.find(rank, groups[0].order, t) if rank.flows else (),
+        rank.keeping.at(t, rank.particles, rank.population.order),
+    )  # fmt: skip
 
 
 def update_particles(

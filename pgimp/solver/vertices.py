@@ -34,29 +34,18 @@ class VertexUpdate(NamedTuple):
     ledger: Ledger
 
 
-def forcing_of(rank: RankState, t: Step, loads: Loads, controlled: bool | float) -> Forcing:
-    """Forcing of a step; see `pgimp.solver.step.step`."""
+def vertex_forcing(rank: RankState, t: Step, loads: Loads) -> Forcing:
+    """Forcing of the vertices in a step, without particle-only loads.
+
+    Kernels that work on vertices are then compiled once for all kinds of loads.
+    """
     scene, grid = rank.scene, rank.grid
     constraints = scene.loads.constraints_at(t.start, t.end)
     marked = (constraints, grid.marks) if constraints else ()
     return Forcing(
-        t.dt, scene.gravity(t.start), rank.mass_cutoff, loads, constraints, marked,
-        scene.walls(t.start, t.end), controlled, rank.clearances.stored(grid),
+        t.dt, scene.gravity(t.start), rank.mass_cutoff, Loads(relaxation=loads.relaxation), (),
+        marked, scene.walls(t.start, t.end), False, rank.clearances.stored(grid),
     )  # fmt: skip
-
-
-def on_vertices(forcing: Forcing) -> Forcing:
-    """The forcing without particle-only loads.
-
-    Kernels that work on vertices are then compiled once for all kinds of loads.
-    """
-    loads = Loads(relaxation=forcing.loads.relaxation)
-    return forcing._replace(loads=loads, constraints=(), controlled=False)
-
-
-def on_particles(forcing: Forcing) -> Forcing:
-    """The forcing without vertex-only loads; see `on_vertices`."""
-    return forcing._replace(loads=forcing.loads._replace(approached=()), marked=(), clearances=())
 
 
 def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:

@@ -15,7 +15,7 @@ from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import sum_particles
-from pgimp.solver.vertices import VertexUpdate, fold_mirrors, forcing_of, on_vertices
+from pgimp.solver.vertices import VertexUpdate, fold_mirrors, vertex_forcing
 from pgimp.storage.framefile import blocks
 
 _UP, _DOWN = 5, 6
@@ -130,7 +130,7 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     t = Step(1, time, dt, time + dt)
     scratch = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
     rank.contact.detect(rank, t, scratch)
-    forcing = on_vertices(forcing_of(rank, t, scene.loads.at(time), controlled=False))
+    forcing = vertex_forcing(rank, t, scene.loads.at(time))
     update = VertexUpdate(t, scene.face_parameters(t.start, t.end), forcing, scratch)
     fold_mirrors(rank, update)
     extent = grid.window.extent

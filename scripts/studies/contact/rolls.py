@@ -12,7 +12,7 @@ from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import sum_particles
-from pgimp.solver.vertices import VertexUpdate, fold_mirrors, forcing_of, on_vertices
+from pgimp.solver.vertices import VertexUpdate, fold_mirrors, vertex_forcing
 
 #: Moment of inertia of a cylinder and of a sphere, over mass and radius squared.
 INERTIA = {2: 0.5, 3: 0.4}
@@ -100,7 +100,7 @@ def at_vertices(simulation, dt):
     rank.halo.finish(grid)
     scratch = Ledger(*map(np.zeros_like, rank.ledger))
     rank.contact.detect(rank, t, scratch)
-    forcing = on_vertices(forcing_of(rank, t, scene.loads.at(t.start), controlled=False))
+    forcing = vertex_forcing(rank, t, scene.loads.at(t.start))
     faces = scene.face_parameters(t.start, t.end)
     update = VertexUpdate(t, faces, forcing, scratch)
     fold_mirrors(rank, update)
