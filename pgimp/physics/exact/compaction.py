@@ -22,7 +22,7 @@ from pgimp.schema.tables import VectorTable
 
 
 @kernel
-def load(times, loads, t):
+def load(times, loads, t) -> tuple[float, float]:
     """Body force and its rate at a time: linear between table rows, constant beyond the ends."""
     if t < times[0]:
         return loads[0], 0.0

@@ -191,7 +191,7 @@ class MultifieldContact(NoContact):
         order, shared = population.ordered, grid.vertices - 1
         ranges, extent = self.data.vertex_ranges[planes], grid.window.extent
         y, z = (ranges["high"].max(axis=0) - ranges["low"].min(axis=0) + 1).tolist()
-        if y * z > _MOST_OF_A_PLANE * extent[1] * extent[2]:
+        if not needed(y * z <= _MOST_OF_A_PLANE * extent[1] * extent[2]):
             return order
         if len(self._rows) < len(order.rows):
             self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)

@@ -189,7 +189,7 @@ class Rank:
             for face in faces
         ]
         self.approached = walls_approached(near)
-        loads = Loads(walls=sides_approached(near, self.frame), mean=self.mean)
+        loads = Loads(approached=sides_approached(near, self.frame), mean=self.mean)
         grid, population = self.grid, self.population
         for array in (grid.G, grid.deferred):
             array.fill(np.nan)  # only what the kernel sets may be used
