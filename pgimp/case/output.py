@@ -155,11 +155,7 @@ class Checkpoint(Model):
         float | Steps | WallTime | None,
         Either(
             "a time above zero, {steps: 10}, {wall: 900} or null",
-            {
-                float: Positive,
-                dict: ByWord(lambda: _INTERVALS, "kind of interval"),
-                None: None,
-            },
+            {float: Positive, dict: ByWord(lambda: _INTERVALS, "kind of interval"), None: None},
         ),
     ] = Field(
         default=WallTime(wall=900.0),

@@ -187,9 +187,12 @@ def _beyond(
 
 
 def check_body_of(
-    path: tuple[str | int, ...], entry: Any, every_body: Mapping[str, Any],
-    named: Iterable[str], why: str,
-) -> Problems:  # fmt: skip
+    path: tuple[str | int, ...],
+    entry: Any,
+    every_body: Mapping[str, Any],
+    named: Iterable[str],
+    why: str,
+) -> Problems:
     """Check that an entry's body is known and has particles; `why` gives the reason."""
     body = every_body.get(entry.body)
     if isinstance(body, RigidBody):
