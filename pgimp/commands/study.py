@@ -135,12 +135,7 @@ def _claimed(folder: Path) -> Iterator[None]:
 
 
 def _run_all(
-    plan: Plan,
-    folder: Path,
-    outcomes: list[Outcome],
-    again: bool,
-    log: Log,
-    held: Held,
+    plan: Plan, folder: Path, outcomes: list[Outcome], again: bool, log: Log, held: Held
 ) -> None:
     """Run all; replace each outcome by the outcome of its run."""
     with _bar(log, len(outcomes)) as show:
