@@ -153,10 +153,9 @@ class Migration:
         if found:
             self._arrivals = with_capacity(self._arrivals, self._stay + found, self._stay)
             self._migrants = with_capacity(self._migrants, found)
-            stay, down, up = partition_migrants(
-                population.particles.layer, population.order, places, population.first,
-                population.layers, self._arrivals[self._stay :], self._migrants,
-            )  # fmt: skip
+            layer, order = population.particles.layer, population.order
+            slab, kept = (population.first, population.layers), self._arrivals[self._stay :]
+            stay, down, up = partition_migrants(layer, order, places, *slab, kept, self._migrants)
             self._stay += stay
         if self._sent:
             return
