@@ -16,9 +16,12 @@ def copy(typing_context, target, at, source, begin, count):
 
         size = context.get_abi_sizeof(context.get_data_type(target.dtype))
         cgutils.raw_memcpy(
-            builder, address(sig.args[0], args[0], args[1]),
-            address(sig.args[2], args[2], args[3]), args[4], size,
-        )  # fmt: skip
+            builder,
+            address(sig.args[0], args[0], args[1]),
+            address(sig.args[2], args[2], args[3]),
+            args[4],
+            size,
+        )
         return context.get_dummy_value()
 
     return types.void(target, types.int64, source, types.int64, types.int64), generate

@@ -59,9 +59,7 @@ def filled(typing_context, structure, values):
                 return next(found)
             if not count_own(kind):
                 return value
-            parts = [
-                build(part, builder.extract_value(value, i)) for i, part in enumerate(kind)
-            ]
+            parts = [build(part, builder.extract_value(value, i)) for i, part in enumerate(kind)]
             return context.make_tuple(builder, _type_of(kind, number), parts)
 
         return build(sig.args[0], args[0])

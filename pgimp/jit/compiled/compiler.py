@@ -156,8 +156,8 @@ class Compiler(compiler.Compiler):
             function.unique_id = int(sha256(repr(captured).encode()).hexdigest()[:12], 16)
             function.unique_name = f"{function.func_qualname}${function.unique_id}"
         codegen = state.targetctx.codegen()
-        key = (state.args, name, captured, state.flags.get_mangle_string(), codegen.magic_tuple(),
-               numba.__version__)  # fmt: skip
+        flags = state.flags.get_mangle_string()
+        key = (state.args, name, captured, flags, codegen.magic_tuple(), numba.__version__)
         if store and (found := store.load(name, key, self._rebuilt)):
             state.targetctx.insert_user_function(found.entry_point, found.fndesc, [found.library])
             return found
@@ -165,8 +165,8 @@ class Compiler(compiler.Compiler):
         found = super()._compile_core()
         if store and not found.library.has_dynamic_globals and not found.lifted:
             found.fndesc.typemap = found.fndesc.calltypes = None
-            kept = (found.library.serialize_using_bitcode(), found.fndesc, found.environment,
-                    found.signature, found.reload_init)  # fmt: skip
+            code = found.library.serialize_using_bitcode()
+            kept = (code, found.fndesc, found.environment, found.signature, found.reload_init)
             store.save(name, key, kept)
         return found
 

@@ -70,8 +70,9 @@ def _with_lanes(values, j, one):
     if len(values) == 1:
         return lambda values, j, one: (with_lane(values[0], j, one[0]),)
     return lambda values, j, one: (
-        with_lane(values[0], j, one[0]), *with_lanes(values[1:], j, one[1:]),
-    )  # fmt: skip
+        with_lane(values[0], j, one[0]),
+        *with_lanes(values[1:], j, one[1:]),
+    )
 
 
 def where_all(mask, a, b):
