@@ -47,10 +47,7 @@ class ContactEntry(Model):
 
     bodies: Annotated[
         str | tuple[str, ...],
-        Either(
-            "all or a list of bodies",
-            {str: Literal["all"], tuple: tuple[Name, ...]},
-        ),
+        Either("all or a list of bodies", {str: Literal["all"], tuple: tuple[Name, ...]}),
     ] = Field(
         description="names of the bodies, each pair of which this is for; all: every pair that "
         "no other entry names"
@@ -137,9 +134,7 @@ class Pairs(NamedTuple):
         held = [each.adhesion for each in entries]
         adhesion = [(each.normal, each.shear, each.reach) if each else (0.0,) * 3 for each in held]
         examples = tuple(each(*(0.0,) * len(each._fields)) for each in kinds)
-        return cls(
-            entry, way, examples, kind, parameters, np.array([*adhesion, (0.0,) * 3], float)
-        )
+        return cls(entry, way, examples, kind, parameters, np.array([*adhesion, (0.0,) * 3], float))
 
     def ties(self, count: int) -> bool:
         """Whether any of the first `count` bodies are tied."""

@@ -216,8 +216,11 @@ def state_width(parameters: type, dimensions: int) -> int:
 #: which the run stops. losses: irreversible energies, see `LOSSES`. initial_state: state of a
 #: particle that begins with a stress; by default it stays unchanged (None).
 OPTIONAL: dict[str, Any] = {
-    "diffusivity": 0.0, "margin": 1.0, "losses": (0.0, 0.0, 0.0), "initial_state": None,
-}  # fmt: skip
+    "diffusivity": 0.0,
+    "margin": 1.0,
+    "losses": (0.0, 0.0, 0.0),
+    "initial_state": None,
+}
 
 
 def has(parameters: type, quantity: str) -> bool:

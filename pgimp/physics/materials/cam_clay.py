@@ -148,7 +148,10 @@ class CamClay(Material):
     SPELLINGS: ClassVar[dict[str, str]] = {"void_ratio": "void-ratio"}
     STATE: ClassVar[tuple[State, ...]] = (
         State(
-            "preconsolidation", "stress", "preconsolidation pressure p_c", initial="consolidated",
+            "preconsolidation",
+            "stress",
+            "preconsolidation pressure p_c",
+            initial="consolidated",
             least=0.0,
         ),
         State("plastic-compaction", "1", "plastic volume strain, compaction positive"),
@@ -200,17 +203,13 @@ class CamClay(Material):
         self, path: str, value: Any, rate: float, confine: float
     ) -> dict[str, Any] | None:
         """See `Material.exact_path`."""
-        v = 1.0 + self.void_ratio
-        clay = Clay(
-            self.m, v / self.kappa, v / self.lambda_, self.shear, self.preconsolidation,
-            self.initial_pressure,
-        )  # fmt: skip
+        v, p = 1.0 + self.void_ratio, (self.preconsolidation, self.initial_pressure)
+        clay = Clay(self.m, v / self.kappa, v / self.lambda_, self.shear, *p)
         return path_of_clay(clay, path, value, confine)
 
     def parameters(self) -> CamClayParameters:
         """Parameters of the kernels."""
         v = 1.0 + self.void_ratio
-        return CamClayParameters(
-            self.m, v / self.kappa, v / (self.lambda_ - self.kappa), self.shear,
-            self.preconsolidation, self.void_ratio, self.density,
-        )  # fmt: skip
+        elastic, plastic = v / self.kappa, v / (self.lambda_ - self.kappa)
+        start = self.preconsolidation, self.void_ratio, self.density
+        return CamClayParameters(self.m, elastic, plastic, self.shear, *start)

@@ -60,7 +60,10 @@ class IdealGas(Material):
     TAKES_VISCOUS_PRESSURE = True
     STATE: ClassVar[tuple[State, ...]] = (
         State(
-            "internal-energy", "energy/mass", "internal energy e", initial="energy_at_start",
+            "internal-energy",
+            "energy/mass",
+            "internal energy e",
+            initial="energy_at_start",
             least=0.0,
         ),
     )

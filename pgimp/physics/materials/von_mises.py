@@ -34,13 +34,17 @@ from pgimp.schema.base import Model, Number, Positive
 from pgimp.schema.problems import problem
 
 PLASTIC_STRAIN = State(
-    "plastic-strain", "1", "equivalent plastic strain, the integral of sqrt(2/3) |D_p| over time",
+    "plastic-strain",
+    "1",
+    "equivalent plastic strain, the integral of sqrt(2/3) |D_p| over time",
     least=0.0,
-)  # fmt: skip
+)
 BACK_STRESS = State(
-    "back-stress", "stress", "back stress, of the Kirchhoff stress: the yield surface's centre",
+    "back-stress",
+    "stress",
+    "back stress, of the Kirchhoff stress: the yield surface's centre",
     tensor=True,
-)  # fmt: skip
+)
 
 
 def _not_softening(value: float) -> float:

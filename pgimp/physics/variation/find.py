@@ -37,9 +37,7 @@ def _below(annotation: Any) -> type[BaseModel] | None:
     return None
 
 
-def split(
-    model: type[BaseModel], data: Mapping[str, Any]
-) -> tuple[dict[str, Any], Variations]:
+def split(model: type[BaseModel], data: Mapping[str, Any]) -> tuple[dict[str, Any], Variations]:
     """Find the variations in a material's entry.
 
     Returns
@@ -62,9 +60,12 @@ def split(
 
 
 def _find(
-    model: type[BaseModel], data: Mapping[str, Any], path: tuple[str, ...], found: Variations,
+    model: type[BaseModel],
+    data: Mapping[str, Any],
+    path: tuple[str, ...],
+    found: Variations,
     problems: list[Problem],
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     other = {key: name for key, name in model.SPELLINGS.items() if name not in data}  # type: ignore[attr-defined]
     fields = {field.alias or name: field for name, field in model.model_fields.items()}
     spelled = {}

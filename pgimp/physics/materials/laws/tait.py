@@ -96,9 +96,11 @@ class Liquid(Material):
         alias="shear-viscosity", default=0.0, description="shear viscosity mu [stress time]"
     )
     exponent: Number = Field(
-        ge=1.0, le=20.0, default=7.0,
+        ge=1.0,
+        le=20.0,
+        default=7.0,
         description="g in p = K/g ((density/initial density)^g - 1); 7 is that of water [1]",
-    )  # fmt: skip
+    )
     tension: bool = Field(
         default=False,
         description="whether it can pull, p < 0: a free surface that can draws strings and tears",

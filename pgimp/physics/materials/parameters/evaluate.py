@@ -108,8 +108,9 @@ def _ask_material(quantity, material, args, state):
         return lambda quantity, material, args, state: function(material, *args)
     if name == "initial_state":
         return lambda quantity, material, args, state: (
-            *function(material, *args, state[:own]), *state[own:],
-        )  # fmt: skip
+            *function(material, *args, state[:own]),
+            *state[own:],
+        )
     if name != "stress":
         return lambda quantity, material, args, state: function(material, *args, state[:own])
 

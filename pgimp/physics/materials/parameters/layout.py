@@ -138,6 +138,8 @@ def _probes(variation: Variation, typical: float) -> list[float]:
     """Values near and far from a typical one; if the possible values are known, from these."""
     known = sorted({value for _, value in variation.known()})
     found = known[:: max(1, len(known) // 20)] + known[-1:]
-    return found + [typical * factor for factor in (1.01, 0.99, 1.3, 0.7, 2.0, 0.5)] + [
-        typical + step for step in (1e-3, -1e-3)
-    ]
+    return (
+        found
+        + [typical * factor for factor in (1.01, 0.99, 1.3, 0.7, 2.0, 0.5)]
+        + [typical + step for step in (1e-3, -1e-3)]
+    )

@@ -13,14 +13,7 @@ from typing import Any
 from pgimp.errors import UsageError
 from pgimp.jit.outside import is_outside, tag
 from pgimp.physics.fields import EVERY
-from pgimp.physics.materials.base import (
-    LOSSES,
-    STATE_NAME,
-    Material,
-    State,
-    has,
-    with_states,
-)
+from pgimp.physics.materials.base import LOSSES, STATE_NAME, Material, State, has, with_states
 from pgimp.physics.materials.parameters.fit import (
     arguments_of,
     file_of,

@@ -39,9 +39,9 @@ _MOST_GUESSES = 2000
 _MOST_TRIED = 2000
 #: Beginning of a layer that contains everything, in any units.
 _FAR_AWAY = -1e140
-def typical_of(
-    data: Mapping[str, Any], variations: Variations, make: Callable[[Any], Any]
-) -> Any:
+
+
+def typical_of(data: Mapping[str, Any], variations: Variations, make: Callable[[Any], Any]) -> Any:
     """Return an entry with typical numbers in place of variations; all known values are validated.
 
     For parameters from an unread file, a guess that gives a valid entry is used.
