@@ -12,7 +12,7 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
-from pgimp.physics.loads.tractions import overlaps
+from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
 
 
@@ -51,12 +51,7 @@ class SceneLoads:
     """
 
     def __init__(
-        self,
-        case: Case,
-        materials: list[str],
-        force: Any = (),
-        walls: Any = (),
-        follows: Any = (),
+        self, case: Case, materials: list[str], force: Any = (), walls: Any = (), follows: Any = ()
     ) -> None:
         self.case = case
         self.bodies = list(case.bodies)
@@ -86,7 +81,7 @@ class SceneLoads:
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
-        self._patch = (2.0 * self.half, size, method.chi, method.ends)
+        self._spread = Spread(2.0 * self.half, size, method.chi, method.ends)
         self._follows = dict(zip(self.bodies, follows, strict=False))
         self._width = 2.0 * size if method.chi == "box" else size
         self._varies = bool(force) or any(entry.varies for entry in self.tractions)
@@ -123,15 +118,13 @@ class SceneLoads:
         from pgimp.physics.exact.base import BodyForce
 
         tractions = tuple(
-            entry.parameters(i, *self._patch, bool(self._follows.get(entry.body, False)), t)
+            entry.parameters(i, self._spread, bool(self._follows.get(entry.body, False)), t)
             for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.force, t) if self.force else ()
         mean, around = ((), self.mean) if all(self.lagrangian) else (self.mean, ())
-        return Loads(
-            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean,
-            around, self.rest,
-        )  # fmt: skip
+        method = self.relaxation, self.affine, self.walls
+        return Loads(self.viscosity, tractions, force, *method, mean, around, self.rest)
 
     def _constraints_at(self, start: float, end: float) -> tuple:
         return tuple(entry.parameters(start, end) for entry in self.constraints)

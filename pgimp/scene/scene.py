@@ -32,7 +32,7 @@ from pgimp.scene.faces import (
     walls,
     walls_approached,
 )
-from pgimp.scene.flows import flows_of
+from pgimp.scene.flows import SceneFlows
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.variations import Variations
@@ -168,20 +168,23 @@ class Scene:
         self.pairs: Pairs | None = None
         if case.contact or self.rigid_bodies or self.mixed:
             self.pairs = Pairs.of(case.contact, [*self.body_names, *self.rigid_bodies.names])
-        self.flows = flows_of(
-            entries, self.material_of, ~self.lagrangian, self.faces, self.frame.cell, self.pairs,
-            case.method.relaxation == "auto",
-        )
+        of_bodies = self.material_of, ~self.lagrangian
+        flows = SceneFlows(case, entries, *of_bodies, self.faces, self.pairs)
+        self.flows = flows if flows.rates.any() else None
         self.states = States(used, self.materials, self.dimension)
         self.variations = Variations(case, used, self.materials, self.states.width)
         #: Greatest initial density of a particle, set where materials vary once computed.
         self.densest: float | None = None
         self.fields = EVERY | self.states.fields | self.variations.fields
         self.carried = Carried(
-            self.dimension, self.origins, **self.loads.carried, state=self.states.width,
+            self.dimension,
+            self.origins,
+            **self.loads.carried,
+            state=self.states.width,
             surfaces=self.pairs is not None or self.unilateral_walls,
-            own=self.variations.width, liquid=bool(self.flows and self.flows.relaxes),
-        )  # fmt: skip
+            own=self.variations.width,
+            liquid=bool(self.flows and self.flows.relaxes),
+        )
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(
             [
@@ -197,10 +200,8 @@ class Scene:
         self.identity = tuple(float(i == j) for i in range(D) for j in range(D))
         start = InitialFrame(*self.frame)
         frame = start if self.initial else self.frame
-        self.setting = Setting(
-            self.shape, frame, self.identity, self.variations.materials, self.material_of,
-            self.tracked, self.exits,
-        )  # fmt: skip
+        bodies = self.variations.materials, self.material_of
+        self.setting = Setting(self.shape, frame, self.identity, *bodies, self.tracked, self.exits)
         self.setting_lagrangian = self.setting._replace(
             shape=shape.fixed(self.frame.cell), frame=start
         )

@@ -148,9 +148,12 @@ class Variations:
         distinct, which = np.unique(values, axis=0, return_inverse=True)
         which, make, pack = which.reshape(-1), entry.maker(), layout.packer()
         found = Own(
-            np.zeros((len(distinct), self.width)), np.empty(len(distinct)), np.empty(len(distinct)),
-            np.zeros((len(distinct), self._states)), distinct,
-        )  # fmt: skip
+            np.zeros((len(distinct), self.width)),
+            np.empty(len(distinct)),
+            np.empty(len(distinct)),
+            np.zeros((len(distinct), self._states)),
+            distinct,
+        )
         for i, row in enumerate(distinct.tolist()):
             try:
                 one: Any = make(dict(zip(layout.paths, row, strict=True)))
@@ -188,9 +191,7 @@ class Variations:
         return entry.maker()(dict(zip(layout.paths, layout.values(own), strict=True)))
 
 
-def _refused(
-    name: str, layout: Layout, row: list[float], particle: str, error: Exception
-) -> str:
+def _refused(name: str, layout: Layout, row: list[float], particle: str, error: Exception) -> str:
     """Describe a particle's invalid value."""
     if isinstance(error, ValidationError):
         where = error.errors(include_url=False)[0]["loc"]

@@ -245,12 +245,7 @@ def _close(low: np.ndarray, high: np.ndarray, near: np.ndarray) -> list[tuple[in
 
 
 def _marks(
-    scene: Scene,
-    lattice: Any,
-    counts: np.ndarray,
-    body: int,
-    first: np.ndarray,
-    shape: np.ndarray,
+    scene: Scene, lattice: Any, counts: np.ndarray, body: int, first: np.ndarray, shape: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Cells from `first` on with centres of a body's particles, and vertices in their supports."""
     cells, vertices = np.zeros(shape, bool), np.zeros(shape, bool)

@@ -16,13 +16,7 @@ from pgimp.case.schema import Case
 from pgimp.geometry.distancefield import DistanceField
 from pgimp.geometry.outline import outline
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.rigid.bodies import (
-    LATTICE,
-    MOTION,
-    POINT,
-    RESPONSE,
-    RigidBodies,
-)
+from pgimp.kernels.rigid.bodies import LATTICE, MOTION, POINT, RESPONSE, RigidBodies
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion, Pose, Triple
@@ -137,9 +131,10 @@ class SceneRigidBodies:
             points.append(vertices)
             body.append(np.full(len(vertices), number))
         return Surface(
-            np.concatenate(points), np.concatenate(cells),
+            np.concatenate(points),
+            np.concatenate(cells),
             np.concatenate([np.zeros(0, np.int64), *body]),
-        )  # fmt: skip
+        )
 
     @property
     def first(self) -> list[State]:
@@ -252,11 +247,9 @@ class SceneRigidBodies:
                 if number in self.free:
                     row["compliance"] = SOFT / self.free[number].bulk.mass
                 first += len(field.values)
-            values = [field.values for field in self.fields]
-            self._kept = RigidBodies(
-                motion, lattice, np.concatenate(values) if values else np.zeros((0, 5)),
-                len(self.case.bodies), np.zeros(1, POINT), self._answers(0),
-            )  # fmt: skip
+            values = np.concatenate([np.zeros((0, 5)), *(field.values for field in self.fields)])
+            point, bodies = np.zeros(1, POINT), len(self.case.bodies)
+            self._kept = RigidBodies(motion, lattice, values, bodies, point, self._answers(0))
         return self._kept
 
     def in_planes(self, planes: int) -> RigidBodies:
