@@ -121,7 +121,6 @@ class Steps(Model):
 
 
 Interval = Annotated[
-    float | Steps,
-    Either("a time above zero or {steps: 10}", {float: Positive, dict: Steps}),
+    float | Steps, Either("a time above zero or {steps: 10}", {float: Positive, dict: Steps})
 ]
 """How often something happens: a simulated time above zero, or ``{steps: n}``."""

@@ -47,11 +47,13 @@ def _number(value: float) -> str:
 def shorten(text: str, width: int = 60) -> str:
     """Return `text` on one printable line of at most `width` characters."""
     line = "".join(
-        c if c.isprintable()
-        else " " if c.isspace()
+        c
+        if c.isprintable()
+        else " "
+        if c.isspace()
         else c.encode("unicode_escape", "backslashreplace").decode()
         for c in text[: 4 * width]
-    )  # fmt: skip
+    )
     return line if len(line) <= width else line[: width - 3] + "..."
 
 
