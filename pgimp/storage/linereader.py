@@ -62,9 +62,7 @@ def require_whole(path: Path, step: int, count: int | None) -> None:
         with open_plain(path) as stream:
             for line, (number, _) in enumerate(numbered(stream)[1], start=2):
                 if number <= last:
-                    raise UsageError(
-                        f"{path}:{line}: step {number} follows step {last}; {advice}"
-                    )
+                    raise UsageError(f"{path}:{line}: step {number} follows step {last}; {advice}")
                 if number > step:
                     raise UsageError(
                         f"{path}:{line}: step {number} follows step {last}, but there was a line "
