@@ -149,9 +149,7 @@ def draw(table: dict[str, Array], name: str, title: str) -> Any:
         axes = figure.add_subplot((len(shown) + 1) // 2, min(len(shown), 2), number + 1)
         axes.plot(table["value"], table[column], color=COLOURS[0], label="pgimp")
         if EXACT + column in table:
-            axes.plot(
-                table["value"], table[EXACT + column], "--", color=COLOURS[1], label="exact"
-            )
+            axes.plot(table["value"], table[EXACT + column], "--", color=COLOURS[1], label="exact")
             axes.legend()
         axes.locator_params(axis="x", nbins=6)
         axes.set_xlabel(plain(path.meaning.partition(";")[0].partition(",")[0]))

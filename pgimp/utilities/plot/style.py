@@ -44,7 +44,6 @@ STYLE: dict[str, Any] = {
 """Settings of matplotlib, its ``rcParams``."""
 
 
-
 def plain(text: str) -> str:
     """Return a name with escaped dollar signs, which matplotlib would read as mathematics."""
     return text.replace("$", r"\$")

@@ -122,16 +122,14 @@ class Measure(Model):
 
     column: Text = Field(description="a column of history.csv")
     at: Annotated[
-        str | float,
-        Either("end, max or a time", {str: Literal["end", "max"], float: NonNegative}),
+        str | float, Either("end, max or a time", {str: Literal["end", "max"], float: NonNegative})
     ] = Field(
         default="end",
         description="end: the last line; max: the largest of all lines; a number: the first line "
         "at or after that simulated time",
     )
     reference: Annotated[
-        float | str,
-        Either("a number or limit", {float: Number, str: Literal["limit"]}),
+        float | str, Either("a number or limit", {float: Number, str: Literal["limit"]})
     ] = Field(
         default=0.0,
         description="what is subtracted before the absolute value is taken; limit: what the "
