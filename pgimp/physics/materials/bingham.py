@@ -11,8 +11,9 @@ does not limit the step. In steady flow tau = tau_y + mu rate for any G.
 """
 
 from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from pgimp.jit.algebra import isotropic
@@ -119,8 +120,8 @@ class Bingham(Liquid):
         return _STIFF * self.bulk if self.shear is None else self.shear
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         before = self.exact_volume(confine)
         J = volumes(path, value, before)

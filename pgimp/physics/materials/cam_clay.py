@@ -21,8 +21,9 @@ q_tr/(M p_tr) in swelling. Newton's method, bracketed by these, finds the root.
 """
 
 from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from pgimp.jit.algebra import determinant, isotropic, one_plus
@@ -200,8 +201,8 @@ class CamClay(Material):
         )
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         v, p = 1.0 + self.void_ratio, (self.preconsolidation, self.initial_pressure)
         clay = Clay(self.m, v / self.kappa, v / self.lambda_, self.shear, *p)

@@ -14,8 +14,9 @@ and the open volume has to close before pressure rises (see `drucker_prager`).
 """
 
 from math import cos, radians, sin, sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from pgimp.jit.choose import choose
@@ -219,8 +220,8 @@ class MohrCoulomb(Soil):
     model: Literal["mohr-coulomb"] = Field(description="name of the model")
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         return path_of_soil(self, (edge(self, -1.0), edge(self, 1.0)), path, value, confine)
 

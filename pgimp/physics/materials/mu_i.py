@@ -17,7 +17,7 @@ have no stress. p = K (1/J - 1) depends only on the volume, so a heap does not s
 """
 
 from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -137,8 +137,8 @@ class MuI(Material):
         )
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         lam, G = lame(self.young, self.poisson)
         K = lam + 2.0 / 3.0 * G

@@ -1,7 +1,7 @@
 """Tait's equation of state of weakly compressible fluids, p = K/g ((rho/rho0)^g - 1)."""
 
 from math import inf, log, sqrt
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -129,7 +129,7 @@ class Liquid(Material):
         """Least pressure."""
         return -inf if self.tension else 0.0
 
-    def exact_pressure(self, J: Any) -> Any:
+    def exact_pressure(self, J: np.ndarray) -> np.ndarray:
         """Pressure at volume ratios J."""
         return np.maximum(self.stiffness * (J**-self.exponent - 1.0), self.least)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 from math import isfinite
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 
 from pgimp.errors import UsageError
 from pgimp.jit.outside import is_outside, tag
@@ -102,11 +102,11 @@ def _require_losses(who: str, entry: Material, kind: type) -> None:
         )
 
 
-def _require_states(who: str, entry: Material, parameters: Any) -> None:
+def _require_states(who: str, entry: Material, parameters: NamedTuple) -> None:
     """Refuse wrong declarations of state variables."""
     kind = type(entry)
     names: list[str] = []
-    states: Any = entry.states
+    states: object = entry.states
     if not isinstance(states, tuple) or not all(isinstance(each, State) for each in states):
         raise UsageError(
             f"{who}: STATE of {kind.__qualname__} ({file_of(kind)}) must be a tuple of "
