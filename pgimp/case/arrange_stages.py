@@ -105,7 +105,7 @@ def _relocated(item: Problem, stage: Stage, place: Path) -> Problem:
     section = item.path[0] if item.path else ""
     if section == "time":
         return item._replace(path=(*place, *item.path[1:]))
-    changes: Any = stage.changes.get(str(section))
+    changes: object = stage.changes.get(str(section))
     if isinstance(changes, Mapping) and len(item.path) > 1 and item.path[1] not in changes:
         changes = None
     if changes is not None or section in ("materials", "tractions", "contact", "output"):
