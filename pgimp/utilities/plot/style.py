@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axis import Axis
 
 BLUE, RED, GREEN, ORANGE, PURPLE, SKY, GREY, BROWN = (
     "#0067b1",
@@ -53,7 +56,7 @@ _FEW_DECADES = 2.3
 _LEAST_DECADES = 1.0
 
 
-def log_ticks(ticks: Any) -> None:
+def log_ticks(ticks: Axis) -> None:
     """Label a logarithmic axis without collisions, and with more than one label.
 
     Parameters
