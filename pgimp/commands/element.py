@@ -7,13 +7,12 @@ import io
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 from pgimp.case.load import load
 from pgimp.errors import UsageError, explain
 from pgimp.schema.messages import unknown
 from pgimp.storage import atomic
-from pgimp.utilities.element.paths import PATHS, path_of
+from pgimp.utilities.element.paths import PATHS, Array, path_of
 
 _MOST_STEPS = 1_000_000
 _BEGINNINGS = {"png": rb"\x89PNG\r\n", "csv": rb"value,time,det-F"}
@@ -183,7 +182,7 @@ def _write(path: Path, content: bytes) -> None:
         raise UsageError(f"cannot write {path}: {explain(error)}") from error
 
 
-def _print(table: dict[str, Any], component: str) -> None:
+def _print(table: dict[str, Array], component: str) -> None:
     """Print some rows: the path's main stress, and the material's state."""
     known = ("value", "time", "det-F", "pressure", "q", component)
     states = [name for name in table if name not in known and not name.startswith(_OTHERS)]

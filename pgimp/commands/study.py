@@ -8,10 +8,9 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from pgimp.errors import UsageError, explain
 from pgimp.io.rundir.ownfiles import RUN
@@ -155,7 +154,7 @@ def _run_all(
 
 
 @contextmanager
-def _bar(log: Log, total: int) -> Iterator[Any]:
+def _bar(log: Log, total: int) -> Iterator[Callable[[int, str], None]]:
     """Show the number of finished runs below the lines of the log; nothing without a terminal."""
     columns = 0 if log.quiet else terminal_columns()
     if not columns:
