@@ -52,10 +52,10 @@ def share(case: Case, comm: Communicator) -> None:
 
 def _share(case: Case, comm: Communicator) -> None:
     release(case)
-    known: dict[Mesh, Any] = {}
+    known: dict[Mesh, object] = {}
     for key, mesh in _meshes(case):
 
-        def read(key: str = key, mesh: Mesh = mesh) -> Any:
+        def read(key: str = key, mesh: Mesh = mesh) -> object:
             try:
                 return mesh.surface
             except CaseError as error:

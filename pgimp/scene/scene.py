@@ -11,6 +11,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import Setting
 from pgimp.kernels.data.frame import Frame, InitialFrame, MixedFrame
 from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
 from pgimp.kernels.order.order import cell_numbers
@@ -256,11 +257,11 @@ class Scene:
         x, y, z = (*(float(c) for c in value), 0.0, 0.0)[:3]
         return (x, y, z)
 
-    def face_parameters(self, start: float, end: float) -> Any:
+    def face_parameters(self, start: float, end: float) -> Faces | tuple[()]:
         """Conditions of the faces in a step, `Faces` or (); valid until the next call."""
         return self._face_table.at(start, end)
 
-    def standing_faces(self) -> Any:
+    def standing_faces(self) -> Faces | tuple[()]:
         """All faces with a condition, for kernels that only need their positions."""
         return FaceTable(self.faces).at(0.0, 1.0)
 

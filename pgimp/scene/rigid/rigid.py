@@ -6,7 +6,7 @@ from functools import cached_property, partial
 from hashlib import sha256
 from itertools import product
 from math import hypot
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +72,7 @@ class SceneRigidBodies:
         self.free: dict[int, FreeBody] = {}
         self.arms: list[float] = []
         self.thick: list[float] = []
-        self._kept: Any = None
+        self._kept: RigidBodies | None = None
 
     def __len__(self) -> int:
         """Return the number of rigid bodies."""
@@ -256,7 +256,7 @@ class SceneRigidBodies:
         """Return the kernels' rigid bodies in their initial poses, with storage for some planes."""
         return self.at(0.0, 0.0)._replace(responses=self._answers(planes))
 
-    def _answers(self, planes: int) -> Any:
+    def _answers(self, planes: int) -> np.ndarray | tuple[()]:
         return np.zeros((planes, len(self.free)), RESPONSE) if self.free else ()
 
     def _bound(self, row: NDArray, lattice: NDArray, field: DistanceField) -> None:
