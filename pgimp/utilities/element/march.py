@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -18,7 +17,7 @@ from pgimp.schema.messages import unknown
 Array = np.ndarray
 
 
-def entry_of(material: Material | Mapping[str, Any]) -> Material:
+def entry_of(material: Material | Mapping[str, object]) -> Material:
     """Return the entry of a material, given as an entry or as in a case.
 
     Raises
@@ -151,7 +150,7 @@ class Element:
 
 
 def element(
-    material: Material | Mapping[str, Any], F: Array, dt: float | Array = 1.0
+    material: Material | Mapping[str, object], F: Array, dt: float | Array = 1.0
 ) -> dict[str, Array]:
     """Return the response of a material along a path, without a grid.
 
