@@ -6,12 +6,13 @@ the first's: it would turn velocities that the grid cannot resolve into a force.
 make two tied bodies move as one, to rounding.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel
 from pgimp.kernels.contact.select import VERTEX_RANGE
+from pgimp.kernels.rigid.bodies import RigidBodies
 from pgimp.physics.contact.pairs import Pairs
 
 #: Sweeps over the pairs of a vertex where one is not enough: with more than two fields, or with
@@ -92,17 +93,17 @@ class Contact(NamedTuple):
     ends: np.ndarray
     pair_states: np.ndarray
     scratch_impulse: np.ndarray
-    rigid_bodies: Any
+    rigid_bodies: RigidBodies | tuple[()]
 
     @classmethod
     def empty(
         cls,
         pairs: Pairs,
-        volumes: Any,
+        volumes: np.ndarray,
         planes: int,
         fields: int,
         faces: int,
-        rigid_bodies: Any = (),
+        rigid_bodies: RigidBodies | tuple[()] = (),
     ) -> "Contact":
         """Allocate for `planes` planes, with at most `fields` bodies at a vertex."""
         most = fields + (len(rigid_bodies.motion) if rigid_bodies else 0)

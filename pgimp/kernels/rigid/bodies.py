@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.outside import NumbaObject
 
 #: A rigid body in a step: current and initial reference point, matrix of rotation, spacing and
 #: first point of the lattice. Velocity and angular velocity are at the step's beginning and end.
@@ -82,7 +83,7 @@ class RigidBodies(NamedTuple):
 _RESPONSES = RigidBodies._fields.index("responses")
 
 
-def move_freely(rigid_bodies: Any) -> bool:
+def move_freely(rigid_bodies: NumbaObject) -> bool:
     """Whether some rigid bodies, given by their Numba type, move freely."""
     has = hasattr(rigid_bodies, "instance_class")
     return has and hasattr(rigid_bodies.types[_RESPONSES], "ndim")

@@ -13,10 +13,7 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.select import include
 from pgimp.kernels.data.record import MASS
 from pgimp.kernels.data.velocity_fields import field_count, field_size
-from pgimp.kernels.rigid.bodies import (
-    find_distance,
-    place_of,
-)
+from pgimp.kernels.rigid.bodies import find_distance, place_of
 from pgimp.kernels.rigid.tents import cut
 
 #: Difference between the mean distance and the distance at the vertex, as part of a cell along the

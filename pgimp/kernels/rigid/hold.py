@@ -8,7 +8,7 @@ impulses at the vertices, and is booked like them. Of a cut particle the centroi
 """
 
 from math import inf, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,9 +24,7 @@ from pgimp.kernels.data.ledger import (
     TANGENTIAL_IMPULSE,
 )
 from pgimp.kernels.grid.position_limits import free_part
-from pgimp.kernels.rigid.bodies import (
-    find_distance,
-)
+from pgimp.kernels.rigid.bodies import RigidBodies, find_distance
 from pgimp.kernels.transfer.lane_io import take_row
 from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.contact.pairs import Pairs
@@ -51,7 +49,7 @@ class Keepers(NamedTuple):
         Grows by impulse and moment on each body.
     """
 
-    rigid_bodies: Any
+    rigid_bodies: RigidBodies
     pairs: Pairs
     yields: np.ndarray
     impulses: np.ndarray

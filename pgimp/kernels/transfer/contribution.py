@@ -1,6 +1,6 @@
 """Contribution of a particle to the sums of the grid: mass, momentum, stress."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from numba.core import types
 
@@ -37,7 +37,7 @@ class VolumeSums(NamedTuple):
     walls: tuple[()] = ()
     mean: tuple[()] = ()
     around: tuple[()] = ()
-    gradient: Any = ()
+    gradient: float | tuple[()] = ()
 
 
 def contribution(loads, frame, particles, p, forces, j):

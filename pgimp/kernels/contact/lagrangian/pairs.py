@@ -5,21 +5,16 @@ For bodies in the initial configuration, whose sums at the vertices are in
 """
 
 from math import inf
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.kernels.contact.data import (
-    PAIR_STATE,
-    clear_field,
-)
+from pgimp.kernels.contact.data import PAIR_STATE, clear_field
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.lagrangian.reference_grid import depth
-from pgimp.kernels.contact.lagrangian.vertices import (
-    number_of,
-)
+from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.contact.vertex import load_rigid_bodies
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
@@ -58,7 +53,7 @@ class ContactPairs(NamedTuple):
         """Allocate for `count` pairs."""
         return cls(np.empty(count, ENDS), np.empty(count, PAIR_STATE), np.empty((count, 2, 3)))
 
-    def chosen(self, which: Any) -> Self:
+    def chosen(self, which: slice | np.ndarray) -> Self:
         """Return the pairs at some offsets or in a slice."""
         return type(self)(self.ends[which], self.states[which], self.rigid[which])
 
