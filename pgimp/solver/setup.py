@@ -27,12 +27,7 @@ from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
 from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.geometry import release, share, take_as_empty
-from pgimp.scene.rigid.checks import (
-    require_apart,
-    require_clear,
-    require_same,
-    require_slow,
-)
+from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.configurations import fastest

@@ -34,7 +34,7 @@ def _loss(name: str, meaning: str) -> Group:
 
 
 def _gone(
-    name: str, there: Callable[[Any], bool], sums: Callable[[Totals], np.ndarray], mass: str
+    name: str, there: Callable[[Scene], bool], sums: Callable[[Totals], np.ndarray], mass: str
 ) -> Group:
     """Columns of removed particles, in scenes where `there` is true."""
     return Group(
