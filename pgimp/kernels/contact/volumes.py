@@ -7,7 +7,6 @@ lies within the whole box, and has its support within the whole support. Shapes 
 have the weights of whole particles, corrected by their gradient over the offset to the centroid.
 """
 
-
 from numba.core import types
 
 from pgimp.jit.kernel import specialise

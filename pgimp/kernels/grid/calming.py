@@ -123,9 +123,11 @@ def _with_gains(calming, v, scratch, place):
 
     def gained(calming, v, scratch, place):
         gain = transpose(
-            load(scratch, place), load(scratch, place + 4), load(scratch, place + 8),
+            load(scratch, place),
+            load(scratch, place + 4),
+            load(scratch, place + 8),
             load(scratch, place + 12),
-        )  # fmt: skip
+        )
         return plus_first(v, gain)
 
     return gained

@@ -105,8 +105,9 @@ def _read_value(like, rows, n, at):
         return lambda like, rows, n, at: ()
     width = _width(like[0])
     return lambda like, rows, n, at: (
-        _read(like[0], rows, n, at), *_read(like[1:], rows, n, at + width),
-    )  # fmt: skip
+        _read(like[0], rows, n, at),
+        *_read(like[1:], rows, n, at + width),
+    )
 
 
 def constrained(kinds, k, rows, n, v, a, clearance):

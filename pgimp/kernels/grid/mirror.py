@@ -175,7 +175,7 @@ def reflect(frame, field, mirror, forcing, ledger):
                             v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
                             impulse[i, mirror.number, d] -= given(
                                 relaxation, twice, dt, 0.0, 0.0, v, a
-                            )  # fmt: skip
+                            )
                             work[i] -= twice * dt * gravity[d] * v
                     G[r + HELD] = also_held(G[r + HELD], axis)
                     G[g + HELD] = G[r + HELD]

@@ -108,9 +108,10 @@ def place_of_particle(particles, p):
     """Position of a particle, three coordinates."""
     D = particles.x.shape[1]
     return (
-        particles.x[p, 0], particles.x[p, 1] if D > 1 else 0.0,
+        particles.x[p, 0],
+        particles.x[p, 1] if D > 1 else 0.0,
         particles.x[p, D - 1] if D > 2 else 0.0,
-    )  # fmt: skip
+    )
 
 
 @kernel
@@ -214,9 +215,10 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
         particles.x[p, d] += way
         ledger.work[layer] += particles.m[p] * forcing.gravity[d] * way
     arm = (
-        x[0] + depth * n[0] - motion.centre[0], x[1] + depth * n[1] - motion.centre[1],
+        x[0] + depth * n[0] - motion.centre[0],
+        x[1] + depth * n[1] - motion.centre[1],
         x[2] + depth * n[2] - motion.centre[2],
-    )  # fmt: skip
+    )
     moving = motion.velocity_after
     own = (
         moving[0] + moving[4] * arm[2] - moving[5] * arm[1],

@@ -27,9 +27,11 @@ from pgimp.kernels.update.viscosity import update_viscous_pressure
 def materials_of(material_of, body, rows):
     """Materials of four particles."""
     return (
-        material_of[body[rows[0]]], material_of[body[rows[1]]],
-        material_of[body[rows[2]]], material_of[body[rows[3]]],
-    )  # fmt: skip
+        material_of[body[rows[0]]],
+        material_of[body[rows[1]]],
+        material_of[body[rows[2]]],
+        material_of[body[rows[3]]],
+    )
 
 
 @kernel
@@ -97,9 +99,7 @@ def grid_to_particles(setting, field, particles, order, layers, forcing, report,
             grad = with_means(  # the cells' rates of dilatation
                 loads.mean, frame, particles, rows, buffer, sums, count, grad
             )
-            cells = take_around(
-                loads.around, (shape, frame), field, batch, buffer, weights, sums
-            )  # fmt: skip
+            cells = take_around(loads.around, (shape, frame), field, batch, buffer, weights, sums)
             m = materials_of(setting.material_of, particles.body, rows)
             L, F = deform(cells, setting, forcing, particles, batch, m, grad)  # (29)
             x, F, v = refill(

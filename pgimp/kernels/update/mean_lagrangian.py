@@ -86,8 +86,9 @@ def _slopes_of(buffer, d, i, like):
     if len(like) == 1:
         return lambda buffer, d, i, like: (four_entries(buffer, d, 1, i),)
     return lambda buffer, d, i, like: (
-        four_entries(buffer, d, 1, i), *_slopes(buffer, d, i + 1, like[1:]),
-    )  # fmt: skip
+        four_entries(buffer, d, 1, i),
+        *_slopes(buffer, d, i + 1, like[1:]),
+    )
 
 
 def take_around(around, places, field, batch, buffer, weights, sums):
