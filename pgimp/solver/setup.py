@@ -119,11 +119,7 @@ def begin(
 
 
 def resume(
-    scenes: Sequence[Scene],
-    comm: Communicator,
-    reduction: StepReduction,
-    source: Any,
-    now: State,
+    scenes: Sequence[Scene], comm: Communicator, reduction: StepReduction, source: Any, now: State
 ) -> Start:
     """Restore the state of a checkpoint; collective.
 
@@ -197,11 +193,7 @@ def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
 
 
 def put_in_order(
-    start: Start,
-    slab: Slab,
-    particles: Particles,
-    count: int,
-    layers: np.ndarray | None = None,
+    start: Start, slab: Slab, particles: Particles, count: int, layers: np.ndarray | None = None
 ) -> None:
     """Create a rank from its particles, which are put in order; collective.
 

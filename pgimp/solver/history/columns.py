@@ -68,10 +68,7 @@ HISTORY = (
             Column("time", "time", "simulated time", lambda s, _: s.done.end),
             Column("step", "", "steps done", lambda s, _: s.done.number),
             Column(
-                "dt",
-                "time",
-                "length of the last step, 0 before the first",
-                lambda s, _: s.done.dt,
+                "dt", "time", "length of the last step, 0 before the first", lambda s, _: s.done.dt
             ),
             Column("mass", "mass", "mass of all particles", lambda s, _: s.total[MASS]),
             Column(

@@ -163,12 +163,14 @@ class Diagnostics:
         own = rank.booked()
         impulse = np.concatenate(
             [
-                own.impulse, own.constraint_impulse, own.contact[:, :, IMPULSE : IMPULSE + 3],
+                own.impulse,
+                own.constraint_impulse,
+                own.contact[:, :, IMPULSE : IMPULSE + 3],
                 own.rigid_bodies[:, :, RIGID_IMPULSE : RIGID_IMPULSE + 3],
                 own.rigid_bodies[:, :, RIGID_MOMENT : RIGID_MOMENT + 3],
             ],
             axis=1,
-        )  # fmt: skip
+        )
         errors = self._own_errors(rank, done.end)
         rows = rank.population.ordered.rows
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)

@@ -57,8 +57,17 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
     own = Grid(scene.frame, scene.vertices, grid.slab, fields=flows.fields)
     own.store(grid.base)
     sums, rigid_bodies = sums_of(flows), _rigid_bodies(scene, grid)
-    yield 6.0, lambda: particles_to_grid(
-        scene.setting.without_materials(), own.field, p, sums, order, np.zeros((0, 3), np.int64), ()
+    yield (
+        6.0,
+        lambda: particles_to_grid(
+            scene.setting.without_materials(),
+            own.field,
+            p,
+            sums,
+            order,
+            np.zeros((0, 3), np.int64),
+            (),
+        ),
     )
     yield (
         2.0,
