@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel
+from pgimp.jit.memory import structure
 from pgimp.kernels.contact.select import VERTEX_RANGE
-from pgimp.kernels.data.record import structure
 from pgimp.kernels.rigid.bodies import RigidBodies
 from pgimp.physics.contact.pairs import Pairs
 

@@ -5,8 +5,6 @@ encodes the components held by a face or a constraint, see
 `pgimp.kernels.grid.constraint_flags`.
 """
 
-import numpy as np
-
 #: Distance, in float64, of neighbours along the innermost direction.
 RECORD = 8
 
@@ -20,8 +18,3 @@ HELD = 4
 
 #: The first of three components.
 FORCE = ACCELERATION = 5
-
-
-def structure(*fields: tuple) -> np.dtype:
-    """Type of aligned records: name, type and, of arrays, shape of each field."""
-    return np.dtype([*fields], align=True)

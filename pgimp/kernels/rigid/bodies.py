@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.memory import structure
 from pgimp.jit.outside import NumbaObject
-from pgimp.kernels.data.record import structure
 
 #: A rigid body in a step: current and initial reference point, matrix of rotation, spacing and
 #: first point of the lattice. Velocity and angular velocity are at the step's beginning and end.

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
+from pgimp.jit.memory import structure
 from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, slot, table_size
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
 from pgimp.kernels.data.particles import IntArray
-from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY, structure
+from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import held_velocity
 

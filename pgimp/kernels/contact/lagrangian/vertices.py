@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from pgimp.jit.algebra import determinant, inverse
 from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.memory import structure
 from pgimp.jit.tuples import read
 from pgimp.kernels.contact.lagrangian.supports import slope_at, vertex_at, weights_at
 from pgimp.kernels.data.particles import IntArray
-from pgimp.kernels.data.record import structure
 from pgimp.kernels.transfer.first_vertex import deformation, first_vertex
 from pgimp.physics.shapes.base import size
 
