@@ -47,7 +47,7 @@ def _launcher(value: tuple[str, ...]) -> tuple[str, ...]:
     return value
 
 
-def _changes(changes: Mapping[str, Any], path: tuple[str | int, ...] = ()) -> Iterator[Problem]:
+def _changes(changes: Mapping[str, object], path: tuple[str | int, ...] = ()) -> Iterator[Problem]:
     """Check that every key is a path of keys, and that none overrides an earlier one."""
     seen: list[str] = []
     for key in changes:
@@ -58,12 +58,12 @@ def _changes(changes: Mapping[str, Any], path: tuple[str | int, ...] = ()) -> It
         seen.append(key)
 
 
-def _set(value: dict[str, Any]) -> dict[str, Any]:
+def _set(value: dict[str, object]) -> dict[str, object]:
     raise_problems("set", _changes(value), value)
     return value
 
 
-def is_named(entry: Mapping[str, Any]) -> bool:
+def is_named(entry: Mapping[str, object]) -> bool:
     """Whether an entry of the sweep has sets of changes by name, not lists by key."""
     return all(isinstance(value, dict) for value in entry.values())
 
@@ -273,6 +273,6 @@ def measure_of(entry: str | Measure) -> Measure:
     return Measure(column=entry) if isinstance(entry, str) else entry
 
 
-def missing_file(value: Any) -> str:
+def missing_file(value: object) -> str:
     """Message: the value is no name of a case file."""
     return f"expected the name of a case file, got {describe(value)}"
