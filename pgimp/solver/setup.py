@@ -7,7 +7,7 @@ come first, then of its particles, then of the first step given their wave speed
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -45,6 +45,9 @@ from pgimp.solver.time.clock import CourantClock, clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step, require_end
 from pgimp.solver.window import open_window
+
+if TYPE_CHECKING:
+    from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 
 #: A vertex lighter than this part of the lightest initial particle is not accelerated.
 LIGHT = 1e-12
@@ -119,7 +122,11 @@ def begin(
 
 
 def resume(
-    scenes: Sequence[Scene], comm: Communicator, reduction: StepReduction, source: Any, now: State
+    scenes: Sequence[Scene],
+    comm: Communicator,
+    reduction: StepReduction,
+    source: CheckpointFile,
+    now: State,
 ) -> Start:
     """Restore the state of a checkpoint; collective.
 

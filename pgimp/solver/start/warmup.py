@@ -30,6 +30,7 @@ from pgimp.kernels.grid.wall_gap import find_clearances
 from pgimp.kernels.once.prestress import bearable_stress, remember_stress
 from pgimp.kernels.order.layer_changes import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.order.order import grow_vertex_bounds, layers_of, locate, merge
+from pgimp.kernels.rigid.bodies import RigidBodies
 from pgimp.kernels.rigid.fill import find_rigid_vertices
 from pgimp.kernels.rigid.hold import count_inside, count_near
 from pgimp.kernels.sums.errors import ERRORS, initial_velocities, layer_errors
@@ -80,7 +81,7 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
         yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)
 
 
-def _rigid_bodies(scene: Scene, grid: Grid) -> Any:
+def _rigid_bodies(scene: Scene, grid: Grid) -> RigidBodies | tuple[()]:
     """The rigid bodies for kernels; () where there are none."""
     return scene.rigid_bodies.in_planes(grid.planes) if scene.rigid_bodies else ()
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -37,7 +36,10 @@ from pgimp.kernels.contact.lagrangian.vertices import (
 from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.conditions import Holding
+from pgimp.kernels.grid.faces import Faces
+from pgimp.kernels.rigid.bodies import RigidBodies
 from pgimp.mpi.node import Call
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.bonds import separating_walls, with_walls
@@ -47,10 +49,17 @@ from pgimp.solver.contact.lagrangian.near_particles import mirrors_of, plain
 
 
 def calls(
-    scene: Scene, grid: Grid, particles: Any, forcing: Forcing, faces: Any, ledger: Ledger
+    scene: Scene,
+    grid: Grid,
+    particles: Particles,
+    forcing: Forcing,
+    faces: Faces | tuple[()],
+    ledger: Ledger,
 ) -> Iterator[Call]:
     """Calls of the kernels without particles; see `pgimp.solver.start.warmup`."""
-    rigid_bodies: Any = scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
+    rigid_bodies: RigidBodies | tuple[()] = (
+        scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
+    )
     pairs, count = with_walls(scene), len(scene.faces)
     contact = Contact.empty(pairs, np.empty(0), 1, 2, count, rigid_bodies)
     frame, shape, none = scene.frame, scene.shape, np.empty(0, np.int64)
