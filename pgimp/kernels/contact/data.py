@@ -13,7 +13,7 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel
 from pgimp.jit.memory import structure
 from pgimp.kernels.contact.select import VERTEX_RANGE
-from pgimp.kernels.rigid.bodies import RigidBodies
+from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.physics.contact.pairs import Pairs
 
 #: Sweeps over the pairs of a vertex where one is not enough: with more than two fields, or with
@@ -94,7 +94,7 @@ class Contact(NamedTuple):
     ends: np.ndarray
     pair_states: np.ndarray
     scratch_impulse: np.ndarray
-    rigid_bodies: RigidBodies | tuple[()]
+    rigid_bodies: AnyRigidBodies
 
     @classmethod
     def empty(
@@ -104,7 +104,7 @@ class Contact(NamedTuple):
         planes: int,
         fields: int,
         faces: int,
-        rigid_bodies: RigidBodies | tuple[()] = (),
+        rigid_bodies: AnyRigidBodies = (),
     ) -> "Contact":
         """Allocate for `planes` planes, with at most `fields` bodies at a vertex."""
         most = fields + (len(rigid_bodies.motion) if rigid_bodies else 0)

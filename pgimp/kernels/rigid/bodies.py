@@ -75,6 +75,9 @@ class RigidBodies(NamedTuple):
     responses: Any
 
 
+#: The rigid bodies of a scene; () without any.
+AnyRigidBodies = RigidBodies | tuple[()]
+
 _RESPONSES = RigidBodies._fields.index("responses")
 
 
