@@ -30,7 +30,7 @@ from pgimp.kernels.grid.wall_gap import find_clearances
 from pgimp.kernels.once.prestress import bearable_stress, remember_stress
 from pgimp.kernels.order.layer_changes import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.order.order import grow_vertex_bounds, layers_of, locate, merge
-from pgimp.kernels.rigid.bodies import RigidBodies
+from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.kernels.rigid.fill import find_rigid_vertices
 from pgimp.kernels.rigid.hold import count_inside, count_near
 from pgimp.kernels.sums.errors import ERRORS, initial_velocities, layer_errors
@@ -58,18 +58,8 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
     own = Grid(scene.frame, scene.vertices, grid.slab, fields=flows.fields)
     own.store(grid.base)
     sums, rigid_bodies = sums_of(flows), _rigid_bodies(scene, grid)
-    yield (
-        6.0,
-        lambda: particles_to_grid(
-            scene.setting.without_materials(),
-            own.field,
-            p,
-            sums,
-            order,
-            np.zeros((0, 3), np.int64),
-            (),
-        ),
-    )
+    setting, runs = scene.setting.without_materials(), np.zeros((0, 3), np.int64)
+    yield 6.0, partial(particles_to_grid, setting, own.field, p, sums, order, runs, ())
     yield (
         2.0,
         lambda: find_filling(
@@ -81,7 +71,7 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
         yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)
 
 
-def _rigid_bodies(scene: Scene, grid: Grid) -> RigidBodies | tuple[()]:
+def _rigid_bodies(scene: Scene, grid: Grid) -> AnyRigidBodies:
     """The rigid bodies for kernels; () where there are none."""
     return scene.rigid_bodies.in_planes(grid.planes) if scene.rigid_bodies else ()
 
@@ -114,17 +104,8 @@ def _calls(scene: Scene) -> Iterator[Call]:
     marked = (constraints, grid.marks) if constraints else ()
     clearances = np.empty((count, 0)) if scene.approached else ()
     controlled = scene.controlled
-    forcing = Forcing(
-        1.0,
-        scene.gravity(0.0),
-        0.0,
-        loads,
-        constraints,
-        marked,
-        scene.walls(0.0, 0.0),
-        controlled,
-        clearances,
-    )
+    b, walls = scene.gravity(0.0), scene.walls(0.0, 0.0)
+    forcing = Forcing(1.0, b, 0.0, loads, constraints, marked, walls, controlled, clearances)
     vertex_forcing = on_vertices(forcing)
     report = Report(bounds, rows.copy(), np.zeros((1, 2), np.int64))
     ledger = Ledger.empty(grid.planes, count, len(constraints))

@@ -11,7 +11,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.contact.lagrangian.broad_phase import Regions, find_near, mark_blocks
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
-from pgimp.kernels.rigid.bodies import RigidBodies
+from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
@@ -89,7 +89,7 @@ class BroadPhase:
         self,
         population: Population,
         groups: np.ndarray,
-        rigid_bodies: RigidBodies | tuple[()],
+        rigid_bodies: AnyRigidBodies,
         t: Step,
         rate: float = 0.0,
     ) -> bool:
@@ -125,7 +125,7 @@ class BroadPhase:
         self,
         population: Population,
         groups: np.ndarray,
-        rigid_bodies: RigidBodies | tuple[()],
+        rigid_bodies: AnyRigidBodies,
         t: Step,
         rate: float,
     ) -> None:

@@ -39,7 +39,7 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.grid.faces import Faces
-from pgimp.kernels.rigid.bodies import RigidBodies
+from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.node import Call
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.bonds import separating_walls, with_walls
@@ -57,9 +57,7 @@ def calls(
     ledger: Ledger,
 ) -> Iterator[Call]:
     """Calls of the kernels without particles; see `pgimp.solver.start.warmup`."""
-    rigid_bodies: RigidBodies | tuple[()] = (
-        scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
-    )
+    rigid_bodies: AnyRigidBodies = scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
     pairs, count = with_walls(scene), len(scene.faces)
     contact = Contact.empty(pairs, np.empty(0), 1, 2, count, rigid_bodies)
     frame, shape, none = scene.frame, scene.shape, np.empty(0, np.int64)
