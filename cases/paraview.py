@@ -423,11 +423,7 @@ def _unit(vector):
 
 
 def _cross(a, b):
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def _time(reader, view, second):
@@ -533,14 +529,7 @@ def main():
         if args.movie:
             _movie(args.movie)
         scene = show(
-            args.run,
-            args.field,
-            args.camera,
-            args.range,
-            args.body,
-            args.scale,
-            size,
-            args.palette,
+            args.run, args.field, args.camera, args.range, args.body, args.scale, size, args.palette
         )
         scene.go(args.frame)
         if args.output or not (args.frames or args.movie):

@@ -80,7 +80,7 @@ class Escaping:
         """Flush the stream."""
         self._try(self.raw.flush)
 
-    def _try(self, action: Callable[..., Any], *text: str) -> None:
+    def _try(self, action: Callable[..., object], *text: str) -> None:
         try:
             action(*text)
         except OSError as error:
@@ -89,7 +89,7 @@ class Escaping:
                 raise
             silence(self.raw)
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         """Delegate everything else to the stream."""
         return getattr(self.raw, name)
 

@@ -20,6 +20,7 @@ from pgimp.errors import CaseError, RunError, UsageError
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
 
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Folder with the run of the block on one rank in ``run``."""

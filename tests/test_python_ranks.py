@@ -93,11 +93,14 @@ def test_ranks_that_do_not_come_together_end_with_the_reason(
     assert words in done.stderr and not (folder / "two").exists()
 
 
-BEGUN = TOGETHER + """
+BEGUN = (
+    TOGETHER
+    + """
 import time
 sim = pgimp.Simulation(case)
 sim.step()
 """
+)
 
 DIFFERENT = """
 two = pgimp.Simulation(case)

@@ -179,11 +179,7 @@ def check_stopped(process, folder, why):
 
 @pytest.mark.parametrize(
     ("ranks", "addressee", "number"),
-    [
-        (1, 0, signal.SIGTERM),
-        (2, 1, signal.SIGINT),
-        (3, "mpirun", signal.SIGUSR1),
-    ],
+    [(1, 0, signal.SIGTERM), (2, 1, signal.SIGINT), (3, "mpirun", signal.SIGUSR1)],
 )
 def test_a_signal_to_any_rank_stops_the_run_with_a_checkpoint(
     running, tmp_path, ranks, addressee, number

@@ -48,11 +48,12 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             problems = list(check_changes(before, now, stage))
         if problems:
             return (), [_relocated(item, stage, place) for item in problems]
+        end, moved = float(before.time.end), _displacements(before, now)
+        gone = before.staged.removed + tuple(name for name in stage.remove if name in now.bodies)
+        leaves = before.staged.escapes or bool(_leaving(now))
         now.__dict__["staged_as"] = Staged(
-            number + 1, stage.name, float(before.time.end), counted,
-            (*before.staged.removed, *(name for name in stage.remove if name in now.bodies)),
-            before.staged.escapes or bool(_leaving(now)), _displacements(before, now),
-        )  # fmt: skip
+            number + 1, stage.name, end, counted, gone, leaves, moved
+        )
         found.append(now)
     return tuple(found), []
 
@@ -104,7 +105,7 @@ def _relocated(item: Problem, stage: Stage, place: Path) -> Problem:
     section = item.path[0] if item.path else ""
     if section == "time":
         return item._replace(path=(*place, *item.path[1:]))
-    changes: Any = stage.changes.get(str(section))
+    changes: object = stage.changes.get(str(section))
     if isinstance(changes, Mapping) and len(item.path) > 1 and item.path[1] not in changes:
         changes = None
     if changes is not None or section in ("materials", "tractions", "contact", "output"):

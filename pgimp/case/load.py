@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from os import PathLike, fspath
-from typing import Any
 
 from pgimp.case.reader import read_case, validate
 from pgimp.case.schema import Case
@@ -12,7 +11,7 @@ from pgimp.errors import CaseError, UsageError
 from pgimp.schema.document import Document, read
 from pgimp.schema.overrides import Overrides, apply, as_data
 
-Source = Case | str | PathLike[str] | Mapping[str, Any]
+Source = Case | str | PathLike[str] | Mapping[str, object]
 """A case, the name of its file, or the file's content as a dictionary."""
 
 

@@ -33,7 +33,7 @@ def _field(value: str) -> str:
     return value
 
 
-def _names_fields(schema: dict[str, Any]) -> None:
+def _names_fields(schema: dict[str, object]) -> None:
     schema.pop("type", None)
     names = {"enum": [*OPTIONAL, *_states()]}
     schema["anyOf"] = [names, {"type": "string", "pattern": f"^{PREFIX}[a-z0-9-]+$"}]
@@ -45,7 +45,7 @@ def _quantity(value: str) -> str:
     return value
 
 
-def _unique(values: tuple[Any, ...]) -> tuple[Any, ...]:
+def _unique(values: tuple[object, ...]) -> tuple[object, ...]:
     for position, value in enumerate(values):
         if value in values[:position]:
             raise_problems("list", [Problem((position,), f"{value} is in the list already")])
@@ -155,11 +155,7 @@ class Checkpoint(Model):
         float | Steps | WallTime | None,
         Either(
             "a time above zero, {steps: 10}, {wall: 900} or null",
-            {
-                float: Positive,
-                dict: ByWord(lambda: _INTERVALS, "kind of interval"),
-                None: None,
-            },
+            {float: Positive, dict: ByWord(lambda: _INTERVALS, "kind of interval"), None: None},
         ),
     ] = Field(
         default=WallTime(wall=900.0),

@@ -20,7 +20,7 @@ from pgimp.schema.tables import VaryingVector
 BY_KEY, BY_ENTRY = ("materials", "tractions", "constraints"), ("boundaries", "escape")
 SECTIONS, WHOLE = ("method", "output", "history"), ("gravity", "body_force", "contact")
 
-_Entries = dict[str, Any]
+_Entries = dict[str, object]
 
 
 def _unchanged(schema: dict[str, Any]) -> None:
@@ -63,7 +63,7 @@ class Stage(Model):
         "what particles only start with"
     )
     gravity: VaryingVector = _change("as in the case, in place of it; null: none [length/time^2]")
-    body_force: Any = Field(
+    body_force: object = Field(
         default=None,
         description="as in the case, in place of it; null: none",
         json_schema_extra=_any_form,
@@ -132,7 +132,7 @@ class Staged(NamedTuple):
 
 def merged(
     before: Mapping[str, Any], stage: Stage, spellings: Mapping[str, Mapping[str, str]]
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return the case of a stage, as plain data.
 
     Parameters
@@ -170,7 +170,7 @@ def merged(
     return data
 
 
-def _updated(entry: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+def _updated(entry: Mapping[str, object], changes: Mapping[str, object]) -> dict[str, object]:
     """Return an entry with other values of some keys; null resets a key to its default."""
     gone = {key for key, value in changes.items() if value is None}
     return {key: value for key, value in {**entry, **changes}.items() if key not in gone}

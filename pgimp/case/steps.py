@@ -25,7 +25,7 @@ class CourantStep(Model):
         description="Courant number: cells that the fastest wave crosses in a step; smaller steps "
         "lose less energy of waves, but without method.affine more of slow vibrations and of spin. "
         "auto: nine tenths of the largest that has been found stable with the method, see "
-        "docs/hard-cases.md; what moves may then cross half a cell, and energy is watched",
+        "docs/hard-cases.md; what moves may then cross half a cell, and energy is watched"
     )
 
 

@@ -28,7 +28,7 @@ def dump_case(case: Case) -> str:
     return "".join(_entry(key, value, "") for key, value in data.items())
 
 
-def _entry(key: str, value: Any, indent: str) -> str:
+def _entry(key: str, value: object, indent: str) -> str:
     """Return ``key: value`` on one line, or with its parts on separate lines."""
     start = f"{indent}{_scalar(key)}:"
     line = f"{start} {flow(value)}\n"
@@ -44,7 +44,7 @@ def _block(value: Any, indent: str) -> str:
     return "".join(f"{indent}- {_item(item, indent)}" for item in value)
 
 
-def _item(value: Any, indent: str) -> str:
+def _item(value: object, indent: str) -> str:
     """Return the text of a list item after its dash."""
     line = f"{flow(value)}\n"
     if len(indent) + 2 + len(line) <= WIDTH + 1 or not isinstance(value, dict | tuple | list):
@@ -52,7 +52,7 @@ def _item(value: Any, indent: str) -> str:
     return _block(value, indent + "  ").removeprefix(indent + "  ")
 
 
-def flow(value: Any) -> str:
+def flow(value: object) -> str:
     """Return `value` on one line."""
     if isinstance(value, dict):
         return "{" + ", ".join(f"{_scalar(k)}: {flow(v)}" for k, v in value.items()) + "}"

@@ -108,7 +108,7 @@ def _errors(sim: Simulation) -> dict[str, float]:
     return {"velocity": float(every[:, 0].max()), "stress": float(every[:, 1].max())}
 
 
-def measure(comm: Communicator, cells: int, repeats: int, lattice: bool) -> dict[str, Any]:
+def measure(comm: Communicator, cells: int, repeats: int, lattice: bool) -> dict[str, object]:
     """Run the benchmark; collective.
 
     Returns

@@ -105,12 +105,14 @@ def report(case: Case, verbose: bool = False) -> None:
         print("time             unknown: no step of a sample of the case could be timed")
     poisson = {one.name: one.varies["poisson"][2] for one in bodies if "poisson" in one.varies}
     for note in (
-        *known.notes, *nearness.notes(case), *stripes(case, poisson),
+        *known.notes,
+        *nearness.notes(case),
+        *stripes(case, poisson),
         *ordered_advice(case, bodies, known.crossing, dt),
-    ):  # fmt: skip
+    ):
         print(f"note: {note}")
     # Bodies of one material have the same warnings about it.
-    for text in dict.fromkeys(chain(
+    every = chain(
         filter(None, [] if case.watched else [stability_warning(dt, rate, stable_courant(case))]),
         filter(None, [small_step_warning(dt, rate)]),
         known.of_stages,
@@ -124,7 +126,8 @@ def report(case: Case, verbose: bool = False) -> None:
         nearness.bonded(scene, known.lattice, known.counts),
         nearness.warnings(case),
         forecast.warnings(whole, steps),
-    )):  # fmt: skip
+    )
+    for text in dict.fromkeys(every):
         print(f"warning: {text}")
 
 

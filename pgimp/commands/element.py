@@ -7,13 +7,12 @@ import io
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 from pgimp.case.load import load
 from pgimp.errors import UsageError, explain
 from pgimp.schema.messages import unknown
 from pgimp.storage import atomic
-from pgimp.utilities.element.paths import PATHS, path_of
+from pgimp.utilities.element.paths import PATHS, Array, path_of
 
 _MOST_STEPS = 1_000_000
 _BEGINNINGS = {"png": rb"\x89PNG\r\n", "csv": rb"value,time,det-F"}
@@ -32,9 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("case", metavar="CASE.yaml", help="the case file")
     parser.add_argument("material", metavar="MATERIAL", help="the name of one of its materials")
-    parser.add_argument(
-        "--path", required=True, metavar="PATH", help=f"one of {', '.join(PATHS)}"
-    )
+    parser.add_argument("--path", required=True, metavar="PATH", help=f"one of {', '.join(PATHS)}")
     parser.add_argument(
         "--to",
         required=True,
@@ -44,30 +41,41 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "logarithm of the volume ratio",
     )
     parser.add_argument(
-        "--steps", type=int, default=_DEFAULT_STEPS, metavar="N",
+        "--steps",
+        type=int,
+        default=_DEFAULT_STEPS,
+        metavar="N",
         help=f"to each value (default: {_DEFAULT_STEPS})",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--confine", type=float, default=0.0, metavar="P",
+        "--confine",
+        type=float,
+        default=0.0,
+        metavar="P",
         help="pressure from all sides before (default: that at which the material starts, 0 for "
         "most)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--rate", type=float, default=1.0, metavar="R",
+        "--rate",
+        type=float,
+        default=1.0,
+        metavar="R",
         help="of the value, 1/time, for materials whose stress depends on it (default: 1)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--at", metavar="X,Y,..",
+        "--at",
+        metavar="X,Y,..",
         help="a place at the start, where the material varies in space; what is a column of "
         "particles takes a number, --set materials.NAME.KEY=NUMBER",
-    )  # fmt: skip
-    parser.add_argument(
-        "--set", metavar="KEY.PATH=VALUE", action="append", default=[],
-        help="change a value of the case; repeatable",
-    )  # fmt: skip
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", help="a .csv with all digits, or a .png"
     )
+    parser.add_argument(
+        "--set",
+        metavar="KEY.PATH=VALUE",
+        action="append",
+        default=[],
+        help="change a value of the case; repeatable",
+    )
+    parser.add_argument("-o", "--output", metavar="FILE", help="a .csv with all digits, or a .png")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -174,7 +182,7 @@ def _write(path: Path, content: bytes) -> None:
         raise UsageError(f"cannot write {path}: {explain(error)}") from error
 
 
-def _print(table: dict[str, Any], component: str) -> None:
+def _print(table: dict[str, Array], component: str) -> None:
     """Print some rows: the path's main stress, and the material's state."""
     known = ("value", "time", "det-F", "pressure", "q", component)
     states = [name for name in table if name not in known and not name.startswith(_OTHERS)]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pgimp.errors import UsageError, explain
 from pgimp.storage import atomic
@@ -15,10 +15,16 @@ from pgimp.storage.plain import open_plain
 from pgimp.utilities.plot.runs import AXES, PlotRun, open_runs, snapshots
 from pgimp.utilities.plot.tables import Table
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 _FORMATS = ("png", "pdf", "svg")
 _BEGINNINGS = {"png": rb"\x89PNG\r\n", "pdf": rb"%PDF-", "svg": rb"(<\?xml|<svg|\s)"}
 _PICTURE_ONLY = ("slice", "camera", "range")
 _LONGEST_NAME = 120
+
+
+N = TypeVar("N")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -158,7 +164,9 @@ def _check(args: argparse.Namespace) -> None:
                 raise UsageError(f"--{name} is for curves over time, the other options for a frame")
 
 
-def _frame(args: argparse.Namespace, runs: Sequence[PlotRun]) -> tuple[Any, Table, list[str], str]:
+def _frame(
+    args: argparse.Namespace, runs: Sequence[PlotRun]
+) -> tuple[Figure, Table, list[str], str]:
     from pgimp.utilities.plot.along import along
     from pgimp.utilities.plot.camera import camera
     from pgimp.utilities.plot.picture import picture
@@ -204,7 +212,7 @@ def _listed(text: str | None) -> list[str]:
     return [part.strip() for part in text.split(",") if part.strip()] if text else []
 
 
-def _numbers(text: str | None, option: str, kind: type) -> list[Any]:
+def _numbers(text: str | None, option: str, kind: Callable[[str], N]) -> list[N]:
     if text is None:
         return []
     try:
@@ -258,13 +266,13 @@ def _output(name: str, formats: Sequence[str] = (*_FORMATS, "csv")) -> Path:
     return path
 
 
-def _rendered(figure: Any, kind: str) -> bytes:
+def _rendered(figure: Figure, kind: str) -> bytes:
     """Return the file of a figure; the same figure gives the same bytes."""
     stream = io.BytesIO()
     dates = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
     # Titles of a first row of pictures may exceed the layout's estimate.
-    options = {"bbox_inches": "tight", "pad_inches": 0.08}
-    figure.savefig(stream, format=kind, metadata=dates.get(kind), **options)
+    room, about = 0.08, dates.get(kind)
+    figure.savefig(stream, format=kind, metadata=about, bbox_inches="tight", pad_inches=room)
     return stream.getvalue()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pgimp.errors import UsageError, explain
 from pgimp.io.rundir.rundir import RunDirectory
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.io.results.reader import Run
     from pgimp.schema.overrides import Overrides
+    from pgimp.solver.simulation import Simulation
 
 #: Exit status of a run that stopped early on request, with a checkpoint.
 STOPPED = 75
@@ -263,7 +264,7 @@ def _warn_of_edited(materials: dict[str, str], directory: RunDirectory, log: Log
             )
 
 
-def _set_up(case: Case, comm: Communicator, log: Log, began: float) -> Any:
+def _set_up(case: Case, comm: Communicator, log: Log, began: float) -> Simulation:
     from pgimp.solver.simulation import Simulation
 
     sim = Simulation(case, comm)

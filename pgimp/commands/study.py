@@ -8,10 +8,9 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from pgimp.errors import UsageError, explain
 from pgimp.io.rundir.ownfiles import RUN
@@ -135,12 +134,7 @@ def _claimed(folder: Path) -> Iterator[None]:
 
 
 def _run_all(
-    plan: Plan,
-    folder: Path,
-    outcomes: list[Outcome],
-    again: bool,
-    log: Log,
-    held: Held,
+    plan: Plan, folder: Path, outcomes: list[Outcome], again: bool, log: Log, held: Held
 ) -> None:
     """Run all; replace each outcome by the outcome of its run."""
     with _bar(log, len(outcomes)) as show:
@@ -160,7 +154,7 @@ def _run_all(
 
 
 @contextmanager
-def _bar(log: Log, total: int) -> Iterator[Any]:
+def _bar(log: Log, total: int) -> Iterator[Callable[[int, str], None]]:
     """Show the number of finished runs below the lines of the log; nothing without a terminal."""
     columns = 0 if log.quiet else terminal_columns()
     if not columns:

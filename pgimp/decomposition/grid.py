@@ -138,10 +138,9 @@ class Grid:
         self.deferred = aligned(half + shared_upper * (shared_upper + 1) // 2 * plane)
         self.partial = self.deferred[:half]
         self.bounds = self._bounds() if self._fixed_bounds is None else self._fixed_bounds
-        self.field = Field(
-            self.window, self.G, self.active, self.scratch, self.deferred, self.shared_lower,
-            self.owned, self.bounds, np.zeros(self.planes, np.int64) if self.fields else (),
-        )  # fmt: skip
+        flags = np.zeros(self.planes, np.int64) if self.fields else ()
+        arrays = self.G, self.active, self.scratch, self.deferred
+        self.field = Field(self.window, *arrays, self.shared_lower, self.owned, self.bounds, flags)
         self._marks = np.zeros(0, np.int64)
 
     def clear(self, i: int) -> None:

@@ -12,7 +12,6 @@ are summed in pieces, with calls of MPI between them.
 
 import weakref
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from pgimp.decomposition.grid import Grid, aligned
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.transfer.p2g import complete
-from pgimp.mpi.communicator import Communicator
+from pgimp.mpi.communicator import Communicator, Request
 from pgimp.mpi.switches import switched_on
 
 _UP, _DOWN = 1, 2
@@ -34,7 +33,7 @@ _MEANING = "lets ranks wait for each other's messages", "lets them work meanwhil
 PIECE, PIECES = 2000, 4
 
 
-def _free(requests: list[Any]) -> None:
+def _free(requests: list[Request]) -> None:
     for request in requests:
         request.Free()
     requests.clear()
@@ -91,15 +90,15 @@ class Halo:
             outer = np.concatenate([every[:begin], every[end:]])
             self._halves.append((outer, every[begin:end]))
         self._kept = False
-        self._grid: Any = None
-        self._marks: Any = None
+        self._grid: np.ndarray | None = None
+        self._marks: np.ndarray | None = None
         self._received = aligned(0)
         self._sizes = [0, 0]  # bytes sent in a step, without marks and with them
         self._others: list[tuple[np.ndarray, np.ndarray]] = []
-        self._requests: list[Any] = []
-        self._mark_requests: list[Any] = []
-        self._every: list[Any] = []
-        self._started: list[Any] = []
+        self._requests: list[Request] = []
+        self._mark_requests: list[Request] = []
+        self._every: list[Request] = []
+        self._started: list[Request] = []
         self.close = weakref.finalize(self, _free, self._every)
 
     def parts(self, start: np.ndarray) -> tuple[np.ndarray, ...]:

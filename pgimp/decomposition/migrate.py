@@ -6,7 +6,6 @@ their buffers alike.
 """
 
 import weakref
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from pgimp.decomposition.population import Population, with_capacity
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.data.particles import Columns, Particles
 from pgimp.kernels.order.layer_changes import pack_rows, partition_migrants, unpack_rows
-from pgimp.mpi.communicator import Communicator
+from pgimp.mpi.communicator import Communicator, Request
 
 _TAG, _REST = 3, 6
 
@@ -52,7 +51,7 @@ class _Link:
         self.to_send, self.to_receive = CAPACITY, CAPACITY  # records in the first message
         self.outgoing, self.incoming = _wire(CAPACITY, columns), _wire(CAPACITY, columns)
         self.receipt = comm.Recv_init(self.incoming, neighbour, _TAG)
-        self.requests: list[Any] = []
+        self.requests: list[Request] = []
 
     def send(self, columns: Columns, rows: np.ndarray) -> int:
         """Begin the exchange with `rows` of the particles; returns the number of messages sent."""
@@ -153,10 +152,9 @@ class Migration:
         if found:
             self._arrivals = with_capacity(self._arrivals, self._stay + found, self._stay)
             self._migrants = with_capacity(self._migrants, found)
-            stay, down, up = partition_migrants(
-                population.particles.layer, population.order, places, population.first,
-                population.layers, self._arrivals[self._stay :], self._migrants,
-            )  # fmt: skip
+            layer, order = population.particles.layer, population.order
+            slab, kept = (population.first, population.layers), self._arrivals[self._stay :]
+            stay, down, up = partition_migrants(layer, order, places, *slab, kept, self._migrants)
             self._stay += stay
         if self._sent:
             return

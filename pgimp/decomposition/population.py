@@ -197,9 +197,8 @@ class Population:
         count = len(self.order) - len(left) + len(arrivals)
         self._spare = with_capacity(self._spare, count)
         merge(
-            p, self.order, self.start, places, self.first, arrivals,
-            self._spare, self._spare_start,
-        )  # fmt: skip
+            p, self.order, self.start, places, self.first, arrivals, self._spare, self._spare_start
+        )
         # The spare array is long enough for all particles, too, see `changed`.
         old, self.order = self._whole(self.order), self._spare[:count]
         self._spare = with_capacity(old, count)

@@ -119,21 +119,20 @@ def _full(S):
     return lambda S: (S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2])
 
 
-def one_plus(factor, A):
-    """The matrix 1 + factor A."""
+def one_plus(c, A):
+    """The matrix 1 + c A."""
 
 
 @specialise(one_plus)
-def _one_plus(factor, A):
+def _one_plus(c, A):
     if len(A) == 1:
-        return lambda factor, A: (1.0 + factor * A[0],)
+        return lambda c, A: (1.0 + c * A[0],)
     if len(A) == 4:
-        return lambda factor, A: (1.0 + factor * A[0], factor * A[1], factor * A[2],
-                                  1.0 + factor * A[3])  # fmt: skip
-    return lambda factor, A: (
-        1.0 + factor * A[0], factor * A[1], factor * A[2],
-        factor * A[3], 1.0 + factor * A[4], factor * A[5],
-        factor * A[6], factor * A[7], 1.0 + factor * A[8],
+        return lambda c, A: (1.0 + c * A[0], c * A[1], c * A[2], 1.0 + c * A[3])
+    return lambda c, A: (
+        1.0 + c * A[0], c * A[1], c * A[2],
+        c * A[3], 1.0 + c * A[4], c * A[5],
+        c * A[6], c * A[7], 1.0 + c * A[8],
     )  # fmt: skip
 
 
@@ -212,9 +211,7 @@ def _isotropic(a, S, c):
         return lambda a, S, c: (a * S[0] + c, a * S[1] + c, a * S[2] + c)
     if len(S) == 4:
         return lambda a, S, c: (a * S[0] + c, a * S[1] + c, a * S[2] + c, a * S[3])
-    return lambda a, S, c: (
-        a * S[0] + c, a * S[1] + c, a * S[2] + c, a * S[3], a * S[4], a * S[5],
-    )  # fmt: skip
+    return lambda a, S, c: (a * S[0] + c, a * S[1] + c, a * S[2] + c, a * S[3], a * S[4], a * S[5])
 
 
 def add(A, B):
@@ -239,10 +236,7 @@ def _contract(S, T):
     if len(S) == 4:
         return lambda S, T: S[0] * T[0] + S[1] * T[1] + S[2] * T[2] + 2.0 * S[3] * T[3]
     return lambda S, T: (
-        S[0] * T[0]
-        + S[1] * T[1]
-        + S[2] * T[2]
-        + 2.0 * (S[3] * T[3] + S[4] * T[4] + S[5] * T[5])
+        S[0] * T[0] + S[1] * T[1] + S[2] * T[2] + 2.0 * (S[3] * T[3] + S[4] * T[4] + S[5] * T[5])
     )
 
 

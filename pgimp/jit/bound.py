@@ -6,18 +6,20 @@ simulation the types of a kernel's arguments never change.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import TypeVar
 
 import numba
+
+R = TypeVar("R")
 
 
 class Bound:
     """Calls of kernels, each with constant types of arguments; others would be misread."""
 
     def __init__(self) -> None:
-        self._entries: dict[Any, Callable[..., Any]] = {}
+        self._entries: dict[Callable, Callable] = {}
 
-    def __call__(self, kernel: Any, *args: Any) -> Any:
+    def __call__(self, kernel: Callable[..., R], *args: object) -> R:
         """Call a kernel with the types of its first call."""
         entry = self._entries.get(kernel)
         if entry is not None:

@@ -6,7 +6,6 @@ Compiled kernels are kept on disk, see `pgimp.jit.compiled.folder` and `pgimp.ji
 import os
 import sys
 from collections.abc import Callable
-from typing import Any, cast
 
 from pgimp.jit.compiled.folder import cache_folder
 
@@ -21,6 +20,7 @@ from numba.extending import overload  # noqa: E402
 
 from pgimp.jit.compiled.cache import KernelCache  # noqa: E402
 from pgimp.jit.compiled.compiler import Compiler  # noqa: E402
+from pgimp.jit.outside import NumbaObject  # noqa: E402
 from pgimp.jit.rehearsal import notable  # noqa: E402
 
 Compiler.folder = FOLDER.path
@@ -28,7 +28,7 @@ Compiler.folder = FOLDER.path
 #: Options of every kernel and of all functions inlined into it. Contraction only: full fastmath
 #: would let LLVM reorder sums and delete the checks for NaN. The others save compile time: no entry
 #: for programs in C, and no reference counts, of which tuples of arrays need very many.
-_OPTIONS: dict[str, Any] = {
+_OPTIONS: dict[str, NumbaObject] = {
     "fastmath": {"contract"},
     "error_model": "numpy",
     "boundscheck": False,
@@ -39,7 +39,7 @@ _OPTIONS: dict[str, Any] = {
 
 
 #: Options of functions that are always inlined into a kernel.
-INLINE_OPTIONS: Any = {**_OPTIONS, "forceinline": True}
+INLINE_OPTIONS: NumbaObject = {**_OPTIONS, "forceinline": True}
 
 
 def kernel(function: Callable) -> Callable:
@@ -63,7 +63,7 @@ def inner_kernel(function: Callable) -> Callable:
     """As `kernel`, for a function that only other kernels call: without an entry for Python."""
     compiled = _kernel(function, {**_OPTIONS, "no_cpython_wrapper": True})
 
-    def refuse(*args: Any, **options: Any) -> None:
+    def refuse(*args: object, **options: object) -> None:
         raise TypeError(f"{function.__qualname__} is for other kernels to call")
 
     # Called from Python, the dispatcher looks up entries missing in its own table. The entries
@@ -73,8 +73,8 @@ def inner_kernel(function: Callable) -> Callable:
     return compiled
 
 
-def _kernel(function: Callable, options: dict[str, Any]) -> Any:
-    compiled = numba.njit(**options)(function)
+def _kernel(function: Callable, options: dict[str, NumbaObject]) -> NumbaObject:
+    compiled: NumbaObject = numba.njit(**options)(function)
     if not options.get("no_cpython_wrapper"):  # parts of kernels: the compiler keeps them itself
         compiled._cache = KernelCache(function, FOLDER.path)  # instead of Numba's, as by cache=True
         notable(compiled)
@@ -88,7 +88,7 @@ def specialise(stub: Callable) -> Callable[[Callable], Callable]:
     same signature. Unlike closures and functions passed as arguments, kernels that call `stub`
     are found again in the disk cache.
     """
-    return overload(stub, jit_options=cast(Any, INLINE_OPTIONS), strict=False)
+    return overload(stub, jit_options=INLINE_OPTIONS, strict=False)
 
 
 def exact(stub: Callable) -> Callable[[Callable], Callable]:
@@ -97,5 +97,5 @@ def exact(stub: Callable) -> Callable[[Callable], Callable]:
     Whether LLVM contracts a product and a sum depends on other uses of the product, so that one
     expression may round differently in two kernels.
     """
-    options: Any = {**INLINE_OPTIONS, "fastmath": False}
+    options: NumbaObject = {**INLINE_OPTIONS, "fastmath": False}
     return overload(stub, jit_options=options, strict=False)

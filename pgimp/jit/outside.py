@@ -14,7 +14,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba.core import types
@@ -22,8 +22,12 @@ from numba.core import types
 #: Packages whose content changes only with their versions, which Numba and the folder's name have.
 _KNOWN = {*sys.stdlib_module_names, "llvmlite", "numba", "numpy", "pgimp"} - {"__main__"}
 
+#: An object of Numba: a type, as of a kernel's argument, or a part of its compiler. Numba declares
+#: no types of its own: by its classes, a tuple's type has neither a length nor items.
+NumbaObject = Any
 
-def part_of(kinds: Iterable[Any]) -> str | None:
+
+def part_of(kinds: Iterable[NumbaObject]) -> str | None:
     """Name the sub-folder for kernels compiled for Numba's types `kinds`.
 
     Returns
@@ -39,7 +43,7 @@ def part_of(kinds: Iterable[Any]) -> str | None:
     return f"outside-{hashlib.sha256(text).hexdigest()[:16]}" if digests else ""
 
 
-def outsiders(kinds: Any) -> set[type]:
+def outsiders(kinds: NumbaObject) -> set[type]:
     """Return the NamedTuples from outside the package in Numba's types, at any depth."""
     found: set[type] = set()
     for kind in kinds:
@@ -84,7 +88,7 @@ def tag(entry: type) -> None:
         entry.__name__ += f"_{_digest_once(entry)[:16] or len(_tagged)}"
 
 
-def digests(parameters: Iterable[Any]) -> dict[str, str]:
+def digests(parameters: Iterable[NamedTuple]) -> dict[str, str]:
     """Return the digests of the types from outside, by name; empty where unknown.
 
     Parameters
@@ -120,7 +124,7 @@ def digest(entry: type) -> str:
         Empty if another process would not find the class again, or if values that it reads cannot
         be compared.
     """
-    found: Any = sys.modules.get(entry.__module__)
+    found: object = sys.modules.get(entry.__module__)
     for part in entry.__qualname__.split("."):
         found = getattr(found, part, None)
     if found is not entry or entry.__module__ == "__main__":
@@ -139,10 +143,10 @@ class _Hasher:
 
     def __init__(self) -> None:
         self.hash = hashlib.sha256()
-        self._seen: dict[int, Any] = {}  # which keeps them: an id may be used again
+        self._seen: dict[int, object] = {}  # which keeps them: an id may be used again
         self._files: set[str] = set()
 
-    def take(self, value: Any, names: tuple[str, ...] = ()) -> None:
+    def take(self, value: object, names: tuple[str, ...] = ()) -> None:
         """Digest a value; of a module, the attributes `names`."""
         function = getattr(value, "py_func", value)  # the function that Numba compiles
         if isinstance(value, ModuleType):
@@ -189,7 +193,7 @@ class _Hasher:
                         self._note(name)
                         self._member(getattr(value, "__func__", value))
 
-    def _member(self, value: Any) -> None:
+    def _member(self, value: object) -> None:
         """Digest an attribute of a class, except descriptions of fields."""
         if isinstance(value, FunctionType | type | tuple | bool) or hasattr(value, "py_func"):
             self.take(value)
@@ -217,7 +221,7 @@ class _Hasher:
             self.hash.update(Path(path).read_bytes())
 
 
-def _known(value: Any) -> bool:
+def _known(value: object) -> bool:
     name = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None)
     return (name or "").partition(".")[0] in _KNOWN
 
@@ -230,7 +234,7 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
             yield from _codes(constant)
 
 
-def _constant(value: Any) -> str:
+def _constant(value: object) -> str:
     """Write a constant identically in every process."""
     if isinstance(value, CodeType):
         return value.co_name

@@ -5,10 +5,12 @@ values of its particle, or of four (`filled`). The types decide the compiled cod
 varies there is no `Own`, and nothing is done.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from numba.core import cgutils, types
 from numba.extending import intrinsic
+
+from pgimp.jit.outside import NumbaObject
 
 
 class Own(NamedTuple):
@@ -17,16 +19,16 @@ class Own(NamedTuple):
     place: int
 
 
-def is_own(kind: Any) -> bool:
+def is_own(kind: NumbaObject) -> bool:
     """Whether a Numba type is the type of `Own`."""
     return getattr(kind, "instance_class", None) is Own
 
 
-def count_own(kind: Any) -> int:
+def count_own(kind: NumbaObject) -> int:
     """Number of `Own` in values of a Numba type, at any depth."""
     if is_own(kind):
         return 1
-    parts: Any = kind if isinstance(kind, types.BaseTuple) else ()
+    parts: NumbaObject = kind if isinstance(kind, types.BaseTuple) else ()
     return sum(count_own(part) for part in parts)
 
 
@@ -46,7 +48,7 @@ def filled(typing_context, structure, values):
 
     `values` are at least as many numbers, or vectors.
     """
-    given: list[Any] = [*values] if isinstance(values, types.BaseTuple) else []
+    given: list[NumbaObject] = [*values] if isinstance(values, types.BaseTuple) else []
     if not given or count_own(structure) > len(given):
         return None
     number = given[0]
@@ -59,9 +61,7 @@ def filled(typing_context, structure, values):
                 return next(found)
             if not count_own(kind):
                 return value
-            parts = [
-                build(part, builder.extract_value(value, i)) for i, part in enumerate(kind)
-            ]
+            parts = [build(part, builder.extract_value(value, i)) for i, part in enumerate(kind)]
             return context.make_tuple(builder, _type_of(kind, number), parts)
 
         return build(sig.args[0], args[0])

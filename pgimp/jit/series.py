@@ -35,9 +35,13 @@ def _square(S):
         xx, yy, zz, xy, yz, xz = S
         a, b, c = xy * xy, yz * yz, xz * xz
         return (
-            fma(xx, xx, a + c), fma(yy, yy, a + b), fma(zz, zz, b + c),
-            fma(xx + yy, xy, yz * xz), fma(yy + zz, yz, xy * xz), fma(xx + zz, xz, xy * yz),
-        )  # fmt: skip
+            fma(xx, xx, a + c),
+            fma(yy, yy, a + b),
+            fma(zz, zz, b + c),
+            fma(xx + yy, xy, yz * xz),
+            fma(yy + zz, yz, xy * xz),
+            fma(xx + zz, xz, xy * yz),
+        )
 
     return {3: square1, 4: square2, 6: square3}[len(S)]
 
@@ -58,11 +62,13 @@ def _product(S, T):
     def product3(S, T):
         a, b, c = S[3] * T[3], S[4] * T[4], S[5] * T[5]
         return (
-            fma(S[0], T[0], a + c), fma(S[1], T[1], a + b), fma(S[2], T[2], b + c),
+            fma(S[0], T[0], a + c),
+            fma(S[1], T[1], a + b),
+            fma(S[2], T[2], b + c),
             fma(S[0], T[3], fma(S[3], T[1], S[5] * T[4])),
             fma(S[3], T[5], fma(S[1], T[4], S[4] * T[2])),
             fma(S[0], T[5], fma(S[3], T[4], S[5] * T[2])),
-        )  # fmt: skip
+        )
 
     return {3: product1, 4: product2, 6: product3}[len(S)]
 
@@ -112,9 +118,13 @@ def _inverse_symmetric(S):
         b = fma(xy, yz, -yy * xz)
         r = 1.0 / fma(xx, x, fma(xy, a, xz * b))
         return (
-            x * r, fma(-xz, xz, xx * zz) * r, fma(-xy, xy, xx * yy) * r,
-            a * r, fma(xy, xz, -xx * yz) * r, b * r,
-        )  # fmt: skip
+            x * r,
+            fma(-xz, xz, xx * zz) * r,
+            fma(-xy, xy, xx * yy) * r,
+            a * r,
+            fma(xy, xz, -xx * yz) * r,
+            b * r,
+        )
 
     return {3: inverse1, 4: inverse2, 6: inverse3}[len(S)]
 
@@ -127,17 +137,18 @@ def combine(P, S, T):
 def _combine(P, S, T):
     if len(S) == 3:
         return lambda P, S, T: (
-            fma(P[2], T[0], fma(P[1], S[0], P[0])), fma(P[2], T[1], fma(P[1], S[1], P[0])),
+            fma(P[2], T[0], fma(P[1], S[0], P[0])),
+            fma(P[2], T[1], fma(P[1], S[1], P[0])),
             fma(P[2], T[2], fma(P[1], S[2], P[0])),
-        )  # fmt: skip
+        )
     if len(S) == 4:
-        return lambda P, S, T: (
-            *combine(P, S[:3], T[:3]), fma(P[2], T[3], P[1] * S[3]),
-        )  # fmt: skip
+        return lambda P, S, T: (*combine(P, S[:3], T[:3]), fma(P[2], T[3], P[1] * S[3]))
     return lambda P, S, T: (
-        *combine(P, S[:3], T[:3]), fma(P[2], T[3], P[1] * S[3]), fma(P[2], T[4], P[1] * S[4]),
+        *combine(P, S[:3], T[:3]),
+        fma(P[2], T[3], P[1] * S[3]),
+        fma(P[2], T[4], P[1] * S[4]),
         fma(P[2], T[5], P[1] * S[5]),
-    )  # fmt: skip
+    )
 
 
 def _series(found, P, coefficients):
@@ -218,9 +229,11 @@ def _carry(A, S):
         p, q = fma(a, S[0], fma(b, S[3], a)), fma(a, S[3], fma(b, S[1], b))  # A (1 + S)
         r, s = fma(c, S[0], fma(d, S[3], c)), fma(c, S[3], fma(d, S[1], d))
         return (
-            S[0] + fma(p, a, fma(q, b, 2.0 * p)), S[1] + fma(r, c, fma(s, d, 2.0 * s)), S[2],
+            S[0] + fma(p, a, fma(q, b, 2.0 * p)),
+            S[1] + fma(r, c, fma(s, d, 2.0 * s)),
+            S[2],
             S[3] + fma(p, c, fma(q, d, q + r)),
-        )  # fmt: skip
+        )
 
     def carry3(A, S):
         xx, yy, zz, xy, yz, xz = S
@@ -248,6 +261,7 @@ def _row(a, b, c, S):
 @exact(_row)
 def _row_times(a, b, c, S):
     return lambda a, b, c, S: (
-        fma(a, S[0], fma(b, S[3], fma(c, S[5], a))), fma(a, S[3], fma(b, S[1], fma(c, S[4], b))),
+        fma(a, S[0], fma(b, S[3], fma(c, S[5], a))),
+        fma(a, S[3], fma(b, S[1], fma(c, S[4], b))),
         fma(a, S[5], fma(b, S[4], fma(c, S[2], c))),
-    )  # fmt: skip
+    )

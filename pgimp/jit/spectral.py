@@ -121,9 +121,11 @@ def _spectral(values, Q):
     def spectral2(values, Q):
         a, b, c = values
         return (
-            fma(a * Q[0], Q[0], b * Q[1] * Q[1]), fma(a * Q[2], Q[2], b * Q[3] * Q[3]), c,
+            fma(a * Q[0], Q[0], b * Q[1] * Q[1]),
+            fma(a * Q[2], Q[2], b * Q[3] * Q[3]),
+            c,
             fma(a * Q[0], Q[2], b * Q[1] * Q[3]),
-        )  # fmt: skip
+        )
 
     def spectral3(values, Q):
         a, b, c = values
@@ -131,10 +133,13 @@ def _spectral(values, Q):
         y0, y1, y2 = a * Q[3], b * Q[4], c * Q[5]
         z0, z1, z2 = a * Q[6], b * Q[7], c * Q[8]
         return (
-            fma(x0, Q[0], fma(x1, Q[1], x2 * Q[2])), fma(y0, Q[3], fma(y1, Q[4], y2 * Q[5])),
-            fma(z0, Q[6], fma(z1, Q[7], z2 * Q[8])), fma(x0, Q[3], fma(x1, Q[4], x2 * Q[5])),
-            fma(y0, Q[6], fma(y1, Q[7], y2 * Q[8])), fma(x0, Q[6], fma(x1, Q[7], x2 * Q[8])),
-        )  # fmt: skip
+            fma(x0, Q[0], fma(x1, Q[1], x2 * Q[2])),
+            fma(y0, Q[3], fma(y1, Q[4], y2 * Q[5])),
+            fma(z0, Q[6], fma(z1, Q[7], z2 * Q[8])),
+            fma(x0, Q[3], fma(x1, Q[4], x2 * Q[5])),
+            fma(y0, Q[6], fma(y1, Q[7], y2 * Q[8])),
+            fma(x0, Q[6], fma(x1, Q[7], x2 * Q[8])),
+        )
 
     return {1: spectral1, 4: spectral2, 9: spectral3}[len(Q)]
 

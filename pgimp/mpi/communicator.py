@@ -11,6 +11,15 @@ T = TypeVar("T")
 Message = Callable[..., Any]
 
 
+class Request(Protocol):
+    """A message under way, or one that is sent again and again."""
+
+    Start: Message
+    Wait: Message
+    Test: Message
+    Free: Message
+
+
 class Communicator(Protocol):
     """All ranks of a run: mpi4py's ``Intracomm``, or `pgimp.mpi.comm.Serial` for one rank.
 
@@ -44,17 +53,17 @@ class Communicator(Protocol):
     def Barrier(self) -> None:
         """Wait until all ranks have come here."""
 
-    def Abort(self, errorcode: int = 0) -> Any:
+    def Abort(self, errorcode: int = 0) -> object:
         """End all ranks."""
 
     def bcast(self, obj: T, root: int = 0) -> T:
         """Return the object of rank `root`."""
 
-    def gather(self, sendobj: Any, root: int = 0) -> Any:
+    def gather(self, sendobj: object, root: int = 0) -> Any:
         """Return the objects of all ranks on rank `root`, None elsewhere."""
 
     def allgather(self, sendobj: T) -> list[T]:
         """Return the objects of all ranks."""
 
-    def allreduce(self, sendobj: T, op: Any = None) -> T:
+    def allreduce(self, sendobj: T, op: object = None) -> T:
         """Return the reduction of the objects of all ranks; by default their sum."""

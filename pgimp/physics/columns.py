@@ -49,10 +49,9 @@ GRID: dict[str, Vertex] = {
 """What ``output.grid`` may name, at the vertices."""
 
 #: Fields of the particle that a material point follows, after time and step and before states.
-FOLLOWED = (
-    "position", "displacement", "velocity", "stress", "strain", "pressure", "von-mises", "volume",
-    "density",
-)  # fmt: skip
+FOLLOWED = tuple(
+    "position displacement velocity stress strain pressure von-mises volume density".split()
+)
 
 
 def patterns(name: str, components: int) -> str:
@@ -98,15 +97,13 @@ PLACE: dict[str, Mean] = {
         lambda sums: sums.fraction, "sum of w V over the particles, over the volume of a cell [1]"
     ),
     "density": Mean(
-        lambda sums: sums.mass / sums.volume,
-        "sum of w m over sum of w V [mass/length^dimensions]",
+        lambda sums: sums.mass / sums.volume, "sum of w m over sum of w V [mass/length^dimensions]"
     ),
     "velocity-AXIS": Mean(
         lambda sums: sums.momentum / sums.mass, "sum of w m v over sum of w m [length/time]"
     ),
     "stress-COMPONENT": Mean(
-        lambda sums: sums.mean[0],
-        "sum of w V times the Cauchy stress, over sum of w V [stress]",
+        lambda sums: sums.mean[0], "sum of w V times the Cauchy stress, over sum of w V [stress]"
     ),
     "pressure": Mean(lambda sums: pressure_of(sums.mean)[0], "of this stress [stress]"),
     "von-mises": Mean(lambda sums: von_mises_of(sums.mean)[0], "of this stress [stress]"),

@@ -193,78 +193,57 @@ ALWAYS = {
     "id": Field(
         identity,
         "number of the particle, by body, then by initial position",
-        kind="GlobalId", dtype="<i8",
+        kind="GlobalId",
+        dtype="<i8",
     ),
-    "body": Field(
-        body,
-        "index of the body; the names are in the attributes",
-        dtype="<i4",
-    ),
+    "body": Field(body, "index of the body; the names are in the attributes", dtype="<i4"),
     "material": Field(
-        material,
-        "index of the material; the names are in the attributes",
-        dtype="<i4",
+        material, "index of the material; the names are in the attributes", dtype="<i4"
     ),
     "position": Field(
         position,
         "position of the centre [length]; zeros beyond the case's dimensions",
-        components="x y z", kind="Vector",
+        components="x y z",
+        kind="Vector",
     ),
-    "volume": Field(
-        volume,
-        "current volume, det(F) times the initial one [length^dimensions]",
-    ),
+    "volume": Field(volume, "current volume, det(F) times the initial one [length^dimensions]"),
     "radius": Field(
         radius,
-        "half the side of a segment, square or cube of the current volume, to draw it "
-        "[length]",
+        "half the side of a segment, square or cube of the current volume, to draw it [length]",
     ),
 }
 """What every frame holds."""
 
 OPTIONAL = {
-    "velocity": Field(
-        velocity,
-        "velocity [length/time]",
-        components="x y z", kind="Vector",
-    ),
+    "velocity": Field(velocity, "velocity [length/time]", components="x y z", kind="Vector"),
     "stress": Field(
-        stress,
-        "Cauchy stress, tension positive [stress]",
-        components=TENSOR, kind="Matrix",
+        stress, "Cauchy stress, tension positive [stress]", components=TENSOR, kind="Matrix"
     ),
     "displacement": Field(
-        displacement,
-        "position less initial position [length]",
-        components="x y z", kind="Vector",
+        displacement, "position less initial position [length]", components="x y z", kind="Vector"
     ),
     "deformation": Field(
         deformation,
         "deformation gradient F, row by row",
-        components="xx xy xz yx yy yz zx zy zz", kind="Matrix",
+        components="xx xy xz yx yy yz zx zy zz",
+        kind="Matrix",
     ),
     "pressure": Field(
         lambda source: pressure_of(source.take("sigma")),
         "-(xx + yy + zz)/3 of the stress, compression positive [stress]",
     ),
     "von-mises": Field(
-        lambda source: von_mises_of(source.take("sigma")),
-        "von Mises equivalent stress [stress]",
+        lambda source: von_mises_of(source.take("sigma")), "von Mises equivalent stress [stress]"
     ),
     "strain": Field(
         strain,
         "Green-Lagrange strain, (F^T F - 1)/2, which a rotation leaves zero; tensor "
         "components: xy is half the angle of shear where that is small",
-        components=TENSOR, kind="Matrix",
+        components=TENSOR,
+        kind="Matrix",
     ),
-    "mass": Field(
-        mass,
-        "mass, which never changes [mass]",
-    ),
-    "density": Field(
-        density,
-        "mass over current volume [mass/length^dimensions]",
-    ),
+    "mass": Field(mass, "mass, which never changes [mass]"),
+    "density": Field(density, "mass over current volume [mass/length^dimensions]"),
     "rank": Field(
         rank,
         "rank of MPI that has the particle; as it depends on the number of ranks by its "
@@ -286,7 +265,7 @@ FAILURE = {
         "inside out (det F <= 0); 3: moved by more than a cell in a step; 4: left the "
         "domain; 5: out of the range of its material",
         dtype="<i4",
-    ),
+    )
 }
 """What the particles of a failed run have besides."""
 

@@ -124,7 +124,6 @@ class Motion(Model):
         u, v, w = (rate * n for n in self.axis)
         return (x, y, z), (u, v, w)
 
-
     def greatest(self) -> tuple[float, float]:
         """Return the greatest velocity of the reference point, and angular velocity."""
         velocity, rate = self.velocity, self.rotation.rate if self.rotation else 0.0

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from time import monotonic
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -51,7 +51,7 @@ class About(BaseModel):
     written: str
     made_by: dict[str, str | None]
     seconds: float | None = Field(ge=0.0, allow_inf_nan=False)
-    state: dict[str, Any]
+    state: dict[str, object]
 
     @classmethod
     def of(cls, file: CheckpointFile) -> Self:

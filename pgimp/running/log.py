@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 from pgimp.mpi.communicator import Communicator
 from pgimp.terminal import escape, silence
@@ -31,7 +31,7 @@ class Log:
     def __init__(self, speaks: bool, quiet: bool = False) -> None:
         self.speaks = speaks
         self.quiet = quiet
-        self.show: Callable[[str], Any] = print
+        self.show: Callable[[str], object] = print
         self._file: TextIO | None = None
         self._early: list[str] = []
 

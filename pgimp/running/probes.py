@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from pgimp.case.output import PlaceProbe
+from pgimp.case.output import PlaceProbe, PointProbe
 from pgimp.errors import RunError, UsageError, explain
 from pgimp.io.rundir.probefiles import PROBES, probe_file
 from pgimp.mpi.collective import on_root
@@ -51,7 +51,11 @@ class Record(BaseModel):
     lines: int | None = Field(default=None, ge=0, le=2**53)
 
 
-def _what(entry: Any) -> tuple[str | None, list[float]]:
+#: A probe in the case.
+Probe = PointProbe | PlaceProbe
+
+
+def _what(entry: Probe) -> tuple[str | None, list[float]]:
     """Body and position of a probe in the case."""
     if isinstance(entry, PlaceProbe):
         return None, list(entry.place)
@@ -85,7 +89,7 @@ def require_known(case: Case, records: Mapping[str, Record]) -> None:
 class _Probe(NamedTuple):
     """A probe of the case, its target, and its file."""
 
-    entry: Any
+    entry: Probe
     target: Point | Place
     file: LineFile
 
@@ -107,7 +111,7 @@ class _Probe(NamedTuple):
 
 def _schedules(case: Case) -> list[tuple[Schedule, list[str]]]:
     """Schedules of probes' lines, each with the names of its probes."""
-    times: dict[Any, list[str]] = {}
+    times: dict[object, list[str]] = {}
     for name, entry in case.probes.items():
         times.setdefault(entry.every or case.history.every, []).append(name)
     return [(Schedule(every), names) for every, names in times.items()]

@@ -7,13 +7,16 @@ import shutil
 import sys
 from contextlib import suppress
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pgimp.mpi.comm import launcher
 from pgimp.running.log import Log
 from pgimp.terminal import unescaped
 
 if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+    from rich.progress import TaskID
+
     from pgimp.solver.simulation import Simulation
 
 # Reading the clock after every step would cost time in tiny scenes; this interval is enough.
@@ -81,7 +84,7 @@ class Progress:
         self._shown_at = (sim.time, sim.step)
         self._pause = _FIRST_LINE_SECONDS
         self._rates: tuple[float, float] | None = None
-        self._bar: Any = None
+        self._bar: Bar | None = None
         if self._active and columns and not log.quiet:
             self._bar, self._task = _make_bar(columns, end)
             self._pause = _BAR_SECONDS
@@ -143,7 +146,7 @@ class Progress:
         self._active = False
 
 
-def _make_bar(columns: int, end: float) -> tuple[Any, Any]:
+def _make_bar(columns: int, end: float) -> tuple[Bar, TaskID]:
     from rich.console import Console
     from rich.progress import BarColumn, ProgressColumn, TaskProgressColumn, TextColumn
     from rich.progress import Progress as Bar

@@ -190,7 +190,7 @@ def _compare(text: str, case: Case, source: str, log: Log, stage: int = 0) -> Ca
 
 def _differences(
     before: Case, case: Case, stage: int
-) -> tuple[list[tuple[str, Any, Any]], list[str]]:
+) -> tuple[list[tuple[str, object, object]], list[str]]:
     """Return the allowed differences, with both values, and the forbidden ones, as text."""
     accepted, refused = [], []
     for number in range(stage + 1):
@@ -225,7 +225,7 @@ def _taken(case: dict[str, Any], key: str) -> Any:
     return case.pop(name)
 
 
-def _changes(old: Any, new: Any, key: str = "") -> Iterator[tuple[str, str, str]]:
+def _changes(old: object, new: object, key: str = "") -> Iterator[tuple[str, str, str]]:
     """Yield the keys whose values differ, with both values as short text."""
     if isinstance(old, dict) and isinstance(new, dict):
         for name in dict.fromkeys((*old, *new)):
@@ -240,7 +240,7 @@ def _changes(old: Any, new: Any, key: str = "") -> Iterator[tuple[str, str, str]
         yield key, _short(old), _short(new)
 
 
-def _short(value: Any) -> str:
+def _short(value: object) -> str:
     text = flow(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 

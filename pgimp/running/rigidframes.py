@@ -78,9 +78,10 @@ class RigidFrames(Series):
                     Dataset("position", "<f8", (3,), {"meaning": "position [length]"}),
                     Dataset("body", "<i8", (), {"names": list(rigid_bodies.names)}),
                 ],
-                len(rigid_bodies.surface.body), attributes,
+                len(rigid_bodies.surface.body),
+                attributes,
                 {"connectivity": rigid_bodies.surface.cells},
-            )  # fmt: skip
+            )
             with explained_errors(what):
                 layout.create(part)
             return layout.offsets, layout.parts

@@ -227,28 +227,31 @@ def _say_done(
     if clamped:
         share = clamped / (sim.count * sim.step)
         _tell(
-            log, share > _MATTERS,
+            log,
+            share > _MATTERS,
             f"in {clamped} particle-steps ({100.0 * share:.2g} %) a particle was stretched to a "
             "half-width of more than one cell, and reached no farther than one",
             "neighbours along the stretch may lose contact, and the body tear where it would not: "
             "use fewer or larger cells along the stretch",
-        )  # fmt: skip
+        )
     held = sim.comm.allreduce(sim.rank.held)
     if held:
         share = held / (sim.count * sim.step)
         _tell(
-            log, share > _MATTERS,
+            log,
+            share > _MATTERS,
             f"in {held} particle-steps ({100.0 * share:.2g} %) a wall held in a particle whose "
             "centre had passed it; its velocity into the wall is lost, as a force of the wall",
             "kinetic energy is lost at the wall, and what lies there is denser than it should be: "
             "smaller cells or steps, or finite-gimp, press fewer particles through",
-        )  # fmt: skip
+        )
     part, when, face = sim.diagnostic_sums.most_outside
     if part > _NEGLIGIBLE:
         _tell(
-            log, part > _MATTERS,
+            log,
+            part > _MATTERS,
             f"up to {100.0 * part:.2g} % of the mass lay past {face} (t = {when:.6g}), borne by "
             "the wall",
             f"weights and pressures of the rest are too small by that part, and forces on {face}: "
             "a size that follows the deformation (finite-gimp), or wall: mirror, avoids that",
-        )  # fmt: skip
+        )

@@ -1,7 +1,7 @@
 """Faces of the domain with a condition, in the form that the solver uses."""
 
 from collections.abc import Sequence
-from typing import Any, get_args, get_type_hints
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from pgimp.kernels.grid.position_limits import (
 )
 from pgimp.kernels.grid.wall_gap import Sides, Wall
 from pgimp.physics.boundaries import BOUNDARIES
+from pgimp.physics.boundaries.base import Boundary
 
 AXES = "xyz"
 
@@ -29,13 +30,13 @@ SLACK = 1e-6
 class Face:
     """A face of the domain with a condition on it."""
 
-    def __init__(self, name: str, condition: Any) -> None:
+    def __init__(self, name: str, condition: Boundary) -> None:
         self.name = name
         self.condition = condition
         self.axis = AXES.index(name[0])
         self.side = -1 if name.endswith("min") else 1
 
-    def parameters(self, start: float, end: float) -> Any:
+    def parameters(self, start: float, end: float) -> NamedTuple:
         """Parameters of the condition's kernel for a step."""
         return self.condition.parameters(self.axis, self.side, start, end)
 
@@ -63,7 +64,7 @@ class Face:
         return place, speed
 
 
-def _numbers(parameters: Any) -> list[float]:
+def _numbers(parameters: tuple | float) -> list[float]:
     """Numbers of nested tuples, flattened in order."""
     if isinstance(parameters, tuple):
         return [number for each in parameters for number in _numbers(each)]
@@ -77,7 +78,7 @@ def _example(hint: Any) -> Any:
     return tuple(map(_example, get_args(hint))) if get_args(hint) else hint()
 
 
-def table_of(parameters: Sequence[Any]) -> Faces:
+def table_of(parameters: Sequence[NamedTuple]) -> Faces:
     """Make the kernels' table of the parameters of each face's condition.
 
     It has all registered conditions, used or not, so that kernels are compiled once.
@@ -93,7 +94,7 @@ def table_of(parameters: Sequence[Any]) -> Faces:
     return Faces(tuple(kinds.values()), rows)
 
 
-def _set_row(row: np.ndarray, parameters: Any) -> None:
+def _set_row(row: np.ndarray, parameters: NamedTuple) -> None:
     values = _numbers(parameters)
     row[PARAMETERS : PARAMETERS + len(values)] = values
 
@@ -111,7 +112,7 @@ class FaceTable:
         self._table: Any = table_of([face.parameters(0.0, 0.0) for face in faces]) if faces else ()
         self._vary = [(n, face) for n, face in enumerate(faces) if face.condition.varies]
 
-    def at(self, start: float, end: float) -> Any:
+    def at(self, start: float, end: float) -> Faces | tuple[()]:
         """Return `Faces`, or () if there are none, for a step; valid until the next call."""
         for n, face in self._vary:
             _set_row(self._table.rows[n], face.parameters(start, end))
@@ -163,9 +164,9 @@ def walls_approached(faces: Sequence[Face]) -> list[Wall]:
     ]
 
 
-def sides_approached(faces: Sequence[Face], frame: Frame) -> tuple[Any, ...]:
+def sides_approached(faces: Sequence[Face], frame: Frame) -> tuple[Sides, ...]:
     """Particle data of the walls that bodies may approach; () if there are none."""
-    sides: list[Any] = []
+    sides: list[Sides] = []
     for d, cell in enumerate(frame.cell):
         ends = frame.origin[d], frame.origin[d] + frame.cells[d] * cell
         own = [

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
+from pgimp.case.schema import Case
 from pgimp.kernels.grid.mirror import Mirror
 from pgimp.physics.contact.pairs import Pairs
+from pgimp.physics.materials.base import Material
 from pgimp.scene.faces import Face
 
 #: Most bodies that are calmed where there is contact: each needs a field of its own.
@@ -20,6 +21,8 @@ class SceneFlows:
 
     Parameters
     ----------
+    case : Case
+        The case.
     materials : sequence of Material
         Materials in use.
     material_of : (bodies,) int64
@@ -28,12 +31,8 @@ class SceneFlows:
         Whether each body is in the current configuration: others do not flow.
     faces : sequence of Face
         Faces with a condition.
-    cell : tuple of float
-        Sides of a cell.
     pairs : Pairs or None
         The laws of contact.
-    calms : bool
-        Whether velocity modes of soil that are invisible to the grid decay.
 
     Attributes
     ----------
@@ -60,9 +59,15 @@ class SceneFlows:
     """
 
     def __init__(
-        self, materials: Sequence[Any], material_of: np.ndarray, current: np.ndarray,
-        faces: Sequence[Face], cell: tuple[float, ...], pairs: Pairs | None, calms: bool,
-    ) -> None:  # fmt: skip
+        self,
+        case: Case,
+        materials: Sequence[Material],
+        material_of: np.ndarray,
+        current: np.ndarray,
+        faces: Sequence[Face],
+        pairs: Pairs | None,
+    ) -> None:
+        calms, cell = case.method.relaxation == "auto", case.grid.cell
         speeds = np.array([entry.flow_speed for entry in materials])
         gaps = np.array([_gap_of(entry, len(cell)) for entry in materials])
         own = (speeds > 0.0) & (gaps < 0)
@@ -95,7 +100,7 @@ class SceneFlows:
             self.sides[2 * wall.axis + (wall.side > 0)] = True
 
 
-def _gap_of(entry: Any, dimensions: int) -> int:
+def _gap_of(entry: Material, dimensions: int) -> int:
     """State column of the gap by which a material has opened; -1 for others."""
     before = 0
     for state in entry.states if entry.flow_speed > 0.0 else ():
@@ -103,12 +108,3 @@ def _gap_of(entry: Any, dimensions: int) -> int:
             return before
         before += state.width(dimensions)
     return -1
-
-
-def flows_of(
-    materials: Sequence[Any], material_of: np.ndarray, current: np.ndarray,
-    faces: Sequence[Face], cell: tuple[float, ...], pairs: Pairs | None, calms: bool,
-) -> SceneFlows | None:  # fmt: skip
-    """Flowing bodies of a scene; None if there are none."""
-    flows = SceneFlows(materials, material_of, current, faces, cell, pairs, calms)
-    return flows if flows.rates.any() else None

@@ -21,6 +21,7 @@ from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first
+from pgimp.physics.variation import TableVariation
 from pgimp.scene.scene import LEAST, MOST
 from pgimp.scene.variations import tables
 from pgimp.schema.messages import dotted
@@ -52,10 +53,10 @@ def share(case: Case, comm: Communicator) -> None:
 
 def _share(case: Case, comm: Communicator) -> None:
     release(case)
-    known: dict[Mesh, Any] = {}
+    known: dict[Mesh, object] = {}
     for key, mesh in _meshes(case):
 
-        def read(key: str = key, mesh: Mesh = mesh) -> Any:
+        def read(key: str = key, mesh: Mesh = mesh) -> object:
             try:
                 return mesh.surface
             except CaseError as error:
@@ -227,7 +228,7 @@ def _read_tables(case: Case, comm: Communicator) -> None:
     """Read the tables over a coordinate in files on rank 0, and share them with all ranks."""
     for key, table in tables(case):
 
-        def read(key: str = key, table: Any = table) -> Any:
+        def read(key: str = key, table: TableVariation = table) -> object:
             try:
                 return table.read()
             except CaseError as error:

@@ -1,5 +1,6 @@
 """Loads of a case besides stress and gravity, and the particles that carry them."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,11 @@ from pgimp.case.schema import Case
 from pgimp.decomposition.population import Population
 from pgimp.errors import CaseError
 from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.grid.wall_gap import Sides
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
-from pgimp.physics.loads.tractions import overlaps
+from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
 
 
@@ -54,28 +56,28 @@ class SceneLoads:
         self,
         case: Case,
         materials: list[str],
-        force: Any = (),
-        walls: Any = (),
-        follows: Any = (),
+        force: tuple = (),
+        walls: tuple[Sides, ...] = (),
+        follows: Iterable[bool] = (),
     ) -> None:
         self.case = case
         self.bodies = list(case.bodies)
         entries = [case.materials[name].viscosity for name in materials]
-        self.viscosity: Any = ()
+        self.viscosity: Viscosity | tuple[()] = ()
         if any(entries):
             self.viscosity = Viscosity(
                 np.array([entry.linear if entry else 0.0 for entry in entries]),
                 np.array([entry.quadratic if entry else 0.0 for entry in entries]),
                 float(min(case.grid.cell)),
             )
-        self.relaxation: Any = case.method.rate or ()
+        self.relaxation: float | tuple[()] = case.method.rate or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
-        self.affine: Any = 1.0 if case.method.affine else ()
+        self.affine: float | tuple[()] = 1.0 if case.method.affine else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # same in 1D
-        self.mean: Any = 1.0 if volumetric == "mean" else ()
+        self.mean: float | np.ndarray | tuple[()] = 1.0 if volumetric == "mean" else ()
         law = [case.materials[body.material] for body in case.bodies.values()]
         rests = np.array([entry.RESTS for entry in law])
-        self.rest: Any = rests if rests.any() and any(holds) else ()
+        self.rest: np.ndarray | tuple[()] = rests if rests.any() and any(holds) else ()
         liquid = np.array([float(entry.LIQUID) for entry in law])
         if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid
@@ -86,7 +88,7 @@ class SceneLoads:
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
-        self._patch = (2.0 * self.half, size, method.chi, method.ends)
+        self._spread = Spread(2.0 * self.half, size, method.chi, method.ends)
         self._follows = dict(zip(self.bodies, follows, strict=False))
         self._width = 2.0 * size if method.chi == "box" else size
         self._varies = bool(force) or any(entry.varies for entry in self.tractions)
@@ -123,7 +125,7 @@ class SceneLoads:
         from pgimp.physics.exact.base import BodyForce
 
         tractions = tuple(
-            entry.parameters(i, *self._patch, bool(self._follows.get(entry.body, False)), t)
+            entry.parameters(i, self._spread, bool(self._follows.get(entry.body, False)), t)
             for i, entry in enumerate(self.tractions)
         )
         force = BodyForce(self.force, t) if self.force else ()

@@ -11,6 +11,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import Frame, InitialFrame, MixedFrame
 from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
 from pgimp.kernels.order.order import cell_numbers
@@ -32,7 +33,7 @@ from pgimp.scene.faces import (
     walls,
     walls_approached,
 )
-from pgimp.scene.flows import flows_of
+from pgimp.scene.flows import SceneFlows
 from pgimp.scene.loads import SceneLoads
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.variations import Variations
@@ -168,17 +169,19 @@ class Scene:
         self.pairs: Pairs | None = None
         if case.contact or self.rigid_bodies or self.mixed:
             self.pairs = Pairs.of(case.contact, [*self.body_names, *self.rigid_bodies.names])
-        self.flows = flows_of(
-            entries, self.material_of, ~self.lagrangian, self.faces, self.frame.cell, self.pairs,
-            case.method.relaxation == "auto",
-        )
+        of_bodies = self.material_of, ~self.lagrangian
+        flows = SceneFlows(case, entries, *of_bodies, self.faces, self.pairs)
+        self.flows = flows if flows.rates.any() else None
         self.states = States(used, self.materials, self.dimension)
         self.variations = Variations(case, used, self.materials, self.states.width)
         #: Greatest initial density of a particle, set where materials vary once computed.
         self.densest: float | None = None
         self.fields = EVERY | self.states.fields | self.variations.fields
         self.carried = Carried(
-            self.dimension, self.origins, **self.loads.carried, state=self.states.width,
+            self.dimension,
+            self.origins,
+            **self.loads.carried,
+            state=self.states.width,
             surfaces=self.pairs is not None or self.unilateral_walls,
             own=self.variations.width, liquid=bool(self.flows and self.flows.relaxes),
         )  # fmt: skip
@@ -262,11 +265,11 @@ class Scene:
         x, y, z = (*(float(c) for c in value), 0.0, 0.0)[:3]
         return (x, y, z)
 
-    def face_parameters(self, start: float, end: float) -> Any:
+    def face_parameters(self, start: float, end: float) -> Faces | tuple[()]:
         """Conditions of the faces in a step, `Faces` or (); valid until the next call."""
         return self._face_table.at(start, end)
 
-    def standing_faces(self) -> Any:
+    def standing_faces(self) -> Faces | tuple[()]:
         """All faces with a condition, for kernels that only need their positions."""
         return FaceTable(self.faces).at(0.0, 1.0)
 

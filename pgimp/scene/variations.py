@@ -188,9 +188,7 @@ class Variations:
         return entry.maker()(dict(zip(layout.paths, layout.values(own), strict=True)))
 
 
-def _refused(
-    name: str, layout: Layout, row: list[float], particle: str, error: Exception
-) -> str:
+def _refused(name: str, layout: Layout, row: list[float], particle: str, error: Exception) -> str:
     """Describe a particle's invalid value."""
     if isinstance(error, ValidationError):
         where = error.errors(include_url=False)[0]["loc"]

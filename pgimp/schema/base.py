@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import (
     AfterValidator,
@@ -25,14 +25,14 @@ LARGEST_COUNT = 2**53
 """Largest whole number that a float64 counts up to without gaps."""
 
 
-def _whole(value: Any) -> Any:
+def _whole(value: object) -> object:
     """Turn 1e3 into 1000: the notation of a whole number does not matter."""
     if isinstance(value, float) and value.is_integer():
         return int(value)
     return value
 
 
-def tuples(value: Any) -> Any:
+def tuples(value: object) -> object:
     """Turn lists into tuples, at any depth of lists, for strict tuple fields."""
     if isinstance(value, list | tuple):
         return tuple(tuples(item) for item in value)
@@ -64,7 +64,7 @@ class Model(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _take_lists(cls, data: Any) -> Any:
+    def _take_lists(cls, data: object) -> object:
         if isinstance(data, dict):
             other = {key: name for key, name in cls.SPELLINGS.items() if name not in data}
             return {other.get(key, key): tuples(value) for key, value in data.items()}
@@ -72,7 +72,7 @@ class Model(BaseModel):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _speak(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+    def _speak(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
         """Reword validation errors here, where the model and its keys are available."""
         try:
             return handler(data)
@@ -121,7 +121,6 @@ class Steps(Model):
 
 
 Interval = Annotated[
-    float | Steps,
-    Either("a time above zero or {steps: 10}", {float: Positive, dict: Steps}),
+    float | Steps, Either("a time above zero or {steps: 10}", {float: Positive, dict: Steps})
 ]
 """How often something happens: a simulated time above zero, or ``{steps: n}``."""

@@ -27,7 +27,7 @@ def plain(value: Any) -> Any:
     return value.model_dump(by_alias=True, exclude_unset=_SPARSE.get())
 
 
-def given(value: BaseModel) -> dict[str, Any]:
+def given(value: BaseModel) -> dict[str, object]:
     """Return the given keys of `value`, without defaults."""
     token = _SPARSE.set(True)
     try:
@@ -40,7 +40,7 @@ class Dispatch(ABC):
     """Base of the annotations: validates, writes and documents a value of several forms."""
 
     @abstractmethod
-    def validate(self, value: Any) -> Any:
+    def validate(self, value: object) -> object:
         """Return the typed value; raise a pydantic error if `value` has no known form."""
 
     @abstractmethod
@@ -48,10 +48,10 @@ class Dispatch(ABC):
         """Return the typed value as a case file writes it."""
 
     @abstractmethod
-    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """Return the JSON schema of the value."""
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> CoreSchema:
         """Define validation and writing of the value for pydantic."""
         return core_schema.no_info_plain_validator_function(
             self.validate,
@@ -60,7 +60,7 @@ class Dispatch(ABC):
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    ) -> dict[str, object]:
         """Document the value."""
         return self.document(handler)
 
@@ -82,22 +82,22 @@ class Either(Dispatch):
         self.expected = expected
         self.forms = forms
         self.adapters = {
-            kind: TypeAdapter(Annotated[Any, form] if isinstance(form, Dispatch) else form)
+            kind: TypeAdapter(Annotated[object, form] if isinstance(form, Dispatch) else form)
             for kind, form in forms.items()
         }
 
-    def validate(self, value: Any) -> Any:
+    def validate(self, value: object) -> object:
         """See `Dispatch`."""
         adapter = self.adapters.get(_kind(value))
         if adapter is None:
             raise problem(f"expected {self.expected}, {got(value)}")
         return adapter.validate_python(value)
 
-    def write(self, value: Any) -> Any:
+    def write(self, value: object) -> object:
         """See `Dispatch`."""
         return plain(value)
 
-    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """See `Dispatch`."""
         forms = [
             form.document(handler) if isinstance(form, Dispatch) else handler(adapter.core_schema)
@@ -112,7 +112,7 @@ class WithKey(Dispatch):
     def __init__(self, key: str, having: type[BaseModel], other: type[BaseModel]):
         self.key, self.having, self.other = key, having, other
 
-    def validate(self, value: Any) -> BaseModel:
+    def validate(self, value: object) -> BaseModel:
         """See `Dispatch`."""
         if isinstance(value, self.having | self.other):
             return value
@@ -121,17 +121,17 @@ class WithKey(Dispatch):
         form = self.having if self.key in value else self.other
         return form.model_validate(value)
 
-    def write(self, value: BaseModel) -> Any:
+    def write(self, value: BaseModel) -> object:
         """See `Dispatch`."""
         return plain(value)
 
-    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """See `Dispatch`."""
         forms = (self.other, self.having)
         return {"oneOf": [handler(form.__pydantic_core_schema__) for form in forms]}
 
 
-def _kind(value: Any) -> type | None:
+def _kind(value: object) -> type | None:
     """Return the key of the form of `value`; its own type if it has none."""
     if value is None:
         return None

@@ -145,7 +145,7 @@ def few(lines: list[str], filename: str) -> str:
     return "\n".join([*lines[:MOST_MESSAGES], *[f"{filename}: and {more} more"] * (more > 0)])
 
 
-def scalar(text: str) -> Any:
+def scalar(text: str) -> object:
     """Return the value of an unquoted scalar by the core schema of YAML 1.2."""
     if text in _NULL:
         return None
@@ -192,11 +192,11 @@ class _Builder:
 
     def __init__(self, filename: str):
         self.filename = filename
-        self.root: Any = None
+        self.root: object = None
         self.places: dict[Path, int | str] = {}
         self.twice: list[str] = []
         self.documents = self.values = 0
-        self.open: list[tuple[Any, Path]] = []
+        self.open: list[tuple[object, Path]] = []
         self.key: str | None = None
         self.keys: list[str | None] = []
 
@@ -244,7 +244,7 @@ class _Builder:
             self.open.append((value, path))
             self.keys.append(None)
 
-    def _take_key(self, event: ScalarEvent, container: dict[str, Any], path: Path) -> None:
+    def _take_key(self, event: ScalarEvent, container: dict[str, object], path: Path) -> None:
         self.key, line = event.value, event.start_mark.line + 1
         if self.key in container:
             first = self.places[(*path, self.key)]
@@ -255,7 +255,7 @@ class _Builder:
         self.places[(*path, self.key)] = line
 
     @staticmethod
-    def _value(event: NodeEvent) -> Any:
+    def _value(event: NodeEvent) -> object:
         if isinstance(event, MappingStartEvent):
             return {}
         if isinstance(event, SequenceStartEvent):
@@ -264,7 +264,7 @@ class _Builder:
         return scalar(event.value) if event.style is None else event.value
 
 
-def top_level(document: Document, filename: str) -> dict[str, Any]:
+def top_level(document: Document, filename: str) -> dict[str, object]:
     """Return the data of a case file, which is a mapping.
 
     Raises

@@ -21,7 +21,7 @@ _DIGITS = re.compile(r"\d+([eE][-+]?\d+)?")
 _COLON = re.compile(r"([A-Za-z][A-Za-z0-9_-]*):(\S.*)")
 
 
-def describe(value: Any) -> str:
+def describe(value: object) -> str:
     """Describe a value of a case: ``the text 'abc'``, ``a list of 3``, ``nothing``."""
     if value is None:
         return "nothing"
@@ -47,11 +47,13 @@ def _number(value: float) -> str:
 def shorten(text: str, width: int = 60) -> str:
     """Return `text` on one printable line of at most `width` characters."""
     line = "".join(
-        c if c.isprintable()
-        else " " if c.isspace()
+        c
+        if c.isprintable()
+        else " "
+        if c.isspace()
         else c.encode("unicode_escape", "backslashreplace").decode()
         for c in text[: 4 * width]
-    )  # fmt: skip
+    )
     return line if len(line) <= width else line[: width - 3] + "..."
 
 
@@ -60,13 +62,13 @@ def dotted(path: Iterable[str | int]) -> str:
     return ".".join(shorten(str(part)) for part in path)
 
 
-def _listed(names: Iterable[Any], most: int = 30) -> str:
+def _listed(names: Iterable[object], most: int = 30) -> str:
     """Return names joined by commas, at most `most`."""
     shown = [shorten(str(name)) for name in islice(names, most + 1)]
     return ", ".join(shown[:most]) + (", ..." if len(shown) > most else "")
 
 
-def got(value: Any) -> str:
+def got(value: object) -> str:
     """Describe a wrong value, with a hint at the usual mistakes."""
     text = f"got {describe(value)}"
     if isinstance(value, str):
@@ -111,7 +113,7 @@ def keys_of(model: type[BaseModel]) -> dict[str, str]:
     }
 
 
-def explain(model: type[BaseModel], error: ValidationError, value: Any) -> list[Problem]:
+def explain(model: type[BaseModel], error: ValidationError, value: object) -> list[Problem]:
     """Turn pydantic's errors in a value for `model` into readable problems.
 
     Parameters
@@ -225,7 +227,7 @@ def _text(item: ErrorDetails, keys: Mapping[str, str]) -> str:
     return f"not a value that may stand here, {got(value)}"
 
 
-def _plain(limit: Any) -> str:
+def _plain(limit: object) -> str:
     return f"{limit:g}" if isinstance(limit, float) else str(limit)
 
 

@@ -13,7 +13,7 @@ from pgimp.schema.dispatch import given
 from pgimp.schema.document import DEEPEST, Document, Path, parse
 from pgimp.schema.messages import describe, dotted, shorten
 
-Overrides = Sequence[str] | Mapping[str, Any]
+Overrides = Sequence[str] | Mapping[str, object]
 """``["time.end=3.0"]``, as on the command line, or ``{"time.end": 3.0}``."""
 
 
@@ -54,7 +54,7 @@ def apply(document: Document, overrides: Overrides) -> None:
         change(document, path, parse(text, label).data, label)
 
 
-def change(document: Document, keys: list[str], value: Any, label: str) -> None:
+def change(document: Document, keys: list[str], value: object, label: str) -> None:
     """Write `value` at the end of the path `keys`; `label` is its place in messages.
 
     Raises
@@ -87,7 +87,7 @@ def _write(data: Any, keys: list[str], value: Any, label: str) -> Path:
     return new or path
 
 
-def _part(data: Any, key: str, path: Path, label: str) -> str | int:
+def _part(data: object, key: str, path: Path, label: str) -> str | int:
     """Return `key` as the key or the list index of `data`."""
     where = dotted(path)
     if isinstance(data, dict):
@@ -102,7 +102,7 @@ def _part(data: Any, key: str, path: Path, label: str) -> str | int:
     raise CaseError(f"{label}: {where} is {describe(data)} and has no key '{shorten(key)}'")
 
 
-def as_data(value: Any, label: str, depth: int = 0) -> Any:
+def as_data(value: object, label: str, depth: int = 0) -> object:
     """Return a Python value in the form of a case file.
 
     Parameters

@@ -28,7 +28,7 @@ class ByField(Dispatch):
     def __init__(self, registry: Registry, key: str, what: str, hint: str = ""):
         self.registry, self.key, self.what, self.hint = registry, key, what, hint
 
-    def validate(self, value: Any) -> BaseModel:
+    def validate(self, value: object) -> BaseModel:
         """See `Dispatch`."""
         known = self.registry()
         if isinstance(value, BaseModel) and type(value) in known.values():
@@ -48,18 +48,18 @@ class ByField(Dispatch):
             return known[name].model_validate(value)
         return raise_problems(self.what, [Problem((self.key,), wrong)], value)
 
-    def write(self, value: BaseModel) -> dict[str, Any]:
+    def write(self, value: BaseModel) -> dict[str, object]:
         """See `Dispatch`; the type comes first."""
         content = plain(value)
         return {self.key: content[self.key], **content}
 
-    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """See `Dispatch`."""
         entries = self.registry().values()
         return {"oneOf": [handler(entry.__pydantic_core_schema__) for entry in entries]}
 
 
-def _below(what: str, name: str, entry: type[BaseModel], content: Any) -> BaseModel:
+def _below(what: str, name: str, entry: type[BaseModel], content: object) -> BaseModel:
     """Return the typed content of the key `name`."""
     try:
         return entry.model_validate(content)
@@ -75,7 +75,7 @@ class ByKey(Dispatch):
     def __init__(self, registry: Registry, what: str):
         self.registry, self.what = registry, what
 
-    def validate(self, value: Any) -> BaseModel | None:
+    def validate(self, value: object) -> BaseModel | None:
         """See `Dispatch`."""
         known = self.registry()
         if isinstance(value, BaseModel) and type(value) in known.values():
@@ -91,11 +91,11 @@ class ByKey(Dispatch):
         ((name, content),) = value.items()
         return _below(self.what, name, known[name], content)
 
-    def write(self, value: BaseModel) -> dict[str, Any]:
+    def write(self, value: BaseModel) -> dict[str, object]:
         """See `Dispatch`."""
         return {name_of(value, self.registry()): plain(value)}
 
-    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """Refer to a definition, since the types may contain one another."""
         return {"$comment": COMMENT + self.what}
 
@@ -110,7 +110,7 @@ class ByWord(Dispatch):
     def __init__(self, registry: Registry, what: str):
         self.registry, self.what = registry, what
 
-    def validate(self, value: Any) -> BaseModel:
+    def validate(self, value: object) -> BaseModel:
         """See `Dispatch`."""
         known = self.registry()
         if isinstance(value, BaseModel) and type(value) in known.values():
@@ -136,7 +136,7 @@ class ByWord(Dispatch):
         raise_problems(self.what, texts, value)
         return _below(self.what, names[0], known[names[0]], value[names[0]])
 
-    def write(self, value: BaseModel) -> Any:
+    def write(self, value: BaseModel) -> object:
         """See `Dispatch`."""
         name = name_of(value, self.registry())
         content = plain(value)
@@ -145,9 +145,9 @@ class ByWord(Dispatch):
         bare = not _required(type(value)) and value == type(value)()
         return name if bare or not content else {name: content}
 
-    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """See `Dispatch`."""
-        forms: list[dict[str, Any]] = []
+        forms: list[dict[str, object]] = []
         for name, entry in self.registry().items():
             if name in entry.model_fields:
                 forms.append(handler(entry.__pydantic_core_schema__))
@@ -158,7 +158,7 @@ class ByWord(Dispatch):
         return {"oneOf": forms}
 
 
-def _nested(name: str, content: dict[str, Any]) -> dict[str, Any]:
+def _nested(name: str, content: dict[str, object]) -> dict[str, object]:
     """Return the JSON schema of a mapping with the one key `name`."""
     return {
         "type": "object",
@@ -174,7 +174,7 @@ class ByName(ByKey):
     The plain name stands for the type with all its defaults.
     """
 
-    def validate(self, value: Any) -> BaseModel | None:
+    def validate(self, value: object) -> BaseModel | None:
         """See `Dispatch`."""
         if value is None:
             return None
@@ -194,9 +194,9 @@ class ByName(ByKey):
             return None if value is None else super().write(value)
         return name_of(value, self.registry())
 
-    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """See `Dispatch`."""
-        forms: list[dict[str, Any]] = []
+        forms: list[dict[str, object]] = []
         for name, entry in self.registry().items():
             if not _required(entry):
                 forms.append({"const": name, "description": inspect.getdoc(entry)})

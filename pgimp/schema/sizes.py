@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterator
-from typing import Any
 
 from pgimp.schema.messages import describe
 from pgimp.schema.problems import Problem
@@ -39,7 +38,7 @@ def faces(dimensions: int) -> list[str]:
     return [f"{axis}-{side}" for axis in AXES[:dimensions] for side in ("min", "max")]
 
 
-def length(path: tuple[str | int, ...], value: Any, dimensions: int) -> Problems:
+def length(path: tuple[str | int, ...], value: object, dimensions: int) -> Problems:
     """Check that a vector has one entry a direction."""
     if isinstance(value, tuple) and len(value) != dimensions:
         entries = "entry" if dimensions == 1 else "entries"

@@ -7,12 +7,13 @@ group, with velocity fields of their own on shared vertices.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.decomposition.population import Population
-from pgimp.kernels.data.arguments import Forcing, KernelScene, Order
+from pgimp.kernels.data.arguments import Field, Forcing, KernelScene, Order
+from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.order.split import split_order
 from pgimp.kernels.sums.sums import fastest_rate
@@ -39,9 +40,10 @@ class ConfigurationGroup(NamedTuple):
     rank_in_order: np.ndarray | None = None
     lagrangian: bool = False
 
-    def bounded(self, scene: Scene, field: Any) -> Any:
+    def bounded(self, scene: Scene, field: Field) -> Field:
         """The field with bounds on the coordinates of these particles."""
-        return field._replace(bounds=scene.bounds) if self.lagrangian else field
+        bounds = scene.bounds if self.lagrangian else None
+        return field if bounds is None else field._replace(bounds=bounds)
 
     def loaded(self, loads: Loads) -> Loads:
         """The loads on these particles."""
@@ -72,7 +74,9 @@ def groups_by_configuration(scene: Scene, population: Population) -> tuple[Confi
     )
 
 
-def fastest(scene: Scene, particles: Any, rows: np.ndarray, controlled: bool | float) -> float:
+def fastest(
+    scene: Scene, particles: Particles, rows: np.ndarray, controlled: bool | float
+) -> float:
     """`fastest_rate` of the particles in `rows`, in any configuration."""
     return max(
         fastest_rate(setting, particles, those, controlled)
@@ -80,7 +84,9 @@ def fastest(scene: Scene, particles: Any, rows: np.ndarray, controlled: bool | f
     )
 
 
-def _by_setting(scene: Scene, particles: Any, rows: np.ndarray) -> Iterator[tuple[Any, np.ndarray]]:
+def _by_setting(
+    scene: Scene, particles: Particles, rows: np.ndarray
+) -> Iterator[tuple[KernelScene, np.ndarray]]:
     if not scene.mixed:
         yield scene.setting.without_shape(), rows
         return

@@ -14,6 +14,8 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
+from pgimp.solver.contact.clearances import Clearances
+from pgimp.solver.contact.keeping import Keeping
 
 
 class RankState(Protocol):
@@ -31,9 +33,9 @@ class RankState(Protocol):
     error_buffer: np.ndarray
     failed: int
     contact: Any
-    clearances: Any
+    clearances: Clearances
     flows: Any
-    keeping: Any
+    keeping: Keeping
 
     @property
     def call(self) -> Bound:

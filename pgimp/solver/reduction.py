@@ -7,10 +7,10 @@ Actions due between two steps complete it first.
 
 import weakref
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 
+from pgimp.mpi import communicator
 from pgimp.mpi.communicator import Communicator
 
 
@@ -26,7 +26,7 @@ class Request(IntEnum):
     ERROR = 4
 
 
-def _complete(requests: list[Any]) -> None:
+def _complete(requests: list[communicator.Request]) -> None:
     """Wait for the requests: MPI writes to its arrays until then."""
     while requests:
         requests.pop().Wait()
@@ -63,7 +63,7 @@ class StepReduction:
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._comm = comm
         self._mine, self._every = np.zeros((2, 7))
-        self._begun: list[Any] = []
+        self._begun: list[communicator.Request] = []
         self.close = weakref.finalize(self, _complete, self._begun)
         self.open = False
         if comm.size > 1:

@@ -7,7 +7,7 @@ come first, then of its particles, then of the first step given their wave speed
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,12 +27,7 @@ from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
 from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.geometry import release, share, take_as_empty
-from pgimp.scene.rigid.checks import (
-    require_apart,
-    require_clear,
-    require_same,
-    require_slow,
-)
+from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.configurations import fastest
@@ -50,6 +45,9 @@ from pgimp.solver.time.clock import CourantClock, clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step, require_end
 from pgimp.solver.window import open_window
+
+if TYPE_CHECKING:
+    from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 
 #: A vertex lighter than this part of the lightest initial particle is not accelerated.
 LIGHT = 1e-12
@@ -127,7 +125,7 @@ def resume(
     scenes: Sequence[Scene],
     comm: Communicator,
     reduction: StepReduction,
-    source: Any,
+    source: CheckpointFile,
     now: State,
 ) -> Start:
     """Restore the state of a checkpoint; collective.
@@ -202,11 +200,7 @@ def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
 
 
 def put_in_order(
-    start: Start,
-    slab: Slab,
-    particles: Particles,
-    count: int,
-    layers: np.ndarray | None = None,
+    start: Start, slab: Slab, particles: Particles, count: int, layers: np.ndarray | None = None
 ) -> None:
     """Create a rank from its particles, which are put in order; collective.
 

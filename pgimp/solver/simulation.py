@@ -1,7 +1,9 @@
 """The simulation: a scene's particles on this rank, advanced step by step with all others."""
 
+from __future__ import annotations
+
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +28,9 @@ from pgimp.solver.state.state import State
 from pgimp.solver.step import step
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EVERY, EnergyWatch
+
+if TYPE_CHECKING:
+    from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 
 
 class Simulation:
@@ -92,7 +97,9 @@ class Simulation:
     notes: list[str]
     warnings: list[str]
 
-    def __init__(self, case: Case, comm: Communicator, source: Any = None) -> None:
+    def __init__(
+        self, case: Case, comm: Communicator, source: CheckpointFile | None = None
+    ) -> None:
         state = None if source is None else State.of(source)
         self.cases, self.comm = case.stages, comm
         self.stage = state.stage if state else 0
@@ -105,7 +112,7 @@ class Simulation:
         self.failure: Failure | None = None
         self.request = self.agreed_request = Request.NONE
         self.reduction = StepReduction(comm)
-        if state is None:
+        if source is None or state is None:
             start = setup.begin(scenes, comm, self.reduction, self.creation(scenes[0]))
         else:
             start = setup.resume(scenes, comm, self.reduction, source, state)

@@ -7,7 +7,7 @@ stages' cases. So it does not depend on whether the run was resumed there.
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import STRAIN, SUMS
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
+from pgimp.scene.rigid.free_body import State
 from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
@@ -212,7 +213,7 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
         has.escaped[:] = had.escaped
 
 
-def _free(rank: Rank) -> list[tuple[str, Any]]:
+def _free(rank: Rank) -> list[tuple[str, State]]:
     """The free rigid bodies, by name, and their states."""
     if rank.free is None:
         return []

@@ -7,12 +7,7 @@ from collections.abc import Callable
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
-from pgimp.solver.transfers import (
-    RangeReport,
-    particle_forcing,
-    sum_particles,
-    update_particles,
-)
+from pgimp.solver.transfers import RangeReport, particle_forcing, sum_particles, update_particles
 from pgimp.solver.vertices import (
     VertexUpdate,
     fold_mirrors,

@@ -7,15 +7,16 @@ the same bits.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.jit.bound import Bound
-from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.arguments import Field, Order
 from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.grid.filling import FillingSums
+from pgimp.kernels.transfer.contribution import VolumeSums
 from pgimp.kernels.transfer.p2g import particles_to_grid
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -41,9 +42,9 @@ class VertexSums:
 
     grid: Grid
 
-    def __init__(self, scene: Scene, comm: Communicator, loads: Any) -> None:
+    def __init__(self, scene: Scene, comm: Communicator, loads: VolumeSums | FillingSums) -> None:
         self.scene, self.comm, self.loads, self.call = scene, comm, loads, Bound()
-        self._known: Any = None
+        self._known: Field | None = None
         self._planes, self._runs = np.empty(0, np.int64), np.empty((0, 3), np.int64)
         self._halos: dict[tuple[bool, bool], Halo] = {}
 

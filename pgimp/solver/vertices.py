@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.constraints import apply_constraints
+from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.loads.loads import Loads
 from pgimp.solver.rank_state import RankState
@@ -29,7 +30,7 @@ class VertexUpdate(NamedTuple):
     """
 
     t: Step
-    faces: Any
+    faces: Faces | tuple[()]
     forcing: Forcing
     ledger: Ledger
 

@@ -11,7 +11,6 @@ import os
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -73,7 +72,7 @@ class Chunks:
     """
 
     def __init__(
-        self, path: Path, datasets: list[Dataset], count: int, attributes: Mapping[str, Any]
+        self, path: Path, datasets: list[Dataset], count: int, attributes: Mapping[str, object]
     ) -> None:
         h5py = load_h5py()
         self._image = Image()

@@ -32,7 +32,7 @@ class Dataset(NamedTuple):
     name: str
     dtype: str
     tail: tuple[int, ...]
-    attributes: Mapping[str, Any] = _NONE
+    attributes: Mapping[str, object] = _NONE
 
     @property
     def row_bytes(self) -> int:
@@ -81,7 +81,7 @@ class Layout(NamedTuple):
 def lay_out(
     datasets: list[Dataset],
     count: int,
-    attributes: Mapping[str, Any] = _NONE,
+    attributes: Mapping[str, object] = _NONE,
     whole: Mapping[str, Array] = _NONE,
     user_block: int = 0,
 ) -> Layout:

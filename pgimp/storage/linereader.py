@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 
@@ -62,9 +62,7 @@ def require_whole(path: Path, step: int, count: int | None) -> None:
         with open_plain(path) as stream:
             for line, (number, _) in enumerate(numbered(stream)[1], start=2):
                 if number <= last:
-                    raise UsageError(
-                        f"{path}:{line}: step {number} follows step {last}; {advice}"
-                    )
+                    raise UsageError(f"{path}:{line}: step {number} follows step {last}; {advice}")
                 if number > step:
                     raise UsageError(
                         f"{path}:{line}: step {number} follows step {last}, but there was a line "
@@ -86,7 +84,7 @@ def require_whole(path: Path, step: int, count: int | None) -> None:
         )
 
 
-def so_far(directory: Path) -> dict[str, Any]:
+def so_far(directory: Path) -> dict[str, object]:
     """Return the progress of a run from the last line of its history.
 
     Parameters

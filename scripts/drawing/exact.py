@@ -13,11 +13,7 @@ def shock(redraw):
     """Stress along the bar at the paper's four instants, with viscosity and without."""
     runs = (
         ("with viscosity", BLUE, run("shock", redraw)),
-        (
-            "without",
-            RED,
-            run("shock", redraw, "shock-bare", ["materials.bar.viscosity=null"]),
-        ),
+        ("without", RED, run("shock", redraw, "shock-bare", ["materials.bar.viscosity=null"])),
     )
     figure, axes = plt.subplots(1, 4, figsize=(9, 3.0), sharey=True)
     for axis, part in zip(axes, (0.25, 0.3, 0.75, 1.0), strict=True):

@@ -100,9 +100,7 @@ def slope(redraw):
     figure, axes = plt.subplots(2, 1, figsize=(9, 6.6), sharex=True)
     for axis, results, name in ((axes[0], weak, "7"), (axes[1], strong, "13")):
         frame = results.frame(-1)
-        shown = boxes(
-            axis, frame["position"], frame["radius"], frame["plastic-shear"], (0.0, 1.0)
-        )
+        shown = boxes(axis, frame["position"], frame["radius"], frame["plastic-shear"], (0.0, 1.0))
         axis.plot([0.0, 4.0, 4.0, 9.0], [3.0, 3.0, 1.0, 1.0], "--", color=GREY, lw=1.0)
         axis.set(xlim=(0.0, 9.0), ylim=(0.0, 3.3), ylabel="y [m]", aspect="equal")
         axis.set_title(f"c = {name} kPa, t = {frame.time:.1f} s", fontsize=10, loc="left")
@@ -120,9 +118,7 @@ def excavation(redraw):
     for k, (time, state) in enumerate(((1.5, "dug out, c = 13 kPa"), (2.5, "weak, c = 7 kPa"))):
         axis = figure.add_subplot(grid[k], aspect="equal")
         frame = frame_at(results, time)
-        shown = boxes(
-            axis, frame["position"], frame["radius"], frame["plastic-shear"], (0.0, 0.3)
-        )
+        shown = boxes(axis, frame["position"], frame["radius"], frame["plastic-shear"], (0.0, 0.3))
         axis.plot([0.0, 4.0, 4.0, 9.0], [3.0, 3.0, 1.0, 1.0], "--", color=GREY, lw=1.0)
         axis.set(xlim=(0.0, 9.0), ylim=(0.0, 3.3), ylabel="y [m]")
         axis.set_title(f"{state}, t = {frame.time:.1f} s", fontsize=10, loc="left")

@@ -71,9 +71,7 @@ def test_what_is_too_fast_is_named(change, where, words):
         (0.3, 1, 0.45), (0.4, 1, 0.4), (0.45, 1, 0.37), (0.499, 1, 0.35),
     ],
 )  # fmt: skip
-def test_steps_with_mean_dilatation_are_warned_of_where_they_are_unstable(
-    poisson, per_cell, limit
-):
+def test_steps_with_mean_dilatation_are_warned_of_where_they_are_unstable(poisson, per_cell, limit):
     """No more than docs/hard-cases.md has, measured with one and two particles a cell."""
     case = scene(3, {"a": box([2] * 3, [4] * 3)}, end=0.1)
     case["method"] |= {"volumetric": "mean", "particles_per_cell": [per_cell] * 3}

@@ -199,12 +199,7 @@ def runs(tmp_path_factory, mpirun, python):
     for name, case in (FOLLOWED | MORE).items():
         write_case(cases[name], case)
     results = {}
-    for start in (
-        ("off", 1),
-        ("shuffled", 3),
-        ("counted", 3),
-        ("shuffled", 2, "shuffled", 3),
-    ):
+    for start in (("off", 1), ("shuffled", 3), ("counted", 3), ("shuffled", 2, "shuffled", 3)):
         how, ranks, *before = start
         results[start] = folder / "-".join(map(str, start))
         if before:

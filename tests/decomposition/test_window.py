@@ -19,9 +19,7 @@ def first_vertices(shape, frame, y, found):
 
 
 def plane_grid(origin, cell, cells, vertices, lag=0):
-    frame = Frame(
-        (0.0, origin), (1.0, cell), (1.0, 1.0 / cell), (4, cells), vertices - 1
-    )
+    frame = Frame((0.0, origin), (1.0, cell), (1.0, 1.0 / cell), (4, cells), vertices - 1)
     return Grid(frame, vertices, Slab(0, 4 + 2 * vertices, None, None), lag)
 
 

@@ -4,14 +4,7 @@ import copy
 
 import numpy as np
 import pytest
-from kernel_driver import (
-    KINDS,
-    SEED,
-    Rank,
-    entry,
-    follows,
-    make_frame,
-)
+from kernel_driver import KINDS, SEED, Rank, entry, follows, make_frame
 from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, ORIGIN, close, copied, faces_of, setting
 
 from pgimp.kernels.data.particles import Carried, Particles

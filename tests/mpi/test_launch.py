@@ -24,10 +24,7 @@ TRACEBACK_HINT = "(set PGIMP_TRACEBACK=1 for the traceback)"
         ({"SLURM_JOB_ID": "9", "SLURM_NTASKS": "8", "SLURM_PROCID": "0"}, None),
         # The step that Slurm makes for an interactive shell.
         ({"SLURM_STEP_ID": "4294967290", "SLURM_PROCID": "0", "SLURM_NTASKS": "8"}, None),
-        (
-            {"SLURM_STEP_ID": "0", "SLURM_STEP_NUM_TASKS": "3", "SLURM_PROCID": "2"},
-            ("Slurm", 3, 2),
-        ),
+        ({"SLURM_STEP_ID": "0", "SLURM_STEP_NUM_TASKS": "3", "SLURM_PROCID": "2"}, ("Slurm", 3, 2)),
         ({"SLURM_STEP_ID": "0", "SLURM_NTASKS": "8", "SLURM_PROCID": "2"}, ("Slurm", 8, 2)),
         # mpirun within a Slurm step: the ranks are mpirun's.
         (

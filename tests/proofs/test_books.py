@@ -15,27 +15,10 @@ WALLS = {"x-min": MOVING, "x-max": "slip", "y-min": "separating", "y-max": "fixe
 #: What decides which kernels are compiled; all else is drawn at random. Where there is a `grip` a
 #: part is held: always or never, which compiles less.
 KINDS = {
-    "gimp": {
-        "shape": "gimp",
-        "boundaries": WALLS,
-        "grip": True,
-    },
-    "affine": {
-        "shape": "gimp",
-        "affine": True,
-        "boundaries": WALLS | {"x-min": wall(None, -0.1)},
-    },
-    "mirror": {
-        "shape": "fuzzy-nearest",
-        "wall": "mirror",
-        "boundaries": WALLS,
-        "grip": True,
-    },
-    "bar": {
-        "shape": "mpm",
-        "boundaries": {"x-min": wall([[0.0, 0.0], [0.2, 0.3]])},
-        "grip": True,
-    },
+    "gimp": {"shape": "gimp", "boundaries": WALLS, "grip": True},
+    "affine": {"shape": "gimp", "affine": True, "boundaries": WALLS | {"x-min": wall(None, -0.1)}},
+    "mirror": {"shape": "fuzzy-nearest", "wall": "mirror", "boundaries": WALLS, "grip": True},
+    "bar": {"shape": "mpm", "boundaries": {"x-min": wall([[0.0, 0.0], [0.2, 0.3]])}, "grip": True},
 }
 
 
@@ -130,11 +113,7 @@ def test_work_of_gravity_is_weight_times_way():
     region = {"box": {"min": [1.0, 1.0], "max": [2.6, 2.6]}}
     grip = {"body": "body", "region": region, "velocity": [0.0, 0.0]}
     case = scene(
-        2,
-        box([1.0, 1.0], [4.0, 3.0]),
-        end=0.01,
-        gravity=[0.3, -2.0],
-        constraints={"grip": grip},
+        2, box([1.0, 1.0], [4.0, 3.0]), end=0.01, gravity=[0.3, -2.0], constraints={"grip": grip}
     )
     sim = start(case)
     line = finish(sim).diagnostics()

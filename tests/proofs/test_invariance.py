@@ -157,15 +157,7 @@ def test_a_body_in_flight_moves_as_one_at_rest():
 
 @pytest.mark.parametrize("step", [0.01, 0.0078125])
 @pytest.mark.parametrize("dimension", [1, 2, 3])
-@pytest.mark.parametrize(
-    "shape",
-    [
-        "gimp",
-        "mpm",
-        "finite-gimp",
-        "fuzzy-constant",
-    ],
-)
+@pytest.mark.parametrize("shape", ["gimp", "mpm", "finite-gimp", "fuzzy-constant"])
 def test_uniform_flight_is_left_alone(shape, dimension, step):
     """At a speed that takes particles onto vertices, to rounding and exactly."""
     body = box([1.0] * dimension, [5.0] * dimension, [0.5] * dimension)

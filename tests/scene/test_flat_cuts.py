@@ -143,10 +143,7 @@ def test_a_ball_that_a_tilted_plane_cuts_converges():
 
 
 @settings(max_examples=80, deadline=None)
-@given(
-    st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3),
-    st.floats(-0.7, 0.7),
-)
+@given(st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3), st.floats(-0.7, 0.7))
 def test_flat_cuts_at_any_angle_are_exact(normal, shift):
     """The end of a wide cylinder, against the volume cut off a cube by a plane (closed form)."""
     normal = np.array(normal)

@@ -1,6 +1,5 @@
 """Materials that vary in space: what particles then carry."""
 
-
 import numpy as np
 import pytest
 from rank_scenes import PAIR, VARIED
@@ -213,9 +212,7 @@ def test_files_are_read_once_and_forgotten(tmp_path):
     (tmp_path / "soil.csv").write_text("depth,young,poisson\n0.0,50.0,0.1\n4.0,90.0,0.3\n")
     over = {"table": str(tmp_path / "soil.csv"), "over": "depth", "surface": 4.0}
     varies = {"young": over, "poisson": over, "density": over | {"column": "young"}}
-    made, p, n = particles(
-        scene(2, box([1.0, 0.0], [3.0, 4.0]), materials={"soft": SOFT | varies})
-    )
+    made, p, n = particles(scene(2, box([1.0, 0.0], [3.0, 4.0]), materials={"soft": SOFT | varies}))
     depth = 4.0 - p.x[:n, 1]
     young, poisson = 50.0 + 10.0 * depth, 0.1 + 0.05 * depth
     np.testing.assert_allclose(p.own[:n, 1], young / (2.0 + 2.0 * poisson), rtol=1e-14)

@@ -12,6 +12,7 @@ DUST = {
     "friction-angle": 30.0,
 }  # fmt: skip
 
+
 def thrown(dimension, face="fixed", velocity=None, configuration="current", **parts):
     """One layer of particles, a tenth of a cell above a face, that fly along it.
 

@@ -204,8 +204,6 @@ def test_stages_that_have_begun_cannot_change(killed, stages, said):
 
 def test_a_run_goes_on_in_a_stage_with_another_end_and_further_stages(killed):
     more = {"name": "more", "end": 2.4, "gravity": None, "constraints": {"grip": None}}
-    run = pgimp.run(
-        bar(DIG, HOLD | {"end": 2.2}, more), Serial(), killed, resume=True, quiet=True
-    )
+    run = pgimp.run(bar(DIG, HOLD | {"end": 2.2}, more), Serial(), killed, resume=True, quiet=True)
     assert run.history["time"][-1] == 2.4 and {2.2} <= {frame.time for frame in run}
     assert np.isnan(run.history["constraint.grip-x"][-1])

@@ -8,10 +8,19 @@ from typing import Any
 
 from pydantic import RootModel
 
+from pgimp.case.body import Body
 from pgimp.case.checks.domain import check_grid
+from pgimp.case.grid import Grid
+from pgimp.case.output import PointProbe
 from pgimp.geometry.regions import REGIONS
+from pgimp.geometry.regions.base import Region
+from pgimp.physics.contact.pairs import ContactEntry
+from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.motion import RigidMotion, check_rotation
-from pgimp.physics.rigid import FREEDOMS, RigidBody
+from pgimp.physics.loads.tractions import TractionEntry
+from pgimp.physics.materials import MATERIALS
+from pgimp.physics.materials.base import Material
+from pgimp.physics.rigid import FREEDOMS, Free, Motion, RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
@@ -21,7 +30,7 @@ MOST_PARTS = 5000
 """Of a region: if these overlap, a few hundred thousand particles take a minute."""
 
 
-def check_materials(bodies: Mapping[str, Any], declared: Iterable[str]) -> Problems:
+def check_materials(bodies: Mapping[str, Body], declared: Iterable[str]) -> Problems:
     """Check that the bodies' materials are known."""
     for name, body in bodies.items():
         if body.material not in declared:
@@ -29,7 +38,7 @@ def check_materials(bodies: Mapping[str, Any], declared: Iterable[str]) -> Probl
             yield Problem(("bodies", name, "material"), text)
 
 
-def check_velocities(dimensions: int, bodies: Mapping[str, Any]) -> Problems:
+def check_velocities(dimensions: int, bodies: Mapping[str, Body]) -> Problems:
     """Check that initial velocities fit the dimensions."""
     for name, body in bodies.items():
         path = ("bodies", name, "velocity")
@@ -67,7 +76,7 @@ def _region(path: tuple[str | int, ...], region: Any, dimensions: int) -> Proble
         yield from length((*path, info.alias or field), getattr(region, field), dimensions)
 
 
-def check_regions(dimensions: int, grid: Any, bodies: Mapping[str, Any]) -> Problems:
+def check_regions(dimensions: int, grid: Grid, bodies: Mapping[str, Body]) -> Problems:
     """Check that regions fit the dimensions and lie in the domain."""
     sound = not list(check_grid(dimensions, grid))
     for name, body in bodies.items():
@@ -80,7 +89,9 @@ def check_regions(dimensions: int, grid: Any, bodies: Mapping[str, Any]) -> Prob
             yield from check_bounds(path, body.region, dimensions, grid)
 
 
-def check_bounds(path: tuple[str | int, ...], region: Any, dimensions: int, grid: Any) -> Problems:
+def check_bounds(
+    path: tuple[str | int, ...], region: Region, dimensions: int, grid: Grid
+) -> Problems:
     """Check that a body's region has an end, is not empty and lies in the domain."""
     low, high = region.bounds()
     ends = [f"{AXES[i]}-min" for i in range(dimensions) if low[i] == -math.inf]
@@ -105,15 +116,15 @@ def check_bounds(path: tuple[str | int, ...], region: Any, dimensions: int, grid
 
 
 def check_tools(
-    dimensions: int, body_names: Sequence[str], rigid_bodies: Mapping[str, Any]
+    dimensions: int, body_names: Sequence[str], rigid_bodies: Mapping[str, RigidBody]
 ) -> Problems:
     """Check that rigid bodies fit the dimensions and have an end, and that there is another."""
     if rigid_bodies and not body_names:
         yield Problem(("bodies",), "all are rigid; a case needs a body of a material")
     for name, rigid_body in rigid_bodies.items():
         path: tuple[str | int, ...] = ("bodies", name)
-        if rigid_body.free:
-            yield from _free(path, dimensions, rigid_body)
+        if isinstance(rigid_body.rigid, Free):
+            yield from _free(path, dimensions, rigid_body, rigid_body.rigid)
         else:
             yield from _motion((*path, "rigid"), dimensions, rigid_body.rigid)
             if rigid_body.velocity is not None:
@@ -137,14 +148,15 @@ def check_tools(
             yield Problem((*path, "region"), text + "{half-space: ..}]}")
 
 
-def _free(path: tuple[str | int, ...], dimensions: int, body: Any) -> Problems:
+def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: Free) -> Problems:
     """Check that the motion of a free rigid body fits the dimensions."""
-    ways = (("x",), ("x", "y", "rotation"), (*FREEDOMS, "rotation"))[dimensions - 1]
-    for i, way in enumerate(body.free.fixed):
+    every = ("x",), ("x", "y", "rotation"), (*FREEDOMS, "rotation")
+    ways: tuple[str, ...] = every[dimensions - 1]
+    for i, way in enumerate(free.fixed):
         if way not in ways and not (dimensions == 2 and way == "rotation-z"):
             yield Problem((*path, "rigid", "fixed", i), unknown("way", way, ways))
-    where, may = (*path, "velocity"), body.free.may(dimensions)
-    along: Any = body.velocity
+    where, may = (*path, "velocity"), free.may(dimensions)
+    along = body.velocity
     about: tuple[float, ...] = ()
     if isinstance(along, RigidMotion):
         rotation, along = along.rotation, along.translation
@@ -154,12 +166,12 @@ def _free(path: tuple[str | int, ...], dimensions: int, body: Any) -> Problems:
         yield from check_rotation((*where, "rotation"), rotation, dimensions)
         about = rotation.rate if isinstance(rotation.rate, tuple) else (0.0, 0.0, rotation.rate)
     yield from length(where, along or (0.0,) * dimensions, dimensions)
-    for values, ways in ((along or (), may[:3]), (about, may[3:])):
-        if any(v and not way for v, way in zip(values, ways, strict=False)):
+    for values, moves in ((along or (), may[:3]), (about, may[3:])):
+        if any(v and not way for v, way in zip(values, moves, strict=False)):
             yield Problem(where, "it moves in a way that `fixed` excludes")
 
 
-def _motion(path: tuple[str | int, ...], dimensions: int, motion: Any) -> Problems:
+def _motion(path: tuple[str | int, ...], dimensions: int, motion: Motion) -> Problems:
     """Check that the motion of a rigid body fits the dimensions."""
     if isinstance(motion.velocity, tuple):
         yield from length((*path, "velocity"), motion.velocity, dimensions)
@@ -187,9 +199,12 @@ def _beyond(
 
 
 def check_body_of(
-    path: tuple[str | int, ...], entry: Any, every_body: Mapping[str, Any],
-    named: Iterable[str], why: str,
-) -> Problems:  # fmt: skip
+    path: tuple[str | int, ...],
+    entry: TractionEntry | ConstraintEntry | PointProbe,
+    every_body: Mapping[str, Body | RigidBody],
+    named: Iterable[str],
+    why: str,
+) -> Problems:
     """Check that an entry's body is known and has particles; `why` gives the reason."""
     body = every_body.get(entry.body)
     if isinstance(body, RigidBody):
@@ -200,11 +215,11 @@ def check_body_of(
 
 def check_tractions(
     dimensions: int,
-    every_body: Mapping[str, Any],
-    bodies: Mapping[str, Any],
+    every_body: Mapping[str, Body | RigidBody],
+    bodies: Mapping[str, Body],
     body_names: Iterable[str],
-    materials: Mapping[str, Any],
-    tractions: Mapping[str, Any],
+    materials: Mapping[str, Material],
+    tractions: Mapping[str, TractionEntry],
 ) -> Problems:
     """Check that tractions act on faces of boxes, and on solids."""
     for name, entry in tractions.items():
@@ -222,8 +237,9 @@ def check_tractions(
         law = materials.get(bodies[entry.body].material) if entry.body in bodies else None
         if law is not None and law.VOLUME_ONLY:
             text = (
-                f"'{entry.body}' flows ({law.model}): of its deformation only the volume is known, "
-                "and no face; press it with a rigid body or a moving wall (boundaries)"
+                f"'{entry.body}' flows ({name_of(law, MATERIALS)}): of its deformation only the "
+                "volume is known, and no face; press it with a rigid body or a moving wall "
+                "(boundaries)"
             )
             yield Problem((*path, "body"), text)
         yield from length((*path, "traction"), entry.traction, dimensions)
@@ -233,10 +249,10 @@ def check_tractions(
 
 def check_constraints(
     dimensions: int,
-    grid: Any,
-    every_body: Mapping[str, Any],
+    grid: Grid,
+    every_body: Mapping[str, Body | RigidBody],
     body_names: Iterable[str],
-    constraints: Mapping[str, Any],
+    constraints: Mapping[str, ConstraintEntry],
 ) -> Problems:
     """Check that constraints hold parts of bodies, within the domain."""
     sound = not list(check_grid(dimensions, grid))
@@ -259,7 +275,9 @@ def check_constraints(
 
 
 def check_contact(
-    body_names: Sequence[str], rigid_bodies: Mapping[str, Any], contact: Sequence[Any]
+    body_names: Sequence[str],
+    rigid_bodies: Mapping[str, RigidBody],
+    contact: Sequence[ContactEntry],
 ) -> Problems:
     """Check that the entries of contact name bodies, and no pair twice."""
     body_names = [*body_names, *rigid_bodies]
@@ -285,7 +303,7 @@ def check_contact(
         earlier |= dict.fromkeys(pairs, i)
 
 
-def check_adhesion(grid: Any, contact: Sequence[Any]) -> Problems:
+def check_adhesion(grid: Grid, contact: Sequence[ContactEntry]) -> Problems:
     """Check that adhesion acts over gaps that a vertex can resolve."""
     for i, entry in enumerate(contact):
         cell = min(grid.cell)

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
-from typing import Any
 
+from pgimp.case.body import Body
+from pgimp.case.output import Output
+from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.base import TIED
-from pgimp.physics.contact.pairs import Pairs
+from pgimp.physics.contact.pairs import ContactEntry, Pairs
+from pgimp.physics.materials.base import Material
+from pgimp.physics.rigid import RigidBody
+from pgimp.physics.shapes.base import Shape
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
 _INSTEAD = "; take configuration: current"
 
 
-def check_initial_output(bodies: Mapping[str, Any], output: Any) -> Problems:
+def check_initial_output(bodies: Mapping[str, Body], output: Output) -> Problems:
     """Check that frames of the initial grid have no forces of contact, which act elsewhere."""
     initial = [name for name, body in bodies.items() if body.configuration == "initial"]
     if initial and "contact" in output.grid:
@@ -26,14 +31,14 @@ def check_initial_output(bodies: Mapping[str, Any], output: Any) -> Problems:
 
 
 def check_configuration(
-    method: Any,
-    materials: Mapping[str, Any],
-    bodies: Mapping[str, Any],
-    rigid_bodies: Mapping[str, Any],
-    boundaries: Mapping[str, Any],
+    method: Shape,
+    materials: Mapping[str, Material],
+    bodies: Mapping[str, Body],
+    rigid_bodies: Mapping[str, RigidBody],
+    boundaries: Mapping[str, Boundary],
     escape: Mapping[str, str],
-    contact: Sequence[Any],
-    exact: Any,
+    contact: Sequence[ContactEntry],
+    exact: object,
 ) -> Problems:
     """Check that a case suits the bodies that are in the initial configuration."""
     initial = [name for name, body in bodies.items() if body.configuration == "initial"]
@@ -59,7 +64,7 @@ def check_configuration(
     if current and not method.separable:
         yield Problem(
             ("method", "shape"),
-            f"{method.shape} is for bodies of one configuration, but '{first}' is initial and "
+            f"{method.name} is for bodies of one configuration, but '{first}' is initial and "
             f"'{current[0]}' current: take cpdi",
         )
     for face, entry in boundaries.items():
@@ -86,7 +91,10 @@ def check_configuration(
 
 
 def _parted(
-    bodies: Mapping[str, Any], rigid_bodies: Mapping[str, Any], current: Sequence[str], contact: Any
+    bodies: Mapping[str, Body],
+    rigid_bodies: Mapping[str, RigidBody],
+    current: Sequence[str],
+    contact: Sequence[ContactEntry],
 ) -> Problems:
     """Check that bodies in the current configuration beside others either share a field or meet.
 

@@ -6,10 +6,19 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from pgimp.case.body import Body
+from pgimp.case.grid import Grid
+from pgimp.case.output import Output
+from pgimp.case.steps import CourantStep
+from pgimp.case.time import Time
+from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.fields import OPTIONAL
 from pgimp.physics.loads import BODY_FORCES
+from pgimp.physics.loads.bodyforce import BodyForceEntry
+from pgimp.physics.materials.base import Material
 from pgimp.physics.materials.parameters.vary import PREFIX, field_of
+from pgimp.physics.shapes.base import Shape
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
@@ -21,7 +30,7 @@ MOST_CELLS = 10_000_000
 MOST_STEPS = 2**53
 
 
-def check_grid(dimensions: int, grid: Any) -> Problems:
+def check_grid(dimensions: int, grid: Grid) -> Problems:
     """Check that sizes are whole cells, which float64 coordinates can resolve."""
     wrong = [
         item
@@ -52,37 +61,38 @@ def check_grid(dimensions: int, grid: Any) -> Problems:
             )
 
 
-def check_method(dimensions: int, method: Any) -> Problems:
+def check_method(dimensions: int, method: Shape) -> Problems:
     """Check that there is one number of particles a direction, and options for boxes only."""
     counts = method.particles_per_cell
     yield from length(("method", "particles_per_cell"), counts, dimensions)
     if method.volumetric == "mean" and not (method.chi == "box" and method.separable):
         yield Problem(
             ("method", "volumetric"),
-            f"mean is for particles that are boxes, whose parts in cells are known; {method.shape} "
+            f"mean is for particles that are boxes, whose parts in cells are known; {method.name} "
             "are none: take shape: gimp, finite-gimp or cpdi, or leave it out (pointwise)",
         )
 
 
-def check_time(time: Any, counted: float) -> Problems:
+def check_time(time: Time, counted: float) -> Problems:
     """Check that the end is a whole number of fixed steps, counted from the time `counted`."""
-    if time.steps is None:
+    step = time.step
+    if isinstance(step, CourantStep):
         return
     length = time.end - counted
-    count, exact = whole(length, time.step)
+    count, exact = whole(length, step)
     if count > MOST_STEPS:
-        yield Problem(("time", "step"), f"{length / time.step:.3g} steps are too many")
+        yield Problem(("time", "step"), f"{length / step:.3g} steps are too many")
     elif not exact:
         after = f"{counted:.15g} and " if counted else ""
         yield Problem(
             ("time", "end"),
-            f"{time.end:.15g} is not {after}a whole number of steps of {time.step:.15g} "
-            f"({length / time.step:.9g} steps); the nearest is "
-            f"{after}{nearest_whole(length, time.step)}",
+            f"{time.end:.15g} is not {after}a whole number of steps of {step:.15g} "
+            f"({length / step:.9g} steps); the nearest is "
+            f"{after}{nearest_whole(length, step)}",
         )
 
 
-def check_output(time: Any, output: Any) -> Problems:
+def check_output(time: Time, output: Output) -> Problems:
     """Check that frames lie between the start and the end."""
     for i, instant in enumerate(output.at):
         if instant > time.last:
@@ -92,11 +102,11 @@ def check_output(time: Any, output: Any) -> Problems:
 
 
 def check_fields(
-    materials: Mapping[str, Any],
+    materials: Mapping[str, Material],
     declared: tuple[str, ...],
-    bodies: Mapping[str, Any],
+    bodies: Mapping[str, Body],
     body_names: tuple[str, ...],
-    output: Any,
+    output: Output,
 ) -> Problems:
     """Check that material-specific fields belong to materials of bodies."""
     has = {name: _own_fields(entry) for name, entry in materials.items()}
@@ -118,12 +128,12 @@ def check_fields(
         yield Problem(("output", "fields", i), text)
 
 
-def _own_fields(material: Any) -> set[str]:
+def _own_fields(material: Material) -> set[str]:
     """Fields that not every material has: its states, and parameters that vary in space."""
     return {s.name for s in material.states} | {field_of(keys) for keys in material.variations}
 
 
-def check_body_force(dimensions: int, body_force: Any) -> Problems:
+def check_body_force(dimensions: int, body_force: BodyForceEntry | None) -> Problems:
     """Check that a body force exists in these dimensions and fits them."""
     if body_force is None:
         return
@@ -137,14 +147,14 @@ def check_body_force(dimensions: int, body_force: Any) -> Problems:
         yield found._replace(path=("body_force", name, *found.path))
 
 
-def check_gravity(dimensions: int, gravity: Any) -> Problems:
+def check_gravity(dimensions: int, gravity: object) -> Problems:
     """Check that gravity fits the dimensions."""
     yield from length(("gravity",), gravity, dimensions)
     for i, (_, value) in enumerate(getattr(gravity, "table", ())):
         yield from length(("gravity", "table", i, 1), value, dimensions)
 
 
-def check_boundaries(dimensions: int, boundaries: Mapping[str, Any]) -> Problems:
+def check_boundaries(dimensions: int, boundaries: Mapping[str, Boundary]) -> Problems:
     """Check that the domain has the faces, and that vectors fit the dimensions."""
     for face, entry in boundaries.items():
         if face not in faces(dimensions):
@@ -155,7 +165,7 @@ def check_boundaries(dimensions: int, boundaries: Mapping[str, Any]) -> Problems
 
 
 def check_escape(
-    dimensions: int, boundaries: Mapping[str, Any], escape: Mapping[str, str]
+    dimensions: int, boundaries: Mapping[str, Boundary], escape: Mapping[str, str]
 ) -> Problems:
     """Check that the domain has the faces, and that they are open."""
     for face in escape:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from pgimp.schema.dispatch import plain
 from pgimp.schema.problems import Problem
@@ -16,13 +15,13 @@ _DIVISORS = ("materials", "time", "grid")
 _NO_DIVISORS = ("origin", "poisson", "viscosity")
 
 
-def check_numbers(parts: Mapping[str, Any]) -> Iterator[Problem]:
+def check_numbers(parts: Mapping[str, object]) -> Iterator[Problem]:
     """Check the numbers of all parts of a case, given by their key."""
     for name, part in parts.items():
         yield from _check((name,), part, name in _DIVISORS)
 
 
-def _check(path: tuple[str | int, ...], value: Any, divides: bool) -> Iterator[Problem]:
+def _check(path: tuple[str | int, ...], value: object, divides: bool) -> Iterator[Problem]:
     value = plain(value)
     if isinstance(value, Mapping | tuple | list):
         entries = value.items() if isinstance(value, Mapping) else enumerate(value)

@@ -37,7 +37,11 @@ from pgimp.case.checks.domain import (
 from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.probes import check_probes
 from pgimp.case.checks.variations import check_variations
+from pgimp.physics.boundaries.base import Boundary
+from pgimp.physics.materials.base import Material
 from pgimp.physics.rigid import RigidBody
+from pgimp.physics.shapes.base import Shape
+from pgimp.schema.base import Model
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
@@ -79,7 +83,7 @@ def check(parts: Mapping[str, Any], counted: float = 0.0) -> list[Problem]:
 
 
 def sound_parts(
-    model: type[BaseModel], data: Mapping[str, Any], problems: Iterable[Problem]
+    model: type[BaseModel], data: Mapping[str, object], problems: Iterable[Problem]
 ) -> dict[str, Any]:
     """Return the typed parts of `data` that the `problems` do not touch.
 
@@ -100,16 +104,19 @@ def sound_parts(
         except ValidationError:
             continue
     for name, key in (("declared", "materials"), ("body_names", "bodies")):
-        if isinstance(data.get(key), Mapping) and (key,) not in wrong:
-            parts[name] = tuple(data[key])
+        if isinstance(named := data.get(key), Mapping) and (key,) not in wrong:
+            parts[name] = tuple(named)
     return parts
 
 
 def _kinds(
-    dimensions: int, method: Any, materials: Mapping[str, Any], boundaries: Mapping[str, Any]
+    dimensions: int,
+    method: Shape,
+    materials: Mapping[str, Material],
+    boundaries: Mapping[str, Boundary],
 ) -> Problems:
     """Check that every type exists in these dimensions."""
-    entries: dict[tuple[str, ...], Any] = {("method", "shape"): method}
+    entries: dict[tuple[str, ...], Model] = {("method", "shape"): method}
     entries |= {("materials", name, "model"): entry for name, entry in materials.items()}
     entries |= {("boundaries", name): entry for name, entry in boundaries.items()}
     for path, entry in entries.items():

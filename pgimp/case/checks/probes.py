@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 import numpy as np
 
+from pgimp.case.body import Body
 from pgimp.case.checks.bodies import check_body_of, check_regions
 from pgimp.case.checks.domain import check_grid
-from pgimp.case.output import PlaceProbe
+from pgimp.case.grid import Grid
+from pgimp.case.output import PlaceProbe, PointProbe
+from pgimp.geometry.regions.base import Region
+from pgimp.physics.rigid import RigidBody
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import AXES, WHOLE, Problems, length
 
 
 def check_probes(
     dimensions: int,
-    grid: Any,
-    every_body: Mapping[str, Any],
-    bodies: Mapping[str, Any],
+    grid: Grid,
+    every_body: Mapping[str, Body | RigidBody],
+    bodies: Mapping[str, Body],
     body_names: Iterable[str],
-    probes: Mapping[str, Any],
+    probes: Mapping[str, PointProbe | PlaceProbe],
 ) -> Problems:
     """Check that material points are in their bodies, and fixed positions in the domain."""
     sound = not list(check_grid(dimensions, grid))
@@ -40,7 +43,7 @@ def check_probes(
             yield from _in_body((*path, "at"), entry, dimensions, grid, bodies)
 
 
-def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Any) -> Problems:
+def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Grid) -> Problems:
     for i, x in enumerate(place):
         least, most = grid.origin[i], grid.corner[i]
         if not least - WHOLE * grid.cell[i] <= x <= most + WHOLE * grid.cell[i]:
@@ -52,7 +55,11 @@ def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Any)
 
 
 def _in_body(
-    path: tuple[str | int, ...], entry: Any, dimensions: int, grid: Any, bodies: Mapping[str, Any]
+    path: tuple[str | int, ...],
+    entry: PointProbe,
+    dimensions: int,
+    grid: Grid,
+    bodies: Mapping[str, Body],
 ) -> Problems:
     """Check that a position is in a body; for bodies from files, after they are read."""
     region = bodies[entry.body].region
@@ -62,7 +69,9 @@ def _in_body(
         yield from check_near(path, entry, region, grid)
 
 
-def check_near(path: tuple[str | int, ...], entry: Any, region: Any, grid: Any) -> Problems:
+def check_near(
+    path: tuple[str | int, ...], entry: PointProbe, region: Region, grid: Grid
+) -> Problems:
     """Check that a position is in a region, or so close that a particle may be next to it."""
     slack = 0.5 * min(grid.cell)
     low, high = region.bounds()

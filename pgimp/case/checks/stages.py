@@ -7,6 +7,7 @@ from typing import Any
 
 from pgimp.case.checks.domain import check_planes_of_symmetry
 from pgimp.case.stages import BY_ENTRY, BY_KEY, Stage
+from pgimp.physics.materials.base import Material
 from pgimp.schema.dispatch import plain
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
@@ -138,7 +139,7 @@ def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
         )
 
 
-def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
+def _material(path: Path, before: Material, now: Material, dimensions: int) -> Problems:
     """Check that particles of a material can continue with another's parameters."""
     if (before.variations or now.variations) and plain(now) != plain(before):
         yield Problem(path, _VARIES)
@@ -175,7 +176,7 @@ def _material(path: Path, before: Any, now: Any, dimensions: int) -> Problems:
             )
 
 
-def _starts(entry: Any, dimensions: int) -> tuple[float, bytes]:
+def _starts(entry: Material, dimensions: int) -> tuple[float, bytes]:
     """Initial state of particles of a material."""
     from pgimp.physics.materials.parameters.outside import parameters_of
     from pgimp.physics.materials.parameters.states import States

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
+from pgimp.case.body import Body
 from pgimp.geometry.regions import Points
+from pgimp.physics.materials.base import Material
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
@@ -14,7 +15,7 @@ _TAKEN = ("x", "y", "z", "position", "volume", "velocity", "stress", "velocity-g
 
 
 def check_variations(
-    dimensions: int, materials: Mapping[str, Any], bodies: Mapping[str, Any]
+    dimensions: int, materials: Mapping[str, Material], bodies: Mapping[str, Body]
 ) -> Problems:
     """Check that variations fit the dimensions, and that columns belong to files of particles."""
     for name, material in materials.items():
@@ -31,7 +32,7 @@ def check_variations(
 
 
 def _not_from_file(
-    path: tuple[str | int, ...], material: str, columns: list[str], bodies: Mapping[str, Any]
+    path: tuple[str | int, ...], material: str, columns: list[str], bodies: Mapping[str, Body]
 ) -> Problems:
     for body, entry in bodies.items():
         if columns and entry.material == material and not isinstance(entry.region, Points):

@@ -15,14 +15,13 @@ from pgimp.schema.messages import shorten
 Ints = NDArray[np.int64]
 
 #: Corners of the faces of volume cells, seen from outside anticlockwise; quadrilaterals have four.
+_HEXAHEDRON = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
 _FACES: dict[str, list[tuple[int, ...]]] = {
     "tetra": [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)],
     "pyramid": [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
     "wedge": [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
-    "hexahedron": [
-        (0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7),
-    ],
-}  # fmt: skip
+    "hexahedron": [*_HEXAHEDRON],
+}
 _CORNERS = {"tetra": 4, "pyramid": 5, "wedge": 6, "hexahedron": 8, "triangle": 3, "quad": 4}
 _DIMENSION = {"line": 1, "triangle": 2, "quad": 2, "polygon": 2} | dict.fromkeys(_FACES, 3)
 

@@ -100,7 +100,7 @@ def _require_file(name: Any) -> None:
         raise OSError(f"it leads to {os.fsdecode(name)}, which is no regular file")
 
 
-def _guard(event: str, args: tuple[Any, ...]) -> None:
+def _guard(event: str, args: tuple[object, ...]) -> None:
     """Check files that Python opens by name."""
     if event == "open" and isinstance(args[0], str | bytes):
         _require_file(args[0])
@@ -113,7 +113,7 @@ def _guard_hdf5() -> None:
     class File(h5py.File):
         """A file whose links and data are all within it."""
 
-        def __init__(self, name: Any, *args: Any, **options: Any) -> None:
+        def __init__(self, name: object, *args: object, **options: object) -> None:
             _require_file(name)
             super().__init__(name, *args, **options)
 

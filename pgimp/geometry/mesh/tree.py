@@ -83,10 +83,8 @@ class Surface(NamedTuple):
         from pgimp.geometry.mesh.treekernels import inside
 
         out = np.empty(len(points), np.int64)
-        inside(
-            self.triangles, self.low, self.high, self.leaves, self.component, own,
-            np.ascontiguousarray(points), out,
-        )  # fmt: skip
+        surface = self.triangles, self.low, self.high, self.leaves, self.component
+        inside(*surface, own, np.ascontiguousarray(points), out)
         return out
 
     def contains(self, points: Reals) -> NDArray[np.bool_]:

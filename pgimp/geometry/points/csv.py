@@ -68,16 +68,15 @@ def read_csv(name: str, D: int, states: States) -> Iterator[Block]:
         }
         position = table["position"]
         assert position is not None
+        own = {
+            group.removeprefix(_STATE): values
+            for group, values in table.items()
+            if group.startswith(_STATE) and values is not None
+        }
+        given = table["velocity"], table["stress"], table["gradient"], own
         yield Block(
-            first, position, column["volume"], table["velocity"], table["stress"],
-            table["gradient"],
-            {
-                group.removeprefix(_STATE): values
-                for group, values in table.items()
-                if group.startswith(_STATE) and values is not None
-            },
-            lambda row, kept=kept: f"line {kept[row][0]}",
-        )  # fmt: skip
+            first, position, column["volume"], *given, lambda row, kept=kept: f"line {kept[row][0]}"
+        )
         first += len(values)
     if head is None:
         raise CaseError("it has no line of names, such as x,y,z,volume")

@@ -67,12 +67,12 @@ def read_hdf5(name: str, D: int, most: int | None, states: States) -> Iterator[B
                 key: _rows(dataset[first : first + BLOCK], key, kinds[key], first, D)
                 for key, dataset in data.items()
             }
+            needed = rows["position"], rows["volume"].reshape(-1)
+            given = rows.get("velocity"), rows.get("stress"), rows.get("velocity-gradient")
+            state = {name: rows[name] for name in states if name in rows and name not in own}
             yield Block(
-                first, rows["position"], rows["volume"].reshape(-1), rows.get("velocity"),
-                rows.get("stress"), rows.get("velocity-gradient"),
-                {name: rows[name] for name in states if name in rows and name not in own},
-                lambda row, first=first: f"row {first + row} (from 0)",
-            )  # fmt: skip
+                first, *needed, *given, state, lambda row, k=first: f"row {k + row} (from 0)"
+            )
 
 
 def _check(h5py: Any, data: Any, key: str, kind: _Kind) -> None:

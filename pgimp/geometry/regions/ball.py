@@ -7,16 +7,7 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field
 
-from pgimp.geometry.regions.base import (
-    Bounds,
-    Lengths,
-    Mask,
-    Plane,
-    Points,
-    Region,
-    Round,
-    across,
-)
+from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Points, Region, Round, across
 from pgimp.schema.base import Model, Positive, Vector
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property, reduce
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import ConfigDict, Field, RootModel, model_validator
@@ -40,7 +40,7 @@ class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=
 
     @model_validator(mode="before")
     @classmethod
-    def _take_lists(cls, data: Any) -> Any:
+    def _take_lists(cls, data: object) -> object:
         return tuples(data)
 
     @property

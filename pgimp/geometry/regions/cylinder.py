@@ -103,8 +103,10 @@ class Cylinder(Model, Region):
             return []
         low, high = self.bounds()
         found = [across(parallel, at, low, high) for at in (low[parallel], high[parallel])]
-        line = [tuple(ends[i] if i == parallel else self.start[i] for i in range(3))
-                for ends in (low, high)]  # fmt: skip
+        line = [
+            tuple(ends[i] if i == parallel else self.start[i] for i in range(3))
+            for ends in (low, high)
+        ]
         sides = [i for i in range(3) if i != parallel]
         return found + [across(i, at, *line) for i in sides for at in (low[i], high[i])]
 

@@ -11,16 +11,7 @@ import math
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.geometry.regions.base import (
-    Bounds,
-    Flat,
-    Lengths,
-    Mask,
-    Plane,
-    Points,
-    Region,
-    across,
-)
+from pgimp.geometry.regions.base import Bounds, Flat, Lengths, Mask, Plane, Points, Region, across
 from pgimp.schema.base import Model, Vector
 from pgimp.schema.problems import Problem, raise_problems
 

@@ -11,7 +11,7 @@ import math
 import re
 import zlib
 from collections.abc import Callable
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
@@ -76,7 +76,7 @@ class Header(BaseModel):
 
     size: _Size
     count: _Size
-    about: dict[str, Any]
+    about: dict[str, object]
     rows: dict[_Name, Place]
     whole: dict[_Name, Place]
     pieces: list[Annotated[list[_Size], Field(min_length=3, max_length=3)]]
@@ -87,7 +87,7 @@ class Header(BaseModel):
         return self.pieces[0][0]
 
 
-def encode(content: dict[str, Any]) -> bytes:
+def encode(content: dict[str, object]) -> bytes:
     """Return the first line and the JSON text with the fields of a `Header`.
 
     Raises
@@ -99,7 +99,7 @@ def encode(content: dict[str, Any]) -> bytes:
     return _LINE % (LAYOUT, len(text), zlib.crc32(text)) + text
 
 
-def _dump(content: Any) -> bytes:
+def _dump(content: object) -> bytes:
     return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
@@ -163,10 +163,10 @@ def _decode(text: bytes) -> Header:
         raise DamagedError("its header cannot be read as JSON") from None
 
 
-def _check_depth(tree: Any) -> None:
+def _check_depth(tree: object) -> None:
     level = [tree]
     for _ in range(_DEEPEST):
-        inner: list[Any] = []
+        inner: list[object] = []
         for node in level:
             if isinstance(node, dict):
                 inner += node.values()

@@ -36,7 +36,7 @@ _NUMBER, _PIECE_TEXT = 20, 48
 def write(
     path: Path,
     comm: Communicator,
-    about: dict[str, Any],
+    about: dict[str, object],
     rows: Mapping[str, Array],
     whole: Mapping[str, Array],
     order: Array | None = None,
@@ -132,7 +132,7 @@ class _Plan:
     def __init__(
         self,
         part: Path,
-        about: dict[str, Any],
+        about: dict[str, object],
         shapes: dict[str, tuple[str, tuple[int, ...]]],
         bounds: list[int],
     ) -> None:

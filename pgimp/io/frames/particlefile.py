@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.io.frames.particlevalues import CONNECTIVITY, Values
+from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import Source
@@ -103,7 +104,7 @@ class ParticleFile:
     def write(
         self,
         path: Path,
-        particles: Any,
+        particles: Particles,
         rows: Rows,
         state: tuple[float, int],
         what: str,
@@ -151,7 +152,7 @@ class ParticleFile:
             return Unfinished(part, path, file, comm, what)
 
     def _in_place(
-        self, part: Path, rows: Rows, attributes: dict[str, Any], values: Values, what: str
+        self, part: Path, rows: Rows, attributes: dict[str, object], values: Values, what: str
     ) -> FrameFile:
         """Write each row at its offset, in contiguous datasets."""
         says: dict[int, bytes] = {}
@@ -180,7 +181,7 @@ class ParticleFile:
         return file
 
     def _in_chunks(
-        self, part: Path, rows: Rows, attributes: dict[str, Any], values: Values, what: str
+        self, part: Path, rows: Rows, attributes: dict[str, object], values: Values, what: str
     ) -> FrameFile:
         """Compress each chunk of rows, and write it at the offset that rank 0 assigns."""
         made: list[Chunks] = []

@@ -82,11 +82,7 @@ def particles(
 
 
 #: Type of the cells of a grid, by dimension, with its attribute.
-_CELLS = (
-    'TopologyType="Polyline"',
-    'TopologyType="Quadrilateral"',
-    'TopologyType="Hexahedron"',
-)
+_CELLS = ('TopologyType="Polyline"', 'TopologyType="Quadrilateral"', 'TopologyType="Hexahedron"')
 
 
 def mesh(

@@ -191,7 +191,7 @@ class Run:
         """
         frames = [self.frame(0), *self.frames[1:]]
         names = [name for name in frames[0].fields if all(name in frame for frame in frames)]
-        values: dict[str, list[Any]] = {name: [] for name in ["time", "step", *names]}
+        values: dict[str, list[object]] = {name: [] for name in ["time", "step", *names]}
         for frame in frames:
             ids = frame["id"]
             row = int(np.searchsorted(ids, number))

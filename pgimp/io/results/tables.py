@@ -126,4 +126,3 @@ def data_frame(fields: Mapping[str, np.ndarray], index: str | None = None) -> pa
             columns |= {f"{name}-{part}": values[:, i] for i, part in enumerate(parts)}
     frame = pandas.DataFrame(columns)
     return frame if index is None else frame.set_index(index)
-

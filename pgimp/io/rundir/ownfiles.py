@@ -12,10 +12,8 @@ from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.probefiles import PROBES, probe_file, probes_ever
 
 RUN = "run.json"
-TOP = (
-    "case.yaml", "input.yaml", "particles.xdmf", "grid.xdmf", "rigid.xdmf", "history.csv",
-    "log.txt", RUN,
-)  # fmt: skip
+_XDMF = ("particles.xdmf", "grid.xdmf", "rigid.xdmf")
+TOP = ("case.yaml", "input.yaml", *_XDMF, "history.csv", "log.txt", RUN)
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
 GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
 RIGID_FRAME = re.compile(r"rigid-(\d{6,})\.h5")

@@ -64,6 +64,6 @@ def _of_text(text: bytes) -> tuple[str, ...]:
     return tuple(_names(probes if isinstance(probes, dict) else ()))
 
 
-def _names(found: Iterable[Any]) -> Iterator[str]:
+def _names(found: Iterable[object]) -> Iterator[str]:
     """Yield valid names of probes: only these become names of files to delete."""
     yield from (str(name) for name in found if _NAME.fullmatch(str(name)))

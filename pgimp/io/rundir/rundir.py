@@ -10,7 +10,6 @@ import time
 from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from pgimp.errors import RunError, UsageError, explain
 from pgimp.io.rundir import runinfo
@@ -88,7 +87,7 @@ class RunDirectory:
         self._created = False
         self.before = on_root(comm, lambda: self._claim(overwrite, resume))
 
-    def _claim(self, overwrite: bool, resume: bool) -> dict[str, Any] | None:
+    def _claim(self, overwrite: bool, resume: bool) -> dict[str, object] | None:
         try:
             str(self.path).encode()
         except UnicodeEncodeError:
@@ -138,7 +137,7 @@ class RunDirectory:
         line = f"process {os.getpid()} on {socket.gethostname()}, since {runinfo.now()}\n"
         os.write(self._lock, line.encode())
 
-    def _examine(self, overwrite: bool, resume: bool) -> dict[str, Any] | None:
+    def _examine(self, overwrite: bool, resume: bool) -> dict[str, object] | None:
         """Return the last start of an existing run; raise if the directory may not be used."""
         there = [name for name in (*TOP, *FOLDERS, PROBES) if os.path.lexists(self.path / name)]
         run = runinfo.read(self.path / RUN)
@@ -165,7 +164,9 @@ class RunDirectory:
         made = [step for step in made if step is not None]
         return last | {"checkpoint": made[-1] if made else None}
 
-    def prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool = False) -> None:
+    def prepare(
+        self, texts: dict[str, bytes], start: dict[str, object], resume: bool = False
+    ) -> None:
         """Write the initial files of a run; collective.
 
         An older run is deleted; if it is resumed, only its half-written files are.
@@ -186,7 +187,7 @@ class RunDirectory:
         """
         on_root(self.comm, lambda: self._prepare(texts, start, resume))
 
-    def _prepare(self, texts: dict[str, bytes], start: dict[str, Any], resume: bool) -> None:
+    def _prepare(self, texts: dict[str, bytes], start: dict[str, object], resume: bool) -> None:
         try:
             require_room(self.path, resume, self._probes)
             start = start | {PROBES: sorted(self._probes)}
@@ -284,7 +285,7 @@ class RunDirectory:
 
         on_root(self.comm, action)
 
-    def _update(self, **changes: Any) -> None:
+    def _update(self, **changes: object) -> None:
         runinfo.update(self.path / RUN, ended=runinfo.now(), **changes)
 
     def release(self) -> None:

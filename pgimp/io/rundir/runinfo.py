@@ -34,7 +34,7 @@ def now() -> str:
 
 def describe_start(
     comm: Communicator, particles: int, resumed: int | None = None
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Collect the data of a run's start.
 
     Parameters
@@ -153,7 +153,7 @@ def read(path: Path) -> dict[str, Any] | None:
     return content
 
 
-def _is_start(start: Any) -> bool:
+def _is_start(start: object) -> bool:
     """Return whether an entry of ``starts`` has the required keys."""
     kinds = {"state": str, "began": str, "steps": int}
     return isinstance(start, dict) and all(
@@ -161,7 +161,7 @@ def _is_start(start: Any) -> bool:
     )
 
 
-def write(path: Path, start: dict[str, Any]) -> None:
+def write(path: Path, start: dict[str, object]) -> None:
     """Write a run.json with one start.
 
     Parameters
@@ -180,7 +180,7 @@ def write(path: Path, start: dict[str, Any]) -> None:
     atomic.write(path, json.dumps(content, indent=2) + "\n")
 
 
-def append(path: Path, start: dict[str, Any]) -> None:
+def append(path: Path, start: dict[str, object]) -> None:
     """Add a start to a run.json.
 
     Parameters
@@ -206,7 +206,7 @@ def append(path: Path, start: dict[str, Any]) -> None:
     atomic.write(path, json.dumps(content, indent=2) + "\n")
 
 
-def update(path: Path, **changes: Any) -> None:
+def update(path: Path, **changes: object) -> None:
     """Change entries of the last start in a run.json.
 
     Parameters

@@ -15,7 +15,6 @@ from functools import cache
 from hashlib import sha256
 from inspect import getfile
 from pathlib import Path
-from typing import Any
 
 import numba
 from numba.core.caching import NullCache
@@ -24,10 +23,13 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from pgimp.jit.compiled import sealed
-from pgimp.jit.outside import part_of
+from pgimp.jit.outside import NumbaObject, part_of
 
 #: Reasons why files could not be used, and why none could be written in folders, by their paths.
 Problems = tuple[dict[str, str], dict[str, str]]
+
+#: Makes an object from what the disk has of it.
+Rebuild = Callable[[NumbaObject], NumbaObject]
 
 _damaged: dict[str, str] = {}
 _failures: dict[str, str] = {}
@@ -46,11 +48,11 @@ class Store:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def _path(self, name: str, key: Any) -> Path:
+    def _path(self, name: str, key: object) -> Path:
         """Path of an object; the file's content distinguishes keys with equal names."""
         return self.folder / f"{name}-{sha256(repr(key).encode()).hexdigest()[:24]}.nbc"
 
-    def load(self, name: str, key: Any, rebuild: Callable[[Any], Any] = lambda kept: kept) -> Any:
+    def load(self, name: str, key: object, rebuild: Rebuild = lambda kept: kept) -> NumbaObject:
         """Return the stored object, or None; unusable files are noted for `messages`.
 
         Parameters
@@ -74,7 +76,7 @@ class Store:
             _damaged[str(path)] = f"{type(error).__name__}: {error}"
         return None
 
-    def save(self, name: str, key: Any, value: Any) -> None:
+    def save(self, name: str, key: object, value: object) -> None:
         """Store an object; failures are noted for `messages`."""
         try:
             sealed.write(self._path(name, key), dumps(key) + dumps(value))
@@ -93,7 +95,7 @@ class KernelCache(NullCache):
         The kernels' folder.
     """
 
-    def __init__(self, function: Any, folder: Path) -> None:
+    def __init__(self, function: Callable, folder: Path) -> None:
         self._name = f"{function.__module__}.{function.__qualname__}"
         self._folder = folder
         self._function = function
@@ -103,7 +105,7 @@ class KernelCache(NullCache):
         """The folder."""
         return str(self._folder)
 
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
+    def load_overload(self, sig: NumbaObject, target_context: NumbaObject) -> NumbaObject:
         """Return the code compiled for a signature, or None; it will then be compiled."""
         rtsys.initialize(target_context)  # for the kernels' calls; the rest of Numba only compiles
         found = None
@@ -117,25 +119,25 @@ class KernelCache(NullCache):
                 tell()
         return found
 
-    def save_overload(self, sig: Any, cres: Any) -> None:
+    def save_overload(self, sig: NumbaObject, cres: NumbaObject) -> None:
         """Store the code compiled for a signature, if another process could use it."""
         if cres.library.has_dynamic_globals or not all(one.can_cache for one in cres.lifted):
             return
         if store := self._store(sig):
             store.save(self._name, self._key(sig, cres.codegen), cres._reduce())
 
-    def _store(self, sig: Any) -> Store | None:
+    def _store(self, sig: NumbaObject) -> Store | None:
         """Storage of kernels for these types, if they can be stored."""
-        part = part_of(getattr(sig, "args", sig))
+        part = part_of(sig.args if hasattr(sig, "args") else sig)
         return None if part is None or not _source(self._function) else Store(self._folder / part)
 
-    def _key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
+    def _key(self, sig: NumbaObject, codegen: NumbaObject) -> tuple[object, ...]:
         version = (numba.__version__, sys.implementation.cache_tag)
         return sig, self._name, codegen.magic_tuple(), version, _source(self._function)
 
 
 @cache
-def _source(function: Any) -> str:
+def _source(function: Callable) -> str:
     """Return the source of a function; empty if it is in no file."""
     if function.__module__.partition(".")[0] == "pgimp":
         return "pgimp"  # represented by the name of the folder
@@ -147,7 +149,7 @@ def _source(function: Any) -> str:
 
 
 @contextmanager
-def announced(tell: Callable[[str], Any]) -> Iterator[None]:
+def announced(tell: Callable[[str], object]) -> Iterator[None]:
     """Notify the user, once and with `tell`, before the first kernel that is compiled."""
 
     def once() -> None:

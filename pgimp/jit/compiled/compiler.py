@@ -9,7 +9,7 @@ import gc
 from hashlib import sha256
 from pathlib import Path
 from types import FunctionType
-from typing import Any, Self
+from typing import Self
 
 import llvmlite.binding as llvm
 import numba
@@ -21,7 +21,7 @@ from numba.core.compiler_machinery import PassManager
 from numba.core.environment import lookup_environment
 
 from pgimp.jit.compiled.cache import Store
-from pgimp.jit.outside import part_of
+from pgimp.jit.outside import NumbaObject, part_of
 
 #: Numba's passes for closures, ``with``, literals, array expressions and its own loops, which the
 #: package does not contain.
@@ -40,7 +40,7 @@ class _Kernel(JITCodeLibrary):
     and has no visible effect on the time of a run.
     """
 
-    def add_ir_module(self, module: Any) -> None:
+    def add_ir_module(self, module: NumbaObject) -> None:
         """Add the kernel, or its entry."""
         for function in module.functions:
             if function.name.startswith("_ZN7cpython"):  # cpython::, mangled
@@ -62,7 +62,7 @@ class _Linked(JITCodeLibrary):
         self._ensure_finalized()
         return 0
 
-    def serialize_using_object_code(self) -> Any:
+    def serialize_using_object_code(self) -> NumbaObject:
         """Return its data for the disk cache: there is no machine code."""
         return self.serialize_using_bitcode()
 
@@ -71,18 +71,18 @@ class _Linked(JITCodeLibrary):
         """Nothing: its environment is set in the kernel that links it."""
         return self
 
-    def set_env(self, name: str, environment: Any) -> None:
+    def set_env(self, name: str, environment: NumbaObject) -> None:
         """See `codegen`."""
 
 
-def _captured(function: FunctionType) -> tuple[Any, ...] | None:
+def _captured(function: FunctionType) -> tuple[object, ...] | None:
     """Identity of a function of the package among others of its name; None if unknown.
 
     It consists of its line and of the variables captured from the function that made it.
     """
     if function.__module__.partition(".")[0] != "pgimp" or function.__defaults__:
         return None
-    found: list[Any] = [function.__code__.co_firstlineno]
+    found: list[object] = [function.__code__.co_firstlineno]
     for cell in function.__closure__ or ():
         content = cell.cell_contents
         if isinstance(content, bool | int | float | str):
@@ -123,7 +123,7 @@ class Compiler(compiler.Compiler):
                 pipeline.finalize()
         return pipelines
 
-    def _compile_core(self) -> Any:
+    def _compile_core(self) -> NumbaObject:
         if not gc.isenabled():  # as within the compilation of another function
             return self._compile()
         gc.disable()
@@ -132,7 +132,7 @@ class Compiler(compiler.Compiler):
         finally:
             gc.enable()
 
-    def _compile(self) -> Any:
+    def _compile(self) -> NumbaObject:
         if self.state.flags.no_cpython_wrapper:
             return self._part()
         codegen = self.state.targetctx.codegen()
@@ -144,7 +144,7 @@ class Compiler(compiler.Compiler):
                 codegen.set_env(variable.name, environment)
         return found
 
-    def _part(self) -> Any:
+    def _part(self) -> NumbaObject:
         """Find a part of kernels on disk, or compile and keep it."""
         state, function = self.state, self.state.func_id
         store, name = None, f"{function.modname}.{function.func_qualname}"
@@ -156,8 +156,8 @@ class Compiler(compiler.Compiler):
             function.unique_id = int(sha256(repr(captured).encode()).hexdigest()[:12], 16)
             function.unique_name = f"{function.func_qualname}${function.unique_id}"
         codegen = state.targetctx.codegen()
-        key = (state.args, name, captured, state.flags.get_mangle_string(), codegen.magic_tuple(),
-               numba.__version__)  # fmt: skip
+        flags = state.flags.get_mangle_string()
+        key = (state.args, name, captured, flags, codegen.magic_tuple(), numba.__version__)
         if store and (found := store.load(name, key, self._rebuilt)):
             state.targetctx.insert_user_function(found.entry_point, found.fndesc, [found.library])
             return found
@@ -165,12 +165,12 @@ class Compiler(compiler.Compiler):
         found = super()._compile_core()
         if store and not found.library.has_dynamic_globals and not found.lifted:
             found.fndesc.typemap = found.fndesc.calltypes = None
-            kept = (found.library.serialize_using_bitcode(), found.fndesc, found.environment,
-                    found.signature, found.reload_init)  # fmt: skip
+            code = found.library.serialize_using_bitcode()
+            kept = (code, found.fndesc, found.environment, found.signature, found.reload_init)
             store.save(name, key, kept)
         return found
 
-    def _rebuilt(self, kept: Any) -> Any:
+    def _rebuilt(self, kept: NumbaObject) -> NumbaObject:
         """Rebuild the result of a compilation from the cache."""
         (name, _, code), fndesc, environment, signature, reload_init = kept
         context = self.state.targetctx

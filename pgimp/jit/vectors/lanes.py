@@ -1,10 +1,9 @@
 """Vectors of four particles and the numbers of each: values, or tuples of them."""
 
-from typing import Any
-
 from numba.core import types
 
 from pgimp.jit.kernel import specialise
+from pgimp.jit.outside import NumbaObject
 from pgimp.jit.own import named
 from pgimp.jit.vectors.simd import lane, vec4, vector, where, with_lane
 
@@ -13,7 +12,7 @@ def _is_tuple(kind):
     return isinstance(kind, types.BaseTuple)
 
 
-def has_vectors(kind: Any) -> bool:
+def has_vectors(kind: NumbaObject) -> bool:
     """Whether values of a Numba type are vectors, or tuples with vectors in them."""
     return any(map(has_vectors, kind)) if _is_tuple(kind) else kind == vec4
 
@@ -70,8 +69,9 @@ def _with_lanes(values, j, one):
     if len(values) == 1:
         return lambda values, j, one: (with_lane(values[0], j, one[0]),)
     return lambda values, j, one: (
-        with_lane(values[0], j, one[0]), *with_lanes(values[1:], j, one[1:]),
-    )  # fmt: skip
+        with_lane(values[0], j, one[0]),
+        *with_lanes(values[1:], j, one[1:]),
+    )
 
 
 def where_all(mask, a, b):

@@ -193,12 +193,13 @@ _register(operator.sub, vec4, ir.IRBuilder.fsub)
 _register(operator.mul, vec4, ir.IRBuilder.fmul)
 _register(operator.truediv, vec4, ir.IRBuilder.fdiv)
 for _operation, _sign in (
-    (operator.lt, "<"), (operator.le, "<="), (operator.gt, ">"), (operator.ge, ">="),
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.gt, ">"),
+    (operator.ge, ">="),
     (operator.eq, "=="),
-):  # fmt: skip
-    _register(
-        _operation, mask4, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b)
-    )
+):
+    _register(_operation, mask4, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b))
 
 
 @infer_global(operator.neg)

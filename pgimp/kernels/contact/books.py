@@ -76,11 +76,7 @@ def _book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger,
             t = contact.bodies[end] - rigid_bodies.bodies
             booked, motion = ledger.rigid_bodies[plane, t], rigid_bodies.motion[t]
             arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
-            J = (
-                sign * impulse_of(row, 0),
-                sign * impulse_of(row, 1),
-                sign * impulse_of(row, 2),
-            )
+            J = (sign * impulse_of(row, 0), sign * impulse_of(row, 1), sign * impulse_of(row, 2))
             done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
             lost = _lost(rigid_bodies, t, arm, J, w)
             done += lost

@@ -6,12 +6,14 @@ the first's: it would turn velocities that the grid cannot resolve into a force.
 make two tied bodies move as one, to rounding.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel
+from pgimp.jit.memory import structure
 from pgimp.kernels.contact.select import VERTEX_RANGE
+from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.physics.contact.pairs import Pairs
 
 #: Sweeps over the pairs of a vertex where one is not enough: with more than two fields, or with
@@ -22,7 +24,7 @@ SWEEPS = 8
 #: of V grad S. `inverse_mass`, by component, is 0 where the field is held;
 #: `bilateral_inverse_mass` only where it is held at any velocity, not by unilateral walls.
 #: A rigid body has infinite mass.
-FIELD_STATE = np.dtype([
+FIELD_STATE = structure(
     ("mass", "f8"),
     ("filled", "f8"),
     ("surface", "f8", 3),
@@ -31,14 +33,14 @@ FIELD_STATE = np.dtype([
     ("velocity_before", "f8", 3),
     ("inverse_mass", "f8", 3),
     ("bilateral_inverse_mass", "f8", 3),
-], align=True)  # fmt: skip
+)
 
 #: A pair of fields. `normal` is from the first to the second, `gap_rate` the velocity that closes
 #: the gap within the step. Impulses are accumulated; `sticking` is the tangential impulse over the
 #: sticking impulse. `adhesion` and `shear_adhesion` bound the adhesive impulses along the normal
 #: and across it. `adhesion_used` is the adhesive impulse along the normal over the impulse required
 #: to hold.
-PAIR_STATE = np.dtype([
+PAIR_STATE = structure(
     ("normal", "f8", 3),
     ("gap_rate", "f8"),
     ("area", "f8"),
@@ -48,7 +50,7 @@ PAIR_STATE = np.dtype([
     ("adhesion", "f8"),
     ("shear_adhesion", "f8"),
     ("adhesion_used", "f8"),
-], align=True)  # fmt: skip
+)
 
 #: The two fields of a pair, and the entry of its law.
 PAIR_ENDS = np.dtype([("fields", "i8", 2), ("law", "i8")], align=True)
@@ -92,17 +94,17 @@ class Contact(NamedTuple):
     ends: np.ndarray
     pair_states: np.ndarray
     scratch_impulse: np.ndarray
-    rigid_bodies: Any
+    rigid_bodies: AnyRigidBodies
 
     @classmethod
     def empty(
         cls,
         pairs: Pairs,
-        volumes: Any,
+        volumes: np.ndarray,
         planes: int,
         fields: int,
         faces: int,
-        rigid_bodies: Any = (),
+        rigid_bodies: AnyRigidBodies = (),
     ) -> "Contact":
         """Allocate for `planes` planes, with at most `fields` bodies at a vertex."""
         most = fields + (len(rigid_bodies.motion) if rigid_bodies else 0)

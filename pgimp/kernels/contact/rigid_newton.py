@@ -15,10 +15,7 @@ from pgimp.kernels.contact.law import held_compliance
 from pgimp.kernels.contact.sliding import sliding_slope
 from pgimp.kernels.contact.vertex import contact_at_vertex
 from pgimp.kernels.grid.conditions import Holding
-from pgimp.kernels.rigid.bodies import (
-    lever,
-    position_of,
-)
+from pgimp.kernels.rigid.bodies import lever, position_of
 from pgimp.physics.contact.base import TIED
 
 #: Least impulse across the normal; squares of smaller ones underflow.

@@ -4,9 +4,7 @@ from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.books import book
-from pgimp.kernels.contact.data import (
-    SWEEPS,
-)
+from pgimp.kernels.contact.data import SWEEPS
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.law import exchange, find_held
 from pgimp.kernels.contact.select import clear_range, include

@@ -7,8 +7,6 @@ lies within the whole box, and has its support within the whole support. Shapes 
 have the weights of whole particles, corrected by their gradient over the offset to the centroid.
 """
 
-from typing import Any
-
 from numba.core import types
 
 from pgimp.jit.kernel import specialise
@@ -28,7 +26,7 @@ BOXES = GimpParameters | FiniteGimpParameters
 LEAST = 1e-4
 
 
-def volume_sums(shape: Any) -> VolumeSums:
+def volume_sums(shape: object) -> VolumeSums:
     """Sums of volumes for particles of a shape, given by its parameters."""
     return VolumeSums() if isinstance(shape, BOXES) else VolumeSums(gradient=1.0)
 

@@ -125,7 +125,7 @@ class Field(NamedTuple):
     shared_lower: int
     owned: int
     bounds: tuple[tuple[float, float], ...]
-    used: Any = ()
+    used: IntArray | tuple[()] = ()
 
 
 class Forcing(NamedTuple):
@@ -168,7 +168,7 @@ class Forcing(NamedTuple):
     marked: tuple
     position_limits: FloatArray
     controlled: bool | float
-    clearances: Any = ()
+    clearances: FloatArray | tuple[()] = ()
     filling: Any = ()
     keepers: Any = ()
 

@@ -1,6 +1,7 @@
 """Position of the grid, and of the part that a rank stores."""
 
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class MixedFrame(NamedTuple):
     inverse: tuple[float, ...]
     cells: tuple[int, ...]
     ghost: int
-    lagrangian: Any
+    lagrangian: np.ndarray
 
     @property
     def vertices(self) -> tuple[int, ...]:
@@ -76,11 +77,11 @@ class Window(NamedTuple):
     lower: tuple[int, int, int]
     extent: tuple[int, int, int]
     stride: tuple[int, int, int]
-    bodies: Any = ()
+    bodies: np.ndarray | tuple[()] = ()
 
     @classmethod
     def over(
-        cls, lower: tuple[int, int, int], extent: tuple[int, int, int], fields: Any = ()
+        cls, lower: tuple[int, int, int], extent: tuple[int, int, int], fields: Sequence[int] = ()
     ) -> "Window":
         """Window of records, planes outermost.
 

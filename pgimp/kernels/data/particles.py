@@ -105,16 +105,16 @@ class Particles(NamedTuple):
     sigma: Annotated[
         FloatArray,
         Column(
-            "Cauchy stress xx yy zz [xy [yz xz]], positive in tension", "stress",
+            "Cauchy stress xx yy zz [xy [yz xz]], positive in tension",
+            "stress",
             lambda carried: (3, 4, 6)[carried.dimensions - 1],
         ),
-    ]  # fmt: skip
+    ]
     V: Annotated[FloatArray, Column("volume in (16)", "volume", above=0.0)]
     V0: Annotated[FloatArray, Column("initial volume", "volume", above=0.0)]
     m: Annotated[FloatArray, Column("mass", "mass", above=0.0)]
     id: Annotated[
-        IntArray,
-        Column("number, by body, then by position", dtype=np.int64, numbers="particles"),
+        IntArray, Column("number, by body, then by position", dtype=np.int64, numbers="particles")
     ]
     cell: Annotated[
         IntArray,
@@ -127,8 +127,7 @@ class Particles(NamedTuple):
         NDArray[np.int32], Column("number of the body", dtype=np.int32, numbers="bodies")
     ]
     origin: Annotated[
-        FloatArray,
-        Column("initial position", "length", lambda c: c.dimensions if c.origin else 0),
+        FloatArray, Column("initial position", "length", lambda c: c.dimensions if c.origin else 0)
     ]
     L: Annotated[
         FloatArray,
@@ -145,41 +144,47 @@ class Particles(NamedTuple):
         NDArray[np.int32],
         Column(
             "number of the constraint that holds it, from 1; 0 is none",
-            width=lambda c: int(c.constraints), dtype=np.int32, numbers="constraints",
+            width=lambda c: int(c.constraints),
+            dtype=np.int32,
+            numbers="constraints",
         ),
-    ]  # fmt: skip
-    state: Annotated[
-        FloatArray, Column("state variables of the material", "", lambda c: c.state)
     ]
+    state: Annotated[FloatArray, Column("state variables of the material", "", lambda c: c.state)]
     offset: Annotated[
         FloatArray,
         Column(
-            "centroid of what a surface leaves of it, from its position, at the start", "length",
+            "centroid of what a surface leaves of it, from its position, at the start",
+            "length",
             lambda c: c.dimensions if c.surfaces else 0,
         ),
-    ]  # fmt: skip
+    ]
     excess: Annotated[
         FloatArray,
         Column(
-            "what the surface's curvature adds to the mean gap from a plane", "length",
+            "what the surface's curvature adds to the mean gap from a plane",
+            "length",
             lambda c: int(c.surfaces),
         ),
-    ]  # fmt: skip
+    ]
     alone: Annotated[
         FloatArray,
         Column(
-            "part of its rate of dilatation that is not the cells', where it is alone in them", "1",
-            lambda c: int(c.mean), least=0.0,
+            "part of its rate of dilatation that is not the cells', where it is alone in them",
+            "1",
+            lambda c: int(c.mean),
+            least=0.0,
         ),
-    ]  # fmt: skip
+    ]
     around: Annotated[
         FloatArray,
         Column(
             "deformation gradient of the cells in which it lies, row by row, with mean dilatation "
-            "in the initial configuration", "1",
-            lambda c: c.dimensions**2 if c.around else 0, initial=1.0,
+            "in the initial configuration",
+            "1",
+            lambda c: c.dimensions**2 if c.around else 0,
+            initial=1.0,
         ),
-    ]  # fmt: skip
+    ]
     ratio: Annotated[
         FloatArray,
         Column(
@@ -193,10 +198,11 @@ class Particles(NamedTuple):
     slope: Annotated[
         FloatArray,
         Column(
-            "gradient of the volume ratio J, of what flows", "1/length",
+            "gradient of the volume ratio J, of what flows",
+            "1/length",
             lambda c: c.dimensions if c.liquid else 0,
         ),
-    ]  # fmt: skip
+    ]
 
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":

@@ -55,9 +55,11 @@ def _move_to_fields(window, particles, rows, buffer, at):
         bodies, body = window.bodies, particles.body
         if len(bodies) > 0:
             begin = pack(
-                bodies[body[rows[0]]], bodies[body[rows[1]]], bodies[body[rows[2]]],
+                bodies[body[rows[0]]],
+                bodies[body[rows[1]]],
+                bodies[body[rows[2]]],
                 bodies[body[rows[3]]],
-            )  # fmt: skip
+            )
             store(buffer, at, load(buffer, at) + begin)
 
     return move

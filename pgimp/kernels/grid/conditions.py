@@ -1,6 +1,6 @@
 """Conditions on a vertex: faces and constraints, one after the other."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pgimp.jit.kernel import specialise
 from pgimp.kernels.data.arguments import Forcing
@@ -8,7 +8,7 @@ from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.ledger import WALL_HEAT, WALL_LOSS
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.constraints import constrained_velocity, former_velocity
-from pgimp.kernels.grid.faces import KIND, constrained, is_beyond, side_of, unilateral_walls
+from pgimp.kernels.grid.faces import KIND, Faces, constrained, is_beyond, side_of, unilateral_walls
 from pgimp.kernels.grid.wall_gap import clearance_at
 from pgimp.kernels.loads.loads import given
 
@@ -28,7 +28,7 @@ class Holding(NamedTuple):
         Grows by each face's impulse: a part of the ledger, or scratch where nothing is booked.
     """
 
-    faces: Any
+    faces: Faces | tuple[()]
     frame: Frame
     forcing: Forcing
     impulse: FloatArray

@@ -54,9 +54,10 @@ def _former_velocity(marked, r, v, dt):
             if mask[r // RECORD] >> k & 1:
                 h, u, a = constraints[k].held, constraints[k].velocity, constraints[k].rate
                 v = (
-                    u[0] - dt * a[0] if h[0] else v[0], u[1] - dt * a[1] if h[1] else v[1],
+                    u[0] - dt * a[0] if h[0] else v[0],
+                    u[1] - dt * a[1] if h[1] else v[1],
                     u[2] - dt * a[2] if h[2] else v[2],
-                )  # fmt: skip
+                )
         return v
 
     return by_constraints
@@ -185,9 +186,11 @@ def _constrain_particles(constraints, particles, four, u, v, ledger):
     def constrain_particles(constraints, particles, four, u, v, ledger):
         column, rows = particles.constraint, four.rows
         number = pack(
-            float(column[rows[0], 0]), float(column[rows[1], 0]),
-            float(column[rows[2], 0]), float(column[rows[3], 0]),
-        )  # fmt: skip
+            float(column[rows[0], 0]),
+            float(column[rows[1], 0]),
+            float(column[rows[2], 0]),
+            float(column[rows[3], 0]),
+        )
         if bits(number > 0.0) == 0:
             return u, v
         m = where(pack(0.0, 1.0, 2.0, 3.0) < four.size, take(particles.m, rows), 0.0)

@@ -3,11 +3,12 @@
 Kernels get the faces as a table, so that they are compiled once for all sets of conditions.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from numba.core import types
 
 from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.outside import NumbaObject
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.physics.boundaries.base import constrain
 
@@ -86,9 +87,9 @@ def _read(like, rows, n, at):
     """Read a value of the type of `like` from a row, from `at` on."""
 
 
-def _width(like: Any) -> int:
+def _width(like: NumbaObject) -> int:
     """Width of a value of a type in a row."""
-    members: Any = like if isinstance(like, types.BaseTuple) else None
+    members: NumbaObject = like if isinstance(like, types.BaseTuple) else None
     return 1 if members is None else sum(map(_width, members))
 
 
@@ -104,8 +105,9 @@ def _read_value(like, rows, n, at):
         return lambda like, rows, n, at: ()
     width = _width(like[0])
     return lambda like, rows, n, at: (
-        _read(like[0], rows, n, at), *_read(like[1:], rows, n, at + width),
-    )  # fmt: skip
+        _read(like[0], rows, n, at),
+        *_read(like[1:], rows, n, at + width),
+    )
 
 
 def constrained(kinds, k, rows, n, v, a, clearance):

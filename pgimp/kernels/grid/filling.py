@@ -26,7 +26,7 @@ that nothing else changes. Otherwise soil that was torn apart in motion would co
 excess volume.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
@@ -35,7 +35,7 @@ from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.data.frame import Window
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
-from pgimp.kernels.grid.calming import find_motion
+from pgimp.kernels.grid.calming import Calming, find_motion
 from pgimp.kernels.grid.mirror import beyond_count, image_of
 from pgimp.kernels.rigid.fill import fill
 from pgimp.kernels.transfer.first_vertex import deformation
@@ -67,8 +67,8 @@ class FillingSums(NamedTuple):
     approached: tuple[()] = ()
     mean: tuple[()] = ()
     mean_lagrangian: tuple[()] = ()
-    most: Any = ()
-    calming: Any = ()
+    most: FloatArray | tuple[()] = ()
+    calming: Calming | tuple[()] = ()
 
 
 class Filling(NamedTuple):
@@ -104,7 +104,7 @@ class Filling(NamedTuple):
     closed: FloatArray
     most: FloatArray
     gap: IntArray
-    calming: Any = ()
+    calming: Calming | tuple[()] = ()
 
 
 def filling_share(loads, frame, particles, p):

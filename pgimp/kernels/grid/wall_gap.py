@@ -87,9 +87,7 @@ def moment(walls, particles, p, d):
 def _moment(walls, particles, p, d):
     if not hasattr(walls, "instance_class"):  # ()
         return lambda walls, particles, p, d: 0.0
-    return lambda walls, particles, p, d: (
-        particles.m[p] * _distance(walls, particles.x[p, d])[0]
-    )
+    return lambda walls, particles, p, d: particles.m[p] * _distance(walls, particles.x[p, d])[0]
 
 
 def divergence(walls, particles, p, d):

@@ -3,16 +3,19 @@
 Each is `()` in a scene without it; the compiler then omits it at no cost.
 """
 
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
+
+import numpy as np
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled, read, scaled
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import pack
-from pgimp.kernels.grid.wall_gap import divergence
+from pgimp.kernels.grid.wall_gap import Sides, divergence
 from pgimp.kernels.loads.tractions import scatter_tractions, traction_power
-from pgimp.physics.exact.base import body_force
+from pgimp.physics.exact.base import BodyForce, body_force
 from pgimp.physics.loads.bodyforce import acceleration
+from pgimp.physics.loads.tractions import Traction
 
 
 class Loads(NamedTuple):
@@ -43,15 +46,15 @@ class Loads(NamedTuple):
         `pgimp.kernels.grid.resting`.
     """
 
-    viscosity: Any = ()
-    tractions: Any = ()
-    force: Any = ()
-    relaxation: Any = ()
-    affine: Any = ()
-    approached: Any = ()
-    mean: Any = ()
-    mean_lagrangian: Any = ()
-    rest: Any = ()
+    viscosity: tuple = ()
+    tractions: tuple[Traction, ...] = ()
+    force: BodyForce | tuple[()] = ()
+    relaxation: float | tuple[()] = ()
+    affine: float | tuple[()] = ()
+    approached: tuple[Sides, ...] = ()
+    mean: float | np.ndarray | tuple[()] = ()
+    mean_lagrangian: float | np.ndarray | tuple[()] = ()
+    rest: np.ndarray | tuple[()] = ()
 
     def summed(self) -> Self:
         """The loads that sums of particles need, to compile kernels once for all others."""

@@ -86,8 +86,9 @@ def _means_of(ends, tent, half, g, like):
     if len(like) == 1:
         return lambda ends, tent, half, g, like: (_mean(ends, tent, half, g),)
     return lambda ends, tent, half, g, like: (
-        _mean(ends, tent, half, g), *_means(ends, tent, half, g - 1.0, like[1:]),
-    )  # fmt: skip
+        _mean(ends, tent, half, g),
+        *_means(ends, tent, half, g - 1.0, like[1:]),
+    )
 
 
 @inner_kernel

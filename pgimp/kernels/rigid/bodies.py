@@ -6,12 +6,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.memory import structure
+from pgimp.jit.outside import NumbaObject
 
 #: A rigid body in a step: current and initial reference point, matrix of rotation, spacing and
 #: first point of the lattice. Velocity and angular velocity are at the step's beginning and end.
 #: For a free body, whether slip is viscous in this iteration, and its compliance against held
 #: fields, see `pgimp.kernels.contact.law.held_compliance`.
-MOTION = np.dtype([
+MOTION = structure(
     ("centre", "f8", 3),
     ("reference", "f8", 3),
     ("rotation", "f8", (3, 3)),
@@ -21,35 +23,29 @@ MOTION = np.dtype([
     ("velocity_after", "f8", 6),
     ("viscous_slip", "f8"),
     ("compliance", "f8"),
-], align=True)  # fmt: skip
+)
 
 #: The lattice of a rigid body: its points by direction, their first offset, and the least and the
 #: greatest vertex near the body. Then the body's number among the free ones, else -1.
-LATTICE = np.dtype([
-    ("points", "i8", 3),
-    ("first", "i8"),
-    ("least", "i8", 3),
-    ("most", "i8", 3),
-    ("free", "i8"),
-], align=True)  # fmt: skip
+LATTICE = structure(
+    ("points", "i8", 3), ("first", "i8"), ("least", "i8", 3), ("most", "i8", 3), ("free", "i8")
+)
 
 #: A rigid body at a point: distance, normal and mean distance. At a vertex: filled part, area with
 #: outward normal, and curvature's share of the mean gap from a plane.
-POINT = np.dtype([
+POINT = structure(
     ("distance", "f8"),
     ("normal", "f8", 3),
     ("mean_distance", "f8"),
     ("filled", "f8"),
     ("surface", "f8", 3),
     ("curvature_gap", "f8"),
-], align=True)  # fmt: skip
+)
 
 #: Impulses on a free rigid body: impulse and moment in the step so far and in the last pass. Then
 #: minus their derivatives by the velocities along and about x, y, z. In place of the derivatives
 #: `pgimp.kernels.contact.lagrangian.gauss_seidel` has the body's own response to both.
-RESPONSE = np.dtype([
-    ("impulse", "f8", 6), ("trial_impulse", "f8", 6), ("derivative", "f8", (6, 6))
-], align=True)  # fmt: skip
+RESPONSE = structure(("impulse", "f8", 6), ("trial_impulse", "f8", 6), ("derivative", "f8", (6, 6)))
 
 
 class RigidBodies(NamedTuple):
@@ -79,10 +75,13 @@ class RigidBodies(NamedTuple):
     responses: Any
 
 
+#: The rigid bodies of a scene; () without any.
+AnyRigidBodies = RigidBodies | tuple[()]
+
 _RESPONSES = RigidBodies._fields.index("responses")
 
 
-def move_freely(rigid_bodies: Any) -> bool:
+def move_freely(rigid_bodies: NumbaObject) -> bool:
     """Whether some rigid bodies, given by their Numba type, move freely."""
     has = hasattr(rigid_bodies, "instance_class")
     return has and hasattr(rigid_bodies.types[_RESPONSES], "ndim")
@@ -113,9 +112,10 @@ def find_distance(rigid_bodies, t, D, x, y, z):
         for k in range(d + 1, D):
             stride *= lattice.points[k]
         step = (
-            stride if d == 0 else step[0], stride if d == 1 else step[1],
+            stride if d == 0 else step[0],
+            stride if d == 1 else step[1],
             stride if d == 2 else step[2],
-        )  # fmt: skip
+        )
     if not inside:
         point.distance = 1e300
         return

@@ -13,10 +13,7 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.select import include
 from pgimp.kernels.data.record import MASS
 from pgimp.kernels.data.velocity_fields import field_count, field_size
-from pgimp.kernels.rigid.bodies import (
-    find_distance,
-    position_of,
-)
+from pgimp.kernels.rigid.bodies import find_distance, position_of
 from pgimp.kernels.rigid.tents import cut
 
 #: Difference between the mean distance and the distance at the vertex, as part of a cell along the
@@ -123,9 +120,10 @@ def fill(rigid_bodies, t, frame, number, sides):
                 weight *= 0.0 if off == sides[d] else 0.5
             move = 0.5 * off * frame.cell[d]
             px, py, pz = (
-                px + move if d == 0 else px, py + move if d == 1 else py,
+                px + move if d == 0 else px,
+                py + move if d == 1 else py,
                 pz + move if d == 2 else pz,
-            )  # fmt: skip
+            )
         if weight == 0.0:
             continue
         find_distance(rigid_bodies, t, D, px, py, pz)

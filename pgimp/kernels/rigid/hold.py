@@ -8,7 +8,7 @@ impulses at the vertices, and is booked like them. Of a cut particle the centroi
 """
 
 from math import inf, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,9 +24,7 @@ from pgimp.kernels.data.ledger import (
     TANGENTIAL_IMPULSE,
 )
 from pgimp.kernels.grid.position_limits import free_part
-from pgimp.kernels.rigid.bodies import (
-    find_distance,
-)
+from pgimp.kernels.rigid.bodies import RigidBodies, find_distance
 from pgimp.kernels.transfer.lane_io import take_row
 from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.contact.pairs import Pairs
@@ -51,7 +49,7 @@ class Keepers(NamedTuple):
         Grows by impulse and moment on each body.
     """
 
-    rigid_bodies: Any
+    rigid_bodies: RigidBodies
     pairs: Pairs
     yields: np.ndarray
     impulses: np.ndarray
@@ -110,9 +108,10 @@ def position_of_particle(particles, p):
     """Position of a particle, three coordinates."""
     D = particles.x.shape[1]
     return (
-        particles.x[p, 0], particles.x[p, 1] if D > 1 else 0.0,
+        particles.x[p, 0],
+        particles.x[p, 1] if D > 1 else 0.0,
         particles.x[p, D - 1] if D > 2 else 0.0,
-    )  # fmt: skip
+    )
 
 
 @kernel
@@ -216,9 +215,10 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
         particles.x[p, d] += way
         ledger.work[layer] += particles.m[p] * forcing.gravity[d] * way
     arm = (
-        x[0] + depth * n[0] - motion.centre[0], x[1] + depth * n[1] - motion.centre[1],
+        x[0] + depth * n[0] - motion.centre[0],
+        x[1] + depth * n[1] - motion.centre[1],
         x[2] + depth * n[2] - motion.centre[2],
-    )  # fmt: skip
+    )
     moving = motion.velocity_after
     own = (
         moving[0] + moving[4] * arm[2] - moving[5] * arm[1],

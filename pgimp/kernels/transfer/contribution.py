@@ -1,6 +1,6 @@
 """Contribution of a particle to the sums of the grid: mass, momentum, stress."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from numba.core import types
 
@@ -40,7 +40,7 @@ class VolumeSums(NamedTuple):
     approached: tuple[()] = ()
     mean: tuple[()] = ()
     mean_lagrangian: tuple[()] = ()
-    gradient: Any = ()
+    gradient: float | tuple[()] = ()
 
 
 def contribution(loads, frame, particles, p, forces, j):
@@ -93,9 +93,10 @@ def _moved_by(F, d):
     one = lambda F, d: (F[0] * d[0],)  # noqa: E731
     two = lambda F, d: (F[0] * d[0] + F[1] * d[1], F[2] * d[0] + F[3] * d[1])  # noqa: E731
     three = lambda F, d: (  # noqa: E731
-        F[0] * d[0] + F[1] * d[1] + F[2] * d[2], F[3] * d[0] + F[4] * d[1] + F[5] * d[2],
+        F[0] * d[0] + F[1] * d[1] + F[2] * d[2],
+        F[3] * d[0] + F[4] * d[1] + F[5] * d[2],
         F[6] * d[0] + F[7] * d[1] + F[8] * d[2],
-    )  # fmt: skip
+    )
     return (one, two, three)[len(d) - 1]
 
 

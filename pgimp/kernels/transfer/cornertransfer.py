@@ -28,9 +28,7 @@ def _numbers(buffer, at, like):
 def _numbers_of(buffer, at, like):
     if len(like) == 0:
         return lambda buffer, at, like: ()
-    return lambda buffer, at, like: (
-        number(buffer, at), *_numbers(buffer, at + 4, like[1:]),
-    )  # fmt: skip
+    return lambda buffer, at, like: (number(buffer, at), *_numbers(buffer, at + 4, like[1:]))
 
 
 def _combined(w, V):
@@ -65,8 +63,9 @@ def corner(buffer, c, j, like):
 @specialise(corner)
 def _corner(buffer, c, j, like):
     return lambda buffer, c, j, like: (
-        _numbers(buffer, CORNER * c + j, like), int(number(buffer, CORNER * c + CELL + j)),
-    )  # fmt: skip
+        _numbers(buffer, CORNER * c + j, like),
+        int(number(buffer, CORNER * c + CELL + j)),
+    )
 
 
 def _along(A, t, C):
@@ -154,9 +153,7 @@ def _over_cells(part, C, cell):
 def _over_all_cells(part, C, cell):
     if len(C) == 0:
         return lambda part, C, cell: ()
-    return lambda part, C, cell: (
-        (part * cell[0]) * C[0], *_over_cells(part, C[1:], cell[1:]),
-    )  # fmt: skip
+    return lambda part, C, cell: ((part * cell[0]) * C[0], *_over_cells(part, C[1:], cell[1:]))
 
 
 def scatter_corners(shape, G, support, offset, stride, share):
@@ -226,8 +223,9 @@ def _transposed_along(part, buffer, at, E, like):
     if len(like) == 0:
         return lambda part, buffer, at, E, like: ()
     return lambda part, buffer, at, E, like: (
-        part * _down(buffer, at, 4 * len(E), E), *_transposed(part, buffer, at + 4, E, like[1:]),
-    )  # fmt: skip
+        part * _down(buffer, at, 4 * len(E), E),
+        *_transposed(part, buffer, at + 4, E, like[1:]),
+    )
 
 
 def _down(buffer, at, step, E):

@@ -31,9 +31,11 @@ from pgimp.kernels.update.viscosity import update_viscous_pressure
 def materials_of(material_of, body, rows):
     """Materials of four particles."""
     return (
-        material_of[body[rows[0]]], material_of[body[rows[1]]],
-        material_of[body[rows[2]]], material_of[body[rows[3]]],
-    )  # fmt: skip
+        material_of[body[rows[0]]],
+        material_of[body[rows[1]]],
+        material_of[body[rows[2]]],
+        material_of[body[rows[3]]],
+    )
 
 
 @kernel

@@ -148,9 +148,7 @@ def _add_gradients(w, ds, Ds):
 def _add_gradients_of(w, ds, Ds):
     if len(ds) == 1:
         return lambda w, ds, Ds: (plus_scaled(w, ds[0], Ds[0]),)
-    return lambda w, ds, Ds: (
-        plus_scaled(w, ds[0], Ds[0]), *_add_gradients(w, ds[1:], Ds[1:]),
-    )  # fmt: skip
+    return lambda w, ds, Ds: (plus_scaled(w, ds[0], Ds[0]), *_add_gradients(w, ds[1:], Ds[1:]))
 
 
 def _line(G, buffer, d, i, offset, step, like, most):
@@ -236,9 +234,10 @@ def _reached_of(shape, buffer, d):
     if vertices == 3:
         return lambda shape, buffer, d: 2 if bits(four_entries(buffer, d, 0, 2) == 0.0) == 15 else 3
     return lambda shape, buffer, d: (
-        4 if bits(four_entries(buffer, d, 0, 3) == 0.0) != 15
+        4
+        if bits(four_entries(buffer, d, 0, 3) == 0.0) != 15
         else (3 if bits(four_entries(buffer, d, 0, 2) == 0.0) != 15 else 2)
-    )  # fmt: skip
+    )
 
 
 def _all_reached(shape, buffer, d, like):
@@ -250,8 +249,9 @@ def _all_reached_of(shape, buffer, d, like):
     if len(like) == 0:
         return lambda shape, buffer, d, like: ()
     return lambda shape, buffer, d, like: (
-        _reached(shape, buffer, d), *_all_reached(shape, buffer, d + 1, like[1:]),
-    )  # fmt: skip
+        _reached(shape, buffer, d),
+        *_all_reached(shape, buffer, d + 1, like[1:]),
+    )
 
 
 def gather_shared(shape, G, buffer, offset, stride, directions, like):

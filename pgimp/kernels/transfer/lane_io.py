@@ -21,9 +21,11 @@ def four_rows(order, k, end):
 @specialise(four_rows)
 def _four(order, k, end):
     return lambda order, k, end: (
-        order[k], order[min(k + 1, end - 1)], order[min(k + 2, end - 1)],
+        order[k],
+        order[min(k + 1, end - 1)],
+        order[min(k + 2, end - 1)],
         order[min(k + 3, end - 1)],
-    )  # fmt: skip
+    )
 
 
 def take(array, rows):
@@ -43,21 +45,22 @@ def take_row(array, rows, i, like):
 def _take_row(array, rows, i, like):
     def four_entries(array, rows, i, like):
         return transpose(
-            load_row(array, rows[0], i), load_row(array, rows[1], i),
-            load_row(array, rows[2], i), load_row(array, rows[3], i),
-        )  # fmt: skip
+            load_row(array, rows[0], i),
+            load_row(array, rows[1], i),
+            load_row(array, rows[2], i),
+            load_row(array, rows[3], i),
+        )
 
     def one(array, rows, i, like):
-        return (
-            pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),
-        )
+        return (pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),)
 
     if len(like) == 4:
         return four_entries
     if len(like) > 4:
         return lambda array, rows, i, like: (
-            *take_row(array, rows, i, like[:4]), *take_row(array, rows, i + 4, like[4:]),
-        )  # fmt: skip
+            *take_row(array, rows, i, like[:4]),
+            *take_row(array, rows, i + 4, like[4:]),
+        )
     if len(like) == 1:
         return one
     return lambda array, rows, i, like: (

@@ -8,11 +8,13 @@ Layers may be computed in another order: layers for which neighbours wait come f
 added later are deferred.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.vectors.simd import load, pack, store
+from pgimp.kernels.data.arguments import Order, KernelScene
 from pgimp.kernels.data.velocity_fields import clear_plane, use
+from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.transfer.sum_layer import sum_layer
 
 
@@ -25,9 +27,9 @@ class Others(NamedTuple):
         See `KernelScene`, `Loads`, `Order`; the order has the same layers.
     """
 
-    setting: Any
-    loads: Any
-    order: Any
+    setting: KernelScene
+    loads: Loads
+    order: Order
 
 
 def _sum_others(others, field, particles, layer, span):

@@ -1,8 +1,9 @@
 """Scatter to the vertices of a particle's support; see `pgimp.kernels.transfer.transfer`."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pgimp.jit.kernel import specialise
+from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.simd import load, store
 from pgimp.kernels.transfer.cornertransfer import scatter_corners
@@ -29,11 +30,11 @@ class Share(NamedTuple):
         Force times dD_p/dv_v, see `mean_force`.
     """
 
-    A: Any
-    B: Any
+    A: NumbaObject
+    B: NumbaObject
     S: tuple
     C: tuple
-    M: Any
+    M: NumbaObject
 
 
 def _sloped(w, A, e, C):

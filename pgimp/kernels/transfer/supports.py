@@ -164,8 +164,9 @@ def _entries(buffer, d, quantity, i, j, like):
     if len(like) == 1:
         return lambda buffer, d, quantity, i, j, like: (entry(buffer, d, quantity, i, j),)
     return lambda buffer, d, quantity, i, j, like: (
-        entry(buffer, d, quantity, i, j), *entries(buffer, d, quantity, i + 1, j, like[1:]),
-    )  # fmt: skip
+        entry(buffer, d, quantity, i, j),
+        *entries(buffer, d, quantity, i + 1, j, like[1:]),
+    )
 
 
 def share_support(buffer):
@@ -202,5 +203,6 @@ def _extents(shape, buffer, d, j, like):
     if len(like) == 0:
         return lambda shape, buffer, d, j, like: ()
     return lambda shape, buffer, d, j, like: (
-        extent(shape, buffer, d, j), *extents(shape, buffer, d + 1, j, like[1:]),
-    )  # fmt: skip
+        extent(shape, buffer, d, j),
+        *extents(shape, buffer, d + 1, j, like[1:]),
+    )

@@ -7,7 +7,9 @@ innermost direction, along which records follow each other, is unrolled for each
 the others are loops.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
 
 from pgimp.jit.kernel import specialise
 from pgimp.kernels.data.record import RECORD
@@ -26,7 +28,7 @@ class Support(NamedTuple):
         Number of the particle among the four.
     """
 
-    buffer: Any
+    buffer: np.ndarray
     j: int
 
 

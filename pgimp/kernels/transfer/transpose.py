@@ -48,8 +48,10 @@ def _columns(buffer, i):
 @specialise(_columns)
 def _columns_of(buffer, i):
     return lambda buffer, i: transpose(
-        load(buffer, 16 * i), load(buffer, 16 * i + 4),
-        load(buffer, 16 * i + 8), load(buffer, 16 * i + 12),
+        load(buffer, 16 * i),
+        load(buffer, 16 * i + 4),
+        load(buffer, 16 * i + 8),
+        load(buffer, 16 * i + 12),
     )
 
 

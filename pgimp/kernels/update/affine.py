@@ -41,10 +41,7 @@ def _affine_momentum(affine, frame, particles, p):
 
     def affine_momentum2(affine, frame, particles, p):
         m, L = particles.m[p], particles.L
-        return (
-            pack(0.0, m * L[p, 0], m * L[p, 2], 0.0),
-            pack(0.0, m * L[p, 1], m * L[p, 3], 0.0),
-        )
+        return (pack(0.0, m * L[p, 0], m * L[p, 2], 0.0), pack(0.0, m * L[p, 1], m * L[p, 3], 0.0))
 
     def affine_momentum3(affine, frame, particles, p):
         m, L = particles.m[p], particles.L
@@ -107,9 +104,10 @@ def _keep_gradients(affine, particles, rows, L, held):
 
     def keep3(affine, particles, rows, L, held):
         kept = (
-            *scaled(_free(held, 0), L[:3]), *scaled(_free(held, 1), L[3:6]),
+            *scaled(_free(held, 0), L[:3]),
+            *scaled(_free(held, 1), L[3:6]),
             *scaled(_free(held, 2), L[6:]),
-        )  # fmt: skip
+        )
         put_row(particles.L, rows, 0, kept)
 
     return nothing if hasattr(affine, "count") else (keep1, keep2, keep3)[D - 1]

@@ -71,9 +71,7 @@ def _update_deformation(setting, forcing, particles, four, numbers, L):
     def each_its_own(setting, forcing, particles, four, numbers, L):
         F = deformations(setting.frame, particles, four.rows)
         grown = one_plus(forcing.dt, L)
-        kinds = pack(
-            flows[numbers[0]], flows[numbers[1]], flows[numbers[2]], flows[numbers[3]]
-        )  # fmt: skip
+        kinds = pack(flows[numbers[0]], flows[numbers[1]], flows[numbers[2]], flows[numbers[3]])
         volume = _diagonal(F[0] * side(determinant(grown), L), L)
         return where_all(kinds > 0.0, volume, multiply(grown, F))
 

@@ -173,9 +173,11 @@ def _always_alone(mean, particles, rows):
 def _always_alone_of(mean, particles, rows):
     if isinstance(mean, types.Array):
         return lambda mean, particles, rows: pack(
-            mean[particles.body[rows[0]]], mean[particles.body[rows[1]]],
-            mean[particles.body[rows[2]]], mean[particles.body[rows[3]]],
-        )  # fmt: skip
+            mean[particles.body[rows[0]]],
+            mean[particles.body[rows[1]]],
+            mean[particles.body[rows[2]]],
+            mean[particles.body[rows[3]]],
+        )
     return lambda mean, particles, rows: vector(0.0)
 
 
@@ -202,9 +204,11 @@ def _rates_of(buffer, count, like):
         for j in range(count, 4):
             store(buffer, _GATHERED + 4 * j, load(buffer, _GATHERED + 4 * (count - 1)))
         rate = transpose(
-            load(buffer, _GATHERED), load(buffer, _GATHERED + 4),
-            load(buffer, _GATHERED + 8), load(buffer, _GATHERED + 12),
-        )  # fmt: skip
+            load(buffer, _GATHERED),
+            load(buffer, _GATHERED + 4),
+            load(buffer, _GATHERED + 8),
+            load(buffer, _GATHERED + 12),
+        )
         return rate[1] + rate[2] + third * rate[3]
 
     return rates

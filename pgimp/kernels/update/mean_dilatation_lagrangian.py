@@ -55,9 +55,7 @@ def keep_mean_lagrangian(mean, shape, frame, buffer, weights):
 def _keep_mean_lagrangian(mean, shape, frame, buffer, weights):
     if hasattr(mean, "count"):  # ()
         return lambda mean, shape, frame, buffer, weights: None
-    return lambda mean, shape, frame, buffer, weights: _along(
-        shape, buffer, weights, 0, frame.cell
-    )
+    return lambda mean, shape, frame, buffer, weights: _along(shape, buffer, weights, 0, frame.cell)
 
 
 def _along(shape, buffer, weights, d, cell):
@@ -86,8 +84,9 @@ def _slopes_of(buffer, d, i, like):
     if len(like) == 1:
         return lambda buffer, d, i, like: (four_entries(buffer, d, 1, i),)
     return lambda buffer, d, i, like: (
-        four_entries(buffer, d, 1, i), *_slopes(buffer, d, i + 1, like[1:]),
-    )  # fmt: skip
+        four_entries(buffer, d, 1, i),
+        *_slopes(buffer, d, i + 1, like[1:]),
+    )
 
 
 def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):

@@ -51,17 +51,20 @@ def _means_of_parts(shape, buffer, d, cell):
     def three(shape, buffer, d, cell):
         half = 0.5 * cell
         return (
-            -half * four_entries(buffer, d, 1, 0), vector(0.5),
+            -half * four_entries(buffer, d, 1, 0),
+            vector(0.5),
             half * four_entries(buffer, d, 1, 2),
-        )  # fmt: skip
+        )
 
     def four(shape, buffer, d, cell):
         half = 0.5 * cell
         g0, g3 = four_entries(buffer, d, 1, 0), four_entries(buffer, d, 1, 3)
         return (
-            -half * g0, -half * (2.0 * g0 + four_entries(buffer, d, 1, 1)),
-            half * (2.0 * g3 + four_entries(buffer, d, 1, 2)), half * g3,
-        )  # fmt: skip
+            -half * g0,
+            -half * (2.0 * g0 + four_entries(buffer, d, 1, 1)),
+            half * (2.0 * g3 + four_entries(buffer, d, 1, 2)),
+            half * g3,
+        )
 
     return {3: three, 4: four}[shape.instance_class.vertices()]
 
@@ -80,8 +83,9 @@ def _factor(mean, buffer, d, i, j):
         return lambda mean, buffer, d, i, j: entry(buffer, d, 0, i, j)
     return lambda mean, buffer, d, i, j: where(
         pack(0.0, 1.0, 2.0, 3.0) == d + 1.0,
-        entry(buffer, d, 1, i, j), number(buffer, MEANS + 16 * d + 4 * i + j),
-    )  # fmt: skip
+        entry(buffer, d, 1, i, j),
+        number(buffer, MEANS + 16 * d + 4 * i + j),
+    )
 
 
 def factors(mean, buffer, d, i, j, like):
@@ -93,8 +97,9 @@ def _factors(mean, buffer, d, i, j, like):
     if len(like) == 1:
         return lambda mean, buffer, d, i, j, like: (factor(mean, buffer, d, i, j),)
     return lambda mean, buffer, d, i, j, like: (
-        factor(mean, buffer, d, i, j), *factors(mean, buffer, d, i + 1, j, like[1:]),
-    )  # fmt: skip
+        factor(mean, buffer, d, i, j),
+        *factors(mean, buffer, d, i + 1, j, like[1:]),
+    )
 
 
 def factored(f, M):

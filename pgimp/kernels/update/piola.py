@@ -122,9 +122,12 @@ def kept_force(buffer, at, j, like):
 def _kept_force(buffer, at, j, like):
     one = lambda buffer, at, j, like: (load(buffer, at + 4 * j),)  # noqa: E731
     two = lambda buffer, at, j, like: (  # noqa: E731
-        load(buffer, at + 4 * j), load(buffer, at + 16 + 4 * j),
-    )  # fmt: skip
+        load(buffer, at + 4 * j),
+        load(buffer, at + 16 + 4 * j),
+    )
     three = lambda buffer, at, j, like: (  # noqa: E731
-        load(buffer, at + 4 * j), load(buffer, at + 16 + 4 * j), load(buffer, at + 32 + 4 * j),
-    )  # fmt: skip
+        load(buffer, at + 4 * j),
+        load(buffer, at + 16 + 4 * j),
+        load(buffer, at + 32 + 4 * j),
+    )
     return (one, two, three)[len(like) - 1]

@@ -162,15 +162,14 @@ def _steps_of(slopes, cell, shift):
         return (_limited(slopes[0], cell[0], shift), 0.0, 0.0)
 
     def two(slopes, cell, shift):
-        return (
-            _limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift), 0.0,
-        )  # fmt: skip
+        return (_limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift), 0.0)
 
     def three(slopes, cell, shift):
         return (
-            _limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift),
+            _limited(slopes[0], cell[0], shift),
+            _limited(slopes[1], cell[1], shift),
             _limited(slopes[2], cell[2], shift),
-        )  # fmt: skip
+        )
 
     return (one, two, three)[len(cell) - 1]
 
@@ -181,8 +180,8 @@ def _limited(slope, side, shift):
 
 @specialise(_limited)
 def _limited_by(slope, side, shift):
-    return lambda slope, side, shift: side * min(
-        max(-shift * side * lane(slope, EXCESS), -FARTHEST), FARTHEST
+    return lambda slope, side, shift: (
+        side * min(max(-shift * side * lane(slope, EXCESS), -FARTHEST), FARTHEST)
     )
 
 

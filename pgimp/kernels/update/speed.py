@@ -46,9 +46,7 @@ def _initial_speed_of(setting, numbers, F, J, state, by):
         return lambda setting, numbers, F, J, state, by: evaluate_four(
             "initial_speed", setting.materials, numbers, (F, J), state, J
         )
-    return lambda setting, numbers, F, J, state, by: (
-        by * wave_speed(setting, numbers, F, J, state)
-    )
+    return lambda setting, numbers, F, J, state, by: by * wave_speed(setting, numbers, F, J, state)
 
 
 def grid_speed(setting, controlled, numbers, after, inverse, extra):

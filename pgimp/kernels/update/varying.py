@@ -30,8 +30,9 @@ def _each(materials, values):
     if len(materials) == 1:
         return lambda materials, values: (filled(materials[0], values),)
     return lambda materials, values: (
-        filled(materials[0], values), *_each_filled(materials[1:], values),
-    )  # fmt: skip
+        filled(materials[0], values),
+        *_each_filled(materials[1:], values),
+    )
 
 
 def _with_materials(setting, materials):

@@ -36,9 +36,7 @@ class SeparatingParameters(NamedTuple):
             v[2] if left[2] == brought[2] else left[2] + dt * a[2],
         )
         w = _brake(face, u, gap_rate)
-        return w, (
-            a[0] + (w[0] - u[0]) / dt, a[1] + (w[1] - u[1]) / dt, a[2] + (w[2] - u[2]) / dt
-        )  # fmt: skip
+        return w, (a[0] + (w[0] - u[0]) / dt, a[1] + (w[1] - u[1]) / dt, a[2] + (w[2] - u[2]) / dt)
 
 
 @kernel
@@ -53,9 +51,10 @@ def _brake(face, v, gap_rate):
     part = max(0.0, 1.0 - coulomb_part(face.static, face.kinetic, 0.0, into, speed))
     normal = gap_rate * face.side
     return (
-        normal if k == 0 else part * x, normal if k == 1 else part * y,
+        normal if k == 0 else part * x,
+        normal if k == 1 else part * y,
         normal if k == 2 else part * z,
-    )  # fmt: skip
+    )
 
 
 class Separating(Boundary):

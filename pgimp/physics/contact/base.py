@@ -20,7 +20,7 @@ class ContactLaw(Model):
     #: Keys of the entry that the law uses.
     keys: ClassVar[tuple[str, ...]] = ("friction", "adhesion")
 
-    def parameters(self, entry: Any) -> Any:
+    def parameters(self, entry: Any) -> NamedTuple:
         """Parameters of the kernels of a unilateral law, all numbers.
 
         Parameters

@@ -47,10 +47,7 @@ class ContactEntry(Model):
 
     bodies: Annotated[
         str | tuple[str, ...],
-        Either(
-            "all or a list of bodies",
-            {str: Literal["all"], tuple: tuple[Name, ...]},
-        ),
+        Either("all or a list of bodies", {str: Literal["all"], tuple: tuple[Name, ...]}),
     ] = Field(
         description="names of the bodies, each pair of which this is for; all: every pair that "
         "no other entry names"
@@ -107,7 +104,7 @@ class Pairs(NamedTuple):
 
     entry: np.ndarray
     way: np.ndarray
-    kinds: tuple[Any, ...]
+    kinds: tuple[NamedTuple, ...]
     kind: np.ndarray
     parameters: np.ndarray
     adhesion: np.ndarray
@@ -136,10 +133,8 @@ class Pairs(NamedTuple):
                 parameters[i, : len(given)] = given
         held = [each.adhesion for each in entries]
         adhesion = [(each.normal, each.shear, each.reach) if each else (0.0,) * 3 for each in held]
-        examples = tuple(each(*(0.0,) * len(each._fields)) for each in kinds)
-        return cls(
-            entry, way, examples, kind, parameters, np.array([*adhesion, (0.0,) * 3], float)
-        )
+        examples = tuple(each._make((0.0,) * len(each._fields)) for each in kinds)
+        return cls(entry, way, examples, kind, parameters, np.array([*adhesion, (0.0,) * 3], float))
 
     def ties(self, count: int) -> bool:
         """Whether any of the first `count` bodies are tied."""
@@ -147,14 +142,14 @@ class Pairs(NamedTuple):
         return bool((self.way[pairs[pairs > 0] - 1] == TIED).any())
 
 
-def parameters_of(law: type[ContactLaw]) -> Any:
+def parameters_of(law: type[ContactLaw]) -> type[NamedTuple] | None:
     """Return the type of a unilateral law's parameters; None for other laws."""
     if law.way != UNILATERAL:
         return None
     return get_type_hints(law.parameters)["return"]
 
 
-def _width(kinds: Sequence[Any]) -> int:
+def _width(kinds: Sequence[type[NamedTuple]]) -> int:
     return max(len(kind._fields) for kind in kinds)
 
 

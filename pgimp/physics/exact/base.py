@@ -31,9 +31,9 @@ class Solution(Model):
         if case.dimensions not in self.DIMENSIONS:
             allowed = " and ".join(f"{d}D" for d in self.DIMENSIONS)
             yield Problem(
-                ("exact",), f"the solution exists in {allowed} only, but the case has "
-                f"{case.dimensions}D"
-            )  # fmt: skip
+                ("exact",),
+                f"the solution exists in {allowed} only, but the case has {case.dimensions}D",
+            )
             return
         if len(case.bodies) != 1:
             text = f"the exact solution is that of one body, but the case has {len(case.bodies)}"

@@ -98,22 +98,14 @@ def turned(Q, a):
 @kernel
 def cross(a, b):
     """Cross product."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 @kernel
 def stretching(solution, Z, d):
     """A f, A f' and A f'' along direction `d`."""
     a, k, z = solution.stretch[d], solution.wave[d], Z[d]
-    return (
-        0.5 * a * (z + sin(k * z) / k),
-        0.5 * a * (1.0 + cos(k * z)),
-        -0.5 * a * k * sin(k * z),
-    )
+    return (0.5 * a * (z + sin(k * z) / k), 0.5 * a * (1.0 + cos(k * z)), -0.5 * a * k * sin(k * z))
 
 
 class SpinningBlockParameters(NamedTuple):

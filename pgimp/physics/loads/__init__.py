@@ -12,6 +12,4 @@ from pgimp.physics.loads.bodyforce import BodyForceEntry
 from pgimp.physics.loads.rotating_frame import RotatingFrame
 
 #: The body forces by their name in the case, ``body_force: {NAME: {...}}``.
-BODY_FORCES: dict[str, type[BodyForceEntry]] = {
-    "rotating-frame": RotatingFrame,
-}
+BODY_FORCES: dict[str, type[BodyForceEntry]] = {"rotating-frame": RotatingFrame}

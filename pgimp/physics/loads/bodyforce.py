@@ -1,7 +1,7 @@
 """Base of the entries of body forces, and the kernels' view of one."""
 
 from abc import abstractmethod
-from typing import Any
+from typing import NamedTuple
 
 from pgimp.jit.kernel import specialise
 from pgimp.schema.base import Model
@@ -12,7 +12,7 @@ class BodyForceEntry(Model):
     """Base of the entries ``body_force``."""
 
     @abstractmethod
-    def parameters(self) -> Any:
+    def parameters(self) -> NamedTuple:
         """Parameters of the kernels, see `pgimp.physics.loads`."""
 
     def check(self, dimensions: int) -> Problems:

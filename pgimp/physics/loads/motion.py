@@ -37,9 +37,7 @@ class Rotation(Model):
     )
 
 
-def check_rotation(
-    path: tuple[str | int, ...], rotation: Rotation, dimensions: int
-) -> Problems:
+def check_rotation(path: tuple[str | int, ...], rotation: Rotation, dimensions: int) -> Problems:
     """Check that a rotation fits the dimensions."""
     yield from length((*path, "about"), rotation.about, dimensions)
     if dimensions == 2 and isinstance(rotation.rate, tuple):

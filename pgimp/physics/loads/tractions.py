@@ -65,6 +65,25 @@ class Traction(NamedTuple):
     pressure: float
 
 
+class Spread(NamedTuple):
+    """How the characteristic functions chi_p of a scene's particles are spread.
+
+    Attributes
+    ----------
+    spacing, half : (D,) float64
+        Distance of the particles, and the half-widths of chi_p, in the initial state.
+    chi : str
+        Kind of chi_p.
+    ends : bool
+        See `Traction`.
+    """
+
+    spacing: np.ndarray
+    half: np.ndarray
+    chi: str
+    ends: bool
+
+
 class TractionEntry(Model):
     """A force on a face of a body that fills a box; it follows the particles along the face."""
 
@@ -108,22 +127,15 @@ class TractionEntry(Model):
         """End along the axis: -1 or 1."""
         return -1 if self.face.endswith("min") else 1
 
-    def parameters(
-        self, column: int, spacing: np.ndarray, half: np.ndarray, chi: str, ends: bool,
-        follows: bool, t: float,
-    ) -> Traction:  # fmt: skip
+    def parameters(self, column: int, spread: Spread, follows: bool, t: float) -> Traction:
         """Parameters of the kernels.
 
         Parameters
         ----------
         column : int
             See `Traction`.
-        spacing, half : (D,) float64
-            Distance of the particles, and the half-widths of chi_p, in the initial state.
-        chi : str
-            Kind of chi_p.
-        ends : bool
-            See `Traction`.
+        spread : Spread
+            Of the particles.
         follows : bool
             Whether the size of chi_p follows the deformation.
         t : float
@@ -133,17 +145,15 @@ class TractionEntry(Model):
         pressure = 0.0 if q is None else q.value(t) if isinstance(q, Table) else float(q)
         vector = () if b is None else b.value(t) if isinstance(b, VectorTable) else b
         x, y, z = (*(float(c) for c in vector), 0.0, 0.0, 0.0)[:3]
-        wide = [0.0 if chi == "point" else float(h) for h in half]
+        chi, wide = spread.chi, [0.0 if spread.chi == "point" else float(h) for h in spread.half]
         # A sum of tents falls from one to zero between a particle's centre and its outer end.
         # A sum of boxes falls at once, or in steps at the outer ends of overlapping boxes.
-        gap = float(spacing[self.axis])
+        gap = float(spread.spacing[self.axis])
         boxes = 0.5 * overlaps(2.0 * wide[self.axis], gap) * gap
         reach = {"point": 0.0, "box": boxes}.get(chi, 0.5 * wide[self.axis])
         wide[self.axis] = reach if chi == "tent" else 0.0
-        return Traction(
-            self.axis, self.side, column, reach, tuple(wide), chi == "tent", ends, follows,
-            (x, y, z), pressure,
-        )  # fmt: skip
+        patch = column, reach, tuple(wide), chi == "tent"
+        return Traction(self.axis, self.side, *patch, spread.ends, follows, (x, y, z), pressure)
 
     def areas(
         self, parts: list[np.ndarray], columns: list[np.ndarray], spacing: np.ndarray, overlap: int

@@ -3,8 +3,9 @@
 import re
 from inspect import getattr_static
 from math import inf
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple, TypeVar
 
+import numpy as np
 from pydantic import Field
 
 from pgimp.physics.materials.parameters.vary import Varying
@@ -14,6 +15,9 @@ Poisson = Annotated[
     Number, Field(gt=-1.0, lt=0.5, description="Poisson's ratio, above -1 and below 0.5 [1]")
 ]
 Young = Annotated[Positive, Field(description="Young's modulus [stress]")]
+
+
+P = TypeVar("P")
 
 
 class ArtificialViscosity(Model):
@@ -148,8 +152,8 @@ class Material(Varying):
         return "is out of the range of its material", "smaller steps (time.step), slower loading"
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """Return the exact curves along a path of ``pgimp element``.
 
         Parameters
@@ -187,7 +191,7 @@ def states_of(parameters: type) -> tuple[State, ...]:
 _SWITCHES = ("VOLUME_ONLY", "TAKES_VISCOUS_PRESSURE")
 
 
-def with_states(entry: Material, parameters: Any) -> Any:
+def with_states(entry: Material, parameters: P) -> P:
     """Attach an entry's state variables and switches to the type of its parameters.
 
     Raises
@@ -199,7 +203,7 @@ def with_states(entry: Material, parameters: Any) -> Any:
     if entry.states != states_of(kind) and "STATE" in vars(kind):
         raise ValueError(f"{kind.__qualname__} belongs to a material with other state variables")
     if entry.states:
-        kind.STATE = entry.states
+        setattr(kind, "STATE", entry.states)
     for name in _SWITCHES:
         if getattr(entry, name):
             setattr(kind, name, True)
@@ -215,9 +219,12 @@ def state_width(parameters: type, dimensions: int) -> int:
 #: length^2/time, which limits the step. margin: distance from the end of the material's range, at
 #: which the run stops. losses: irreversible energies, see `LOSSES`. initial_state: state of a
 #: particle that begins with a stress; by default it stays unchanged (None).
-OPTIONAL: dict[str, Any] = {
-    "diffusivity": 0.0, "margin": 1.0, "losses": (0.0, 0.0, 0.0), "initial_state": None,
-}  # fmt: skip
+OPTIONAL: dict[str, object] = {
+    "diffusivity": 0.0,
+    "margin": 1.0,
+    "losses": (0.0, 0.0, 0.0),
+    "initial_state": None,
+}
 
 
 def has(parameters: type, quantity: str) -> bool:

@@ -11,8 +11,9 @@ does not limit the step. In steady flow tau = tau_y + mu rate for any G.
 """
 
 from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from pgimp.jit.algebra import isotropic
@@ -48,9 +49,7 @@ class BinghamParameters(NamedTuple):
     @staticmethod
     def stress(material, F, J, sigma, L, dt, state):
         """Pressure from the volume, and deviator, elastic up to the yield stress."""
-        s = elastic_trial(
-            material.shear, J, sigma, L, dt
-        )  # Kirchhoff stress, J times Cauchy's
+        s = elastic_trial(material.shear, J, sigma, L, dt)  # Kirchhoff stress, J times Cauchy's
         trial = shear_stress(s)
         whole = min(J, 1.0)  # without voids
         mu, strength = material.mu * whole, material.strength * whole
@@ -91,9 +90,7 @@ class Bingham(Liquid):
     CARRIES_PRESSURE: ClassVar[bool] = False
     LOSSES: ClassVar[tuple[str, ...]] = ("viscous-work",)
     STATE: ClassVar[tuple[State, ...]] = (VISCOUS_WORK,)
-    SPELLINGS: ClassVar[dict[str, str]] = {
-        **Liquid.SPELLINGS, "yield_stress": "yield-stress",
-    }  # fmt: skip
+    SPELLINGS: ClassVar[dict[str, str]] = {**Liquid.SPELLINGS, "yield_stress": "yield-stress"}
 
     model: Literal["bingham"] = Field(description="name of the model")
     yield_stress: Positive = Field(
@@ -123,8 +120,8 @@ class Bingham(Liquid):
         return _STIFF * self.bulk if self.shear is None else self.shear
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         before = self.exact_volume(confine)
         J = volumes(path, value, before)
@@ -134,14 +131,14 @@ class Bingham(Liquid):
         if path == "isotropic":
             return isotropic_columns(pressure)
         strength, mu = self.yield_stress, self.shear_viscosity
-        return sheared(
-            value, float(pressure[0]), self.modulus, before, strength,
-            lambda part: strength + mu * rate * part,
-        )  # fmt: skip
+
+        def law(part: float) -> float:
+            return strength + mu * rate * part
+
+        return sheared(value, float(pressure[0]), self.modulus, before, strength, law)
 
     def parameters(self) -> BinghamParameters:
         """Parameters of the kernels."""
-        return BinghamParameters(
-            self.stiffness, self.exponent, self.least, self.modulus, self.shear_viscosity,
-            self.yield_stress, self.density,
-        )  # fmt: skip
+        volume = self.stiffness, self.exponent, self.least
+        shear = self.modulus, self.shear_viscosity, self.yield_stress
+        return BinghamParameters(*volume, *shear, self.density)

@@ -21,8 +21,9 @@ q_tr/(M p_tr) in swelling. Newton's method, bracketed by these, finds the root.
 """
 
 from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from pgimp.jit.algebra import determinant, isotropic, one_plus
@@ -148,7 +149,10 @@ class CamClay(Material):
     SPELLINGS: ClassVar[dict[str, str]] = {"void_ratio": "void-ratio"}
     STATE: ClassVar[tuple[State, ...]] = (
         State(
-            "preconsolidation", "stress", "preconsolidation pressure p_c", initial="consolidated",
+            "preconsolidation",
+            "stress",
+            "preconsolidation pressure p_c",
+            initial="consolidated",
             least=0.0,
         ),
         State("plastic-compaction", "1", "plastic volume strain, compaction positive"),
@@ -197,20 +201,16 @@ class CamClay(Material):
         )
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
-        v = 1.0 + self.void_ratio
-        clay = Clay(
-            self.m, v / self.kappa, v / self.lambda_, self.shear, self.preconsolidation,
-            self.initial_pressure,
-        )  # fmt: skip
+        v, p = 1.0 + self.void_ratio, (self.preconsolidation, self.initial_pressure)
+        clay = Clay(self.m, v / self.kappa, v / self.lambda_, self.shear, *p)
         return path_of_clay(clay, path, value, confine)
 
     def parameters(self) -> CamClayParameters:
         """Parameters of the kernels."""
         v = 1.0 + self.void_ratio
-        return CamClayParameters(
-            self.m, v / self.kappa, v / (self.lambda_ - self.kappa), self.shear,
-            self.preconsolidation, self.void_ratio, self.density,
-        )  # fmt: skip
+        elastic, plastic = v / self.kappa, v / (self.lambda_ - self.kappa)
+        start = self.preconsolidation, self.void_ratio, self.density
+        return CamClayParameters(self.m, elastic, plastic, self.shear, *start)

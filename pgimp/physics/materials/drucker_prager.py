@@ -15,8 +15,9 @@ loose soil would grow each time that it is pulled apart (Tampubolon et al., ACM 
 """
 
 from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from pgimp.jit.algebra import determinant, isotropic, one_plus
@@ -108,8 +109,8 @@ class DruckerPrager(Soil):
     )
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         line = cone(*cone_of(self, self.match))
         return path_of_soil(self, (line, line), path, value, confine)

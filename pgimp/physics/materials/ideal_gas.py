@@ -9,8 +9,9 @@ artificial viscosity their dissipation stays as noise in the velocities.
 """
 
 from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from pgimp.jit.algebra import determinant, isotropic, one_plus, symmetric
@@ -60,7 +61,10 @@ class IdealGas(Material):
     TAKES_VISCOUS_PRESSURE = True
     STATE: ClassVar[tuple[State, ...]] = (
         State(
-            "internal-energy", "energy/mass", "internal energy e", initial="energy_at_start",
+            "internal-energy",
+            "energy/mass",
+            "internal energy e",
+            initial="energy_at_start",
             least=0.0,
         ),
     )
@@ -88,8 +92,8 @@ class IdealGas(Material):
         )
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         start = self.initial_pressure
         J = volumes(path, value, (start / confine) ** (1.0 / self.gamma))

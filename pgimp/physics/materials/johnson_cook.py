@@ -171,7 +171,8 @@ class JohnsonCook(Material):
     c: NonNegative = Field(default=0.0, description="C in 1 + C ln(rate/reference-rate) [1]")
     m: Positive = Field(default=1.0, description="m in 1 - T*^m [1]")
     reference_rate: Positive = Field(
-        alias="reference-rate", default=1.0,
+        alias="reference-rate",
+        default=1.0,
         description="plastic rate up to which C has no effect [1/time]",
     )
     specific_heat: Positive = Field(
@@ -183,7 +184,10 @@ class JohnsonCook(Material):
     )
     melting: Number = Field(description="Tm, where it has no strength left [temperature]")
     taylor_quinney: Number = Field(
-        alias="taylor-quinney", default=0.9, ge=0.0, le=1.0,
+        alias="taylor-quinney",
+        default=0.9,
+        ge=0.0,
+        le=1.0,
         description="part of the plastic work that becomes heat [1]",
     )
     damage: DamageEntry | None = Field(default=None, description="failure; null: none")
@@ -229,11 +233,11 @@ class JohnsonCook(Material):
     def parameters(self) -> Any:
         """Parameters of the kernels, only for the features that the entry uses."""
         lam, mu = lame(self.young, self.poisson)
-        strength = Strength(
-            lam + 2.0 / 3.0 * mu, mu, self.density, self.a, self.b, self.n, self.c, self.m,
-            self.reference_rate, self.temperature, 1.0 / (self.melting - self.temperature),
-            1.0 / (self.density * self.specific_heat), self.taylor_quinney,
-        )  # fmt: skip
+        elastic = lam + 2.0 / 3.0 * mu, mu, self.density
+        flow = self.a, self.b, self.n, self.c, self.m, self.reference_rate
+        softening = self.temperature, 1.0 / (self.melting - self.temperature)
+        heating = 1.0 / (self.density * self.specific_heat), self.taylor_quinney
+        strength = Strength(*elastic, *flow, *softening, *heating)
         if self.damage:
             given = self.damage
             damage = Damage(given.d1, given.d2, given.d3, given.d4, given.d5)

@@ -14,8 +14,9 @@ and the open volume has to close before pressure rises (see `drucker_prager`).
 """
 
 from math import cos, radians, sin, sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from pgimp.jit.choose import choose
@@ -78,8 +79,9 @@ def _choose_all(condition, a, b):
     if len(a) == 1:
         return lambda condition, a, b: (choose(condition, a[0], b[0]),)
     return lambda condition, a, b: (
-        choose(condition, a[0], b[0]), *choose_all(condition, a[1:], b[1:]),
-    )  # fmt: skip
+        choose(condition, a[0], b[0]),
+        *choose_all(condition, a[1:], b[1:]),
+    )
 
 
 def stretched(material, m, a, b, c):
@@ -92,9 +94,10 @@ def _stretched(material, m, a, b, c):
         twice = 2.0 * material.mu
         third = m / (3.0 * material.bulk) - m / twice
         return (
-            exp(2.0 * (a / twice + third)) - 1.0, exp(2.0 * (b / twice + third)) - 1.0,
+            exp(2.0 * (a / twice + third)) - 1.0,
+            exp(2.0 * (b / twice + third)) - 1.0,
             exp(2.0 * (c / twice + third)) - 1.0,
-        )  # fmt: skip
+        )
 
     return values
 
@@ -134,9 +137,7 @@ class MohrCoulombParameters(NamedTuple):
         y = 0.5 * log(1.0 + values[1]) + gap / 3.0
         z = 0.5 * log(1.0 + values[2]) + gap / 3.0
         volume = x + y + z
-        a, b, c = (
-            lam * volume + twice * x, lam * volume + twice * y, lam * volume + twice * z,
-        )  # fmt: skip
+        a, b, c = lam * volume + twice * x, lam * volume + twice * y, lam * volume + twice * z
         s1, s3 = max(max(a, b), c), min(min(a, b), c)
         s2 = max(min(a, b), min(max(a, b), c))
         r1, r2, r3 = returned(material, s1, s2, s3, J)
@@ -146,18 +147,17 @@ class MohrCoulombParameters(NamedTuple):
         sheared = sheared + ((s1 - s3) - (r1 - r3)) / twice
         kept = (s1 <= r1) & (s3 >= r3) & (s2 <= r2) & (gap == 0.0)
         # Back to the order of the eigenvectors, by the rank of each principal stress.
-        ab, ac, bc = (
-            choose(a >= b, 1.0, 0.0), choose(a >= c, 1.0, 0.0), choose(b >= c, 1.0, 0.0),
-        )  # fmt: skip
+        ab, ac, bc = choose(a >= b, 1.0, 0.0), choose(a >= c, 1.0, 0.0), choose(b >= c, 1.0, 0.0)
         m = (r1 + r2 + r3) / 3.0
         fallen = (s1 + s2 + s3) / 3.0 - m
         work = work + m * (fallen / material.bulk - gap)
         work = work + (r1 * (s1 - r1) + r2 * (s2 - r2) + r3 * (s3 - r3) - 3.0 * m * fallen) / twice
         open_now = choose(opens, volume - m / material.bulk, 0.0)
         a, b, c = (
-            _placed(ab + ac, r1, r2, r3), _placed(1.0 - ab + bc, r1, r2, r3),
+            _placed(ab + ac, r1, r2, r3),
+            _placed(1.0 - ab + bc, r1, r2, r3),
             _placed(2.0 - ac - bc, r1, r2, r3),
-        )  # fmt: skip
+        )
         elastic = choose_all(kept, trial, spectral(stretched(material, m, a, b, c), Q))
         stress = spectral((a / J, b / J, c / J), Q)
         return stress, (*elastic, open_now, sheared, work)
@@ -177,8 +177,10 @@ class MohrCoulombParameters(NamedTuple):
         """
         values = eigen(state[:-3])[0]
         x, y, z = (
-            0.5 * log(1.0 + values[0]), 0.5 * log(1.0 + values[1]), 0.5 * log(1.0 + values[2]),
-        )  # fmt: skip
+            0.5 * log(1.0 + values[0]),
+            0.5 * log(1.0 + values[1]),
+            0.5 * log(1.0 + values[2]),
+        )
         volume = x + y + z
         return 0.5 * material.lam * volume * volume + material.mu * (x * x + y * y + z * z)
 
@@ -218,8 +220,8 @@ class MohrCoulomb(Soil):
     model: Literal["mohr-coulomb"] = Field(description="name of the model")
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         return path_of_soil(self, (edge(self, -1.0), edge(self, 1.0)), path, value, confine)
 
@@ -230,13 +232,16 @@ class MohrCoulomb(Soil):
         angle = radians(self.friction_angle)
         S, s = sin(angle), sin(radians(self.dilation_angle))
         apex = min(self.apex, _BOUNDLESS)
-        return MohrCoulombParameters(
-            lam, G, K, S, s, 2.0 * self.cohesion * cos(angle),
+        elastic, strength = (lam, G, K), (S, s, 2.0 * self.cohesion * cos(angle))
+        directions = (
             2.0 * G * (1.0 + s / 3.0) + 2.0 * K * s,
             (4.0 / 3.0 * G - 2.0 * K) * s,
             2.0 * G * (1.0 - s / 3.0) - 2.0 * K * s,
+        )
+        slopes = (
             4.0 * G * (1.0 + S * s / 3.0) + 4.0 * K * S * s,
             2.0 * G * (1.0 + S + s - S * s / 3.0) + 4.0 * K * S * s,
             2.0 * G * (1.0 - S - s - S * s / 3.0) + 4.0 * K * S * s,
-            apex, min(self.greatest_tension, apex), self.density,
-        )  # fmt: skip
+        )
+        ends = apex, min(self.greatest_tension, apex), self.density
+        return MohrCoulombParameters(*elastic, *strength, *directions, *slopes, *ends)

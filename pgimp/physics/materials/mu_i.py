@@ -17,7 +17,7 @@ have no stress. p = K (1/J - 1) depends only on the volume, so a heap does not s
 """
 
 from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -48,9 +48,7 @@ class MuIParameters(NamedTuple):
     @staticmethod
     def stress(material, F, J, sigma, L, dt, state):
         """Stress of grains at rest or flowing, zero for separated grains; plastic shear."""
-        s = elastic_trial(
-            material.shear, J, sigma, L, dt
-        )  # J times Cauchy's
+        s = elastic_trial(material.shear, J, sigma, L, dt)  # J times Cauchy's
         trial = shear_stress(s) / J
         p = material.bulk * max(1.0 / J - 1.0, 0.0)
         least, most = material.still * p, material.fast * p
@@ -95,8 +93,10 @@ class MuI(Material):
     CARRIES_PRESSURE: ClassVar[bool] = False
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
     SPELLINGS: ClassVar[dict[str, str]] = {
-        "mu_s": "mu-s", "mu_2": "mu-2", "grain_density": "grain-density",
-    }  # fmt: skip
+        "mu_s": "mu-s",
+        "mu_2": "mu-2",
+        "grain_density": "grain-density",
+    }
     STATE: ClassVar[tuple[State, ...]] = (
         State("plastic-shear", "1", "sum of the plastic shear strain, as of simple shear"),
         PLASTIC_WORK,
@@ -137,8 +137,8 @@ class MuI(Material):
         )
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         lam, G = lame(self.young, self.poisson)
         K = lam + 2.0 / 3.0 * G
@@ -151,11 +151,12 @@ class MuI(Material):
         if confine == 0.0:
             return isotropic_columns(0.0 * J)
         number = rate * self.grain * sqrt(self.grain_density / confine)  # I, if all is plastic
-        return sheared(
-            value, confine, G, before, self.mu_s * confine,
-            lambda part: confine
-            * (self.mu_s + (self.mu_2 - self.mu_s) * part * number / (self.i0 + part * number)),
-        )  # fmt: skip
+
+        def law(part: float) -> float:
+            rise = (self.mu_2 - self.mu_s) * part * number / (self.i0 + part * number)
+            return confine * (self.mu_s + rise)
+
+        return sheared(value, confine, G, before, self.mu_s * confine, law)
 
     @property
     def flow_speed(self) -> float:

@@ -5,7 +5,7 @@ and carries the viscous stress.
 """
 
 from math import sqrt
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -113,8 +113,8 @@ class Newtonian(Liquid):
         return self.STATE if self.shear_viscosity else ()
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`."""
         J = volumes(path, value, self.exact_volume(confine))
         if J is None:

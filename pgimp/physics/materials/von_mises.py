@@ -11,7 +11,7 @@ The back stress grows by 2/3 H_k times the plastic strain and turns with the rot
 of Jaumann's rate it would oscillate (Nagtegaal, de Jong 1982).
 """
 
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import AfterValidator, Field
@@ -34,13 +34,17 @@ from pgimp.schema.base import Model, Number, Positive
 from pgimp.schema.problems import problem
 
 PLASTIC_STRAIN = State(
-    "plastic-strain", "1", "equivalent plastic strain, the integral of sqrt(2/3) |D_p| over time",
+    "plastic-strain",
+    "1",
+    "equivalent plastic strain, the integral of sqrt(2/3) |D_p| over time",
     least=0.0,
-)  # fmt: skip
+)
 BACK_STRESS = State(
-    "back-stress", "stress", "back stress, of the Kirchhoff stress: the yield surface's centre",
+    "back-stress",
+    "stress",
+    "back stress, of the Kirchhoff stress: the yield surface's centre",
     tensor=True,
-)  # fmt: skip
+)
 
 
 def _not_softening(value: float) -> float:
@@ -260,8 +264,8 @@ class VonMises(Material):
         return VonMisesParameters(*elastic, self.density)
 
     def exact_path(
-        self, path: str, value: Any, rate: float, confine: float
-    ) -> dict[str, Any] | None:
+        self, path: str, value: np.ndarray, rate: float, confine: float
+    ) -> dict[str, np.ndarray] | None:
         """See `Material.exact_path`; in closed form without saturation, confinement or a turn."""
         if self.saturation is not None or confine or not first_leg(value).all():
             return None

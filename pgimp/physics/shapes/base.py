@@ -54,6 +54,11 @@ class Shape(Model):
     stable_pointwise: ClassVar[float] = 0.45
 
     @property
+    def name(self) -> str:
+        """Its name in a case, the field `shape` of each shape."""
+        return getattr(self, "shape", "")
+
+    @property
     def rate(self) -> float:
         """Rate at which all particles relax to the grid's velocity."""
         return 0.0 if self.relaxation == "auto" else float(self.relaxation)
@@ -76,8 +81,7 @@ class Shape(Model):
         See `LIMITS`. It is `stable` where nothing was measured (``scripts/hard courant``), and
         with mean dilatation, which the table does not cover.
         """
-        # The name is a field of each shape.
-        name = f"{getattr(self, 'shape', '')}{', affine' if self.affine else ''}"
+        name = f"{self.name}{', affine' if self.affine else ''}"
         known = LIMITS.get(name, {})
         found = known.get(dimensions) or known.get(dimensions - 1)  # nearly the same in 2D and 3D
         if found is None or (self.volumetric == "mean" and dimensions > 1):

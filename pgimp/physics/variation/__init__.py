@@ -7,14 +7,7 @@ numbers into the material.
 """
 
 from pgimp.physics.variation.along import LayersVariation, TableVariation
-from pgimp.physics.variation.base import (
-    KINDS,
-    VARIATION,
-    NoValueError,
-    Path,
-    Places,
-    Variation,
-)
+from pgimp.physics.variation.base import KINDS, VARIATION, NoValueError, Path, Places, Variation
 from pgimp.physics.variation.column import FromColumn
 from pgimp.physics.variation.randomfield import RandomVariation
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
 
 from pgimp.schema.base import Model, Number
 from pgimp.schema.dispatch import Dispatch, Either, plain
@@ -47,7 +48,7 @@ class _ByKind(Dispatch):
 
     what = "variation"
 
-    def validate(self, value: Any) -> Variation:
+    def validate(self, value: object) -> Variation:
         """See `Dispatch`."""
         if isinstance(value, Variation):
             return value
@@ -59,11 +60,11 @@ class _ByKind(Dispatch):
                 return kind.model_validate(value)
         raise problem(f"expected a number, or a mapping with one of {kinds}; {got(value)}")
 
-    def write(self, value: Variation) -> Any:
+    def write(self, value: Variation) -> object:
         """See `Dispatch`."""
         return plain(value)
 
-    def document(self, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def document(self, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         """Refer to a definition, since variations contain one another."""
         return {"$comment": COMMENT + self.what}
 
@@ -76,7 +77,8 @@ class Variation(Model):
     """Base of the variations in place of a parameter's number."""
 
     times: Annotated[
-        Any, Either("a number or another variation", {float: Number, dict: VARIATION, None: None})
+        float | Variation | None,
+        Either("a number or another variation", {float: Number, dict: VARIATION, None: None}),
     ] = Field(
         default=None,
         description="a number, or another variation, that the values are multiplied with: a random "

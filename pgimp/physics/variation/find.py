@@ -20,7 +20,7 @@ Variations = dict[tuple[str, ...], Variation]
 _NOT_SPATIAL = (("viscosity",),)
 
 
-def _plain_type(annotation: Any) -> list[Any]:
+def _plain_type(annotation: object) -> list[object]:
     """Types that an annotation allows, without metadata."""
     if get_origin(annotation) is Annotated:
         return _plain_type(get_args(annotation)[0])
@@ -29,7 +29,7 @@ def _plain_type(annotation: Any) -> list[Any]:
     return [annotation]
 
 
-def _below(annotation: Any) -> type[BaseModel] | None:
+def _below(annotation: object) -> type[BaseModel] | None:
     """Model of a key that has keys of its own."""
     for each in _plain_type(annotation):
         if isinstance(each, type) and issubclass(each, BaseModel):
@@ -38,8 +38,8 @@ def _below(annotation: Any) -> type[BaseModel] | None:
 
 
 def split(
-    model: type[BaseModel], data: Mapping[str, Any]
-) -> tuple[dict[str, Any], Variations]:
+    model: type[BaseModel], data: Mapping[str, object]
+) -> tuple[dict[str, object], Variations]:
     """Find the variations in a material's entry.
 
     Returns
@@ -62,9 +62,12 @@ def split(
 
 
 def _find(
-    model: type[BaseModel], data: Mapping[str, Any], path: tuple[str, ...], found: Variations,
+    model: type[BaseModel],
+    data: Mapping[str, object],
+    path: tuple[str, ...],
+    found: Variations,
     problems: list[Problem],
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, object]:
     other = {key: name for key, name in model.SPELLINGS.items() if name not in data}  # type: ignore[attr-defined]
     fields = {field.alias or name: field for name, field in model.model_fields.items()}
     spelled = {}
@@ -94,7 +97,7 @@ def _find(
     return spelled
 
 
-def replaced(data: Any, values: Mapping[tuple[str, ...], Any]) -> dict[str, Any]:
+def replaced(data: Mapping[str, Any], values: Mapping[tuple[str, ...], object]) -> dict[str, Any]:
     """Return a mapping with other values at some paths; the parts on the way are copied."""
     found = dict(data)
     for path, value in values.items():
@@ -106,7 +109,7 @@ def replaced(data: Any, values: Mapping[tuple[str, ...], Any]) -> dict[str, Any]
     return found
 
 
-def value_at(entry: BaseModel, path: Sequence[str]) -> Any:
+def value_at(entry: BaseModel, path: Sequence[str]) -> float:
     """Return the number of an entry at keys of the case."""
     inner: Any = entry
     for key in path:

@@ -85,6 +85,4 @@ def with_gradients(
     fit_gradients((x[order], v[order], keys[order]), (*chosen, own), strides, reach, out)
     ends = np.cumsum([len(block.ids) for block in blocks])
     gradients = np.split(out, ends[:-1])
-    return [
-        block._replace(gradients=part) for block, part in zip(blocks, gradients, strict=True)
-    ]
+    return [block._replace(gradients=part) for block, part in zip(blocks, gradients, strict=True)]

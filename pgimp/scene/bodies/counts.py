@@ -31,10 +31,7 @@ def count_all(lattice: Lattice, comm: Communicator) -> Counts:
     """
     step = lattice.per_cell[0]
     columns = lattice.planes // step
-    share = (
-        comm.rank * columns // comm.size * step,
-        (comm.rank + 1) * columns // comm.size * step,
-    )
+    share = (comm.rank * columns // comm.size * step, (comm.rank + 1) * columns // comm.size * step)
     mine: Any
     try:
         mine = (lattice.count(share), *lattice.find_overlaps(share))

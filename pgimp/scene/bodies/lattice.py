@@ -262,11 +262,9 @@ class Lattice:
             if isinstance(body, Cloud):
                 first = int(ends[number, -1] - counts[number].sum())
                 for rows, block in body.make(planes, own):
-                    x = block.position
-                    yield ParticleBlock(
-                        number, x, first + rows, block.volume / self.volume, x, block.velocity,
-                        block.stress, block.gradient, block.states, rows,
-                    )  # fmt: skip
+                    x, fractions = block.position, block.volume / self.volume
+                    given = block.velocity, block.stress, block.gradient, block.states
+                    yield ParticleBlock(number, x, first + rows, fractions, x, *given, rows)
                 continue
             for volumes in body.slabs(planes):
                 plane = volumes.ranges[0][0]

@@ -98,9 +98,12 @@ class LatticeBody:
             part = slice((begin - wide[0]) * row, (end - wide[0]) * row)
             at = slice(*np.searchsorted(volumes.places, (part.start, part.stop)))
             yield VolumeFractions(
-                [(begin, end), *self.box[1:]], volumes.whole[part], volumes.places[at] - part.start,
-                volumes.fractions[at], volumes.moments[at],
-            )  # fmt: skip
+                [(begin, end), *self.box[1:]],
+                volumes.whole[part],
+                volumes.places[at] - part.start,
+                volumes.fractions[at],
+                volumes.moments[at],
+            )
 
     def volume_fractions(self, ranges: Ranges) -> VolumeFractions:
         """Volume fractions in a part of the lattice, small cut boxes not merged."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from pgimp.scene.checks.moving_boxes import clearance, faces_with_condition, ins
 from pgimp.scene.checks.sanity import strains
 
 if TYPE_CHECKING:
+    from pgimp.case.body import Body
     from pgimp.case.schema import Case
 
 #: Displacement in cells, and strain, above which the configuration matters.
@@ -155,6 +156,6 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(map(repr, names[:3])) + " and others" * (len(names) > 3)
 
 
-def _fits(case: Case, body: Any) -> bool:
+def _fits(case: Case, body: Body) -> bool:
     """Whether a body is elastic and in the current configuration."""
     return body.configuration == "current" and case.materials[body.material].ELASTIC

@@ -51,9 +51,7 @@ def held(
     )
 
 
-def idle_warnings(
-    later: Sequence[LaterConstraint], counts: NDArray[np.int64]
-) -> list[str]:
+def idle_warnings(later: Sequence[LaterConstraint], counts: NDArray[np.int64]) -> list[str]:
     """Warn of constraints that would hold nothing, by the counts of `held` over all particles."""
     return [
         f"time.stages.{one.case.staged.number - 1}.constraints.{one.name}.region: where the bodies "

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
+    from pgimp.physics.materials.base import Material
 
 #: Most bodies that a message names one by one.
 _NAMED = 3
@@ -63,7 +64,7 @@ def _named(bodies: list[str]) -> str:
     return names + (f" and {len(bodies) - _NAMED} more" if len(bodies) > _NAMED else "")
 
 
-def _pointwise(case: Case) -> Iterator[tuple[str, str, Any]]:
+def _pointwise(case: Case) -> Iterator[tuple[str, str, Material]]:
     """Bodies with pointwise volumes, with their material and its name."""
     method = case.method
     if case.dimensions == 1 or method.volumetric == "mean" or method.shape == "fuzzy-constant":
@@ -72,7 +73,7 @@ def _pointwise(case: Case) -> Iterator[tuple[str, str, Any]]:
         yield body, entry.material, case.materials[entry.material]
 
 
-def _ratio(body: str, material: Any, poisson: Mapping[str, float] | None) -> float:
+def _ratio(body: str, material: Material, poisson: Mapping[str, float] | None) -> float:
     """Poisson's ratio; 0 if there is none or its maximum is not yet known."""
     ratio = (poisson or {}).get(body, getattr(material, "poisson", 0.0))
     return float(ratio) if isinstance(ratio, float | int) else 0.0

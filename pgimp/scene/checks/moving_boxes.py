@@ -5,8 +5,8 @@ Only the case is used: gravity, initial velocities, constraints, and faces that 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from pgimp.schema.tables import Table, VectorTable
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
+    from pgimp.physics.boundaries.base import Boundary
+    from pgimp.physics.loads.motion import RigidMotion
 
 AXES = "xyz"
 
@@ -71,7 +73,9 @@ def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
     return boxes
 
 
-def _velocity(entry: Any, middle: np.ndarray) -> tuple[np.ndarray, bool]:
+def _velocity(
+    entry: tuple[float, ...] | RigidMotion, middle: np.ndarray
+) -> tuple[np.ndarray, bool]:
     """Initial velocity of a body's point, (D,), and whether the body turns."""
     if isinstance(entry, tuple):
         return np.array(entry, float), False
@@ -90,7 +94,7 @@ def _fall(case: Case, times: np.ndarray) -> np.ndarray:
     return np.array([b.value(t) if isinstance(b, VectorTable) else b for t in times], float)
 
 
-def _prescribed(velocity: Any, times: np.ndarray) -> np.ndarray:
+def _prescribed(velocity: Sequence[Table | float | None], times: np.ndarray) -> np.ndarray:
     """Prescribed velocity over time; zero where a component is free."""
     columns = [[v.value(t) if isinstance(v, Table) else v or 0.0 for t in times] for v in velocity]
     return np.array(columns, float).T
@@ -102,13 +106,13 @@ def _integral(values: np.ndarray, times: np.ndarray) -> np.ndarray:
     return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(parts, axis=0)])
 
 
-def faces_with_condition(case: Case) -> Iterator[tuple[str, Any, int, int]]:
+def faces_with_condition(case: Case) -> Iterator[tuple[str, Boundary, int, int]]:
     """Faces with a condition, with their axis and side."""
     for face, condition in case.boundaries.items():
         yield face, condition, AXES.index(face[0]), -1 if face.endswith("min") else 1
 
 
-def clearance(case: Case, axis: int, side: int, low: np.ndarray, high: np.ndarray) -> Any:
+def clearance(case: Case, axis: int, side: int, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Distance of a box from a face, in cells."""
     away = low - case.grid.origin[axis] if side < 0 else case.grid.corner[axis] - high
     return away / case.grid.cell[axis]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from pgimp.scene.checks.moving_boxes import (
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
+    from pgimp.scene.bodies.lattice import Lattice
     from pgimp.scene.scene import Scene
 
 #: Most cells, where two bodies may meet, for a comparison cell by cell.
@@ -190,7 +191,7 @@ def _range(values: np.ndarray) -> str:
     return " or ".join(texts)
 
 
-def bonded(scene: Scene, lattice: Any, counts: np.ndarray) -> Iterator[str]:
+def bonded(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Iterator[str]:
     """Notes on bodies that share vertices of the grid from the start, but no cell.
 
     Bodies that share a cell are in the notes of `pgimp.scene.bodies.counts`.
@@ -246,7 +247,7 @@ def _close(low: np.ndarray, high: np.ndarray, near: np.ndarray) -> list[tuple[in
 
 def _marks(
     scene: Scene,
-    lattice: Any,
+    lattice: Lattice,
     counts: np.ndarray,
     body: int,
     first: np.ndarray,

@@ -76,8 +76,11 @@ def _cut(scene: Scene, particles: Particles, rows: np.ndarray) -> tuple[int, int
     cut = lost > _ROUNDING * size
     part = lost[cut] / size[cut]
     return (
-        len(rows), int(cut.sum()), float(part.max(initial=0.0)), float(lost[cut].max(initial=0.0))
-    )  # fmt: skip
+        len(rows),
+        int(cut.sum()),
+        float(part.max(initial=0.0)),
+        float(lost[cut].max(initial=0.0)),
+    )
 
 
 def _warnings(

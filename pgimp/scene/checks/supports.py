@@ -81,7 +81,7 @@ def held_at(condition: Any, axis: int, side: int) -> tuple[bool, ...]:
     return tuple(bool(a != b) for a, b in zip(held, v, strict=True))
 
 
-def greatest(load: Any, dimensions: int) -> np.ndarray:
+def greatest(load: object, dimensions: int) -> np.ndarray:
     """Greatest size over time of each component of a vector, constant or by a table; (D,)."""
     if load is None:
         return np.zeros(dimensions)

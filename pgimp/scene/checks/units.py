@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pgimp.physics.materials.johnson_cook import JohnsonCook
 from pgimp.scene.checks.facts import BodyFacts
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
+    from pgimp.physics.materials.base import Material
 
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "um": 1e-6, "µm": 1e-6, "in": 0.0254}
 _TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
@@ -106,7 +107,7 @@ def unlikely(case: Case, body: BodyFacts) -> Iterator[str]:
     yield from _melting(name, entry)
 
 
-def _melting(name: str, entry: Any) -> Iterator[str]:
+def _melting(name: str, entry: Material) -> Iterator[str]:
     """Warn of a metal that would melt by the work of a small plastic strain."""
     if not isinstance(entry, JohnsonCook):
         return

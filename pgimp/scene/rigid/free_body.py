@@ -54,9 +54,12 @@ class State(NamedTuple):
         """Return the state that has these numbers."""
         x = numbers
         return cls(
-            (x[0], x[1], x[2]), (x[3], x[4], x[5], x[6]), (x[7], x[8], x[9]),
-            (x[10], x[11], x[12]), (x[13], x[14], x[15]),
-        )  # fmt: skip
+            (x[0], x[1], x[2]),
+            (x[3], x[4], x[5], x[6]),
+            (x[7], x[8], x[9]),
+            (x[10], x[11], x[12]),
+            (x[13], x[14], x[15]),
+        )
 
 
 class FreeBody:
@@ -138,8 +141,7 @@ class FreeBody:
         """Return linear and angular momentum for velocities along and about x, y, z."""
         M = self.mass_matrix(inertia)
         p = [
-            sum(M[i][j] * velocities[j] for j in range(6)) if self.may[i] else 0.0
-            for i in range(6)
+            sum(M[i][j] * velocities[j] for j in range(6)) if self.may[i] else 0.0 for i in range(6)
         ]
         return (p[0], p[1], p[2]), (p[3], p[4], p[5])
 
@@ -167,9 +169,12 @@ class FreeBody:
         v = self._velocities(p, inertia)
         shift, turn = _triple(tuple(dt * x for x in v)), _triple(tuple(dt * w for w in v[3:]))
         return State(
-            add(state.centre, shift), turned(state.turn, turn), _triple(p), _triple(p[3:]),
+            add(state.centre, shift),
+            turned(state.turn, turn),
+            _triple(p),
+            _triple(p[3:]),
             add(state.angle, turn),
-        )  # fmt: skip
+        )
 
     def pushed(self, state: State, given: list[float]) -> State:
         """Return the state after an impulse and an angular impulse, along its free directions."""
@@ -230,9 +235,11 @@ def turned(
     a, b, c, d = cos(0.5 * angle), part * by[0], part * by[1], part * by[2]
     w, x, y, z = turn
     q = (
-        a * w - b * x - c * y - d * z, a * x + b * w + c * z - d * y,
-        a * y - b * z + c * w + d * x, a * z + b * y - c * x + d * w,
-    )  # fmt: skip
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )
     length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     return (q[0] / length, q[1] / length, q[2] / length, q[3] / length)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.distancefield import MARGIN, DistanceField, distance_field, extent, thickness
 from pgimp.kernels.data.frame import Frame
+from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.rigid import Free, Motion, RigidBody
 from pgimp.scene.rigid.bulk import Bulk, bulk, everywhere
@@ -88,7 +89,7 @@ def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
             part.__dict__.pop("surface", None)
 
 
-def is_symmetry(face: str, condition: Any, free: Free, D: int) -> bool:
+def is_symmetry(face: str, condition: Boundary, free: Free, D: int) -> bool:
     """Whether a face is a plane of symmetry also for a free rigid body, which may lie across it."""
     return isinstance(condition, Slip) and free.mirrored("xyz".index(face[0]), D)
 

@@ -6,7 +6,7 @@ from functools import cached_property, partial
 from hashlib import sha256
 from itertools import product
 from math import hypot
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +16,7 @@ from pgimp.case.schema import Case
 from pgimp.geometry.distancefield import DistanceField
 from pgimp.geometry.outline import outline
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.rigid.bodies import (
-    LATTICE,
-    MOTION,
-    POINT,
-    RESPONSE,
-    RigidBodies,
-)
+from pgimp.kernels.rigid.bodies import LATTICE, MOTION, POINT, RESPONSE, RigidBodies
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion, Pose, Triple
@@ -78,7 +72,7 @@ class SceneRigidBodies:
         self.free: dict[int, FreeBody] = {}
         self.arms: list[float] = []
         self.thick: list[float] = []
-        self._kept: Any = None
+        self._kept: RigidBodies | None = None
 
     def __len__(self) -> int:
         """Return the number of rigid bodies."""
@@ -137,9 +131,10 @@ class SceneRigidBodies:
             points.append(vertices)
             body.append(np.full(len(vertices), number))
         return Surface(
-            np.concatenate(points), np.concatenate(cells),
+            np.concatenate(points),
+            np.concatenate(cells),
             np.concatenate([np.zeros(0, np.int64), *body]),
-        )  # fmt: skip
+        )
 
     @property
     def first(self) -> list[State]:
@@ -252,18 +247,16 @@ class SceneRigidBodies:
                 if number in self.free:
                     row["compliance"] = SOFT / self.free[number].bulk.mass
                 first += len(field.values)
-            values = [field.values for field in self.fields]
-            self._kept = RigidBodies(
-                motion, lattice, np.concatenate(values) if values else np.zeros((0, 5)),
-                len(self.case.bodies), np.zeros(1, POINT), self._answers(0),
-            )  # fmt: skip
+            values = np.concatenate([np.zeros((0, 5)), *(field.values for field in self.fields)])
+            point, bodies = np.zeros(1, POINT), len(self.case.bodies)
+            self._kept = RigidBodies(motion, lattice, values, bodies, point, self._answers(0))
         return self._kept
 
     def in_planes(self, planes: int) -> RigidBodies:
         """Return the kernels' rigid bodies in their initial poses, with storage for some planes."""
         return self.at(0.0, 0.0)._replace(responses=self._answers(planes))
 
-    def _answers(self, planes: int) -> Any:
+    def _answers(self, planes: int) -> np.ndarray | tuple[()]:
         return np.zeros((planes, len(self.free)), RESPONSE) if self.free else ()
 
     def _bound(self, row: NDArray, lattice: NDArray, field: DistanceField) -> None:

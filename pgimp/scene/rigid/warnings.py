@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from pgimp.physics.rigid import Motion
 from pgimp.scene.checks.facts import wave_speed
 from pgimp.scene.faces import Face
 from pgimp.scene.rigid.rigid import SceneRigidBodies
+
+if TYPE_CHECKING:
+    from pgimp.scene.scene import Scene
 
 #: Fraction of the wave speed above which a prescribed rigid body is fast. On cells of
 #: a twelfth of the block, rubber hit at half the wave speed gets some per cent too little momentum.
@@ -26,7 +29,7 @@ _FAST = 0.3
 _INSTANTS, _BEYOND, _WITHIN, _STILL = 100, 0.05, 1.0, 1e-9
 
 
-def motion_warnings(scenes: Sequence[Any]) -> list[str]:
+def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
     """Return warnings of rigid bodies that are too fast for the material, or miss a load.
 
     Parameters
@@ -64,7 +67,7 @@ def motion_warnings(scenes: Sequence[Any]) -> list[str]:
     return found + _through_planes(scenes)
 
 
-def _through_planes(scenes: Sequence[Any]) -> list[str]:
+def _through_planes(scenes: Sequence[Scene]) -> list[str]:
     """Warnings of prescribed bodies that turn on `slip` walls, or move through them."""
     rigid_bodies = scenes[0].rigid_bodies
     found: dict[tuple[str, str], str] = {}

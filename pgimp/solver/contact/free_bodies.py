@@ -15,10 +15,7 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.errors import EndlessError
-from pgimp.kernels.rigid.bodies import (
-    RESPONSE,
-    RigidBodies,
-)
+from pgimp.kernels.rigid.bodies import RESPONSE, RigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.rigid.checks import may_collide, require_clear
 from pgimp.scene.rigid.free_body import FreeBody, Matrix, State, solve

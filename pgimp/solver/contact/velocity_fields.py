@@ -7,14 +7,13 @@ vertices. Their distances are minima and maxima over all ranks, independent of a
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.colouring import colour_bodies, find_intervals
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 
@@ -28,8 +27,8 @@ NEAR = 16
 
 
 def body_boxes(
-    frame: Frame, particles: Any, rows: np.ndarray, bodies: int, comm: Communicator
-) -> Any:
+    frame: Frame, particles: Particles, rows: np.ndarray, bodies: int, comm: Communicator
+) -> np.ndarray:
     """Least and greatest coordinates of each body's particles, (2, bodies, D) in cells; collective.
 
     Bodies without particles have infinite ones.

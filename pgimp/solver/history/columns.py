@@ -34,7 +34,7 @@ def _loss(name: str, meaning: str) -> Group:
 
 
 def _gone(
-    name: str, there: Callable[[Any], bool], sums: Callable[[Totals], np.ndarray], mass: str
+    name: str, there: Callable[[Scene], bool], sums: Callable[[Totals], np.ndarray], mass: str
 ) -> Group:
     """Columns of removed particles, in scenes where `there` is true."""
     return Group(
@@ -68,10 +68,7 @@ HISTORY = (
             Column("time", "time", "simulated time", lambda s, _: s.done.end),
             Column("step", "", "steps done", lambda s, _: s.done.number),
             Column(
-                "dt",
-                "time",
-                "length of the last step, 0 before the first",
-                lambda s, _: s.done.dt,
+                "dt", "time", "length of the last step, 0 before the first", lambda s, _: s.done.dt
             ),
             Column("mass", "mass", "mass of all particles", lambda s, _: s.total[MASS]),
             Column(

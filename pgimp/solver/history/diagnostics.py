@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from math import frexp, ldexp
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import (
     BOOKED,
     IMPULSE,
@@ -38,7 +39,7 @@ def _mass(sums: np.ndarray, unit: float) -> float:
     return ldexp(float((high << LOW) + low), -LOW) / unit
 
 
-def _own_sums(rank: Rank, scene: Scene, order: Any) -> tuple[np.ndarray, np.ndarray, float]:
+def _own_sums(rank: Rank, scene: Scene, order: Order) -> tuple[np.ndarray, np.ndarray, float]:
     """Sums by layer and body of some particles of a rank, their masses, and the masses' unit."""
     particles = rank.particles
     sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
@@ -59,7 +60,7 @@ def _reduced(
     return bodies, _mass(every.reshape(-1, 2), unit)
 
 
-def sums_of_bodies(rank: Rank, scene: Scene, order: Any) -> np.ndarray:
+def sums_of_bodies(rank: Rank, scene: Scene, order: Order) -> np.ndarray:
     """Sums by body of some particles, as in `layer_sums`, on rank 0; collective.
 
     Parameters
@@ -162,12 +163,14 @@ class Diagnostics:
         own = rank.booked()
         impulse = np.concatenate(
             [
-                own.impulse, own.constraint_impulse, own.contact[:, :, IMPULSE : IMPULSE + 3],
+                own.impulse,
+                own.constraint_impulse,
+                own.contact[:, :, IMPULSE : IMPULSE + 3],
                 own.rigid_bodies[:, :, RIGID_IMPULSE : RIGID_IMPULSE + 3],
                 own.rigid_bodies[:, :, RIGID_MOMENT : RIGID_MOMENT + 3],
             ],
             axis=1,
-        )  # fmt: skip
+        )
         errors = self._own_errors(rank, done.end)
         rows = rank.population.ordered.rows
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)

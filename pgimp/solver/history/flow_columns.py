@@ -34,19 +34,21 @@ FLOWS = (
         lambda scene: [name for _, name in _flows(scene)],
         (
             Column(
-                "volume.NAME", "length^dimensions",
+                "volume.NAME",
+                "length^dimensions",
                 "for each body that flows: its volume, less what of it crowds where "
                 "neighbourhoods of vertices are more than full; as of the last time that its "
                 "particles were shifted (docs/soils-and-fluids.md), every few steps; nan before",
                 lambda s, k: _volume(s, k, ROOM),
             ),
             Column(
-                "volume.NAME.carried", "length^dimensions",
+                "volume.NAME.carried",
+                "length^dimensions",
                 "sum of J times initial volume of its particles then, of fluids up to J = 1.01: "
                 "with `volume.NAME` it tells by how much its level is too low",
                 lambda s, k: _volume(s, k, CARRIED),
             ),
         ),
     ),
-)  # fmt: skip
+)
 """Columns of each body that flows."""

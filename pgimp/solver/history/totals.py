@@ -182,5 +182,5 @@ class Group(NamedTuple):
         In their order.
     """
 
-    names: Callable[[Any], Sequence[str]]
+    names: Callable[[Scene], Sequence[str]]
     columns: tuple[Column, ...]

@@ -1,6 +1,8 @@
 """Restoring a simulation's state: a checkpoint is checked, then taken over."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,8 +19,11 @@ from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.state import State
 
+if TYPE_CHECKING:
+    from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 
-def outline(scene: Scene, source: Any, comm: Communicator) -> tuple[State, np.ndarray]:
+
+def outline(scene: Scene, source: CheckpointFile, comm: Communicator) -> tuple[State, np.ndarray]:
     """State and number of particles by layer, in agreement with each other and the scene.
 
     Everything in a checkpoint is checked before it is used: a file with the right checksums may
@@ -52,7 +57,12 @@ def outline(scene: Scene, source: Any, comm: Communicator) -> tuple[State, np.nd
 
 
 def read_particles(
-    scene: Scene, slab: Slab, source: Any, state: State, layers: np.ndarray, comm: Communicator
+    scene: Scene,
+    slab: Slab,
+    source: CheckpointFile,
+    state: State,
+    layers: np.ndarray,
+    comm: Communicator,
 ) -> tuple[Particles, int, np.ndarray]:
     """Read the particles of a slab; collective.
 
@@ -94,7 +104,7 @@ def read_particles(
     return all_or_none(comm, read, DamagedError, UsageError), n, start
 
 
-def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> None:
+def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagnostics) -> None:
     """Restore the sums by plane and the state of the history; collective.
 
     Raises
@@ -148,7 +158,7 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
         records.last = (state.last_line, *last)
 
 
-def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
+def _whole(source: CheckpointFile, name: str, shape: tuple[int, ...]) -> np.ndarray:
     kind = np.dtype(np.int64 if name == "layers" else np.float64)
     if source.whole.get(name) != (kind, shape):
         raise DamagedError(f"it has no {name} of the scene's shape")
@@ -158,7 +168,7 @@ def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
     return array
 
 
-def _read_rows(scene: Scene, source: Any, first: int, n: int) -> Particles:
+def _read_rows(scene: Scene, source: CheckpointFile, first: int, n: int) -> Particles:
     """Read `n` rows of a checkpoint, with the columns of the scene."""
     expected = Particles.empty(0, scene.carried)._asdict()
     particles = Particles.empty(max(n, 1), scene.carried)

@@ -4,8 +4,10 @@ It does not depend on the ranks: particles in canonical order, sums by plane. Da
 the case, or only save time (the window, the holes between rows), are left out.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
-from typing import Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
@@ -14,7 +16,11 @@ from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
-from pgimp.solver.time.clock import Step
+from pgimp.solver.time.clock import CourantClock, FixedClock, Step
+from pgimp.solver.time.energy_watch import EnergyWatch
+
+if TYPE_CHECKING:
+    from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 
 _MODEL = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -50,7 +56,7 @@ class State(BaseModel):
     )
 
     @classmethod
-    def of(cls, source: Any) -> Self:
+    def of(cls, source: CheckpointFile) -> Self:
         """State in a checkpoint.
 
         Raises
@@ -109,10 +115,10 @@ def capture(
     rate: float,
     count: int,
     records: Diagnostics,
-    watch: Any = None,
+    watch: EnergyWatch | None = None,
     stage: int = 0,
-    clock: Any = None,
-) -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:
+    clock: FixedClock | CourantClock | None = None,
+) -> tuple[dict[str, object], Ordered, dict[str, np.ndarray]]:
     """Capture the state of a simulation between two steps; collective.
 
     Parameters

@@ -17,14 +17,19 @@ counts. Sums are taken layer by layer, as in the history, so that they have the 
 number of ranks.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.errors import EndlessError
 from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, layer_sums
 from pgimp.solver.time.clock import CourantClock, FixedClock
+
+if TYPE_CHECKING:
+    from pgimp.solver.rank import Rank
 
 #: Steps from one check to the next.
 EVERY = 10
@@ -101,7 +106,7 @@ class EnergyWatch:
         assert isinstance(clock, CourantClock)
         clock.part = min(max(self.part, LEAST), 1.0)
 
-    def begin(self, rank: Any) -> None:
+    def begin(self, rank: Rank) -> None:
         """Set the current energy as the reference, with the next steps' energy; collective."""
         kinetic, strain, work, mass = self._sums(rank)
         self._kept = [(kinetic, strain, work)]
@@ -109,7 +114,7 @@ class EnergyWatch:
         self._most = max(kinetic + strain, NONE * mass * self.speed * self.speed)
         self._new, self._row = True, 0
 
-    def look(self, rank: Any, step: int, time: float) -> None:
+    def look(self, rank: Rank, step: int, time: float) -> None:
         """Compare the energy with its balance; collective.
 
         Raises
@@ -152,7 +157,7 @@ class EnergyWatch:
         )
 
     @staticmethod
-    def _sums(rank: Any) -> tuple[float, float, float, float]:
+    def _sums(rank: Rank) -> tuple[float, float, float, float]:
         """Kinetic energy, strain energy, external work and mass, with particles that have left."""
         scene, population, own = rank.scene, rank.population, rank.booked()
         sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))

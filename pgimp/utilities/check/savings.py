@@ -26,7 +26,10 @@ def ordered_advice(
     if not case.watched and longest > 1.05 * dt:
         saved = 1.0 - dt / longest
         found.append(
-            (saved, f"time.step: {{courant: auto}} would begin with {longest:.4g} (Courant number "
-             f"of waves {courant:.2g}): {100.0 * saved:.0f} % fewer steps")
-        )  # fmt: skip
+            (
+                saved,
+                f"time.step: {{courant: auto}} would begin with {longest:.4g} (Courant number "
+                f"of waves {courant:.2g}): {100.0 * saved:.0f} % fewer steps",
+            )
+        )
     return [text for _, text in sorted(found, key=lambda item: -item[0])]

@@ -7,7 +7,6 @@ import shutil
 import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from pgimp.utilities.doctor.finding import Finding
 from pgimp.utilities.doctor.probe import PREAMBLE, Answer, ask, ask_all, names, run
@@ -128,7 +127,7 @@ def _version(mpirun: str) -> Finding:
     return Finding(name, f"{' '.join(words)}, {mpirun}")
 
 
-def _two_ranks(mpi: dict[str, Any], launcher: str, ways: Sequence[Sequence[str]]) -> Finding:
+def _two_ranks(mpi: dict[str, object], launcher: str, ways: Sequence[Sequence[str]]) -> Finding:
     """Start two ranks, with each set of options until they can communicate."""
     name = os.path.basename(launcher)
     part = "two ranks" if name != "srun" else "srun"
@@ -160,7 +159,7 @@ def _two_ranks(mpi: dict[str, Any], launcher: str, ways: Sequence[Sequence[str]]
     )
 
 
-def cure(mpi: dict[str, Any], launcher: str) -> str:
+def cure(mpi: dict[str, object], launcher: str) -> str:
     """Return the remedy for a launcher that does not fit mpi4py's library.
 
     Parameters

@@ -103,7 +103,7 @@ def ask_all(script: str, *argv: str, launch: Sequence[str] = ()) -> list[dict[st
     return words or f"fails with status {done.returncode}"
 
 
-def _objects(text: str) -> list[dict[str, Any]]:
+def _objects(text: str) -> list[dict[str, object]]:
     """Return the objects at the beginning of lines, and objects after them on the same line.
 
     Without a buffer Python writes the end of a line separately: another rank's line may come

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -18,7 +17,7 @@ from pgimp.schema.messages import unknown
 Array = np.ndarray
 
 
-def entry_of(material: Material | Mapping[str, Any]) -> Material:
+def entry_of(material: Material | Mapping[str, object]) -> Material:
     """Return the entry of a material, given as an entry or as in a case.
 
     Raises
@@ -91,9 +90,7 @@ class Element:
         for state in states_of(kind):
             place = slice(at, at + state.width(self.dimensions))
             start = state.initial
-            self.row[place] = (
-                getattr(self.parameters, start) if isinstance(start, str) else start
-            )
+            self.row[place] = getattr(self.parameters, start) if isinstance(start, str) else start
             self.places[state.name], at = place, place.stop
         self.F = np.eye(self.dimensions)
         self.speed = np.nan
@@ -126,10 +123,9 @@ class Element:
         found[0] = self.row
         if self.material.VOLUME_ONLY:
             F = np.eye(D) * np.linalg.det(F)[:, None, None] ** (1.0 / D)
-        march(
-            (self.parameters,), F.reshape(n, D * D), L.reshape(n, D * D), steps, found, speed,
-            (0.0,) * D * D, (0.0,) * len(self.row),
-        )  # fmt: skip
+        F, L = F.reshape(n, D * D), L.reshape(n, D * D)
+        likes = (0.0,) * D * D, (0.0,) * len(self.row)
+        march((self.parameters,), F, L, steps, found, speed, *likes)
         return found[1:], speed
 
     def advance(self, F: Array, dt: float | Array) -> Array:
@@ -154,7 +150,7 @@ class Element:
 
 
 def element(
-    material: Material | Mapping[str, Any], F: Array, dt: float | Array = 1.0
+    material: Material | Mapping[str, object], F: Array, dt: float | Array = 1.0
 ) -> dict[str, Array]:
     """Return the response of a material along a path, without a grid.
 

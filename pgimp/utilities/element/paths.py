@@ -35,35 +35,27 @@ class Path(NamedTuple):
     component: str
 
 
+def _along(e: float) -> tuple[float, float, float, float]:
+    return e, 0.0, 0.0, 0.0
+
+
+_COMPRESSION = "logarithmic strain along x, below 0 in compression"
+_CONFINED = "logarithmic strain along x after the confinement"
+_ACROSS = ", below 0 in compression; across, the confining pressure acts"
+_FREE = "logarithmic strain along x; no stress across"
+_SHEAR = "shear: displacement along x over the distance along y"
+_VOLUME = "logarithm of the volume ratio, below 0 in compression"
 PATHS = {
-    "uniaxial-strain": Path(
-        "logarithmic strain along x; none across", lambda e: (e, 0.0, 0.0, 0.0), (), "stress-xx"
-    ),
-    "uniaxial-stress": Path(
-        "logarithmic strain along x; no stress across", lambda e: (e, 0.0, 0.0, 0.0), (1, 2),
-        "stress-xx",
-    ),
-    "oedometer": Path(
-        "logarithmic strain along x, below 0 in compression; none across",
-        lambda e: (e, 0.0, 0.0, 0.0), (), "stress-xx",
-    ),
-    "triaxial": Path(
-        "logarithmic strain along x after the confinement, below 0 in compression; across, the "
-        "confining pressure acts", lambda e: (e, 0.0, 0.0, 0.0), (1, 2), "q",
-    ),
+    "uniaxial-strain": Path("logarithmic strain along x; none across", _along, (), "stress-xx"),
+    "uniaxial-stress": Path(_FREE, _along, (1, 2), "stress-xx"),
+    "oedometer": Path(f"{_COMPRESSION}; none across", _along, (), "stress-xx"),
+    "triaxial": Path(f"{_CONFINED}{_ACROSS}", _along, (1, 2), "q"),
     "undrained": Path(
-        "logarithmic strain along x after the confinement, at constant volume",
-        lambda e: (e, -0.5 * e, -0.5 * e, 0.0), (), "q",
+        f"{_CONFINED}, at constant volume", lambda e: (e, -0.5 * e, -0.5 * e, 0.0), (), "q"
     ),
-    "simple-shear": Path(
-        "shear: displacement along x over the distance along y", lambda g: (0.0, 0.0, 0.0, g), (),
-        "stress-xy",
-    ),
-    "isotropic": Path(
-        "logarithm of the volume ratio, below 0 in compression",
-        lambda e: (e / 3.0, e / 3.0, e / 3.0, 0.0), (), "pressure",
-    ),
-}  # fmt: skip
+    "simple-shear": Path(_SHEAR, lambda g: (0.0, 0.0, 0.0, g), (), "stress-xy"),
+    "isotropic": Path(_VOLUME, lambda e: (e / 3.0, e / 3.0, e / 3.0, 0.0), (), "pressure"),
+}
 
 
 def gradient(strains: Array, shear: float, dimensions: int) -> Array:

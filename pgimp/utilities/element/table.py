@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from pgimp.physics.materials import Material
 from pgimp.utilities.element.follow import follow
 from pgimp.utilities.element.march import Array, Element
 from pgimp.utilities.element.paths import legs, path_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Prefix of exact columns.
 EXACT = "exact-"
@@ -132,7 +135,7 @@ def text(table: dict[str, Array]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def draw(table: dict[str, Array], name: str, title: str) -> Any:
+def draw(table: dict[str, Array], name: str, title: str) -> Figure:
     """Return a figure of the path's stress and of the material's state, preferably a scalar."""
     from matplotlib.figure import Figure
 
@@ -149,9 +152,7 @@ def draw(table: dict[str, Array], name: str, title: str) -> Any:
         axes = figure.add_subplot((len(shown) + 1) // 2, min(len(shown), 2), number + 1)
         axes.plot(table["value"], table[column], color=COLOURS[0], label="pgimp")
         if EXACT + column in table:
-            axes.plot(
-                table["value"], table[EXACT + column], "--", color=COLOURS[1], label="exact"
-            )
+            axes.plot(table["value"], table[EXACT + column], "--", color=COLOURS[1], label="exact")
             axes.legend()
         axes.locator_params(axis="x", nbins=6)
         axes.set_xlabel(plain(path.meaning.partition(";")[0].partition(",")[0]))

@@ -5,8 +5,6 @@ Its exact motion is rigid, so stresses and velocity differences are errors.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from pgimp.case.schema import Case
@@ -74,7 +72,7 @@ def _uniform(ids: np.ndarray) -> np.ndarray:
     return np.stack(numbers, axis=1).astype(float) * 2.0**-53
 
 
-def block_case(cells: int, steps: int, length: int = 1) -> dict[str, Any]:
+def block_case(cells: int, steps: int, length: int = 1) -> dict[str, object]:
     """The benchmark as a case: a block of `cells` cubed in a domain with a margin of four cells.
 
     With `length` it is a bar along x, longer by this factor.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,7 @@ class Layout(NamedTuple):
 
 
 def layout_of(
-    scene: Scene, bodies: list[Extent], x: NDArray[Any], counts: NDArray[np.int64]
+    scene: Scene, bodies: list[Extent], x: NDArray[np.float64], counts: NDArray[np.int64]
 ) -> Layout:
     """Layout of a scene in its initial state.
 

@@ -86,10 +86,11 @@ def lines(
     ]
     widths = [max(len(row[i]) for row in [_HEADINGS, *rows]) for i in range(len(_HEADINGS))]
     return [
-        (indent + "  ".join([*map(str.rjust, row[: len(widths)], widths), *row[len(widths) :]]))
-        .rstrip()
+        (
+            indent + "  ".join([*map(str.rjust, row[: len(widths)], widths), *row[len(widths) :]])
+        ).rstrip()
         for row in [_HEADINGS, *rows]
-    ]  # fmt: skip
+    ]
 
 
 def remark(found: dict[str, Any]) -> Callable[[dict[str, Any]], str]:

@@ -57,7 +57,7 @@ def model_block(
     kind = Simulation if lattice else Block
     edge = max(1, round((particles / 8) ** (1.0 / 3.0))) if particles else cells
 
-    def block(n: int, on: Any) -> Simulation:
+    def block(n: int, on: Communicator) -> Simulation:
         return kind(Case.model_validate(block_case(n, _STEPS)), on)
 
     sizes = _SAMPLES[:2] if max(cells, edge) <= _SAMPLES[1] else _SAMPLES

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, cast
 
 from pgimp.mpi.comm import Serial
 from pgimp.mpi.communicator import Communicator
@@ -33,9 +33,9 @@ class Comparison(NamedTuple):
 def compare(
     comm: Communicator,
     samples: Callable[[], Iterable[Sample]],
-    small: Callable[[Any], Simulation],
-    large: Callable[[Any], Simulation],
-    targets: dict[str, Callable[[Any], Simulation]],
+    small: Callable[[Communicator], Simulation],
+    large: Callable[[Communicator], Simulation],
+    targets: dict[str, Callable[[Communicator], Simulation]],
     network: Network,
     seconds: float,
     fewest: int,

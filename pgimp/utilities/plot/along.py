@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from pgimp.utilities.plot.runs import AXES, PlotFrame
 from pgimp.utilities.plot.selection import Selection, empty
 from pgimp.utilities.plot.style import COLOURS, DASHES, MARKERS, log_ticks, plain
 from pgimp.utilities.plot.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = np.ndarray
 
@@ -29,7 +32,7 @@ def along(
     selection: Selection,
     axis: int,
     logarithmic: bool,
-) -> tuple[Any, Table, list[str]]:
+) -> tuple[Figure, Table, list[str]]:
     """Draw a field along an axis, several frames in one diagram.
 
     Parameters
@@ -110,7 +113,7 @@ def along(
 
 def _means(
     snapshot: PlotFrame, quantity: Quantity, selection: Selection, axis: int
-) -> tuple[Any, ...]:
+) -> tuple[Array, Array, Array]:
     """Return positions, means and numbers of particles of the strips with particles."""
     case = snapshot.shown.case
     grid, each = case["grid"], case["method"]["particles_per_cell"]
@@ -134,7 +137,7 @@ def _means(
 
 def _points(
     snapshot: PlotFrame, quantity: Quantity, selection: Selection, axis: int
-) -> tuple[Any, ...]:
+) -> tuple[Array, Array, Array, int]:
     """Return ids, positions and values of particles in order along the axis, and their number."""
     blocks = list(selection.blocks(snapshot.frame, quantity))
     ids = np.concatenate([block.id for block in blocks])

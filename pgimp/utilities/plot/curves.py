@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from pgimp.utilities.plot.series import Series, open_series
 from pgimp.utilities.plot.style import COLOURS, DASHES, log_ticks, plain
 from pgimp.utilities.plot.tables import Table
 from pgimp.utilities.plot.units import kind_of_column
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.figure import Figure
 
 Array = np.ndarray
 
@@ -38,7 +42,7 @@ def curves(
     columns: Sequence[str],
     across: str,
     logarithmic: bool,
-) -> tuple[Any, Table, list[str]]:
+) -> tuple[Figure, Table, list[str]]:
     """Draw the history, or probes.
 
     Parameters
@@ -145,7 +149,7 @@ def _draw(
     names: Sequence[str],
     across: str,
     logarithmic: bool,
-) -> Any:
+) -> Figure:
     from matplotlib.figure import Figure
 
     single = len(series) == 1
@@ -203,7 +207,7 @@ def _draw(
     for axis in axes[len(groups) :]:
         axis.set_visible(False)
     if not single:
-        lines: dict[str, Any] = {}
+        lines: dict[str, Artist] = {}
         for axis in axes[: len(groups)]:
             for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
                 lines.setdefault(label, handle)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from pgimp.utilities.plot.selection import Block, Selection, empty
 from pgimp.utilities.plot.style import MAP, plain
 from pgimp.utilities.plot.tables import Table
 from pgimp.utilities.plot.visible import draw, extent, visible
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Array = np.ndarray
 
@@ -39,7 +43,7 @@ def picture(
     selection: Selection,
     camera: Camera,
     limits: tuple[float, float] | None,
-) -> tuple[Any, Table, list[str]]:
+) -> tuple[Figure, Table, list[str]]:
     """Draw frames side by side, with a common colour scale.
 
     Parameters
@@ -141,7 +145,7 @@ def _draw(
     camera: Camera,
     inside: Array,
     limits: tuple[float, float] | None,
-) -> Any:
+) -> Figure:
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -192,7 +196,7 @@ def _draw(
     return figure
 
 
-def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, Any]:
+def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Figure, Array]:
     """Return a figure with `count` axes, in a shape for pictures of this size.
 
     The colour scale is below them if they are `wide`, else to their right; only `labelled` axes
@@ -214,7 +218,7 @@ def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Any, A
     return figure, axes.ravel()
 
 
-def _label(axis: Any, snapshot: PlotFrame, camera: Camera, columns: int, *, lowest: bool) -> None:
+def _label(axis: Axes, snapshot: PlotFrame, camera: Camera, columns: int, *, lowest: bool) -> None:
     """Name the axes at the left and below; `lowest`: no picture is below this one."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
@@ -222,7 +226,8 @@ def _label(axis: Any, snapshot: PlotFrame, camera: Camera, columns: int, *, lowe
         axis.set(xticks=[], yticks=[])  # without axes there would be no space for the title
         axis.spines[:].set_visible(False)
         return
-    first = axis.get_subplotspec().is_first_col()
+    panel = axis.get_subplotspec()
+    first = panel is not None and panel.is_first_col()
     sides = (("x", axis.xaxis, camera.right), ("y", axis.yaxis, camera.up))
     for side, ticks, direction in sides:
         name, reversed_ = camera.axis(direction)
@@ -234,7 +239,7 @@ def _label(axis: Any, snapshot: PlotFrame, camera: Camera, columns: int, *, lowe
     axis.xaxis.set_tick_params(labelbottom=lowest)
 
 
-def _compass(axis: Any, camera: Camera) -> None:
+def _compass(axis: Axes, camera: Camera) -> None:
     """Draw the directions of the axes of space into the lower left corner."""
     options: dict[str, Any] = {
         "xycoords": "axes fraction",
@@ -242,9 +247,10 @@ def _compass(axis: Any, camera: Camera) -> None:
         "fontsize": 8,
         "annotation_clip": False,
     }
+    centred: dict[str, Any] = {"ha": "center", "va": "center"}
     arrow = {"arrowstyle": "<|-,head_width=0.15,head_length=0.3", "color": "#444444", "lw": 0.9}
     for name, right, up in zip(AXES, camera.right, camera.up, strict=True):
-        tip = _ARROW * np.array([right, up])
-        if np.hypot(*tip) > 0.1 * _ARROW:
-            axis.annotate("", (0.0, 0.0), xytext=tip, arrowprops=arrow, **options)
-            axis.annotate(name, (0.0, 0.0), xytext=1.3 * tip, ha="center", va="center", **options)
+        x, y = _ARROW * right, _ARROW * up
+        if np.hypot(x, y) > 0.1 * _ARROW:
+            axis.annotate("", (0.0, 0.0), xytext=(x, y), arrowprops=arrow, **options)
+            axis.annotate(name, (0.0, 0.0), xytext=(1.3 * x, 1.3 * y), **centred, **options)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.io.results.frame import Frame, Reading
 from pgimp.utilities.plot.camera import Camera
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = np.ndarray
 
@@ -43,7 +46,7 @@ def widened(inside: Array, edges: list[Array]) -> Array:
     )
 
 
-def draw_lines(axis: Any, edges: Array, flat: bool) -> None:
+def draw_lines(axis: Axes, edges: Array, flat: bool) -> None:
     """Add edges to axes: the outline in 2D, in 3D a net."""
     from matplotlib.collections import LineCollection
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axis import Axis
 
 BLUE, RED, GREEN, ORANGE, PURPLE, SKY, GREY, BROWN = (
     "#0067b1",
@@ -44,7 +47,6 @@ STYLE: dict[str, Any] = {
 """Settings of matplotlib, its ``rcParams``."""
 
 
-
 def plain(text: str) -> str:
     """Return a name with escaped dollar signs, which matplotlib would read as mathematics."""
     return text.replace("$", r"\$")
@@ -54,7 +56,7 @@ _FEW_DECADES = 2.3
 _LEAST_DECADES = 1.0
 
 
-def log_ticks(ticks: Any) -> None:
+def log_ticks(ticks: Axis) -> None:
     """Label a logarithmic axis without collisions, and with more than one label.
 
     Parameters

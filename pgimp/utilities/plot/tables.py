@@ -6,7 +6,6 @@ import csv
 import io
 import re
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -25,9 +24,9 @@ class Table:
 
     def __init__(self, columns: Sequence[str]) -> None:
         self.columns = list(columns)
-        self._parts: list[tuple[list[Any], list[np.ndarray]]] = []
+        self._parts: list[tuple[list[object], list[np.ndarray]]] = []
 
-    def add(self, same: Sequence[Any], columns: Sequence[np.ndarray]) -> None:
+    def add(self, same: Sequence[object], columns: Sequence[np.ndarray]) -> None:
         """Add rows.
 
         Parameters
@@ -56,5 +55,5 @@ class Table:
         return bool(_OWN.match(beginning))
 
 
-def _exact(value: Any) -> str:
+def _exact(value: object) -> str:
     return repr(value) if isinstance(value, float) else str(value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +10,9 @@ from pgimp.io.results.reader import Frame
 from pgimp.utilities.plot.camera import Camera
 from pgimp.utilities.plot.quantity import Quantity
 from pgimp.utilities.plot.selection import Block, Selection
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = np.ndarray
 
@@ -80,7 +83,7 @@ def visible(
     return kept, total
 
 
-def draw(axis: Any, camera: Camera, position: Array, radius: Array, colours: Array) -> None:
+def draw(axis: Axes, camera: Camera, position: Array, radius: Array, colours: Array) -> None:
     """Add particles to axes, as the visible faces of boxes along the axes of space.
 
     Parameters

@@ -64,11 +64,10 @@ def study_of(name: str | Path, path: Path) -> str:
         fewest = max(1, round(case.time.steps * SHORT / FACTORS[0]))
         numbers = [round(fewest * FACTORS[0] / factor) for factor in FACTORS]
         steps = f"    time.step: {[end / number for number in numbers]}\n"
-    return _TEXT.format(
-        file=Path(name).name, case=os.path.relpath(name, path.parent), end=end,
-        whole=float(case.time.end), cells=sizes, steps=steps,
-        stops="  output.at: []\n" if case.output.at else "",
-    )  # fmt: skip
+    names = {"file": Path(name).name, "case": os.path.relpath(name, path.parent)}
+    stops = "  output.at: []\n" if case.output.at else ""
+    whole = float(case.time.end)
+    return _TEXT.format(**names, end=end, whole=whole, cells=sizes, steps=steps, stops=stops)
 
 
 def _cells(case: Case) -> list[list[float]]:

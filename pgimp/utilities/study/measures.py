@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 from math import isfinite, log
-from typing import Any
 
 import numpy as np
 
@@ -123,6 +122,6 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
     return front
 
 
-def number(value: Any, digits: int = 3) -> str:
+def number(value: object, digits: int = 3) -> str:
     """Return a number with few digits, empty for None."""
     return "" if value is None else f"{value:.{digits}g}"

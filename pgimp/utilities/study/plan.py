@@ -236,7 +236,7 @@ class _Cases:
             for i, (one, (file, case)) in enumerate(zip(found, cases, strict=True))
         ]
 
-    def _number(self, key: str, data: dict[str, Any], variant: Variant) -> float:
+    def _number(self, key: str, data: dict[str, object], variant: Variant) -> float:
         value = self._value(key, data, variant, ("plot", "x"))
         entries = value if isinstance(value, list | tuple) and value else [value]
         if all(isinstance(entry, int | float) and not isinstance(entry, bool) for entry in entries):
@@ -247,14 +247,14 @@ class _Cases:
         return 0.0
 
     def _text(
-        self, key: str, data: dict[str, Any], variant: Variant, place: tuple[str, ...]
+        self, key: str, data: dict[str, object], variant: Variant, place: tuple[str, ...]
     ) -> str:
         value = self._value(key, data, variant, place)
         if value is _ABSENT:
             return ""
         return value if isinstance(value, str) else f"{key.rpartition('.')[2]} {short(value)}"
 
-    def _value(self, key: str, data: Any, variant: Variant, place: tuple[str, ...]) -> Any:
+    def _value(self, key: str, data: Any, variant: Variant, place: tuple[str, ...]) -> object:
         """Return the resolved case's value at a key path."""
         for part in key.split("."):
             try:

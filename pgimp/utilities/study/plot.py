@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pgimp.utilities.plot.style import COLOURS, MARKERS, STYLE, log_ticks, plain
 from pgimp.utilities.study.measures import pareto
 from pgimp.utilities.study.plan import Plan
 from pgimp.utilities.study.runs import DONE, Outcome
 from pgimp.utilities.study.tables import curves
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
 _LABELS = {"wall": "wall time [s]", "core": "wall time x ranks [s]"}
 _INCHES = (4.2, 4.2)
@@ -95,7 +99,7 @@ def picture(plan: Plan, outcomes: Sequence[Outcome]) -> bytes | None:
     return stream.getvalue()
 
 
-def _guides(ax: Any, drawn: Sequence[Outcome]) -> None:
+def _guides(ax: Axes, drawn: Sequence[Outcome]) -> None:
     """Draw lines of first and second order from the coarsest run with the least error."""
     xs = sorted({one.plan.x for one in drawn})
     if len(xs) < 2:
@@ -123,7 +127,7 @@ def _guides(ax: Any, drawn: Sequence[Outcome]) -> None:
     ax.set_ylim(limits)
 
 
-def _front(ax: Any, points: Sequence[tuple[float, float]]) -> Any:
+def _front(ax: Axes, points: Sequence[tuple[float, float]]) -> Line2D:
     """Draw the Pareto front as a stepped line to the panel's edges, and return it."""
     front = [points[i] for i in pareto(points)]
     limits = ax.get_xlim(), ax.get_ylim()

@@ -47,7 +47,7 @@ def _launcher(value: tuple[str, ...]) -> tuple[str, ...]:
     return value
 
 
-def _changes(changes: Mapping[str, Any], path: tuple[str | int, ...] = ()) -> Iterator[Problem]:
+def _changes(changes: Mapping[str, object], path: tuple[str | int, ...] = ()) -> Iterator[Problem]:
     """Check that every key is a path of keys, and that none overrides an earlier one."""
     seen: list[str] = []
     for key in changes:
@@ -58,12 +58,12 @@ def _changes(changes: Mapping[str, Any], path: tuple[str | int, ...] = ()) -> It
         seen.append(key)
 
 
-def _set(value: dict[str, Any]) -> dict[str, Any]:
+def _set(value: dict[str, object]) -> dict[str, object]:
     raise_problems("set", _changes(value), value)
     return value
 
 
-def is_named(entry: Mapping[str, Any]) -> bool:
+def is_named(entry: Mapping[str, object]) -> bool:
     """Whether an entry of the sweep has sets of changes by name, not lists by key."""
     return all(isinstance(value, dict) for value in entry.values())
 
@@ -122,16 +122,14 @@ class Measure(Model):
 
     column: Text = Field(description="a column of history.csv")
     at: Annotated[
-        str | float,
-        Either("end, max or a time", {str: Literal["end", "max"], float: NonNegative}),
+        str | float, Either("end, max or a time", {str: Literal["end", "max"], float: NonNegative})
     ] = Field(
         default="end",
         description="end: the last line; max: the largest of all lines; a number: the first line "
         "at or after that simulated time",
     )
     reference: Annotated[
-        float | str,
-        Either("a number or limit", {float: Number, str: Literal["limit"]}),
+        float | str, Either("a number or limit", {float: Number, str: Literal["limit"]})
     ] = Field(
         default=0.0,
         description="what is subtracted before the absolute value is taken; limit: what the "
@@ -275,6 +273,6 @@ def measure_of(entry: str | Measure) -> Measure:
     return Measure(column=entry) if isinstance(entry, str) else entry
 
 
-def missing_file(value: Any) -> str:
+def missing_file(value: object) -> str:
     """Message: the value is no name of a case file."""
     return f"expected the name of a case file, got {describe(value)}"

@@ -22,7 +22,7 @@ class Change(NamedTuple):
 
     key: str
     """Keys and list indices joined by dots."""
-    value: Any
+    value: object
     place: Path
     """Its place in the study file."""
 
@@ -103,7 +103,7 @@ def _labels(sets: list[tuple[Change, ...]]) -> list[str]:
     return [f"{label} #{i + 1}" if twice else label for i, label in enumerate(labels)]
 
 
-def _leaves(key: str, value: Any) -> Iterator[tuple[str, str]]:
+def _leaves(key: str, value: object) -> Iterator[tuple[str, str]]:
     """Yield the parts of a value, by key, as short texts."""
     if isinstance(value, dict) and value:
         for name, part in value.items():
@@ -115,7 +115,7 @@ def _leaves(key: str, value: Any) -> Iterator[tuple[str, str]]:
         yield key, f"{key.rpartition('.')[2]} {short(value)}"
 
 
-def short(value: Any) -> str:
+def short(value: object) -> str:
     """Return a value in a short form: 0.5 for [0.5]."""
     if isinstance(value, list | tuple):
         parts = [short(part) for part in value]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import csv
 import datetime
 import io
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
 
 from pgimp.running.progress import duration
 from pgimp.utilities.study.limits import Limit, limit
@@ -81,7 +80,7 @@ def as_csv(plan: Plan, outcomes: Sequence[Outcome]) -> str:
     table.writerow([*head, "reused", "message"])
     for one in outcomes:
         run, info = one.plan, one.info
-        row: list[Any] = [run.name, one.state, run.curve, *(run.values.get(key) for key in keys)]
+        row: list[object] = [run.name, one.state, run.curve, *(run.values.get(key) for key in keys)]
         row += [run.x, one.error, one.order, info.get("ranks"), info.get("particles")]
         row += [one.costs.get(cost) for cost in COSTS]
         row += [int(cost in one.fronts) if one.state == DONE else None for cost in study.cost]
@@ -174,5 +173,5 @@ def _origin(outcomes: Sequence[Outcome]) -> Iterator[str]:
     yield f"Written {today}: {runs}, of which {reused} from before, {failed} failed"
 
 
-def _unlike(values: Any) -> list[str]:
+def _unlike(values: Iterable[object]) -> list[str]:
     return [str(value) for value in dict.fromkeys(values)]

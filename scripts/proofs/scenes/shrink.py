@@ -27,10 +27,13 @@ def _without(case, path):
 def _step(case):
     """A fixed step of about the size that Courant control takes."""
     moduli = ("young", "bulk", "shear")  # a gas has none: it is as slow as what else there is
-    speed = max(
-        math.sqrt(1.5 * max(m.get(key, 0.0) for key in moduli) / m["density"])
-        for m in case["materials"].values()
-    ) or 1.0
+    speed = (
+        max(
+            math.sqrt(1.5 * max(m.get(key, 0.0) for key in moduli) / m["density"])
+            for m in case["materials"].values()
+        )
+        or 1.0
+    )
     courant = case["time"]["step"]["courant"]
     courant = 0.3 if courant == "auto" else courant
     step = courant * min(case["grid"]["cell"]) / (1.2 * speed)

@@ -93,8 +93,7 @@ def hole(rigid, radius, angle, shift, clearance):
     """Gap of a disk that moves in a round hole of a thick ring; one of the two is rigid."""
     middle = 0.5 * CELLS[2] + shift * np.array([1.0, 0.37])
     disk, wide, ring = (
-        ball(middle, r)
-        for r in (radius, radius + clearance, radius + clearance + 4.0)
+        ball(middle, r) for r in (radius, radius + clearance, radius + clearance + 4.0)
     )
     bodies = {"a": disk, "b": {"difference": [ring, wide]}}
     return felt(_rigid(stiff(bodies, _direction(2, angle)), rigid), clearance)

@@ -198,10 +198,7 @@ def cost(apart, dimensions, rounds=5):
     gap = 20.0 if apart else 0.0
     shift = [high[0] - 2.0 + gap, *[0.0] * (dimensions - 1)]
     second = [[a + b for a, b in zip(end, shift, strict=True)] for end in (low, high)]
-    bodies = {
-        "a": (box(low, high), [0.0] * dimensions),
-        "b": (box(*second), [0.0] * dimensions),
-    }
+    bodies = {"a": (box(low, high), [0.0] * dimensions), "b": (box(*second), [0.0] * dimensions)}
     size = [2.0 * high[0] + gap + 4.0, *[high[0] + 4.0] * (dimensions - 1)]
     simulations = [
         pgimp.Simulation(case_of(bodies, size, 1.0, 1e9, contact=contact))

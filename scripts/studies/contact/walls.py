@@ -112,8 +112,11 @@ def cost(dimensions, rounds):
     simulations = [
         pgimp.Simulation(
             motion.case_of(
-                {"a": (box(low, high), [0.0] * dimensions)}, [cells + 4.0] * dimensions, 1.0,
-                1e9, boundaries={face: condition},
+                {"a": (box(low, high), [0.0] * dimensions)},
+                [cells + 4.0] * dimensions,
+                1.0,
+                1e9,
+                boundaries={face: condition},
             )
         )
         for condition in ("slip", "separating")

@@ -149,8 +149,11 @@ _WALLS = ({"wall": "mirror"}, {"affine": True, "wall": "mirror"})
 ROWS = (
     ("still, 8 cells deep, 100 sqrt(D/g)", still, _ALL, (2, 3), ()),
     (
-        "sloshing, 16 cells deep, crests of a cell, 20 periods", slosh, (*_ALL[:3], *_WALLS),
-        (2,), (),
+        "sloshing, 16 cells deep, crests of a cell, 20 periods",
+        slosh,
+        (*_ALL[:3], *_WALLS),
+        (2,),
+        (),
     ),
     ("dam break to 10 s, cells of 0.04 m", dam, (*_ALL[:2], *_WALLS), (2,), (0.04,)),
     ("the same, cells of 0.02 m", dam, (*_ALL[:2], _WALLS[0]), (2,), (0.02,)),

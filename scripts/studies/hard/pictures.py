@@ -1,6 +1,5 @@
 """Pictures of cases/README.md: the bar that is pulled, the blocks that meet."""
 
-
 import numpy as np
 from drawing.common import BLUE, GREEN, GREY, ORANGE, RED, boxes, plt, save
 from studies.hard.rows import METHODS

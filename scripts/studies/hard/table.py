@@ -52,8 +52,11 @@ def moving_table(points):
 
 def _cells(text):
     """Titles of a table's columns, and its cells by row and column."""
-    rows = [[cell.strip() for cell in line.strip("| ").split(" | ")]
-            for line in text.splitlines() if line.startswith("|") and not line.startswith("|--")]
+    rows = [
+        [cell.strip() for cell in line.strip("| ").split(" | ")]
+        for line in text.splitlines()
+        if line.startswith("|") and not line.startswith("|--")
+    ]
     titles = rows[0]
     return titles, {row[0]: dict(zip(titles[1:], row[1:], strict=False)) for row in rows[1:]}
 

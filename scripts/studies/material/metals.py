@@ -1,6 +1,5 @@
 """Metals against exact results: paths, waves, shocks, heat, and a cylinder thrown at a wall."""
 
-
 import numpy as np
 from studies.harness import CASES
 from studies.scenes import box, case_of, filled, looked

@@ -1,6 +1,5 @@
 """The pictures of docs/error-against-cost.md: error over CPU time, a panel for each problem."""
 
-
 from drawing.common import plt, save
 from matplotlib.lines import Line2D
 from studies.pareto.front import front, price, usable

@@ -50,11 +50,7 @@ INFINITE = math.inf
             [-1, -1],
             [math.sqrt(0.5)] * 2,
         ),
-        (
-            {"difference": [cylinder([0, 0, 0], [0, 0, 5], 1), *QUARTER[:1]]},
-            [-1, -1, 0],
-            [0, 1, 5],
-        ),
+        ({"difference": [cylinder([0, 0, 0], [0, 0, 5], 1), *QUARTER[:1]]}, [-1, -1, 0], [0, 1, 5]),
         (
             {"intersection": [cylinder([-3, 0, 0], [3, 0, 0], 1), half_space([0] * 3, [1, 0, 1])]},
             [-3, -1, -1],

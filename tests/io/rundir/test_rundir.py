@@ -22,10 +22,7 @@ START = {"state": "running", "began": "now", "steps": 0}
 def make(path):
     """Make a directory with all that a failed run leaves."""
     directory = RunDirectory(path, Serial())
-    directory.prepare(
-        {"case.yaml": b"resolved", "input.yaml": b"verbatim"},
-        START,
-    )
+    directory.prepare({"case.yaml": b"resolved", "input.yaml": b"verbatim"}, START)
     (path / "history.csv").write_text("time\n")
     (path / "log.txt").write_text("log\n")
     (path / "frames" / "particles-000000.h5").write_text("frame")

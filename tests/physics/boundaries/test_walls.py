@@ -172,9 +172,7 @@ def test_a_body_that_moves_with_its_wall_feels_nothing(shape, dimension):
 
 
 @pytest.mark.parametrize(
-    ("speed", "path"),
-    [(0.5, 1.5), ([[0.0, 0.0], [2.0, 1.0]], 2.0)],
-    ids=["constant", "table"],
+    ("speed", "path"), [(0.5, 1.5), ([[0.0, 0.0], [2.0, 1.0]], 2.0)], ids=["constant", "table"]
 )
 def test_a_moving_wall_drags_a_body_along(speed, path):
     body = box([1.0, 0.0], [4.0, 2.0])

@@ -1,6 +1,5 @@
 """Prescribed motion of parts of bodies: exact motion, reactions, where a grip's edge is, ranks."""
 
-
 import numpy as np
 import pytest
 from hypothesis import given

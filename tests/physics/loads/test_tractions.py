@@ -192,9 +192,7 @@ def test_a_bar_loaded_slowly_carries_the_load_everywhere(shape, low, high):
     up = {"table": [[0.0, [0.0]], [ramp, [1.0]]]}
     down = {"table": [[0.0, [0.0]], [ramp, [-1.0]]]}
     tractions = {"right": load("x-max", traction=up), "left": load("x-min", traction=down)}
-    sim = start(
-        block(1, [low], [high], tractions, cells=[16], shape=shape, end=end, step=0.02)
-    )
+    sim = start(block(1, [low], [high], tractions, cells=[16], shape=shape, end=end, step=0.02))
     sim.diagnostics()
     finish(sim)
     line = sim.diagnostics()

@@ -97,7 +97,6 @@ def test_a_tensor_and_a_start_from_the_parameters(dimension, tmp_path):
     wanted = np.zeros((len(sim.particles["id"]), 6))
     mine = sim.particles["body"] == 0
 
-
     def deformation():
         return field(core, "F").reshape(-1, dimension, dimension)
 

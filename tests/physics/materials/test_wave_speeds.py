@@ -2,16 +2,7 @@
 
 import numpy as np
 import pytest
-from material_driver import (
-    DENSITY,
-    HOOKE,
-    MU,
-    NEO,
-    SEED,
-    deformations,
-    material,
-    response,
-)
+from material_driver import DENSITY, HOOKE, MU, NEO, SEED, deformations, material, response
 
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import InitialFrame

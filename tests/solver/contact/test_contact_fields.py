@@ -40,7 +40,7 @@ def test_bodies_that_share_a_field_cannot_meet(bodies, reach):
         for a in range(len(bodies)):
             for b in range(a):
                 apart = boxes[0, [a, b]] - boxes[1, [b, a]] - 2.0 * far
-                both = ((boxes[0, [a, b], 0] - far <= plane) & (plane <= boxes[1, [a, b], 0] + far))
+                both = (boxes[0, [a, b], 0] - far <= plane) & (plane <= boxes[1, [a, b], 0] + far)
                 if fields[a] != fields[b] and both.all() and (apart < 0.0).all():
                     assert ((ends[:, 0] <= plane) & (plane <= ends[:, 1])).any()
 

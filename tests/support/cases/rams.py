@@ -1,6 +1,5 @@
 """Rigid bodies that move as prescribed, and a block that one of them meets."""
 
-
 from scenes import box, scene
 
 

@@ -27,10 +27,7 @@ def turning(body, about, rate, velocity):
 
 def line_gimp():
     """Two bars fly at each other past all slabs, collide, and leave the first slabs empty."""
-    bodies = {
-        "quick": box([1.0], [7.0], [8.0]),
-        "slow": box([20.0], [26.0], [-2.0], "stiff"),
-    }
+    bodies = {"quick": box([1.0], [7.0], [8.0]), "slow": box([20.0], [26.0], [-2.0], "stiff")}
     return scene(
         1,
         bodies,
@@ -59,10 +56,7 @@ def line_slows():
 
 def line_mpm():
     """Courant control, with stops; a bar falls on a floor, and a moving wall pushes another."""
-    bodies = {
-        "falls": box([1.0], [5.0], [-1.0]),
-        "pushed": box([26.0], [30.0], [0.0]),
-    }
+    bodies = {"falls": box([1.0], [5.0], [-1.0]), "pushed": box([26.0], [30.0], [0.0])}
     ramp = [[0.0, [0.0]], [0.5, [-2.0]]]
     push = [[0.0, 0.0], [0.5, -0.4]]
     return scene(
@@ -300,15 +294,18 @@ def meeting():
         },
         "wheel": {
             "rigid": {"rotation": {"about": [11.4, 1.2], "rate": 6.0}},
-            "region": {"union": [
-                {"ball": {"centre": [11.4, 1.2], "radius": 1.2}},
-                {"box": {"min": [10.8, 0.9], "max": [12.9, 1.5]}},
-            ]},
+            "region": {
+                "union": [
+                    {"ball": {"centre": [11.4, 1.2], "radius": 1.2}},
+                    {"box": {"min": [10.8, 0.9], "max": [12.9, 1.5]}},
+                ]
+            },
         },
         "ball": {
             "rigid": {"density": 2.0},
             "velocity": {
-                "rotation": {"about": [6.3, 3.6], "rate": 2.0}, "translation": [-1.0, 0.0]
+                "rotation": {"about": [6.3, 3.6], "rate": 2.0},
+                "translation": [-1.0, 0.0],
             },
             "region": {"ball": {"centre": [6.3, 4.4], "radius": 0.9}},
         },

@@ -1,6 +1,5 @@
 """Checkpoint files of known content, on any number of ranks, and whether they come back."""
 
-
 import h5py
 import numpy as np
 

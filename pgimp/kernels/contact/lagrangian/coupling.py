@@ -89,9 +89,7 @@ def _value(before, i, q, way):
 
 
 @allocating_kernel
-def find_coupling(
-    frame, table, now, before, mirrors, contact_pairs, sums, values
-) -> Coupling:
+def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, values) -> Coupling:
     """Find the rows of B for the contact pairs.
 
     Parameters

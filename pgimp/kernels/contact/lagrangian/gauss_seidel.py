@@ -128,9 +128,10 @@ def solve_impulses(contact, free, contact_pairs, coupling, values, sweeps, enoug
             exchange(contact, free, number, False, 0, True)
             contact_pairs.states[k] = contact.pair_states[0]
             J = (
-                impulse_of(row, 0) - before[0], impulse_of(row, 1) - before[1],
+                impulse_of(row, 0) - before[0],
+                impulse_of(row, 1) - before[1],
                 impulse_of(row, 2) - before[2],
-            )  # fmt: skip
+            )
             _give_both(contact, free.frame, end, J, coupling, values)
             for d in range(3):
                 change = max(change, abs(J[d]))

@@ -5,21 +5,17 @@ For bodies in the initial configuration, whose sums at the vertices are in
 """
 
 from math import inf
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.kernels.contact.data import (
-    PAIR_STATE,
-    clear_field,
-)
+from pgimp.jit.memory import structure
+from pgimp.kernels.contact.data import PAIR_STATE, clear_field
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.lagrangian.reference_grid import depth
-from pgimp.kernels.contact.lagrangian.vertices import (
-    number_of,
-)
+from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.contact.vertex import load_rigid_bodies
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
@@ -27,9 +23,7 @@ from pgimp.physics.contact.base import UNILATERAL
 
 #: Ends of a pair: the entry of each in `ContactVertices`, later its row in `Coupling`, or -1 - n
 #: for a rigid end. Then the body of each; the entry of the law; the vertex.
-ENDS = np.dtype([
-    ("rows", "i8", 2), ("bodies", "i8", 2), ("law", "i8"), ("vertex", "i8", 3)
-], align=True)  # fmt: skip
+ENDS = structure(("rows", "i8", 2), ("bodies", "i8", 2), ("law", "i8"), ("vertex", "i8", 3))
 
 #: Largest distance, in cells along the normal, between a vertex and the body's mass there. Farther
 #: vertices would respond to strain, not to the velocity of the surface.
@@ -58,7 +52,7 @@ class ContactPairs(NamedTuple):
         """Allocate for `count` pairs."""
         return cls(np.empty(count, ENDS), np.empty(count, PAIR_STATE), np.empty((count, 2, 3)))
 
-    def chosen(self, which: Any) -> Self:
+    def chosen(self, which: slice | np.ndarray) -> Self:
         """Return the pairs at some offsets or in a slice."""
         return type(self)(self.ends[which], self.states[which], self.rigid[which])
 
@@ -172,8 +166,10 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
     row.surface[axis] = -side * area * (1.0 if deep != 1 else 1e-3)
     contact.bodies[1] = walls.first + w
     along = (
-        0 if axis == 0 else sides[0], 0 if axis == 1 else sides[1], 0 if axis == 2 else sides[2],
-    )  # fmt: skip
+        0 if axis == 0 else sides[0],
+        0 if axis == 1 else sides[1],
+        0 if axis == 2 else sides[2],
+    )
     return find_pairs(contact, frame, along, 2, 1, 1.0)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
+from pgimp.jit.memory import structure
 from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, slot, table_size
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
 from pgimp.kernels.data.particles import IntArray
@@ -19,15 +20,15 @@ from pgimp.kernels.grid.conditions import held_velocity
 
 #: A face of the domain: direction, side, position along that direction as a vertex number, number
 #: of the face. Then whether it reverses all components of a reflected vector.
-FACE_PLANE = np.dtype([
+FACE_PLANE = structure(
     ("axis", "i8"), ("side", "i8"), ("vertex", "i8"), ("face", "i8"), ("sticks", "i8")
-], align=True)  # fmt: skip
+)
 
 #: A reference vertex: mass, velocity, inverse mass by component (0 if held by a face or a
 #: constraint), and the contact impulse that these bear.
-REFERENCE_VERTEX = np.dtype([
+REFERENCE_VERTEX = structure(
     ("mass", "f8"), ("velocity", "f8", 3), ("inverse_mass", "f8", 3), ("held_impulse", "f8", 3)
-], align=True)  # fmt: skip
+)
 
 
 class ReferenceVertices(NamedTuple):
@@ -93,9 +94,7 @@ def image_of(mirrors, number):
         if is_turned(mirrors, n, number):
             axis = mirrors[n].axis
             back = 2 * mirrors[n].vertex - number[axis]
-            x, y, z = (
-                back if axis == 0 else x, back if axis == 1 else y, back if axis == 2 else z
-            )  # fmt: skip
+            x, y, z = (back if axis == 0 else x, back if axis == 1 else y, back if axis == 2 else z)
     return x, y, z
 
 
@@ -169,9 +168,10 @@ def copy_reference_vertices(holding, field, table, supports, mirrors, seen, vert
                 row.velocity[d], row.inverse_mass[d], row.held_impulse[d] = v[d], 0.0, 0.0
                 if d < D and m > forcing.mass_cutoff:
                     pushed = (
-                        v[0] + (1.0 if d == 0 else 0.0), v[1] + (1.0 if d == 1 else 0.0),
+                        v[0] + (1.0 if d == 0 else 0.0),
+                        v[1] + (1.0 if d == 1 else 0.0),
                         v[2] + (1.0 if d == 2 else 0.0),
-                    )  # fmt: skip
+                    )
                     s = held_velocity(holding, number, r, pushed, True)
                     row.inverse_mass[d] = 0.0 if s[d] == u[d] else 1.0 / m
             found += 1

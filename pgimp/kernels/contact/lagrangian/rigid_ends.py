@@ -8,11 +8,7 @@ same impulses, so that V and the accumulated impulses agree on all ranks.
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.kernels.rigid.bodies import (
-    lever,
-    move_freely,
-    position_of,
-)
+from pgimp.kernels.rigid.bodies import lever, move_freely, position_of
 
 
 @inner_kernel

@@ -13,11 +13,11 @@ distances.
 
 from typing import NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.algebra import determinant, inverse
 from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.memory import structure
 from pgimp.jit.tuples import read
 from pgimp.kernels.contact.lagrangian.supports import slope_at, vertex_at, weights_at
 from pgimp.kernels.data.particles import IntArray
@@ -28,7 +28,7 @@ from pgimp.physics.shapes.base import size
 #: centroid of its remaining part, curvature's share of the gap. Whether it is cut; its body, group
 #: and field; whether it has reference weights. Half-widths in cells, inverse of the deformation
 #: gradient, and first vertex of the current support.
-NEAR_PARTICLE = np.dtype([
+NEAR_PARTICLE = structure(
     ("position", "f8", 3),
     ("weight_position", "f8", 3),
     ("mass", "f8"),
@@ -43,12 +43,12 @@ NEAR_PARTICLE = np.dtype([
     ("half_width", "f8", 3),
     ("inverse_F", "f8", (3, 3)),
     ("first_vertex", "i8", 3),
-], align=True)  # fmt: skip
+)
 
 #: Sums of a group at a vertex: mass, volume, surface, the offset's correction of the volume. The
 #: curvature's share of the gap, the count in its mean, and the body. `mass_offset` is the vector to
 #: the centre of mass, times the mass, in the initial configuration: others have the vertex.
-VERTEX_SUMS = np.dtype([
+VERTEX_SUMS = structure(
     ("mass", "f8"),
     ("volume", "f8"),
     ("surface", "f8", 3),
@@ -57,7 +57,7 @@ VERTEX_SUMS = np.dtype([
     ("cut_weight", "f8"),
     ("body", "i8"),
     ("mass_offset", "f8", 3),
-], align=True)  # fmt: skip
+)
 
 
 class ContactVertices(NamedTuple):

@@ -47,9 +47,12 @@ def path_of_clay(clay: Clay, path: str, value: Array, confine: float) -> dict[st
         p, consolidated, compaction = _isotropic(clay, first, volume)
         p = p * np.exp(-volume)
         return {
-            "pressure": p, "q": 0.0 * p, "stress-xx": -p, "preconsolidation": consolidated,
+            "pressure": p,
+            "q": 0.0 * p,
+            "stress-xx": -p,
+            "preconsolidation": consolidated,
             "plastic-compaction": compaction,
-        }  # fmt: skip
+        }
     if path == "undrained":
         return _undrained(clay, first, before, value)
     return None
@@ -97,8 +100,10 @@ def _undrained(clay: Clay, first: float, before: float, value: Array) -> dict[st
     p = np.where(yields, p, p0)
     J = np.exp(before)
     columns = {
-        "pressure": p / J, "q": q / J, "stress-xx": (np.sign(value) * 2.0 / 3.0 * q - p) / J,
+        "pressure": p / J,
+        "q": q / J,
+        "stress-xx": (np.sign(value) * 2.0 / 3.0 * q - p) / J,
         "preconsolidation": np.where(yields, p * (1.0 + x * x), consolidated),
         "plastic-compaction": compaction + np.log(p0 / p) / clay.swells,
-    }  # fmt: skip
+    }
     return {name: np.where(known, column, np.nan) for name, column in columns.items()}

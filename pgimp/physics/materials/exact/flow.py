@@ -25,11 +25,9 @@ _ROUNDS = 100
 
 def isotropic_columns(pressure: Array) -> dict[str, Array]:
     """Columns of a purely isotropic stress."""
-    none = np.zeros_like(pressure)
-    return {
-        "pressure": pressure, "stress-xx": -pressure, "stress-yy": -pressure,
-        "stress-zz": -pressure, "stress-xy": none, "q": none,
-    }  # fmt: skip
+    normal = dict.fromkeys(("stress-xx", "stress-yy", "stress-zz"), -pressure)
+    none = dict.fromkeys(("stress-xy", "q"), np.zeros_like(pressure))
+    return {"pressure": pressure} | normal | none
 
 
 def volumes(path: str, value: Array, before: float) -> Array | None:
@@ -56,9 +54,11 @@ def viscous(path: str, pressure: Array, part: Array, mu: float, rates: Array) ->
         return columns
     along = mu * part * rates * (2.0 if path == "undrained" else 4.0 / 3.0)
     return columns | {
-        "stress-xx": along - pressure, "stress-yy": -0.5 * along - pressure,
-        "stress-zz": -0.5 * along - pressure, "q": 1.5 * np.abs(along),
-    }  # fmt: skip
+        "stress-xx": along - pressure,
+        "stress-yy": -0.5 * along - pressure,
+        "stress-zz": -0.5 * along - pressure,
+        "q": 1.5 * np.abs(along),
+    }
 
 
 def sheared(
@@ -89,8 +89,11 @@ def sheared(
     along = root * np.sqrt(1.0 - turned**2)
     known = first_leg(value) & (elastic | steady)
     columns = {
-        "stress-xy": sign * root * turned, "q": np.sqrt(3.0) * root, "pressure": pressure + 0.0 * g,
-        "stress-xx": along - pressure, "stress-yy": -along - pressure,
+        "stress-xy": sign * root * turned,
+        "q": np.sqrt(3.0) * root,
+        "pressure": pressure + 0.0 * g,
+        "stress-xx": along - pressure,
+        "stress-yy": -along - pressure,
         "stress-zz": 0.0 * g - pressure,
-    }  # fmt: skip
+    }
     return {name: np.where(known, column, np.nan) for name, column in columns.items()}

@@ -55,9 +55,7 @@ def edge(soil: Soil, side: float) -> Line:
     angle = radians(soil.friction_angle)
     S, s = sin(angle), sin(radians(soil.dilation_angle))
     strength = 2.0 * soil.cohesion * cos(angle)
-    return Line(
-        1.0 + side * S / 3.0, 2.0 * S, strength, 4.0 * s / (3.0 + side * s), 1.0, False
-    )  # fmt: skip
+    return Line(1.0 + side * S / 3.0, 2.0 * S, strength, 4.0 * s / (3.0 + side * s), 1.0, False)
 
 
 def path_of_soil(
@@ -77,8 +75,9 @@ def path_of_soil(
     lam, G = lame(soil.young, soil.poisson)
     K, tension = lam + 2.0 / 3.0 * G, soil.greatest_tension
     # ln J where all principal stresses are -confine: -K ln J = confine J.
-    before = float(solved(lambda x: (K * x + confine * np.exp(x), K + confine * np.exp(x)),
-                          np.zeros(1))[0])  # fmt: skip
+    before = float(
+        solved(lambda x: (K * x + confine * np.exp(x), K + confine * np.exp(x)), np.zeros(1))[0]
+    )
     volume = before + value
     if path == "isotropic":
         p = np.maximum(-K * volume * np.exp(-volume), -tension)
@@ -89,7 +88,7 @@ def path_of_soil(
     side = 1.0 if value[1] > 0.0 else -1.0
     line, e = lines[int(side > 0.0)], np.abs(value)
     if path in ("triaxial", "uniaxial-stress"):
-        found = _stressed(G, K, line, side, tension, before, confine, e)
+        found = _stressed(soil, line, side, before, confine, e)
     elif path in ("uniaxial-strain", "oedometer"):
         found = _strained(G, K, line, side, tension, volume, e)
     elif path == "undrained":
@@ -106,9 +105,7 @@ def _strained(
     """Curves for given total strains: volume strain, and axial minus lateral strain M."""
     J = np.exp(volume)
     over = line.w * 2.0 * G * M + line.z * K * volume - line.c * J
-    slip = np.maximum.accumulate(
-        np.maximum(over, 0.0) / (line.w * 2.0 * G + line.z * K * line.d)
-    )
+    slip = np.maximum.accumulate(np.maximum(over, 0.0) / (line.w * 2.0 * G + line.z * K * line.d))
     m, elastic, gap = M - slip, volume - line.d * slip, 0.0 * M
     mean = K * elastic
     if line.mean:
@@ -125,17 +122,22 @@ def _strained(
     q = np.where(np.abs(m) < _NONE, 0.0, 2.0 * G * m / J)
     mean = np.where(np.abs(mean) < _NONE * K, 0.0, mean)
     columns = {
-        "stress-xx": mean / J + side * 2.0 / 3.0 * q, "pressure": -mean / J, "q": q,
-        "plastic-shear": line.share * slip, "gap": gap,
-    }  # fmt: skip
+        "stress-xx": mean / J + side * 2.0 / 3.0 * q,
+        "pressure": -mean / J,
+        "q": q,
+        "plastic-shear": line.share * slip,
+        "gap": gap,
+    }
     return {name: np.where(known, column, np.nan) for name, column in columns.items()}
 
 
 def _stressed(
-    G: float, K: float, line: Line, side: float, tension: float, before: float, confine: float,
-    e: Array,
-) -> dict[str, Array]:  # fmt: skip
+    soil: Soil, line: Line, side: float, before: float, confine: float, e: Array
+) -> dict[str, Array]:
     """Curves at a constant lateral stress: an elastic line, then a plateau of Cauchy's stress."""
+    lam, G = lame(soil.young, soil.poisson)
+    K, tension = lam + 2.0 / 3.0 * G, soil.greatest_tension
+
     # Elastic: 2 G m = side 3 (K theta + confine J), and m = side (3 axial - volume)/2.
     def elastic(x: Array) -> tuple[Array, Array]:
         J = np.exp(x)
@@ -143,7 +145,7 @@ def _stressed(
         return (
             side * 3.0 * (K * x + confine * J) - 2.0 * G * m,
             side * (3.0 * (K + confine * J) + G),
-        )  # fmt: skip
+        )
 
     volume = solved(elastic, before + 0.0 * e)
     q = G * (3.0 * e - side * (volume - before)) * np.exp(-volume)
@@ -162,7 +164,7 @@ def _stressed(
         return (
             x + p / K * J - line.d * slip,
             1.0 + p / K * J + line.d * (0.5 * side + 0.5 * most / G * J),
-        )  # fmt: skip
+        )
 
     q = np.where(flows, most, q)
     columns = {"stress-xx": side * q - confine, "pressure": confine - side * q / 3.0, "q": q}

@@ -57,8 +57,9 @@ class Soil(Material):
 
     RESTS: ClassVar[bool] = True
     SPELLINGS: ClassVar[dict[str, str]] = {
-        "friction_angle": "friction-angle", "dilation_angle": "dilation-angle",
-    }  # fmt: skip
+        "friction_angle": "friction-angle",
+        "dilation_angle": "dilation-angle",
+    }
 
     young: Young
     poisson: Poisson
@@ -67,10 +68,12 @@ class Soil(Material):
         alias="friction-angle", lt=90.0, description="angle of internal friction [degrees]"
     )
     dilation_angle: NonNegative = Field(
-        alias="dilation-angle", default=0.0, lt=90.0,
+        alias="dilation-angle",
+        default=0.0,
+        lt=90.0,
         description="angle of dilation, at most that of friction: shear makes the soil swell, "
         "without end [degrees]",
-    )  # fmt: skip
+    )
     tension: NonNegative | None = Field(
         default=None,
         description="greatest tension that it bears, at most cohesion/tan(friction-angle), which "

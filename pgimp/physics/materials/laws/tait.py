@@ -1,7 +1,7 @@
 """Tait's equation of state of weakly compressible fluids, p = K/g ((rho/rho0)^g - 1)."""
 
 from math import inf, log, sqrt
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -96,9 +96,11 @@ class Liquid(Material):
         alias="shear-viscosity", default=0.0, description="shear viscosity mu [stress time]"
     )
     exponent: Number = Field(
-        ge=1.0, le=20.0, default=7.0,
+        ge=1.0,
+        le=20.0,
+        default=7.0,
         description="g in p = K/g ((density/initial density)^g - 1); 7 is that of water [1]",
-    )  # fmt: skip
+    )
     tension: bool = Field(
         default=False,
         description="whether it can pull, p < 0: a free surface that can draws strings and tears",
@@ -127,7 +129,7 @@ class Liquid(Material):
         """Least pressure."""
         return -inf if self.tension else 0.0
 
-    def exact_pressure(self, J: Any) -> Any:
+    def exact_pressure(self, J: np.ndarray) -> np.ndarray:
         """Pressure at volume ratios J."""
         return np.maximum(self.stiffness * (J**-self.exponent - 1.0), self.least)
 

@@ -2,14 +2,13 @@
 
 from functools import cache
 from math import isqrt
-from typing import Any
 
 import numba
 from numba.core import errors, types
 from numba.extending import overload
 
 from pgimp.jit.kernel import INLINE_OPTIONS
-from pgimp.jit.outside import is_outside
+from pgimp.jit.outside import NumbaObject, is_outside
 from pgimp.jit.vectors.lanes import has_vectors, of_lane, vectors, where_all, with_lanes
 from pgimp.jit.vectors.simd import bits, pack
 from pgimp.physics.materials.base import OPTIONAL, has, state_width, takes_viscous_pressure
@@ -108,8 +107,9 @@ def _ask_material(quantity, material, args, state):
         return lambda quantity, material, args, state: function(material, *args)
     if name == "initial_state":
         return lambda quantity, material, args, state: (
-            *function(material, *args, state[:own]), *state[own:],
-        )  # fmt: skip
+            *function(material, *args, state[:own]),
+            *state[own:],
+        )
     if name != "stress":
         return lambda quantity, material, args, state: function(material, *args, state[:own])
 
@@ -120,7 +120,9 @@ def _ask_material(quantity, material, args, state):
     return stress
 
 
-def _takes_vectors(material: Any, quantity: str, args: Any, state: Any) -> bool:
+def _takes_vectors(
+    material: NumbaObject, quantity: str, args: NumbaObject, state: NumbaObject
+) -> bool:
     """Whether a material's function compiles for vectors; functions with branches do not."""
     kind = material.instance_class
     if quantity in OPTIONAL and not has(kind, quantity):

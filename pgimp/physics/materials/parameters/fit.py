@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numba
 from numba.core import errors, types
@@ -19,7 +19,7 @@ from numba.core import errors, types
 from pgimp.errors import UsageError
 from pgimp.jit.compiled.cache import Store
 from pgimp.jit.kernel import FOLDER
-from pgimp.jit.outside import part_of
+from pgimp.jit.outside import NumbaObject, part_of
 from pgimp.jit.vectors.simd import vec4
 from pgimp.physics.materials.base import (
     LOSSES,
@@ -80,25 +80,25 @@ def file_of(kind: type) -> str:
 class _Kinds(NamedTuple):
     """Numba types of the arguments of a material's functions."""
 
-    F: Any
-    J: Any
-    sigma: Any
-    L: Any
-    dt: Any
-    state: Any
-    q: Any
+    F: NumbaObject
+    J: NumbaObject
+    sigma: NumbaObject
+    L: NumbaObject
+    dt: NumbaObject
+    state: NumbaObject
+    q: NumbaObject
 
     @classmethod
-    def of(cls, kind: type, dimensions: int, number: Any) -> _Kinds:
+    def of(cls, kind: type, dimensions: int, number: NumbaObject) -> _Kinds:
         matrix = types.UniTuple(number, dimensions**2)
         tensor = types.UniTuple(number, _COUNTS[dimensions - 1])
         state = types.UniTuple(number, state_width(kind, dimensions))
         return cls(matrix, number, tensor, matrix, types.float64, state, number)
 
 
-def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
+def _result(parameters: NamedTuple, quantity: str, kinds: _Kinds) -> NumbaObject:
     """Compile a function of a material for these argument types; return the result's type."""
-    kind: Any = type(parameters)
+    kind = type(parameters)
     function = compiled(kind, quantity)
     given = (getattr(kinds, name) for name in arguments_of(kind, quantity)[1:])
     signature = (numba.typeof(parameters), *given)
@@ -106,7 +106,7 @@ def _result(parameters: Any, quantity: str, kinds: _Kinds) -> Any:
     return function.overloads[signature].signature.return_type
 
 
-def takes_four(parameters: Any, dimensions: int) -> bool:
+def takes_four(parameters: NamedTuple, dimensions: int) -> bool:
     """Whether the functions for four particles at once compile."""
     kind = type(parameters)
     try:
@@ -118,7 +118,7 @@ def takes_four(parameters: Any, dimensions: int) -> bool:
     return True
 
 
-def require_fit(who: str, parameters: Any, dimensions: int) -> None:
+def require_fit(who: str, parameters: NamedTuple, dimensions: int) -> None:
     """Refuse a material whose functions do not compile or return wrong types."""
     kind = type(parameters)
     for name, value in zip(kind._fields, parameters, strict=True):
@@ -144,7 +144,7 @@ def require_fit(who: str, parameters: Any, dimensions: int) -> None:
     _fitting.add(known)
 
 
-def _examine(who: str, parameters: Any, dimensions: int) -> None:
+def _examine(who: str, parameters: NamedTuple, dimensions: int) -> None:
     kinds = _Kinds.of(type(parameters), dimensions, types.float64)
     for quantity in quantities_of(type(parameters)):
         where = f"{who}: {place_of(type(parameters), quantity)}"
@@ -172,7 +172,7 @@ def _examine(who: str, parameters: Any, dimensions: int) -> None:
             )
 
 
-def _require_state(where: str, result: Any, width: int) -> Any:
+def _require_state(where: str, result: NumbaObject, width: int) -> NumbaObject:
     """Refuse a result other than a pair of stress and state; return the type of the stress."""
     if not _is_tuple(result) or len(result) != 2:
         raise UsageError(
@@ -183,7 +183,7 @@ def _require_state(where: str, result: Any, width: int) -> Any:
     return result[0]
 
 
-def _require_states(where: str, state: Any, width: int) -> None:
+def _require_states(where: str, state: NumbaObject, width: int) -> None:
     """Refuse a state other than a tuple of `width` floats."""
     parts = [*state] if _is_tuple(state) else []
     if len(parts) != width or any(part != types.float64 for part in parts):
@@ -194,7 +194,7 @@ def _require_states(where: str, state: Any, width: int) -> None:
         )
 
 
-def _require_losses(where: str, result: Any) -> None:
+def _require_losses(where: str, result: NumbaObject) -> None:
     """Refuse a result other than a tuple with a float for each of `LOSSES`."""
     parts = [*result] if _is_tuple(result) else []
     if len(parts) != len(LOSSES) or any(part != types.float64 for part in parts):
@@ -204,7 +204,7 @@ def _require_losses(where: str, result: Any) -> None:
         )
 
 
-def _require_stress(where: str, result: Any, dimensions: int) -> None:
+def _require_stress(where: str, result: NumbaObject, dimensions: int) -> None:
     wanted = _COUNTS[dimensions - 1]
     names = _COMPONENTS[:wanted]
     given = len(result) if isinstance(result, types.BaseTuple) else None
@@ -221,15 +221,15 @@ def _require_stress(where: str, result: Any, dimensions: int) -> None:
             )
 
 
-def _is_tuple(kind: Any) -> bool:
+def _is_tuple(kind: NumbaObject) -> bool:
     return isinstance(kind, types.BaseTuple)
 
 
-def _is_integer(kind: Any) -> bool:
+def _is_integer(kind: NumbaObject) -> bool:
     return isinstance(kind, types.Integer | types.IntegerLiteral)
 
 
-def _described(kind: Any) -> str:
+def _described(kind: NumbaObject) -> str:
     """Describe a Numba type."""
     if isinstance(kind, types.BaseTuple):
         return f"a tuple of {len(kind)}"

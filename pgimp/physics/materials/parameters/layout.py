@@ -7,17 +7,21 @@ another Young's modulus both of Lame's constants change, with another density on
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import ValidationError
 
 from pgimp.jit.own import Own
+from pgimp.physics.materials.parameters.vary import Varying
 from pgimp.physics.variation import Variation
 from pgimp.physics.variation.find import Variations, value_at
 
+V = TypeVar("V", bound=Varying)
 
-def leaves(value: tuple[Any, ...]) -> list[Any]:
+
+def leaves(value: tuple[object, ...]) -> list[Any]:
     """Leaves of nested tuples, numbers and others, in order."""
     found: list[Any] = []
     for part in value:
@@ -53,21 +57,21 @@ class Layout(NamedTuple):
         Number of columns.
     """
 
-    base: Any
+    base: NamedTuple
     varying: list[int]
     paths: list[tuple[str, ...]]
     places: list[int]
     width: int
 
     @property
-    def marked(self) -> Any:
+    def marked(self) -> NamedTuple:
         """The material's parameters with `Own` in place of varying ones."""
         found = leaves(self.base)
         for place, leaf in enumerate(self.varying):
             found[leaf] = Own(place)
         return _rebuilt(self.base, iter(found))
 
-    def packer(self) -> Callable[[Any, Sequence[float]], list[float] | None]:
+    def packer(self) -> Callable[[NamedTuple, Sequence[float]], list[float] | None]:
         """Return a function that computes the columns of a particle.
 
         It takes the particle's parameters and values of the case. It returns None if the
@@ -77,7 +81,7 @@ class Layout(NamedTuple):
         fixed = [(i, leaf) for i, leaf in enumerate(base) if i not in varying]
         others = [j for j, place in enumerate(self.places) if place >= len(varying)]
 
-        def pack(parameters: Any, values: Sequence[float]) -> list[float] | None:
+        def pack(parameters: NamedTuple, values: Sequence[float]) -> list[float] | None:
             if type(parameters) is not kind:
                 return None
             found = leaves(parameters)
@@ -93,7 +97,7 @@ class Layout(NamedTuple):
         return [float(row[place]) for place in self.places]
 
 
-def layout_of(entry: Any, make: Callable[[Any], Any]) -> Layout:
+def layout_of(entry: V, make: Callable[[V], NamedTuple]) -> Layout:
     """Find the numbers in the kernels' parameters that depend on varying keys.
 
     A number does if another value of any key changes it; `make` makes the parameters of an entry.
@@ -127,7 +131,7 @@ def layout_of(entry: Any, make: Callable[[Any], Any]) -> Layout:
     return Layout(base, order, paths, places, width)
 
 
-def same(a: Any, b: Any) -> bool:
+def same(a: ArrayLike, b: ArrayLike) -> bool:
     """Whether two leaves are equal."""
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         return bool(np.array_equal(a, b))
@@ -138,6 +142,8 @@ def _probes(variation: Variation, typical: float) -> list[float]:
     """Values near and far from a typical one; if the possible values are known, from these."""
     known = sorted({value for _, value in variation.known()})
     found = known[:: max(1, len(known) // 20)] + known[-1:]
-    return found + [typical * factor for factor in (1.01, 0.99, 1.3, 0.7, 2.0, 0.5)] + [
-        typical + step for step in (1e-3, -1e-3)
-    ]
+    return (
+        found
+        + [typical * factor for factor in (1.01, 0.99, 1.3, 0.7, 2.0, 0.5)]
+        + [typical + step for step in (1e-3, -1e-3)]
+    )

@@ -8,19 +8,12 @@ from __future__ import annotations
 import inspect
 from math import isfinite
 from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 
 from pgimp.errors import UsageError
 from pgimp.jit.outside import is_outside, tag
 from pgimp.physics.fields import EVERY
-from pgimp.physics.materials.base import (
-    LOSSES,
-    STATE_NAME,
-    Material,
-    State,
-    has,
-    with_states,
-)
+from pgimp.physics.materials.base import LOSSES, STATE_NAME, Material, State, has, with_states
 from pgimp.physics.materials.parameters.fit import (
     arguments_of,
     file_of,
@@ -109,11 +102,11 @@ def _require_losses(who: str, entry: Material, kind: type) -> None:
         )
 
 
-def _require_states(who: str, entry: Material, parameters: Any) -> None:
+def _require_states(who: str, entry: Material, parameters: NamedTuple) -> None:
     """Refuse wrong declarations of state variables."""
     kind = type(entry)
     names: list[str] = []
-    states: Any = entry.states
+    states: object = entry.states
     if not isinstance(states, tuple) or not all(isinstance(each, State) for each in states):
         raise UsageError(
             f"{who}: STATE of {kind.__qualname__} ({file_of(kind)}) must be a tuple of "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ class Kept(NamedTuple):
     first: np.ndarray
 
 
-def initial_row(parameters: Any, dimensions: int, width: int) -> np.ndarray:
+def initial_row(parameters: NamedTuple, dimensions: int, width: int) -> np.ndarray:
     """Initial state of a material's particle, padded with zeros to `width`."""
     row, first = np.zeros(width), 0
     for state in states_of(type(parameters)):
@@ -69,7 +69,9 @@ class States:
         If two materials declare one name differently.
     """
 
-    def __init__(self, names: Sequence[str], materials: Sequence[Any], dimensions: int) -> None:
+    def __init__(
+        self, names: Sequence[str], materials: Sequence[NamedTuple], dimensions: int
+    ) -> None:
         self.width = max(state_width(type(each), dimensions) for each in materials)
         self.initial = np.zeros((len(materials), self.width))
         self.kept: dict[str, Kept] = {}

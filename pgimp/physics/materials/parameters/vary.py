@@ -10,9 +10,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any, Self
+from typing import Self, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import (
     ModelWrapValidatorHandler,
     PrivateAttr,
@@ -39,9 +40,14 @@ _MOST_GUESSES = 2000
 _MOST_TRIED = 2000
 #: Beginning of a layer that contains everything, in any units.
 _FAR_AWAY = -1e140
+
+
+E = TypeVar("E")
+
+
 def typical_of(
-    data: Mapping[str, Any], variations: Variations, make: Callable[[Any], Any]
-) -> Any:
+    data: Mapping[str, object], variations: Variations, make: Callable[[dict[str, object]], E]
+) -> E:
     """Return an entry with typical numbers in place of variations; all known values are validated.
 
     For parameters from an unread file, a guess that gives a valid entry is used.
@@ -109,7 +115,7 @@ class Varying(Model):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _take_variations(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+    def _take_variations(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
         """Replace variations in space by typical numbers, and store the variations."""
         if not isinstance(data, dict) or not any(
             isinstance(value, Mapping | Variation) for value in data.values()
@@ -123,7 +129,9 @@ class Varying(Model):
         return entry
 
     @model_serializer(mode="wrap")
-    def _write(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> Any:
+    def _write(
+        self, handler: SerializerFunctionWrapHandler, info: SerializationInfo
+    ) -> dict[str, object]:
         """Write variations as in the case."""
         data = handler(self)
         if not self._variations:
@@ -152,7 +160,7 @@ class Varying(Model):
         data, kind = replaced(self.model_dump(by_alias=True), typical), type(self)
         return lambda values: kind.model_validate(replaced(data, values))
 
-    def uniform(self) -> dict[str, Any]:
+    def uniform(self) -> dict[str, object]:
         """Return the entry with uniform parameters in varying form, a single layer each.
 
         For particles that still carry columns of varying parameters.
@@ -164,7 +172,7 @@ class Varying(Model):
             layers[path] = {"over": "x", "layers": ((_FAR_AWAY, value),)}
         return replaced(self.model_dump(by_alias=True), layers)
 
-    def at(self, x: Any) -> Self:
+    def at(self, x: ArrayLike) -> Self:
         """Return the material at a position.
 
         Parameters

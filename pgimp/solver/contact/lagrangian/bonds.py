@@ -21,7 +21,7 @@ def with_walls(scene: Scene) -> Pairs:
     entry = np.zeros((m + len(letting),) * 2, np.int64)
     entry[:m, :m] = pairs.entry
     entry[:n, m:] = known + 1 + np.arange(len(letting))
-    given = [coefficients(face.condition.friction) for face in letting]
+    given = [coefficients(getattr(face.condition, "friction", 0.0)) for face in letting]
     parameters = np.zeros((len(letting), pairs.parameters.shape[1]))
     parameters[:, :2] = np.array(given, float).reshape(-1, 2)
     coulomb = [type(kind) for kind in pairs.kinds].index(CoulombParameters)

@@ -12,6 +12,7 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.contact.lagrangian.broad_phase import Regions, find_near, mark_blocks
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
@@ -89,7 +90,7 @@ class BroadPhase:
         self,
         population: Population,
         groups: np.ndarray,
-        rigid_bodies: Any,
+        rigid_bodies: AnyRigidBodies,
         t: Step,
         rate: float = 0.0,
     ) -> bool:
@@ -122,7 +123,12 @@ class BroadPhase:
         return looked
 
     def _look(
-        self, population: Population, groups: np.ndarray, rigid_bodies: Any, t: Step, rate: float
+        self,
+        population: Population,
+        groups: np.ndarray,
+        rigid_bodies: AnyRigidBodies,
+        t: Step,
+        rate: float,
     ) -> None:
         """Find the regions of possible contact, and the steps for which they hold; collective."""
         scene, frame, p = self.scene, self.scene.frame, population.particles

@@ -170,9 +170,7 @@ class LagrangianContact(NoContact):
         if grid.slab.layers and grid.slab.lower is None:
             if len(self._particles.mirrors):
                 call(book_mirrored, contact_pairs, coupling, self._particles.mirrors, ledger)
-            call(
-                book_contacts, contact, free, contact_pairs, coupling, values, self._walls, ledger
-            )  # fmt: skip
+            call(book_contacts, contact, free, contact_pairs, coupling, values, self._walls, ledger)
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""
@@ -247,11 +245,12 @@ def unite(
     )
     order = np.lexsort(joined.ends["vertex"].T[::-1])
     coupling = Coupling(
-        np.concatenate(starts), np.concatenate(columns),
+        np.concatenate(starts),
+        np.concatenate(columns),
         np.concatenate([each.entry for each in answers]),
         np.concatenate([each.answer for each in answers]),
         np.concatenate([each.beyond for each in answers]),
-    )  # fmt: skip
+    )
     return joined.chosen(order), coupling, union
 
 

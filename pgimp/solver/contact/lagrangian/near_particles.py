@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.conditions import Holding
+from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.shares import FAR, divide, undivided
@@ -80,7 +81,7 @@ class NearParticles:
     """
 
     def __init__(
-        self, scene: Scene, comm: Communicator, rigid_bodies: Any, walls: SeparatingWalls
+        self, scene: Scene, comm: Communicator, rigid_bodies: AnyRigidBodies, walls: SeparatingWalls
     ) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
         self._rigid_bodies, self._walls = rigid_bodies, walls
