@@ -112,11 +112,11 @@ def test_disks_meet_alike_in_any_configuration():
 def test_a_block_slides_on_a_bed_of_the_other_configuration(slides):
     """g (sin - mu cos): mu 0.3 at 24 degrees."""
     g, slope = (np.sin(np.radians(24.0)), np.cos(np.radians(24.0))), 0.3
-    block, bed = box([1.0, 2.0], [5.0, 4.0]), box([0.0, 0.0], [14.0, 2.0], material="bed")
+    block, bed = box([1.0, 2.0], [5.0, 4.0]), box([0.0, 0.0], [14.0, 2.0])
     block["configuration"] = slides
     bed["configuration"] = "current" if slides == "initial" else "initial"
     case = scene(2, {"block": block, "bed": bed}, cells=[14, 6], end=6.0, step={"courant": 0.3},
-                 materials={"soft": HARD, "bed": HARD | {"young": 20000.0}},
+                 materials={"soft": HARD | {"young": 20000.0}},
                  boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
                  gravity=[g[0], -g[1]],
                  contact=[{"bodies": "all", "friction": slope}])  # fmt: skip

@@ -6,6 +6,7 @@ inline it. Machine code is made and kept of kernels only.
 """
 
 import gc
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 from types import FunctionType
@@ -22,6 +23,10 @@ from numba.core.environment import lookup_environment
 
 from pgimp.jit.compiled.cache import Store
 from pgimp.jit.outside import NumbaObject, part_of
+
+with suppress(AttributeError):
+    # Numba's timers are told of every call of LLVM: a fiftieth of the time of a compilation.
+    llvm.ffi.lib._lock._cblist.clear()
 
 #: Numba's passes for closures, ``with``, literals, array expressions and its own loops, which the
 #: package does not contain.

@@ -233,7 +233,7 @@ def test_sums_of_earlier_steps_do_not_matter(monkeypatch):
         "b": box([0.0, 3.2], [3.0, 5.0], [-0.8, -2.0]),
     }
     case = scene(
-        2, bodies, cells=[16, 8], shape="finite-gimp", end=0.5,
+        2, bodies, cells=[16, 8], wall="mirror", end=0.5,
         boundaries={"x-min": "slip", "y-min": "slip"}, contact=[{"bodies": "all", "friction": 0.3}],
     )  # fmt: skip
     plain, other = finish(start(case)), start(case)

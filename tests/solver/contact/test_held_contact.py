@@ -193,7 +193,7 @@ def test_a_heavy_ball_comes_to_rest_on_what_is_held_across_alone():
     grip = {"body": "block", "region": {"box": {"min": [0.0, 0.0], "max": [12.0, 12.0]}},
             "velocity": [None, 0.0]}  # fmt: skip
     case = scene(2, bodies, cells=[12, 12], end=3.0, step=0.01, gravity=[0.0, -1.0],
-                 constraints={"grip": grip},
+                 boundaries={"y-max": "separating"}, constraints={"grip": grip},
                  contact=[{"bodies": "all", "friction": 0.3}])  # fmt: skip
     line = finish(start(case)).diagnostics()
     # A thousandth of its own response is added, and of the weight of a step: 1e-5.

@@ -634,9 +634,20 @@ def cut():
         "ball": {"ball": {"centre": [2.03, 2.61, 2.57], "radius": 1.43}},
         "pin": {"cylinder": pin},
     }
-    body = {"material": "soft", "surface": "cut", "velocity": motion}
-    bodies = {name: body | {"region": region} for name, region in regions.items()}
-    return scene(3, bodies, cells=[8, 6, 6], end=0.1, output={"fields": EVERYTHING})
+    body = {"surface": "cut", "velocity": motion}
+    bodies = {
+        name: body | {"material": material, "region": regions[name]}
+        for name, material in (("ball", "soft"), ("pin", "stiff"))
+    }
+    return scene(
+        3,
+        bodies,
+        cells=[8, 6, 6],
+        end=0.1,
+        materials=PAIR,
+        boundaries={"y-min": "slip"},
+        output={"fields": EVERYTHING},
+    )
 
 
 #: Of cases with an exact solution.
