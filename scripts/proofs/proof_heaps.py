@@ -7,7 +7,7 @@ import shutil
 import time
 from collections import Counter
 
-from proofs.jobs import Job, scratch
+from proofs.jobs import scratch
 from proofs.scenes import heaps
 from proofs.scenes import runs as scene_runs
 
@@ -15,8 +15,6 @@ import pgimp
 
 #: Kinds and scenes of `--short`.
 SHORT = ("drum", "initial")
-#: Of so many scenes one is begun under mpirun, by as many processes.
-MPIRUN = 4
 
 
 def main(words):

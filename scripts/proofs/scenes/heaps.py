@@ -136,7 +136,8 @@ def _heap(rng, D, count, region, lagrangian=0.0):
         "dimensions": D,
         "grid": {"origin": [0.0] * D, "size": size},
         "method": {
-            "shape": shape, "particles_per_cell": [2] * D, "affine": not lagrangian and rng.random() < 0.7,
+            "shape": shape, "particles_per_cell": [2] * D,
+            "affine": not lagrangian and rng.random() < 0.7,
         },
         "time": {"end": 1.5 if D == 2 else 0.6, "step": step},
         "materials": {"soft": SOFT},

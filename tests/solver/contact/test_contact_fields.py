@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
-from scenes import box, finish, scene, start
+from run_files import digests, go_back
+from scenes import box, field, finish, scene, start, write_case
 
+import pgimp
+from pgimp.solver.contact import multifield
 from pgimp.solver.contact.velocity_fields import assign, where_near
 
 #: Boxes of up to eight bodies in a plane, in cells.
@@ -103,3 +106,67 @@ def test_bodies_apart_share_a_field():
         sim.advance()
     assert sim.diagnostics()["contact.all.normal-impulse"] == 0.0
     assert finish(sim).diagnostics()["contact.all.normal-impulse"] > 0.0
+
+
+def piled(count, end, **parts):
+    """Squares on each other, each with a velocity of its own: fields are assigned in new orders."""
+    random, bodies = np.random.default_rng(4), {}
+    for n in range(count):
+        low = 2.9 * np.array([n % 5, n // 5]) + [0.2 + 1.4 * (n // 5 % 2), 0.0]
+        velocity = random.uniform([-2.0, -2.0], [2.0, 0.0]).tolist()
+        bodies[f"g{n}"] = box(low.tolist(), (low + 2.7).tolist(), velocity)
+    names = random.permutation([*bodies])
+    faces = {"y-min": "separating", "x-min": "slip", "x-max": "slip"}
+    return scene(
+        2, {str(name): bodies[name] for name in names}, cells=[18, 20], end=end,
+        gravity=[0.0, -2.0], boundaries=faces, contact=[{"bodies": "all", "friction": 0.3}], **parts,
+    )  # fmt: skip
+
+
+def test_sums_have_other_bits_in_another_order_of_the_fields(monkeypatch):
+    """Why a checkpoint has the fields: filled parts are rounded, also of two bodies."""
+    found = []
+    for reverse in (False, True):
+
+        def numbered(boxes, reach, reverse=reverse):
+            fields, steps = assign(boxes, reach)
+            return tuple(max(fields) - f if reverse else f for f in fields), steps
+
+        monkeypatch.setattr(multifield, "assign", numbered)
+        found.append(field(finish(start(piled(10, 0.2))), "v"))
+    assert 0.0 < np.abs(found[1] - found[0]).max() < 1e-9
+
+
+@pytest.mark.slow(20)
+def test_a_resumed_heap_leaves_the_same_bytes(tmp_path, monkeypatch):
+    """In its order of fields, which bodies where they are now would not have."""
+    case = tmp_path / "case.yaml"
+    write_case(case, piled(25, 1.5, output={"every": 0.25, "fields": ["velocity"]},
+                           history={"every": {"steps": 1}}))  # fmt: skip
+    often = ["checkpoint={every: {steps: 11}, keep: 50}"]
+    pgimp.run(case, output=tmp_path / "alone", overrides=often, quiet=True)
+    expected, other = digests(tmp_path / "alone"), tmp_path / "other"
+    anew, restore = [], multifield.MultifieldContact.restore
+
+    def watched(contact, rank, assignment):
+        restore(contact, rank, assignment)
+        anew.append(assign(contact._boxes(rank), contact._reach)[0] != contact.fields)
+
+    monkeypatch.setattr(multifield.MultifieldContact, "restore", watched)
+    (tmp_path / "alone").rename(other)
+    for part in (0.8, 0.5, 0.2):
+        go_back(other, part)
+        pgimp.run(case, output=other, overrides=often, resume=True, quiet=True)
+        assert digests(other) == expected
+    assert any(anew)
+
+
+def test_frames_of_contact_leave_the_fields_as_they_are(tmp_path):
+    """They are assigned at the same steps, whatever is written in between."""
+    found = []
+    for every in (1, 7):
+        output = {"every": {"steps": every}, "fields": ["velocity"], "grid": ["contact"]}
+        write_case(tmp_path / "case.yaml", piled(25, 0.7, output=output))
+        run = pgimp.run(tmp_path / "case.yaml", output=tmp_path / str(every), quiet=True)
+        found.append(run.frame(-1)["velocity"].tobytes())
+    assert found[0] == found[1]
