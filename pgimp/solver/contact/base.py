@@ -62,8 +62,8 @@ class NoContact:
     def assignment(self) -> np.ndarray:
         """State of `assign_fields` for checkpoints, int64; empty if it follows from the case.
 
-        Bodies that share a field depend on where they were at the last assignment, and the order of
-        sums over fields depends on the fields.
+        Fields follow from where bodies were at the last assignment. Sums over fields, and sweeps
+        over their pairs, go in their order.
         """
         return np.empty(0, np.int64)
 
