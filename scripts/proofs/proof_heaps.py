@@ -70,10 +70,9 @@ def disturb(where, rng, short=False):
         found = scene_runs.run(case, other, ranks, resume=resume, stop_at=at)
         if found.kind != "stopped":
             return steps, ", ".join(ways), f"on {ranks} ranks: {found.kind} {found.said}"
-        resume, way = True, "stopped"
-        if rng.random() < 0.4 and lose(other):
-            way = "killed"
-        ways.append(f"on {ranks} {way} at {at}")
+        resume = True
+        lost = rng.random() < 0.4 and lose(other)
+        ways.append(f"on {ranks} {'killed' if lost else 'stopped'} at {at}")
     ranks = rng.randint(1, 6)
     ways.append(f"on {ranks}")
     found = scene_runs.run(case, other, ranks, resume=resume)
@@ -83,7 +82,7 @@ def disturb(where, rng, short=False):
 
 
 def lose(folder):
-    """Delete the last checkpoint, so that the run goes on from one before; whether there is one."""
+    """Delete the last checkpoint, as if the run had been killed; whether there is one before."""
     checkpoints = sorted((folder / "checkpoints").glob("*.h5"))
     if len(checkpoints) < 2:
         return False
