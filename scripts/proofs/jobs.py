@@ -15,7 +15,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-
 from proofs.scenes import heaps
 
 import pgimp
