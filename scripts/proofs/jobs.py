@@ -1,7 +1,9 @@
 """Runs under mpirun that are disturbed, and what must be true of all that they leave."""
 
 import argparse
+import json
 import os
+import random
 import shutil
 import signal
 import subprocess
@@ -13,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+from proofs.scenes import heaps
 
 import pgimp
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile
@@ -178,12 +181,17 @@ def options_of(name, runs, words):
     parser.add_argument("--tcp", action="store_true")
     parser.add_argument("--short", action="store_true", help="fewer steps, at most 3 ranks")
     parser.add_argument("--contact", action="store_true", help="bodies that meet, up to 7 ranks")
-    return parser.parse_args(words)
+    parser.add_argument("--heap", action="store_true", help="many bodies in a drum, up to 7 ranks")
+    options = parser.parse_args(words)
+    options.contact |= options.heap
+    return options
 
 
 def undisturbed(folder, options):
     """Results of the case that is to be disturbed; seconds of a run on two ranks, compiled."""
     text = SHORT if options.short else MEET if options.contact else CASE
+    if options.heap:
+        text = json.dumps(heaps.make(random.Random(options.seed), "drum"))
     (folder / "blocks.yaml").write_text(text)
     began = time.monotonic()
     reference = whole(folder, "whole", ["blocks.yaml", "--quiet"])

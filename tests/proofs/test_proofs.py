@@ -82,6 +82,12 @@ def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
     assert int(re.search(r"(\d+) done", said)[1]) == 6 and "wrong: 0" in said
 
 
+def test_heaps_go_on_to_the_same_bits():
+    said = prove("heaps", "--short", "--runs", "2", timeout=1200)
+    assert "{'the same bits': 2}" in said and said.count(" at ") >= 4
+    assert "drum" in said and "initial" in said
+
+
 def books_of_a_push(axis, kind):
     """A block that stands on an accelerated wall, or whose half is held so, along an axis."""
     velocity = [0.0, 0.0]

@@ -58,6 +58,18 @@ class NoContact:
     def assign_fields(self, rank: RankState) -> None:
         """Assign velocity fields to bodies: a common one to bodies that cannot touch soon."""
 
+    @property
+    def assignment(self) -> np.ndarray:
+        """State of `assign_fields` for checkpoints, int64; empty if it follows from the case.
+
+        Fields follow from where bodies were at the last assignment. Sums over fields, and sweeps
+        over their pairs, go in their order.
+        """
+        return np.empty(0, np.int64)
+
+    def restore(self, rank: RankState, assignment: np.ndarray) -> None:
+        """Continue with an `assignment` from a checkpoint; collective."""
+
     def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
         """Find the contact vertices, after the halo exchange."""
 

@@ -78,21 +78,36 @@ class MultifieldContact(NoContact):
         return self.data.rigid_bodies if self.data else ()
 
     def assign_fields(self, rank: RankState) -> None:
-        """See `NoContact.assign_fields`; when it is due."""
-        grid, population = rank.grid, rank.population
-        if self._steps > 0:
-            self._steps -= 1
-            return
-        scene = self.scene
-        boxes = body_boxes(
-            scene.frame, population.particles, population.order, len(self.fields), self.comm
-        )
-        self.fields, steps = assign(boxes, self._reach)
-        self._steps = steps - 1
-        self._intervals = where_near(boxes, self.fields, self._reach, steps)
+        """See `NoContact.assign_fields`; when it is due, once before a step."""
+        if self._steps == 0:
+            boxes = self._boxes(rank)
+            self._share(rank, boxes, *assign(boxes, self._reach))
+
+    @property
+    def assignment(self) -> np.ndarray:
+        """See `NoContact.assignment`: steps for which the fields still hold, and the fields."""
+        return np.array([self._steps, *self.fields], np.int64)
+
+    def restore(self, rank: RankState, assignment: np.ndarray) -> None:
+        """See `NoContact.restore`."""
+        steps, *fields = assignment.tolist()
+        self._share(rank, self._boxes(rank), tuple(fields), steps)
+
+    def _boxes(self, rank: RankState) -> np.ndarray:
+        """Boxes of the bodies; collective."""
+        population, frame = rank.population, self.scene.frame
+        count = len(self.fields)
+        return body_boxes(frame, population.particles, population.order, count, self.comm)
+
+    def _share(
+        self, rank: RankState, boxes: np.ndarray, fields: tuple[int, ...], steps: int
+    ) -> None:
+        """Use an assignment for some steps."""
+        grid, self.fields, self._steps = rank.grid, fields, steps
+        self._intervals = where_near(boxes, fields, self._reach, steps)
         self._where = None
-        if self.fields != grid.fields:
-            grid.fields = self.fields
+        if fields != grid.fields:
+            grid.fields = fields
             grid.store(grid.base)
 
     def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
@@ -137,6 +152,7 @@ class MultifieldContact(NoContact):
         The impulses on free rigid bodies depend on their new velocities, which depend on them: both
         are solved for, between two parts of the update.
         """
+        self._steps -= 1
         if self.free is None:
             self.advance(rank, update, WHOLE)
             return

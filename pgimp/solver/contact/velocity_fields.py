@@ -1,8 +1,11 @@
 """Assignment of velocity fields: bodies that cannot touch within the next steps share one.
 
 A body has a separate field only near possible partners, so that distant bodies, or a hundred
-grains, need a handful of fields. Sharing changes no bit: bodies in one field have no common
-vertices. Their distances are minima and maxima over all ranks, independent of any order.
+grains, need a handful of fields. Bodies in one field have no common vertices. Their distances are
+minima and maxima over all ranks, independent of any order.
+
+Sums over fields, and sweeps over their pairs, go in the order of fields: other fields, other bits.
+So they are state, see `NoContact.assignment`.
 """
 
 from __future__ import annotations

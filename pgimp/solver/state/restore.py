@@ -15,6 +15,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.rigid.free_body import STATE
 from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
+from pgimp.solver.contact.velocity_fields import MOST
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.state import State
@@ -131,6 +132,13 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             if (abs((states[:, 3:7] ** 2).sum(axis=1) - 1.0) > 1e-9).any():
                 raise DamagedError("the rotation of a rigid body is none")
             found["free-bodies"] = states
+        bodies = len(scene.body_names)
+        # An older checkpoint has no fields: they are assigned anew.
+        if rank.contact.assignment.size and "velocity-fields" in source.whole:
+            assignment = _whole(source, "velocity-fields", (1 + bodies,))
+            if (assignment < 0).any() or assignment[0] > MOST or (assignment[1:] >= bodies).any():
+                raise DamagedError("the velocity fields of its bodies are none")
+            found["velocity-fields"] = assignment
         if state.last_line is not None:
             rows = (len(scene.pairs.way) if scene.pairs else 0) + 2 * len(scene.rigid_bodies)
             shape = (len(scene.faces) + len(scene.loads.constraints) + rows, 3)
@@ -144,6 +152,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             mine[:] = found[name]
     if rank.free:
         rank.free.states = [FreeState.of(numbers.tolist()) for numbers in found["free-bodies"]]
+    if "velocity-fields" in found:
+        rank.contact.restore(rank, found["velocity-fields"])
     if rank.comm.rank == 0:
         rank.clamped, rank.held = state.clamped, state.held
     rank.mass_cutoff = state.mass_cutoff
@@ -158,8 +168,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         records.last = (state.last_line, *last)
 
 
-def _whole(source: CheckpointFile, name: str, shape: tuple[int, ...]) -> np.ndarray:
-    kind = np.dtype(np.int64 if name == "layers" else np.float64)
+def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    kind = np.dtype(np.int64 if name in ("layers", "velocity-fields") else np.float64)
     if source.whole.get(name) != (kind, shape):
         raise DamagedError(f"it has no {name} of the scene's shape")
     array = source.read_whole(name)
