@@ -24,7 +24,6 @@ def pads(cells, factor):
 
 
 def main(folder, quick):
-    """Measure, and write domain.md and domain.csv."""
     sizes = [(16, 16)] if quick else [(32, 32, 32), (256, 256)]
     rounds, steps = (3, 4) if quick else (12, RESORT // 2)
     rows = []

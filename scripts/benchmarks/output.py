@@ -116,23 +116,10 @@ def work(name, folder):
 
 
 def measure(folder, quick=False, ranks=(1, 2)):
-    """Measure frames and checkpoints.
+    """Measure frames and checkpoints in a folder on the disk in question, which is left as it was.
 
-    Parameters
-    ----------
-    folder : Path
-        A folder on the disk that is measured; it is left as it was.
-    quick : bool
-        Whether to leave out the large ones.
-    ranks : sequence of int
-        Numbers of ranks.
-
-    Returns
-    -------
-    dict
-        By ``(name, ranks)``: ``count``, the number of particles, and by form of the frames the
-        medians: sizes in bytes, seconds of the frame, the part of it that the run waits for, the
-        checkpoint, and of plain files of their sizes.
+    By ``(name, ranks)`` the number of particles, and by form of the frames medians: sizes in bytes,
+    seconds of the frame, of its part that the run waits for, of the checkpoint and of plain files.
     """
     found = {}
     for name in list(SIZES)[: 2 if quick else None]:

@@ -114,7 +114,6 @@ def main(folder, quick, prototype=None):
 
 
 def size(cells):
-    """Size of a block as text."""
     return " x ".join(map(str, cells))
 
 
@@ -152,7 +151,6 @@ def ratios(rows):
 
 
 def draw(folder, rows):
-    """Bars of the speeds."""
     scenes = list(dict.fromkeys((row["dimension"], row["cores"]) for row in rows))
     figure, axes = plt.subplots(1, len(scenes), figsize=(2.9 * len(scenes), 3.2))
     for axis, scene in zip(np.atleast_1d(axes), scenes, strict=True):

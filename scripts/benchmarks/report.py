@@ -68,17 +68,14 @@ def spread(values, digits=1):
 
 
 def number(value, digits=1):
-    """Format a number; empty if there is none."""
     return "" if value is None else f"{value:.{digits}f}"
 
 
 def count(value):
-    """Format a count."""
     return "" if value is None else f"{value:,.0f}"
 
 
 def error(value):
-    """Format an error."""
     return "" if value is None else f"{value:.0e}"
 
 
@@ -90,7 +87,6 @@ ERRORS = {
 
 
 def table(titles, rows):
-    """A table of texts and numbers."""
     lines = [f"| {' | '.join(titles)} |", "|---" * len(titles) + "|"]
     return "\n".join([*lines, *(f"| {' | '.join(map(str, row))} |" for row in rows)])
 
@@ -101,21 +97,10 @@ def markdown(columns, rows):
 
 
 def write(folder, name, title, columns, rows, note):
-    """Write NAME.md and NAME.csv.
+    """Write NAME.md and NAME.csv; returns the table with its title and note.
 
-    Parameters
-    ----------
-    columns : dict
-        See `markdown`.
-    rows : list of dict
-        All that was measured, with the same keys; lists become a column for each of their values.
-    note : str
-        What the table shows, and on what it was measured.
-
-    Returns
-    -------
-    str
-        The table with its title and note.
+    `columns` are those of `markdown`, `rows` dicts with the same keys; lists become a column for
+    each of their values. The note says what the table shows, and on what it was measured.
     """
     flat = []
     for row in rows:

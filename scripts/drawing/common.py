@@ -52,7 +52,6 @@ def boxes(axis, position, radius, values, limits, colours=style.MAP, dimension=2
 
 
 def save(figure, name):
-    """Write the picture."""
     PICTURES.mkdir(exist_ok=True)
     path = PICTURES / f"{name}.png"
     figure.savefig(path)

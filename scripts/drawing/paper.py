@@ -12,7 +12,6 @@ from figures.runs import keep, perform_all, recall
 
 
 def main():
-    """Do what the command line says."""
     parser = argparse.ArgumentParser(prog="scripts/paper")
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "paper.out", metavar="DIR")
     parser.add_argument("--quick", action="store_true", help="fewer and coarser cells")

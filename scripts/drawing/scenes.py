@@ -8,7 +8,6 @@ from pgimp.utilities.plot.rigid import draw_lines, lines
 
 
 def energies(axis, results, unit):
-    """Draw the energies of a history."""
     history = results.history
     for name, colour in (("kinetic", BLUE), ("strain", RED)):
         axis.plot(history["time"], history[f"{name}-energy"], color=colour, label=name)

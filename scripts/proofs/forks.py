@@ -27,16 +27,9 @@ STEPS = 3
 
 
 class Result(NamedTuple):
-    """What became of a command.
+    """What became of a command: status, what it wrote to stderr, time, and its greatest memory.
 
-    Attributes
-    ----------
-    status : int or None
-        Exit status, negative for a signal; None if it hung.
-    said : str
-        What it wrote to stderr.
-    seconds, megabytes : float
-        How long it took, and the most memory that it had.
+    The status is negative for a signal, None if it hung.
     """
 
     status: int | None

@@ -82,20 +82,9 @@ def environment(tcp=False):
 
 
 class Job:
-    """A run that goes on while it is being disturbed.
+    """A run of ``pgimp WORDS`` in a folder that goes on while it is being disturbed.
 
-    Parameters
-    ----------
-    ranks : int
-        How many; 1 is without mpirun.
-    words : sequence
-        What follows ``pgimp``.
-    folder : Path
-        Where it is started.
-    tcp : bool
-        Whether the ranks talk by TCP.
-    program : sequence of str
-        What Python is to run instead of pgimp itself.
+    One rank is without mpirun; with `tcp` ranks talk by TCP; Python runs `program` for pgimp.
     """
 
     def __init__(self, ranks, words, folder, tcp=False, program=("-m", "pgimp")):
@@ -118,7 +107,6 @@ class Job:
 
     @property
     def running(self):
-        """Whether it has not ended yet."""
         return self.process.poll() is None
 
     def ranks(self):
@@ -150,7 +138,6 @@ class Job:
 
     @property
     def said(self):
-        """What it wrote to the terminal."""
         self._said.seek(0)
         return self._said.read()
 

@@ -58,26 +58,19 @@ def places(data, path=()):
 
 
 def at(data, path):
-    """Return what stands at a path."""
     for key in path:
         data = data[key]
     return data
 
 
 def put(data, path, value):
-    """Replace what stands at a path."""
     at(data, path[:-1])[path[-1]] = value
 
 
 class Mutator:
-    """Makes mutants, the same for the same random numbers.
+    """Makes mutants, the same for the same random numbers of `chance`.
 
     Each kind is a method that returns the content of a file and further words of a command line.
-
-    Parameters
-    ----------
-    chance : random.Random
-        Where they come from.
     """
 
     def __init__(self, chance):
@@ -86,7 +79,6 @@ class Mutator:
         self.studies = [path.read_text(encoding="utf-8") for path in STUDIES]
 
     def case(self):
-        """Data of one of the cases."""
         return parse(self.chance.choice(self.texts), "case").data
 
     def text(self):
@@ -94,7 +86,6 @@ class Mutator:
         return re.sub(r"(?m)\s*#.*$", "", self.chance.choice(self.texts))
 
     def make(self, kind):
-        """Make a mutant of one of `KINDS`."""
         return getattr(self, kind)()
 
     def types(self):

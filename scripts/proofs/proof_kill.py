@@ -88,7 +88,6 @@ def stage(directory):
 
 
 def report(options, moments, statuses, begun, delays, same):
-    """Print the figures."""
     by = ", by TCP" if options.tcp else ""
     most = 7 if options.contact else 4
     print(f"{options.runs} runs on 2 to {most} ranks{by}, one killed -9, resumed on 1 to {most}:")

@@ -119,7 +119,6 @@ def one(folder, name, case, steps):
 
 
 def lines(directory):
-    """Number of lines of the history so far."""
     try:
         return (directory / "history.csv").read_bytes().count(b"\n")
     except FileNotFoundError:

@@ -99,7 +99,6 @@ def read(folder, numbers):
 
 
 def report(results, options, seconds):
-    """Print the figures."""
     print(f"{len(results)} scenes, seed {options.seed}, in {seconds:.0f} s:")
     outcomes = Counter(each["outcome"] for each in results)
     print(f"  on one rank: {', '.join(f'{n} {what}' for what, n in outcomes.most_common())}")
@@ -177,12 +176,9 @@ def smaller(case, files, where, number, what, options):
 
 
 def examine(case, files, where, number, what=""):
-    """Run a case in all ways and keep its books; `what` names the only failure of interest.
+    """How a case ends on one rank, and classes and descriptions of what is wrong with it.
 
-    Returns
-    -------
-    Outcome, list of (str, str)
-        How it ended on one rank; classes and descriptions of what is wrong.
+    It is run in all ways, and its books are kept; `what` names the only failure of interest.
     """
     shutil.rmtree(where, ignore_errors=True)
     where.mkdir(parents=True)

@@ -51,17 +51,10 @@ def key(name: Any) -> str:
 
 
 class Kept(dict[str, Any]):
-    """Figures that are kept from run to run in a JSON file.
+    """Figures that are kept from run to run in a JSON file; a `new` one forgets what it has.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    new : bool
-        Whether what it has is forgotten.
-    sources : list of Path, optional
-        Of the study. If given, figures count only while these files, pgimp's and the cases are
-        what they were when the figures were measured.
+    If files of the study are given as `sources`, figures count only while these, pgimp's and the
+    cases are what they were when the figures were measured.
     """
 
     def __init__(self, path: Path, new: bool = False, sources: Iterable[Path] = ()) -> None:
@@ -76,7 +69,6 @@ class Kept(dict[str, Any]):
             self["digest"] = digest
 
     def save(self) -> None:
-        """Write the file."""
         self._path.write_text(json.dumps(self, indent=1, default=float), encoding="utf-8")
 
     def add(self, name: Any, value: Any) -> None:
@@ -115,7 +107,6 @@ class Table:
         self.lines = [_line(titles), "|---" * len(titles) + "|"]
 
     def add(self, *cells: Any) -> None:
-        """Add a line."""
         self.lines.append(_line(cells))
         print(self.lines[-1], flush=True)
 
@@ -133,7 +124,6 @@ def _line(cells: Iterable[Any]) -> str:
 
 
 def table(titles: Iterable[Any], rows: Iterable[Iterable[Any]], note: str = "") -> str:
-    """A table in Markdown, and a note below."""
     found = Table(*titles)
     found.lines += map(_line, rows)
     return found.text(note)
@@ -158,14 +148,7 @@ def standing(name: str, mark: str = "") -> dict[tuple[str, str], list[str]]:
 def put(texts: Mapping[str, str], whole: Path | None = None, page: bool = True) -> None:
     """Write tables by name, the pages that show them, and all into one file.
 
-    Parameters
-    ----------
-    texts : dict of str
-        Each becomes scripts/pages/tables/NAME.md.
-    whole : Path, optional
-        The file that has all of them.
-    page : bool
-        Whether tables and pages are written, too.
+    Each becomes scripts/pages/tables/NAME.md, unless `page` is false; `whole` has all of them.
     """
     if whole:
         whole.write_text("\n".join(texts.values()), encoding="utf-8")

@@ -27,20 +27,10 @@ def ball(centre: Iterable[float], radius: float) -> dict[str, Any]:
 
 
 def case_of(size, cell, materials, bodies, end, *, courant=0.3, per_cell=2, **parts):
-    """A case with boxes (gimp) on cubic cells.
+    """A case with boxes (gimp) on cubic cells, `per_cell` particles a cell and direction.
 
-    Parameters
-    ----------
-    size : sequence of float
-        Extent of the domain.
-    cell : float
-        Edge of a cell.
-    end : float
-        Of the time.
-    per_cell : int
-        Particles a cell and direction.
-    parts
-        Other keys of the case; those of `grid`, `method` and `time` are added to what is here.
+    `size` is the extent of the domain, `end` that of the time. `parts` are other keys of the case;
+    those of `grid`, `method` and `time` are added to what is here.
     """
     D = len(size)
     case = {
@@ -79,12 +69,10 @@ def by_id(sim: Simulation, values: np.ndarray) -> np.ndarray:
 
 
 def a_line(sim: pgimp.Simulation) -> dict[str, float]:
-    """The line of the history as it is now."""
     return sim.diagnostics() or {}
 
 
 def reading(name: str) -> Callable:
-    """What looks at a column of the history."""
     return lambda sim: a_line(sim)[name]
 
 

@@ -24,7 +24,6 @@ STOPPED = 1.02
 
 
 def cells_and_step(quick):
-    """Cell sizes, and the step that they share."""
     return (QUICK_CELLS, QUICK_STEP) if quick else (CELLS, STEP)
 
 
@@ -42,7 +41,6 @@ def speed_run(speed, cell, step):
 
 
 def runs(quick):
-    """The runs of both figures."""
     cells, step = cells_and_step(quick)
     lines = [(m, n) for m in (*PAPER, "gimp-tracked", *FUZZY) for n in COUNTS]
     lines += [(m, n) for m in GHOSTS for n in (1, 2)]

@@ -33,13 +33,11 @@ LEGEND = {
 
 
 def column_run(method, step=None):
-    """The run of figures 4 and 5."""
     step = step or (MPM_STEP if method.startswith("mpm") else STEP)
     return Run("column", method, 1.0, 2, step, INSTANTS, profile=True)
 
 
 def shock_run(method, per_cell=2):
-    """The run of figures 6 to 9."""
     times = tuple(TRANSIT * fraction for fraction in FRACTIONS)
     return Run("shock", method, 1.0, per_cell, STEP, times, profile=True)
 

@@ -22,7 +22,6 @@ methods by `scripts/pictures error-and-cost`.
 
 
 def write(results, origin, folder):
-    """Write both tables."""
     with open(folder / "errors.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, FIELDS)
         writer.writeheader()
@@ -104,6 +103,5 @@ def entry(record, *keys):
 
 
 def table(head, rows):
-    """A table in Markdown."""
     lines = ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
     return "\n".join(lines) + "\n"

@@ -76,14 +76,8 @@ def patch_forces(sim):
 class Books:
     """What is known of a run on one rank.
 
-    Attributes
-    ----------
-    wrong : list of (str, str)
-        Class and description of what does not hold.
-    created : float
-        Energy from nothing, as a part of the greatest energy.
-    turned : float
-        Change of the angular momentum, over mass times speed times size.
+    `wrong` has class and description of what does not hold; `created` is energy from nothing over
+    the greatest, `turned` the change of the angular momentum over mass times speed times size.
     """
 
     def __init__(self, sim):
@@ -262,18 +256,7 @@ def _kept(values):
 
 
 def check(load):
-    """Keep the books of a case.
-
-    Parameters
-    ----------
-    load : callable
-        ``load(overrides)`` gives the case.
-
-    Returns
-    -------
-    Books
-        With all that is wrong.
-    """
+    """The books of a case that ``load(overrides)`` gives, with all that is wrong."""
     from pgimp.mpi.comm import Serial
     from pgimp.solver.simulation import Simulation
 

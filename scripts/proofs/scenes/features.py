@@ -47,7 +47,6 @@ class Scene:
 
     @property
     def faces(self):
-        """Names of the domain's faces."""
         return [f"{axis}-{end}" for axis in "xyz"[: self.dimension] for end in ("min", "max")]
 
 
@@ -225,21 +224,9 @@ FEATURES = (
 
 
 def make(seed, number, group):
-    """A random scene.
+    """A random scene: its case, the files it names, and the names of its features.
 
-    Parameters
-    ----------
-    seed, number, group : int
-        Of the proof, the scene, and those that share what is compiled.
-
-    Returns
-    -------
-    case : dict
-        As in a case file, with the title of the scene.
-    files : dict of str to str
-        The files that it names.
-    features : list of str
-        Names of the features that it has.
+    `seed`, `number` and `group` are of the proof, the scene, and those that share what is compiled.
     """
     scene, names = Scene(), []
     for feature in FEATURES:

@@ -29,15 +29,10 @@ SAME = ("case.yaml", "history.csv", "*.xdmf", "frames/*", "probes/*", "failure/p
 
 
 class Outcome(NamedTuple):
-    """How a run ended.
+    """How a run ended, and its error.
 
-    Attributes
-    ----------
-    kind : str
-        ``done``, ``stopped``, ``refused``, ``failed``: with an error of pgimp's that all ranks
-        raise alike; ``torn``: with different ones; ``crashed``: with another error.
-    said : str
-        The error.
+    It is ``done``, ``stopped``, ``refused``, ``failed``: with an error of pgimp's that all ranks
+    raise alike; ``torn``: with different ones; ``crashed``: with another error.
     """
 
     kind: str
@@ -106,23 +101,9 @@ def _anywhere(balance, counts, step):
 
 
 def run(case, folder, ranks, resume=False, stop_at=None):
-    """Run a case file into a folder on `ranks` ranks.
+    """Outcome of a run of a case file into a folder, or with `resume` from where it stopped.
 
-    Parameters
-    ----------
-    case, folder : Path
-        The case file and the run directory.
-    ranks : int
-        How many.
-    resume : bool
-        Whether to go on.
-    stop_at : int, optional
-        A step after which the last rank asks to stop.
-
-    Returns
-    -------
-    Outcome
-        What became of it.
+    After the step `stop_at` the last rank asks to stop.
     """
     import pgimp
 
@@ -173,23 +154,8 @@ def go_back(folder):
 def compare(case, folder, rng, steps, ranks=(2, 3)):
     """Run a case in many ways, all of which must leave the same files.
 
-    Parameters
-    ----------
-    case, folder : Path
-        The case file, and where the runs go.
-    rng : random.Random
-        Chooses numbers of ranks and steps.
-    steps : int
-        Of the run, about.
-    ranks : sequence of int
-        Besides 1 and one of 5 to 9.
-
-    Returns
-    -------
-    outcome : Outcome
-        That of the run on one rank.
-    failures : list of (str, str)
-        Class and description of what is wrong.
+    On one rank, on `ranks` and on 5 to 9; `rng` chooses these and the steps, of some `steps`, after
+    which runs stop. Returns the outcome on one rank, and class and description of what is wrong.
     """
     alone = folder / "1"
     outcome = run(case, alone, 1)

@@ -15,7 +15,6 @@ OPTIONAL = ("output.at", "output.grid", "output.fields", "output.precision", "ou
 
 
 def _without(case, path):
-    """The case without a key; None if it has none."""
     *parents, key = path.split(".") if isinstance(path, str) else path
     found = copy.deepcopy(case)
     part = found
@@ -38,7 +37,6 @@ def _step(case):
 
 
 def _shorter(case):
-    """Half the steps."""
     found = copy.deepcopy(case)
     time_, out = found["time"], found.get("output", {})
     if isinstance(time_["step"], dict):
@@ -196,21 +194,9 @@ def candidates(case):
 
 
 def shrink(case, fails, seconds):
-    """Make a case smaller.
+    """The smallest case that is found to fail as one does; ``fails(case)`` says what does.
 
-    Parameters
-    ----------
-    case : dict
-        One that fails.
-    fails : callable
-        ``fails(case)`` tells whether another one fails in the same way.
-    seconds : float
-        Of this process, after which the smallest so far will do.
-
-    Returns
-    -------
-    dict
-        The smallest that was found.
+    After some seconds of this process the smallest so far will do.
     """
     end, tried, again = time.process_time() + seconds, {repr(case)}, True
     while again:

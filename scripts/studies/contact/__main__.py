@@ -31,7 +31,6 @@ def _motions(kept):
 
 
 def _gaps(rows):
-    """Table of the gaps."""
     found = [(what, f"{low:.3f}", f"{high:.3f}") for what, _, low, high in rows]
     return table(("what meets", "least gap", "greatest"), found)
 

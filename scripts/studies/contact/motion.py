@@ -24,7 +24,6 @@ def case_of(bodies, size, cell, end, solid=SOLID, **parts):
 
 
 def slope_of(angle):
-    """Sine and cosine of an angle in degrees."""
     return sin(radians(angle)), cos(radians(angle))
 
 
@@ -37,7 +36,6 @@ def run(case, overrides=()):
 
 
 def energy(line):
-    """Energy in a line of the history."""
     return line["kinetic-energy"] + line["strain-energy"]
 
 

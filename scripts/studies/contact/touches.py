@@ -20,18 +20,10 @@ class Surface(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """Two bodies that touch.
+    """Two bodies that touch in the `middle`: their regions, and their surfaces near there.
 
-    Attributes
-    ----------
-    regions : (region, region)
-        Of the bodies.
-    surfaces : (Surface, Surface)
-        Theirs, near where they touch.
-    middle, normal : (D,) float64
-        Where that is, and the normal there, from the first to the second.
-    distance : callable
-        Gap, along the normal, at distances (n, D) from the middle.
+    The normal is that from the first to the second; `distance` gives the gap along it at distances
+    (n, D) from the middle.
     """
 
     regions: tuple

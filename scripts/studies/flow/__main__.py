@@ -21,17 +21,14 @@ class NothingParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt):
-        """As before: zero."""
         return sigma
 
     @staticmethod
     def energy(material, F, J, sigma):
-        """None."""
         return 0.0 * J
 
     @staticmethod
     def speed(material, F, J):
-        """That of the others, about."""
         return 30.0 + 0.0 * J
 
 
@@ -42,7 +39,6 @@ class Nothing(Material):
     model: Literal["nothing"]
 
     def parameters(self):
-        """See `NothingParameters`."""
         return NothingParameters(self.density)
 
 

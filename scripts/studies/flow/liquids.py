@@ -160,7 +160,6 @@ ROWS = (
 
 
 def words_of(method):
-    """A method in words."""
     shape = method.get("shape", "gimp")
     said = {"affine": "affine", "volumetric": "mean", "wall": "wall: mirror"}
     return ", ".join([shape, *(words for key, words in said.items() if key in method)])

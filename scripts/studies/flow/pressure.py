@@ -55,16 +55,7 @@ ROWS = (
 def on(particles, near, patch, cell):
     """Mean pressure on a patch of the wall, of particles within a cell of it; what is void has 0.
 
-    Parameters
-    ----------
-    particles : dict
-        As those of a simulation.
-    near : ndarray of int
-        Those within a cell of the wall.
-    patch : (float, float)
-        Its lower and upper edge.
-    cell : float
-        Side of a cell.
+    `near` are those within a cell of the wall, `patch` its lower and upper edge.
     """
     y = particles["position"][near, 1]
     rows = near[(y > patch[0]) & (y < patch[1])]
@@ -118,7 +109,6 @@ def spectrum(time, values):
 
 
 def figures(lines):
-    """The figures of a run's table row, by name."""
     time, gauge, stated, force, depth = lines.T
     t, raw, mean = smooth(time, gauge)
     first, back = t < 0.5 * (JET[0] + JET[1]), (t > 1.3) & (t < 1.9)
@@ -163,7 +153,6 @@ def draw(runs):
 
 
 def row(words, cell, f, steps, speed):
-    """A line of the table."""
     return (
         words, f"{1e3 * cell:.0f}", f"{f['front']:.3f}", f"{f['impact']:.1f}",
         f"{f['jet']:.2f}", f"{f['noise']:.2f}", f"{100.0 * f['fast']:.0f} %",

@@ -81,11 +81,7 @@ def strains(F):
 def gradients(case, scene, x, F):
     """What a velocity (u, v) of a vertex gives to strains.
 
-    Returns
-    -------
-    vertices : (n, k) int
-    slopes : (n, k, 2) float
-        The gradient of S_vp.
+    The vertices (n, k) of each particle, and the gradients of their S_vp, (n, k, 2).
     """
     shape, cell = case.method.parameters(case.grid.cell), np.array(case.grid.cell)
     half = np.broadcast_to(np.array(shape.half), (len(x), 2))
@@ -169,7 +165,6 @@ def frozen(scene, shape, affine, per_cell, configuration):
 
 
 def main():
-    """Measure, and write the table."""
     table = Table("method", *SCENES)
     for method in METHODS:
         shape, affine, per_cell, configuration = method

@@ -38,7 +38,6 @@ class Row(NamedTuple):
 
 
 def exact_error(run):
-    """Error (47) at the end."""
     return float(run.lines["error"][-1]), {}
 
 
@@ -192,12 +191,8 @@ DEPTHS = tuple(10.0**-n for n in range(3, 13))
 def grazing(method, depth, per_cell=2, courant=0.3, steps=3000):
     """Growth of the energy of a free bar whose particles reach a vertex by `depth` of a cell.
 
-    The bar is shaken by less than that depth, so that it stays where it grazes.
-
-    Returns
-    -------
-    float
-        Greatest energy of the bar over its first one, less 1; inf if the run failed.
+    The bar is shaken by less than that depth, so that it stays where it grazes. The growth is the
+    greatest energy over the first one, less 1; inf if the run failed.
     """
     sim = free_bodies({"shape": method}, 1, per_cell, 1)
     p, rows = sim.particles, sim.live()
@@ -220,7 +215,6 @@ def grazing(method, depth, per_cell=2, courant=0.3, steps=3000):
 
 
 def grazed(method):
-    """Record of the bars that graze a vertex."""
     began = perf_counter()
     growth = {depth: grazing(method, depth) for depth in DEPTHS}
     failed = [depth for depth in DEPTHS if growth[depth] > BOUND]

@@ -47,19 +47,11 @@ def begin(name, changes):
 
 
 def watch(sim, lines=LINES, each=None):
-    """Run a simulation to its end, or until it fails.
+    """Run a simulation from its start to its end, or until it fails; see `Watched`.
 
     The growth of the energy is the greatest excess, in any line, of kinetic and strain energy over
-    what there was at first and what the loads have done, over the greatest energy of any line.
-
-    Parameters
-    ----------
-    sim : Simulation
-        At its start.
-    lines : int
-        Number of lines of the history, evenly in time.
-    each : callable, optional
-        Called with the simulation at every line.
+    what there was at first and what the loads have done, over the greatest energy of any line. The
+    history has some lines, evenly in time; at each of them `each` is called with the simulation.
     """
     began = perf_counter()
     found = [sim.diagnostics()]

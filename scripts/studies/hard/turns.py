@@ -67,7 +67,6 @@ def text(found):
 
 
 def main():
-    """Measure, and write the table."""
     table = Table("method", *(f"{cells} cells, {speed:g} c" for cells, speed in BLOCKS))
     for shape, configuration in METHODS:
         found = [text(changes(shape, configuration, *block)) for block in BLOCKS]

@@ -52,14 +52,11 @@ def jobs():
 
 
 def contacts(kept):
-    """The table of docs/contact-validation.md."""
     note = f"Measured on one core of {kept['origin']}."
     return meetings.table(lambda *name: kept.get(key(("contact", *name))), BOTH, note)
 
 
 def text(kept):
-    """The table of docs/methods.md."""
-
     def of(*name):
         return kept.get(key(name))
 

@@ -13,7 +13,6 @@ ROUNDS, STEPS = 9, 6
 
 
 def speed(rate):
-    """Particle-steps a second in words."""
     return f"{rate / 1e6:.2f} million"
 
 

@@ -4,18 +4,9 @@ from typing import NamedTuple
 
 
 class Method(NamedTuple):
-    """A method of pgimp.
+    """A method of pgimp: shape, transfer, configuration, particles a cell and direction, step.
 
-    Attributes
-    ----------
-    shape : str
-        ``method.shape``.
-    affine, initial : bool
-        Affine transfer; the initial configuration.
-    per_cell : int
-        Particles a cell and direction.
-    courant : float or str
-        Of the step; ``auto`` leaves it to pgimp.
+    The Courant number ``auto`` leaves the step to pgimp.
     """
 
     shape: str

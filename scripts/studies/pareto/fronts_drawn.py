@@ -22,7 +22,6 @@ PEER = "Taichi, MLS-MPM"
 
 
 def draw(name, problems, records, columns=3):
-    """Write cases/pictures/NAME.png."""
     rows = -(-len(problems) // columns)
     figure, axes = plt.subplots(
         rows, columns, figsize=(3.3 * columns, 3.0 * rows + 0.9), squeeze=False
