@@ -157,15 +157,26 @@ def whole(folder, name, words, ranks=1, tcp=False):
     return pgimp.open(folder / name)
 
 
-def options_of(name, runs, words):
-    """What the words of a proof with disturbed runs say."""
+def options_of(name, words, runs=None, **more):
+    """What the words of a proof say: runs and seed if it has some, and `more` options by name.
+
+    Of these there are the settings, or the help of one that is on or off.
+    """
     parser = argparse.ArgumentParser(prog=f"scripts/faults {name}")
-    parser.add_argument("--runs", type=int, default=runs)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--tcp", action="store_true")
-    parser.add_argument("--short", action="store_true", help="fewer steps, at most 3 ranks")
-    parser.add_argument("--contact", action="store_true", help="bodies that meet, up to 7 ranks")
+    more = {"runs": {"default": runs}, "seed": {"default": 1}} | more if runs else more
+    for option, known in more.items():
+        on_off = {"action": "store_true", "help": known}
+        known = on_off if isinstance(known, str) else {"type": int} | known
+        parser.add_argument(f"--{option}", **known)
     return parser.parse_args(words)
+
+
+def disturbed(name, words, runs):
+    """Options of a proof whose runs are disturbed."""
+    return options_of(
+        name, words, runs, tcp="ranks talk as between machines",
+        short="fewer steps, at most 3 ranks", contact="bodies that meet, up to 7 ranks",
+    )  # fmt: skip
 
 
 def undisturbed(folder, options):
@@ -225,19 +236,14 @@ def unreadable(directory):
     return wrong
 
 
-def differences(one, other):
-    """Return in what two run directories differ, bit for bit: frames, series and history."""
-    files = ["history.csv", "particles.xdmf"]
-    files += sorted(f"frames/{path.name}" for path in (one / "frames").glob("*.h5"))
-    wrong = [
-        name
-        for name in files
-        if not (other / name).exists() or (one / name).read_bytes() != (other / name).read_bytes()
-    ]
-    extra = {path.name for path in (other / "frames").iterdir()} - {
-        path.name for path in (one / "frames").iterdir()
-    }
-    return wrong + sorted(extra)
+def differences(one, other, names=("history.csv", "particles.xdmf", "frames/*")):
+    """Files of some names in which two run directories differ, bit for bit."""
+    found = {path.relative_to(run) for run in (one, other) for n in names for path in run.glob(n)}
+
+    def content(run, name):
+        return (run / name).read_bytes() if (run / name).is_file() else None
+
+    return sorted(str(name) for name in found if content(one, name) != content(other, name))
 
 
 @contextmanager

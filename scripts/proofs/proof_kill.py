@@ -7,12 +7,12 @@ import time
 from collections import Counter
 from statistics import median
 
-from proofs.jobs import Job, come_to, options_of, resumed, scratch, undisturbed, unreadable
+from proofs.jobs import Job, come_to, disturbed, resumed, scratch, undisturbed, unreadable
 
 
 def main(words):
     """Kill as many runs as asked for; print what became of them."""
-    options = options_of("kill", 100, words)
+    options = disturbed("kill", words, 100)
     chance = random.Random(options.seed)
     moments, statuses, begun, delays, same = Counter(), Counter(), Counter(), [], 0
     with scratch("kill") as (folder, failures):

@@ -6,7 +6,7 @@ import signal
 import time
 from collections import Counter
 
-from proofs.jobs import Job, come_to, options_of, resumed, scratch, undisturbed, unreadable
+from proofs.jobs import Job, come_to, disturbed, resumed, scratch, undisturbed, unreadable
 
 from pgimp.running.checkpoints import present
 
@@ -39,7 +39,7 @@ sys.exit(main())
 
 def main(words):
     """Send as many signals as asked for; print what became of the runs."""
-    options = options_of("signals", 60, words)
+    options = disturbed("signals", words, 60)
     chance = random.Random(options.seed)
     with scratch("signals") as (folder, failures):
         (folder / "slow.py").write_text(SLOW)

@@ -88,16 +88,11 @@ class Books:
         self.mass = self._line["mass"]
         speeds = [wave_speed(sim.scene, body) for body in range(len(sim.scene.body_names))]
         self._scale = self.mass * max(speeds)
-        self._momentum = [(0.0, 0, "")]
-        self._work = [(0.0, 0, "")]
-        self._lines = [self._line]
-        conditions = [
-            each
+        self._momentum, self._work, self._lines = [(0.0, 0, "")], [(0.0, 0, "")], [self._line]
+        self._accelerates = any(
+            case.contact or case.rigid_bodies or any(each.varies for each in _conditions(case))
             for case in sim.cases
-            for each in (*case.boundaries.values(), *case.constraints.values())
-        ]
-        meets = any(case.contact or case.rigid_bodies for case in sim.cases)
-        self._accelerates = meets or any(each.varies for each in conditions)
+        )
         self._explained = [0.0]
 
     def run(self):
@@ -120,8 +115,8 @@ class Books:
         rows, start, last = sim.live(), sim.time, self._line
         gravity = np.array(sim.scene.gravity(start)[:D])
         impulse = last["mass"] * gravity + patch_forces(sim)
-        before = dict(zip(sim.particles.id[rows].tolist(), sim.particles.x[rows], strict=True))
-        mass = dict(zip(sim.particles.id[rows].tolist(), sim.particles.m[rows], strict=True))
+        ids, p = sim.particles.id[rows].tolist(), sim.particles
+        before, mass = (dict(zip(ids, of[rows], strict=True)) for of in (p.x, p.m))
         seen, affine = Seen(), self.case.method.affine
         with seen.step() if self._accelerates or affine else contextlib.nullcontext():
             sim.advance()
@@ -146,8 +141,7 @@ class Books:
         off = np.abs(gained - impulse).max()
         text = f"step {sim.step}: gained {gained.tolist()}, impulses {impulse.tolist()}"
         self._momentum.append((off, sim.step, text))
-        entries = [*self.case.boundaries.values(), *self.case.constraints.values()]
-        moves = any(hasattr(entry, "velocity") for entry in entries)
+        moves = any(hasattr(entry, "velocity") for entry in _conditions(self.case))
         if (len(forces) <= 1 or not moves) and not self.case.tractions:
             self._check_work(line, last, gravity, before, mass, start)
 
@@ -217,24 +211,15 @@ class Books:
                     gained += _kept(values)
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case
-        for name in (
-            name
-            for name, rigid_body in case.rigid_bodies.items()
-            if rigid_body.free and not case.gravity
-        ):
+        free = [name for name, body in case.rigid_bodies.items() if body.free]
+        for name in () if case.gravity else free:
             own, done = every[f"tool.{name}.kinetic-energy"], every[f"tool.{name}.work"]
             most = max(own.max() + np.abs(done).max(), 1e-300)
             if (gained := float((own - own[0] + done).max()) / most) > RIGID:
                 text = f"{name} gains {gained:.3g} of its energy"
                 self.wrong.append(("books: free rigid body", text))
-        held = any(
-            case.boundaries
-            or case.constraints
-            or case.tractions
-            or case.gravity
-            or case.rigid_bodies
-            for case in self.sim.cases
-        )
+        loads = ("boundaries", "constraints", "tractions", "gravity", "rigid_bodies")
+        held = any(getattr(case, load) for case in self.sim.cases for load in loads)
         if not held and self.D > 1 and len(self._lines) > 1:
             speed = math.sqrt(2.0 * energy.max() / self.mass)
             size = max(case.grid.size)
@@ -245,6 +230,10 @@ class Books:
         if self.turned > ANGULAR:
             text = f"it changes by {self.turned:.3g} of mass times speed times size"
             self.wrong.append(("books: angular momentum", text))
+
+
+def _conditions(case):
+    return *case.boundaries.values(), *case.constraints.values()
 
 
 def _kept(values):

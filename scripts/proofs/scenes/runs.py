@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from proofs import thread_ranks
+from proofs.jobs import differences
 from proofs.thread_messages import DesertedError
 
 from pgimp.errors import CaseError, PgimpError
@@ -129,18 +130,6 @@ def run(case, folder, ranks, resume=False, stop_at=None):
     return Outcome(kind, "\n".join(lines[:2]))
 
 
-def differences(one, other):
-    """Names of the files in which two runs differ."""
-    names = set()
-    for folder in (one, other):
-        names |= {str(path.relative_to(folder)) for each in SAME for path in folder.glob(each)}
-
-    def content(folder, name):
-        return (folder / name).read_bytes() if (folder / name).is_file() else None
-
-    return sorted(name for name in names if content(one, name) != content(other, name))
-
-
 def go_back(folder):
     """Delete all checkpoints but the oldest, as if the run had been killed after that."""
     checkpoints = sorted((folder / "checkpoints").glob("*.h5"))
@@ -172,7 +161,7 @@ def compare(case, folder, rng, steps, ranks=(2, 3)):
         elif found != outcome:
             text = f"{name}: {found.kind} {found.said}; on one rank {outcome.kind} {outcome.said}"
             failures.append((f"ended otherwise: {found.kind}", text))
-        elif wrong := differences(alone, where):
+        elif wrong := differences(alone, where, SAME):
             kinds = sorted({Path(each).parts[0] for each in wrong})
             failures.append((f"bits: {', '.join(kinds)}", f"{name}: {', '.join(wrong)}"))
 

@@ -121,9 +121,8 @@ def _lower(case):
     if D == 1 or any(region in str(case["bodies"]) for region in ("points", "mesh")):
         return None
     found = _flat(case, D) | {"dimensions": D - 1}
-    for kind in ("tractions",):
-        entries = found.get(kind, {}).items()
-        found[kind] = {k: e for k, e in entries if e["face"][0] != "xyz"[D - 1]}
+    loads = found.get("tractions", {}).items()
+    found["tractions"] = {k: e for k, e in loads if e["face"][0] != "xyz"[D - 1]}
     if D == 2:
         for name, each in found["materials"].items():
             modulus = each.get("young", each.get("bulk", 100.0))  # soils, fluids and gases, too
@@ -155,9 +154,7 @@ def candidates(case):
     yield _shorter(case)
     for name in reversed(case["bodies"]):
         yield _bodiless(case, name)
-    for kind in ENTRIES[:-1]:
-        yield _without(case, kind)
-    for path in OPTIONAL:
+    for path in (*ENTRIES[:-1], *OPTIONAL):
         yield _without(case, path)
     yield _plain(case)
     for kind, name in itertools.chain(*([(k, n) for n in case.get(k, {})] for k in ENTRIES[:-1])):
@@ -172,9 +169,8 @@ def candidates(case):
                 found["bodies"][name][key] = value
                 yield found
         yield _without(case, ("bodies", name, "velocity"))
-        yield _without(case, ("bodies", name, "rigid", "velocity"))
-        yield _without(case, ("bodies", name, "rigid", "rotation"))
-        yield _without(case, ("bodies", name, "rigid", "fixed"))
+        for key in ("velocity", "rotation", "fixed"):
+            yield _without(case, ("bodies", name, "rigid", key))
     yield case | {"method": case["method"] | {"particles_per_cell": [1] * case["dimensions"]}}
     for d, upper in itertools.product(range(case["dimensions"]), (False, True)):
         yield _smaller_grid(case, d, upper)
