@@ -1,6 +1,7 @@
 """Running cases and saving pictures: what all drawings share."""
 
 import subprocess
+import sys
 from pathlib import Path
 
 import matplotlib
@@ -18,6 +19,8 @@ from pgimp.utilities.plot.camera import camera
 from pgimp.utilities.plot.visible import draw
 
 ROOT = Path(__file__).resolve().parents[2]
+#: Where all find what studies share.
+sys.path.append(str(ROOT / "scripts"))
 RUNS = ROOT / "pictures.out"
 PICTURES = ROOT / "cases" / "pictures"
 LARGE = 140_000  # bytes

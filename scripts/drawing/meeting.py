@@ -33,7 +33,7 @@ def wall_pressure(results, number, cell):
     return cell * np.hypot(*column.T)[inside], force[inside], (force / area)[inside]
 
 
-def hertz_impact(redraw):
+def hertz(redraw):
     """The ball as it is pressed most; force over time and pressure on the wall against Hertz's."""
     results = run("hertz", redraw)
     radius, start, cell = 0.1, 0.005 / 0.2, 0.005

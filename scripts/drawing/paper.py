@@ -6,9 +6,9 @@ from pathlib import Path
 from time import perf_counter
 
 from common import ROOT, plt
-from cost import origin
 from figures import convergence, profiles, tables
 from figures.runs import keep, perform_all, recall
+from studies.harness import origin
 
 
 def main():
@@ -31,7 +31,7 @@ def main():
     began = perf_counter()
     if not arguments.redraw:
         runs = [*profiles.runs(arguments.quick), *convergence.runs(arguments.quick)]
-        keep(perform_all(runs, arguments.jobs), origin(), store)
+        keep(perform_all(runs, arguments.jobs), f"one core of {origin()}", store)
     results, source = recall(store)
     # The figures are shown at their size, not in a page's column.
     plt.rcParams["savefig.dpi"] = 130

@@ -35,13 +35,15 @@ def origin(*more: str) -> str:
     return f"{cpu()} ({os.cpu_count()} cores), {', '.join([*words, *more])}, {date.today()}"
 
 
-def chosen(parser: Any, names: str | Iterable[str], known: Iterable[str]) -> tuple[str, ...]:
-    """Names given in a list or between commas; one that is not known is an error."""
+def chosen(
+    parser: Any, names: str | Iterable[str], known: Iterable[str], what: str = ""
+) -> tuple[str, ...]:
+    """Names given in a list or between commas; one that is not known, of `what`, is an error."""
     given = names.split(",") if isinstance(names, str) else names
     found = tuple(filter(None, given))
     for name in found:
         if name not in known:
-            parser.error(f"there is no {name}; there are {', '.join(known)}")
+            parser.error(f"there is no {what}{name}; there are {', '.join(known)}")
     return found
 
 

@@ -1,6 +1,6 @@
 """The errors of all runs as a table: errors.csv, and errors.md to read."""
 
-import csv
+from studies.harness import table, write_csv
 
 from figures.convergence import COUNTS, SPEEDS, line_of, speed_of
 from figures.methods import METHODS
@@ -22,12 +22,8 @@ methods by `scripts/pictures error-and-cost`.
 
 
 def write(results, origin, folder):
-    with open(folder / "errors.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, FIELDS)
-        writer.writeheader()
-        for run, records in results.items():
-            for record in records:
-                writer.writerow(row(run, record))
+    found = [row(run, record) for run, records in results.items() for record in records]
+    write_csv(found, folder / "errors.csv")
     parts = ["# Errors of the paper's examples\n", f"{origin}\n", NOTES, *sections(results)]
     (folder / "errors.md").write_text("\n".join(parts), encoding="utf-8")
 
@@ -101,7 +97,3 @@ def entry(record, *keys):
         f"{record[key]:.0f}" if key in ("mean", "jump") else f"{record[key]:.2e}" for key in keys
     )
 
-
-def table(head, rows):
-    lines = ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
-    return "\n".join(lines) + "\n"
