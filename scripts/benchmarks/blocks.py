@@ -15,16 +15,13 @@ from pgimp.solver.simulation import Simulation
 
 YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1
 COURANT = 0.2
-
 #: Empty cells on either side of the block.
 PAD = 4
-
 MATERIALS = {
     "linear-1d": {"model": "linear-1d", "young": YOUNG, "density": DENSITY},
     "hooke": {"model": "hooke", "young": YOUNG, "poisson": POISSON, "density": DENSITY},
     "neo-hookean": {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": DENSITY},
 }
-
 #: Phases of the tables, and the simulation's phases that each sums.
 PHASES = {
     "P2G": ("P2G",),

@@ -9,7 +9,6 @@ from workers.processes import Worker, launch
 from pgimp.solver.simulation import RESORT
 
 FACTOR = 8
-
 #: What is allowed of time and memory.
 LIMIT = 1.05
 

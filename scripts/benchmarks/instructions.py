@@ -28,16 +28,12 @@ from pgimp.solver.contact import base
 
 #: What calls the kernels of a step.
 CALLERS = (transfers, vertices, base)
-
 #: What kernels are compiled for, whatever the machine: AVX2; valgrind does not know AVX-512.
 CPU = {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""}
-
 #: Scenes by name: cells of a block of gimp particles at random places, 2 a cell and direction.
 SCENES = {"2D": (16, 16), "3D": (8, 8, 8)}
-
 #: The kernels that do the work, which the test watches.
 HOT = ("particles_to_grid", "grid_to_particles")
-
 #: Steps before the recorded one.
 BEFORE = 3
 
@@ -119,7 +115,6 @@ class Arguments:
 
 #: A move between registers, of whose two encodings valgrind 3.19 does not know the shorter one.
 _MOVE = re.compile(r"\b(vmovq\s+%xmm\d+, %xmm\d+)")
-
 PROGRAM = """\
 #include <stdint.h>
 #include <stdio.h>

@@ -124,7 +124,6 @@ TARGETS = (
     ("random", "Taichi", "gimp", 6.0),
     ("random", "Taichi", "mls-mpm", 4.0),
 )
-
 RATIOS = {
     "scene": lambda row: row["scene"],
     "speed of pgimp, over that of": lambda row: row["over"],

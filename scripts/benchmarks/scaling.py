@@ -15,7 +15,6 @@ from pgimp.solver.simulation import RESORT
 
 #: Ranks that share the cores, for counts alone.
 MANY = (4, 8, 16, 32, 64)
-
 #: Steps before and while messages are counted.
 BEFORE, COUNTED = 2, 5
 

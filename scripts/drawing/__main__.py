@@ -19,7 +19,6 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     taylor_bar, thick_tube, vortex, spinning_block, sod, channel, sand_column, slope, graded,
     excavation, footing, dam_break, gate, blast, error_and_cost,
 )}  # fmt: skip
-
 parser = argparse.ArgumentParser(prog="scripts/pictures")
 parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))
 parser.add_argument("--redraw", action="store_true", help="draw from the runs that are there")

@@ -15,13 +15,10 @@ from pgimp.mpi.comm import quiet_mpi
 
 #: Where programs find these modules.
 SCRIPTS = Path(__file__).resolve().parents[1]
-
 #: Seconds after which a run is considered hung.
 PATIENCE = 90.0
-
 #: Memory that a child may take besides what it begins with; what asks for more gets an error.
 ROOM = 1_500_000_000
-
 #: Steps after which a run that would go on is done.
 STEPS = 3
 

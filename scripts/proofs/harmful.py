@@ -4,7 +4,6 @@ import re
 
 #: What a tag or a launcher would leave behind, had it been obeyed.
 TRACE = "harm-done"
-
 EXECUTE = f'!!python/object/apply:os.system ["touch {TRACE}"]'
 
 

@@ -36,9 +36,7 @@ output: {every: {steps: 37}}
 history: {every: {steps: 10}}
 checkpoint: {every: {steps: 25}, keep: 3}
 """
-
 SHORT = CASE.replace("end: 2.0", "end: 1.2")
-
 #: Blocks with friction on a rough floor, a rigid body that pushes them, and one that moves freely.
 #: They come from afar, so that velocity fields and the slabs' boundaries change on the way.
 MEET = """\
@@ -66,7 +64,6 @@ output: {every: {steps: 37}, grid: [contact]}
 history: {every: {steps: 10}}
 checkpoint: {every: {steps: 25}, keep: 3}
 """
-
 #: A job on two ranks that has not ended after this is taken for hung; more share the cores.
 PATIENCE = 60.0
 

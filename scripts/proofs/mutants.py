@@ -13,7 +13,6 @@ from pgimp.schema.document import parse
 ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted([*ROOT.glob("cases/*.yaml"), *ROOT.glob("cases/hard/*.yaml")])
 STUDIES = sorted(ROOT.glob("cases/studies/*.yaml"))
-
 NUMBERS = [
     0, 0.0, -0.0, 1, -1, 0.5, 1e-300, 5e-324, 1e308, -1e308, 1.7976931348623157e308, 1e-9, 1e9,
     1e15, 1e30, 2**31, 2**31 - 1, 2**53, 2**53 + 1, 2**63, 2**64, 10**30, 10**400, -(10**30),

@@ -11,13 +11,11 @@ from proofs.jobs import environment, options_of
 
 ROOT = Path(__file__).resolve().parents[2]
 RANKS = (1, 3, 5)
-
 #: Shipped cases by name, and where they end: after some hundreds of steps.
 CASES = {
     "bar-vibration": 0.05, "block3d": 0.02, "channel": 0.004, "dam-break": 0.05, "disks": 0.2,
     "footing": 0.01, "gate": 0.01, "rolling": 0.05, "sand-column": 0.02, "vortex": 0.05,
 }  # fmt: skip
-
 #: Runs cases given as words, each into a folder of its name; also in older checkouts.
 RUNNER = """
 import sys

@@ -17,7 +17,6 @@ from proofs.mutants import KINDS, Mutator
 
 #: One mutant in this number is run in a process of its own, and by two ranks under mpirun.
 ALONE, RANKS = 25, 40
-
 #: How pgimp is told to handle it: the words before and after the name of the file.
 WAYS = {"run": ([], ["-o", "out"]), "check": (["check"], []), "study": (["study"], ["--list"])}
 

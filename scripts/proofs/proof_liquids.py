@@ -12,7 +12,6 @@ import pgimp
 #: What may be lost of the volume, on the mean over the last quarter; by how much the particles' own
 #: volumes may be off: they are compressed by up to one per cent, and spray is void.
 LOST, CARRIED = 0.02, 0.02
-
 #: The kinetic energy at the end over the greatest, the start's included: particles that walls hold
 #: keep of it what they have, though they do not move (docs/soils-and-fluids.md).
 MOVES = 0.5

@@ -25,7 +25,6 @@ boundaries: {x-max: fixed}
 history: {every: {steps: LINE}}
 checkpoint: {every: {wall: 20}, keep: 2}
 """
-
 #: A block that spins freely: 256 particles.
 SMALL = """\
 format: 1
@@ -44,7 +43,6 @@ bodies:
 history: {every: {steps: LINE}}
 checkpoint: {every: {wall: 20}, keep: 2}
 """
-
 _LINES = 200
 #: Growth of the memory from the first tenth of a run to its end that still counts as constant: the
 #: pages of the allocator and of the files' cache, not something a step or a line leaves.

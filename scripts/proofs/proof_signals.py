@@ -19,7 +19,6 @@ KINDS = [
     (signal.SIGTERM, "mpirun", False),
     (signal.SIGINT, "mpirun", False),
 ]
-
 #: pgimp with checkpoints that take seconds before they get their name.
 SLOW = """\
 import sys, time

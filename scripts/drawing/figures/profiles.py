@@ -20,8 +20,6 @@ TITLES = {
     FUZZY: "size tracked, wall mirror",
     GHOSTS: "size fixed, wall ghost",
 }
-
-
 #: What all legends have in common; they may cover cell boundaries, no particles.
 LEGEND = {
     "fontsize": 8,

@@ -16,15 +16,12 @@ from pgimp.errors import CaseError, PgimpError
 
 #: The material with a memory that some scenes have.
 SOFTENING = Path(__file__).parents[3] / "cases/softening.py"
-
 #: Steps between two moves of slab boundaries.
 EVERY = 4
-
 #: A run with more steps to go is ended: a scene has some 60, or 200 where pgimp chooses them. What
 #: is crushed between a tool and a wall may need thousands, each shorter, until pgimp calls that
 #: blown up; and every scene is run about seven times.
 MOST_STEPS = 3000
-
 #: What a run leaves that no number of ranks may change.
 SAME = ("case.yaml", "history.csv", "*.xdmf", "frames/*", "probes/*", "failure/particles.h5")
 

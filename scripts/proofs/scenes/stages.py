@@ -17,7 +17,6 @@ PARAMETERS = {
     "bingham": ("yield-stress", 0.5, 2.0),
     "ideal-gas": None,
 }
-
 #: Numbers of materials that may be a third larger or smaller, whatever the others are.
 VARY = ("young", "density", "poisson", "yield-stress", "a", "bulk", "shear-viscosity", "energy",
         "damage", "toughness", "shear")  # fmt: skip

@@ -9,10 +9,8 @@ from studies.scenes import box, case_of, filled, looked
 
 #: Depth of still and of sloshing water, in cells; sound at ten times sqrt(g depth).
 DEPTH = 8.0
-
 #: sqrt(depth/g).
 UNIT = DEPTH**0.5
-
 #: Exponent of Tait's law.
 POWER = 7.0
 
@@ -142,9 +140,7 @@ _ALL = (
     {}, {"affine": True}, {"affine": True, "volumetric": "mean"}, {"shape": "finite-gimp"},
     {"shape": "cpdi"}, {"shape": "bspline-quadratic"},
 )  # fmt: skip
-
 _WALLS = ({"wall": "mirror"}, {"affine": True, "wall": "mirror"})
-
 #: What is measured: its words, with which methods, in how many dimensions, and further arguments.
 ROWS = (
     ("still, 8 cells deep, 100 sqrt(D/g)", still, _ALL, (2, 3), ()),

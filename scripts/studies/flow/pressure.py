@@ -10,14 +10,11 @@ from studies.harness import Kept, Table, origin, out, put
 
 #: Height of the column, the tank's length in whole cells of 0.04 m, and the column's volume.
 H, LENGTH, VOLUME = 0.6, 3.24, 0.72
-
 #: Pressure and time that others are divided by.
 UNIT, CLOCK = 1000.0 * problems.G * H, np.sqrt(H / problems.G)
-
 #: The gauge: a disk of 90 mm. Its middle is said to be at 0.16 m, where codes put its upper edge,
 #: as that agrees better (Adami, Hu, Adams, J. Comput. Phys. 231, 2012).
 GAUGE, STATED = (0.07, 0.16), (0.115, 0.205)
-
 #: What B. Buchner measured there (thesis, Delft 2002): t sqrt(g/H) and p/(rho g H), some points
 #: rounded to 0.02, read off by S. Marrone et al. (2011) and by the authors of TrixiParticles.jl.
 MEASURED = (
@@ -25,16 +22,12 @@ MEASURED = (
     (3.6, 0.54), (4.2, 0.56), (4.8, 0.52), (5.2, 0.52), (5.5, 0.56), (5.7, 0.64), (5.82, 0.84),
     (5.94, 0.68), (6.1, 0.56), (6.28, 0.58), (6.5, 0.48), (6.8, 0.46), (7.2, 0.44),
 )  # fmt: skip
-
 #: While the jet climbs the wall, where Buchner has 0.54; the last period of what sloshes; the last
 #: second.
 JET, REST, STILL = (0.8, 1.3), (5.55, 9.95), (8.95, 9.95)
-
 #: The running mean that noise is counted from, and the step of what is resampled.
 MEAN, FINE = 0.05, 5.0e-4
-
 _THICK = {"linear": 0.5, "quadratic": 0.0}
-
 #: What is measured: its words, the cell, changes of the case.
 ROWS = (
     *(

@@ -11,8 +11,6 @@ LOOSE = {
     "model": "drucker-prager", "match": "plane-strain-flow", "poisson": 0.3, "density": 1500.0,
     "cohesion": 0.0, "friction-angle": 36.87,
 }  # fmt: skip
-
-
 #: A floor on which sand slides by its own friction.
 ROUGH = {"separating": {"friction": 0.6}}
 

@@ -17,7 +17,6 @@ from pgimp.errors import RunError
 from pgimp.solver.time.clock import FixedClock
 
 METHODS = {name: {"method.shape": name} for name in SHAPES}
-
 #: The bar that is pulled has torn when it bears less than this part of what it should.
 TORN = 0.5
 

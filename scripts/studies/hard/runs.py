@@ -11,13 +11,10 @@ from studies.scenes import core
 from pgimp.errors import RunError
 
 CASES = harness.CASES / "hard"
-
 #: A run is stable if it finishes and its energy never grows by more than this part of the most.
 BOUND = 0.05
-
 #: A run whose energy has grown by so much is stopped.
 HOPELESS = 10.0
-
 LINES = 400
 
 

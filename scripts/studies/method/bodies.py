@@ -18,7 +18,6 @@ SHAPES = (
 )  # fmt: skip
 HEIGHT = 4  # cells across every body
 OFF = 0.3  # of a cell, by direction
-
 #: Height and weight of the column; its lowest part is compressed by 16 %, see `column`.
 COLUMN, STRAIN = 10.0, 0.16
 WEIGHT = 0.5 * (1.0 / (1.0 - STRAIN) - (1.0 - STRAIN))

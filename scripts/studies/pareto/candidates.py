@@ -28,15 +28,12 @@ SHAPES = (
     "mpm", "gimp", "finite-gimp", "cpdi", "cpdi-corners", "fuzzy-nearest", "fuzzy-constant",
     "bspline-quadratic", "bspline-cubic",
 )  # fmt: skip
-
 #: In the initial configuration sizes do not follow the deformation: `finite-gimp` is `gimp`, and
 #: `fuzzy-constant` is `bspline-cubic`.
 OF_START = ("mpm", "gimp", "cpdi", "bspline-quadratic", "bspline-cubic")
-
 #: Points that move are stable up to 0.12 only (docs/hard-cases.md); in the initial configuration
 #: they do not come nearer to the vertices than they are at the start.
 POINTS = 0.1
-
 METHODS = (
     *(
         Method(shape, affine, courant=POINTS if shape == "mpm" else 0.3)

@@ -5,7 +5,6 @@ from studies.pareto.front import front, price, usable
 
 #: Prices up to so many times the least are those of good methods.
 GOOD = 1.5
-
 #: Runs of a front are told if their error is less than this part of the one before.
 LESS = 0.8
 
