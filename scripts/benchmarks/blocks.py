@@ -24,12 +24,9 @@ MATERIALS = {
 }
 #: Phases of the tables, and the simulation's phases that each sums.
 PHASES = {
-    "P2G": ("P2G",),
-    "grid": ("momentum",),
-    "G2P": ("G2P",),
-    "order": ("order", "sort"),
+    "P2G": ("P2G",), "grid": ("momentum",), "G2P": ("G2P",), "order": ("order", "sort"),
     "exchange": ("exchange", "migrate"),
-}
+}  # fmt: skip
 
 
 def lame():
@@ -58,22 +55,16 @@ def block(cells, per_cell=2, shape="gimp", material=None, pad=PAD, method=None, 
     high = [h * (n + below) for n, (below, _) in zip(cells, pads, strict=True)]
     dt = step_of(h)
     return {
-        "format": 1,
-        "title": "Block in free fall",
-        "dimensions": D,
+        "format": 1, "title": "Block in free fall", "dimensions": D,
         "grid": {"origin": [0.0] * D, "size": size, "cell": [h] * D},
         "method": {"shape": shape, "particles_per_cell": [per_cell] * D, **(method or {})},
-        "time": {"end": 100_000 * dt, "step": dt},
-        "materials": {"solid": MATERIALS[material]},
-        "bodies": {
-            "block": {
-                "material": "solid",
-                "region": {"box": {"min": low, "max": high}},
-                "velocity": start_velocity(D),
-            }
-        },
+        "time": {"end": 100_000 * dt, "step": dt}, "materials": {"solid": MATERIALS[material]},
+        "bodies": {"block": {
+            "material": "solid", "region": {"box": {"min": low, "max": high}},
+            "velocity": start_velocity(D),
+        }},
         "gravity": [0.0] * (D - 1) + [GRAVITY],
-    } | parts
+    } | parts  # fmt: skip
 
 
 def start_velocity(dimension):

@@ -42,20 +42,13 @@ def main(folder, quick):
                 found = worker.ask(do="result", name="it")
                 shares = [a / b for a, b in zip(seconds[factor], seconds[1], strict=True)]
                 domain = [factor * (n + 2 * PAD) for n in cells]
-                rows.append(
-                    {
-                        "dimension": len(cells),
-                        "body": " x ".join(map(str, cells)),
-                        "domain": " x ".join(map(str, domain)),
-                        "speed": found["speed"],
-                        "time": median(shares),
-                        "times": shares,
-                        "memory": memory[factor],
-                        "memory ratio": memory[factor] / memory[1],
-                        "velocity": found["velocity"],
-                        "stress": found["stress"],
-                    }
-                )
+                rows.append({
+                    "dimension": len(cells), "body": " x ".join(map(str, cells)),
+                    "domain": " x ".join(map(str, domain)), "speed": found["speed"],
+                    "time": median(shares), "times": shares, "memory": memory[factor],
+                    "memory ratio": memory[factor] / memory[1], "velocity": found["velocity"],
+                    "stress": found["stress"],
+                })  # fmt: skip
         finally:
             for worker in workers.values():
                 worker.close()

@@ -53,11 +53,9 @@ def record(name):
         sim.advance()
     calls = []
     kernels = [
-        (caller, n, each)
-        for caller in CALLERS
-        for n, each in vars(caller).items()
+        (caller, n, each) for caller in CALLERS for n, each in vars(caller).items()
         if isinstance(each, Dispatcher)
-    ]
+    ]  # fmt: skip
 
     def recorder(kernel):
         def call(*arguments):
@@ -99,11 +97,9 @@ class Arguments:
             numbers = [value.size, value.itemsize]
             after = [*value.shape, *value.strides]
             return [
-                *[("void *", "0")] * 2,
-                *(("int64_t", str(n)) for n in numbers),
-                ("void *", f"data + {place}"),
-                *(("int64_t", str(n)) for n in after),
-            ]
+                *[("void *", "0")] * 2, *(("int64_t", str(n)) for n in numbers),
+                ("void *", f"data + {place}"), *(("int64_t", str(n)) for n in after),
+            ]  # fmt: skip
         if isinstance(value, tuple):
             return [pair for each in value for pair in self.flat(each)]
         if isinstance(value, bool):
@@ -150,10 +146,8 @@ def build(folder):
     flat.data += bytes(-len(flat.data) % 64)
     (folder / "data").write_bytes(flat.data)
     text = PROGRAM % {
-        "declarations": "\n".join(declarations),
-        "calls": "\n".join(lines),
-        "size": len(flat.data),
-    }
+        "declarations": "\n".join(declarations), "calls": "\n".join(lines), "size": len(flat.data),
+    }  # fmt: skip
     (folder / "calls.c").write_text(text)
     # What a kernel has for Python is never reached, and stays unresolved.
     options = ["-O1", "-no-pie", "-Wl,-z,now", "-Wl,--unresolved-symbols=ignore-all"]

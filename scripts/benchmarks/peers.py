@@ -119,11 +119,9 @@ def size(cells):
 
 #: The speed of one over that of another, of the same rounds, and what is to be reached in 3D.
 TARGETS = (
-    ("random", "prototype", "lattice", 1.0),
-    ("lattice", "prototype", "lattice", 1.4),
-    ("random", "Taichi", "gimp", 6.0),
-    ("random", "Taichi", "mls-mpm", 4.0),
-)
+    ("random", "prototype", "lattice", 1.0), ("lattice", "prototype", "lattice", 1.4),
+    ("random", "Taichi", "gimp", 6.0), ("random", "Taichi", "mls-mpm", 4.0),
+)  # fmt: skip
 RATIOS = {
     "scene": lambda row: row["scene"],
     "speed of pgimp, over that of": lambda row: row["over"],

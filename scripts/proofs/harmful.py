@@ -17,39 +17,23 @@ def hostile(text, chance):
     n = chance.choice((40, 1000, 100_000))
     bomb = [f"l{i}: &l{i} [{', '.join([f'*l{i - 1}'] * 9)}]" for i in range(1, 12)]
     deep = ["[", "{a: ", "- ", "? ", "a: ", "&a ", "!", "%", "'", "# ", "\n", "a: [1\n", "a: 1\n"]
-    return chance.choice(
-        (
-            f"{text}\nx: {EXECUTE}\n",
-            text.replace("format: 1", f"format: {EXECUTE}", 1),
-            titled(text, EXECUTE),
-            f"{text}\nx: !!python/name:os.system\ny: !!python/module:{TRACE}\n",
-            "\n".join(["l0: &l0 lol", *bomb]),
-            f"{text}\nbase: &b {{end: 1}}\ntime: {{<<: *b, step: 1}}\n",
-            text.replace("\ntime:", "\n<<: {time: 1}\ntime:", 1),
-            chance.choice(deep) * n,
-            chance.choice(deep) * n,
-            "a: |\n" + " x\n" * n,
-            "a: [" + "1, " * n + "]",
-            "a: {" + "b: 1, " * n + "}",
-            "".join(f"k{i}: 1\n" for i in range(n)),
-            "".join(" " * i + "a:\n" for i in range(200)),
-            f"{text}\n{'k' * n}: 1\n",
-            f'{text}\n"\\e[2J\\0": 1\n',
-            f"{text}\n\x1b[2J: 1\n",
-            titled(text, "t" * n),
-            titled(text, '"\\0\\n\\e[31m"'),
-            f"{text}\n---\n{text}",
-            f"%YAML 9.9\n---\n{text}",
-            f"%TAG !! tag:x,2000:\n--- !!map\n{text}",
-            f"{text}\nx: !!binary aGFybQ==\ny: !!set {{a, b}}\nz: !!timestamp 2001-01-01\n",
-            f"a: {'9' * n}",
-            f"a: 0x{'f' * n}",
-            f"a: 1e{'9' * n}",
-            f'a: "\\U{"12345678"[: n % 9]}"',
-            text.replace("young: ", f"young: {'1' * n}x", 1),
-            text.replace("young: ", "young: 1" + "_1" * n, 1),
-        )
-    )
+    return chance.choice((
+        f"{text}\nx: {EXECUTE}\n", text.replace("format: 1", f"format: {EXECUTE}", 1),
+        titled(text, EXECUTE), f"{text}\nx: !!python/name:os.system\ny: !!python/module:{TRACE}\n",
+        "\n".join(["l0: &l0 lol", *bomb]),
+        f"{text}\nbase: &b {{end: 1}}\ntime: {{<<: *b, step: 1}}\n",
+        text.replace("\ntime:", "\n<<: {time: 1}\ntime:", 1), chance.choice(deep) * n,
+        chance.choice(deep) * n, "a: |\n" + " x\n" * n, "a: [" + "1, " * n + "]",
+        "a: {" + "b: 1, " * n + "}", "".join(f"k{i}: 1\n" for i in range(n)),
+        "".join(" " * i + "a:\n" for i in range(200)), f"{text}\n{'k' * n}: 1\n",
+        f'{text}\n"\\e[2J\\0": 1\n', f"{text}\n\x1b[2J: 1\n", titled(text, "t" * n),
+        titled(text, '"\\0\\n\\e[31m"'), f"{text}\n---\n{text}", f"%YAML 9.9\n---\n{text}",
+        f"%TAG !! tag:x,2000:\n--- !!map\n{text}",
+        f"{text}\nx: !!binary aGFybQ==\ny: !!set {{a, b}}\nz: !!timestamp 2001-01-01\n",
+        f"a: {'9' * n}", f"a: 0x{'f' * n}", f"a: 1e{'9' * n}", f'a: "\\U{"12345678"[: n % 9]}"',
+        text.replace("young: ", f"young: {'1' * n}x", 1),
+        text.replace("young: ", "young: 1" + "_1" * n, 1),
+    ))  # fmt: skip
 
 
 def enlarge(data, chance):

@@ -93,14 +93,9 @@ class Job:
         self.began = time.monotonic()
         self._said = tempfile.TemporaryFile("w+", errors="replace")
         self.process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env=environment(tcp),
-            stdin=subprocess.DEVNULL,
-            stdout=self._said,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
+            command, cwd=folder, env=environment(tcp), stdin=subprocess.DEVNULL, stdout=self._said,
+            stderr=subprocess.STDOUT, start_new_session=True,
+        )  # fmt: skip
 
     @property
     def running(self):

@@ -181,15 +181,8 @@ class Mutator:
         i = self.chance.randrange(len(data))
         noise = self.chance.randbytes(self.chance.choice((1, 2, 50)))
         codes = (
-            "utf-16",
-            "utf-16-le",
-            "utf-16-be",
-            "utf-32",
-            "latin-1",
-            "cp037",
-            "utf-7",
-            "utf-8-sig",
-        )
+            "utf-16", "utf-16-le", "utf-16-be", "utf-32", "latin-1", "cp037", "utf-7", "utf-8-sig",
+        )  # fmt: skip
         return self.chance.choice((
             text.encode(self.chance.choice(codes), "replace"),
             data[:i] + noise + data[i:],
@@ -253,11 +246,8 @@ class Mutator:
             put(data, path, deepcopy(self.chance.choice(other)))
         if self.chance.random() < 0.3:
             data["launcher"] = [
-                "sh",
-                "-c",
-                f"touch {TRACE}",
-                self.chance.choice(("", "\x00", "{ranks}")),
-            ]
+                "sh", "-c", f"touch {TRACE}", self.chance.choice(("", "\x00", "{ranks}")),
+            ]  # fmt: skip
             data["ranks"] = self.chance.choice((2, 10**9, 2**53))
         if self.chance.random() < 0.1:
             data["sweep"] = [{"grid.cell": [[1.0]] * 30}] * self.chance.choice((1, 2, 9))
@@ -265,13 +255,6 @@ class Mutator:
 
 
 KINDS = (
-    "types",
-    "ranges",
-    "structure",
-    "letters",
-    "encodings",
-    "hostile",
-    "sizes",
-    "overrides",
+    "types", "ranges", "structure", "letters", "encodings", "hostile", "sizes", "overrides",
     "study",
-)
+)  # fmt: skip

@@ -12,13 +12,10 @@ from pgimp.running.checkpoints import present
 
 #: Signal and addressee, and whether the run can stop in its own time.
 KINDS = [
-    (signal.SIGUSR1, "mpirun", True),
-    (signal.SIGUSR1, "a rank", True),
-    (signal.SIGTERM, "a rank", True),
-    (signal.SIGINT, "a rank", True),
-    (signal.SIGTERM, "mpirun", False),
-    (signal.SIGINT, "mpirun", False),
-]
+    (signal.SIGUSR1, "mpirun", True), (signal.SIGUSR1, "a rank", True),
+    (signal.SIGTERM, "a rank", True), (signal.SIGINT, "a rank", True),
+    (signal.SIGTERM, "mpirun", False), (signal.SIGINT, "mpirun", False),
+]  # fmt: skip
 #: pgimp with checkpoints that take seconds before they get their name.
 SLOW = """\
 import sys, time

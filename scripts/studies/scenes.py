@@ -34,14 +34,12 @@ def case_of(size, cell, materials, bodies, end, *, courant=0.3, per_cell=2, **pa
     """
     D = len(size)
     case = {
-        "format": 1,
-        "dimensions": D,
+        "format": 1, "dimensions": D,
         "grid": {"size": [*map(float, size)], "cell": [float(cell)] * D},
         "method": {"shape": "gimp", "particles_per_cell": [per_cell] * D},
-        "time": {"end": float(end), "step": {"courant": courant}},
-        "materials": materials,
+        "time": {"end": float(end), "step": {"courant": courant}}, "materials": materials,
         "bodies": bodies,
-    }
+    }  # fmt: skip
     for name in ("grid", "method", "time"):
         case[name] |= parts.pop(name, {})
     return case | parts

@@ -124,12 +124,9 @@ def ours(axis, results, methods):
                 continue
             markers = CROSSED if method == "finite-gimp" else MARKERS
             style = {
-                "marker": markers[per_cell],
-                "mfc": shown.colour if method == "mpm" else "none",
-                "color": shown.colour,
-                "ms": 6.0,
-                "lw": 0.7,
-            }
+                "marker": markers[per_cell], "mfc": shown.colour if method == "mpm" else "none",
+                "color": shown.colour, "ms": 6.0, "lw": 0.7,
+            }  # fmt: skip
             done = {cell: r["error"] for cell, r in line.items() if "error" in r}
             label = f"{per_cell} p/c {shown.label}"
             axis.plot(list(done), list(done.values()), label=label, **style)

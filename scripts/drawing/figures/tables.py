@@ -33,17 +33,11 @@ def row(run, record):
     names = {"error_dynamic": "dynamic", "mean_behind": "mean", "jump_behind": "jump"}
     found = {field: record.get(names.get(field, field)) for field in FIELDS}
     return found | {
-        "problem": run.problem,
-        "method": run.method,
-        "entry": METHODS[run.method].entry,
-        "cell": run.cell,
-        "particles_per_cell": run.per_cell,
-        "step": run.step,
-        "speed": run.speed,
-        "time": record["time"],
-        "seconds": round(record["seconds"], 3),
+        "problem": run.problem, "method": run.method, "entry": METHODS[run.method].entry,
+        "cell": run.cell, "particles_per_cell": run.per_cell, "step": run.step, "speed": run.speed,
+        "time": record["time"], "seconds": round(record["seconds"], 3),
         "state": record.get("stopped", "done"),
-    }
+    }  # fmt: skip
 
 
 def sections(results):

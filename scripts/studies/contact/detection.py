@@ -143,9 +143,7 @@ def _by_surfaces(grid, low, count, bodies):
         n = 0.0
         for sign, (a, b, _) in zip((1.0, -1.0), sums, strict=True):
             length = np.linalg.norm(a, axis=1)
-            n = n + np.nan_to_num(
-                sign * ((length / b) ** FLATTER * b / length)[:, None] * a
-            )
+            n = n + np.nan_to_num(sign * ((length / b) ** FLATTER * b / length)[:, None] * a)
         n = n / np.linalg.norm(n, axis=1)[:, None]
         offsets, valid = [], np.isfinite(n).all(axis=1)
         for sign, (a, b, q) in zip((1.0, -1.0), sums, strict=True):
@@ -209,9 +207,7 @@ def measure(make, shift, lattices, found):
     met = near & (np.minimum(*parts) >= LEAST_FILLED)
     weight = parts[0] * parts[1] / (parts[0] + parts[1] + 1e-300)
     exact = touch.distance(x)
-    ways = {
-        "surfaces": (by_surfaces, n_surfaces), "plain": (plain, n), "built": (built, n_built),
-    }
+    ways = {"surfaces": (by_surfaces, n_surfaces), "plain": (plain, n), "built": (built, n_built)}
     for name, (gaps, normals) in ways.items():
         use = met & np.isfinite(gaps) & np.isfinite(normals).all(axis=1)
         if not use.any():

@@ -196,10 +196,7 @@ def cost(apart, dimensions, rounds=5):
     gap = 20.0 if apart else 0.0
     shift = [high[0] - 2.0 + gap, *[0.0] * (dimensions - 1)]
     second = [[a + b for a, b in zip(end, shift, strict=True)] for end in (low, high)]
-    bodies = {
-        "a": (box(low, high), [0.0] * dimensions),
-        "b": (box(*second), [0.0] * dimensions),
-    }
+    bodies = {"a": (box(low, high), [0.0] * dimensions), "b": (box(*second), [0.0] * dimensions)}
     size = [2.0 * high[0] + gap + 4.0, *[high[0] + 4.0] * (dimensions - 1)]
     simulations = [
         pgimp.Simulation(case_of(bodies, size, 1.0, 1e9, contact=contact))
@@ -229,11 +226,9 @@ def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
     places = [[*np.unravel_index(k % layer, columns), k // layer] for k in range(count)]
     bodies = {
         f"grain{k}": (
-            ball([6.0 + pitch * x for x in place], radius),
-            [0.5 * sin(7.0 * k), *[0.0] * (D - 1)],
-        )
-        for k, place in enumerate(places)
-    }
+            ball([6.0 + pitch * x for x in place], radius), [0.5 * sin(7.0 * k), *[0.0] * (D - 1)],
+        ) for k, place in enumerate(places)
+    }  # fmt: skip
     size = [pitch * n + 6.0 for n in (*columns, -(-count // layer))]
     simulations = []
     for contact in ([{"bodies": "all", "friction": 0.3}], []):

@@ -50,9 +50,7 @@ LAWS = {
     "newtonian": {"bulk": 1.0e3, "shear-viscosity": 0.03},
     "newtonian without viscosity": {"bulk": 1.0e3},
     "bingham": {"bulk": 1.0e3, "shear-viscosity": 0.3, "yield-stress": 1.0},
-    "ideal-gas": {"gamma": 1.4, "energy": 100.0},
-    "drucker-prager": _SOIL,
-    "mohr-coulomb": _SOIL,
+    "ideal-gas": {"gamma": 1.4, "energy": 100.0}, "drucker-prager": _SOIL, "mohr-coulomb": _SOIL,
     "cam-clay": {
         "m": 1.2, "lambda": 0.2, "kappa": 0.04, "void-ratio": 1.0, "shear": 500.0,
         "preconsolidation": 10.0,

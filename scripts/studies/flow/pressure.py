@@ -33,16 +33,14 @@ ROWS = (
     *(
         (words, cell, changes)
         for words, changes in (
-            ("as it is", {}),
-            ("`affine: true`", {"method.affine": True}),
+            ("as it is", {}), ("`affine: true`", {"method.affine": True}),
             ("3 x 3 particles a cell", {"method.particles_per_cell": [3, 3]}),
             ("`viscosity: {linear: 0.5, quadratic: 0.0}`", {"materials.water.viscosity": _THICK}),
-        )
-        for cell in (0.04, 0.02)
+        ) for cell in (0.04, 0.02)
     ),
     ("`bulk: 1.5e+5`, half the speed of sound", 0.04, {"materials.water.bulk": 1.5e5}),
     ("`bulk: 2.4e+6`, twice the speed of sound", 0.04, {"materials.water.bulk": 2.4e6}),
-)
+)  # fmt: skip
 
 
 def on(particles, near, patch, cell):

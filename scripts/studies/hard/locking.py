@@ -35,16 +35,10 @@ def locked(method, poisson, cells, offset):
     run = watch(sim)
     found, exact = deflection(run, 1.0 + offset * cell)
     return {
-        "method": method,
-        "poisson": poisson,
-        "cells": cells,
-        "offset": offset,
-        "error": found / exact - 1.0 if run.stable else None,
-        "growth": run.growth,
-        "fault": run.fault,
-        "steps": run.sim.step,
-        "seconds": run.seconds,
-    }
+        "method": method, "poisson": poisson, "cells": cells, "offset": offset,
+        "error": found / exact - 1.0 if run.stable else None, "growth": run.growth,
+        "fault": run.fault, "steps": run.sim.step, "seconds": run.seconds,
+    }  # fmt: skip
 
 
 def locking_table(records):

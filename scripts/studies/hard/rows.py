@@ -161,17 +161,10 @@ def measured(row, method, quick=False):
     changes = METHODS[method] | {**row.changes, **(row.quick or {} if quick else {})}
     run = watch(begin(row.case, changes))
     record = {
-        "case": row.label,
-        "method": method,
-        "stable": run.stable,
-        "fault": run.fault,
-        "done": run.sim.time / run.sim.clock.end,
-        "growth": run.growth,
-        "error": None,
-        "steps": run.sim.step,
-        "seconds": run.seconds,
-        "remarks": "",
-    }
+        "case": row.label, "method": method, "stable": run.stable, "fault": run.fault,
+        "done": run.sim.time / run.sim.clock.end, "growth": run.growth, "error": None,
+        "steps": run.sim.step, "seconds": run.seconds, "remarks": "",
+    }  # fmt: skip
     if row.case == "stretch" and not run.fault:
         torn = torn_at(run)
         if torn < float("inf"):
@@ -219,14 +212,7 @@ def grazed(method):
     failed = [depth for depth in DEPTHS if growth[depth] > BOUND]
     text = f"blown up from {max(failed):.0e} to {min(failed):.0e} of a cell" if failed else ""
     return {
-        "case": "grazing, 1e-12 to 1e-3 of a cell",
-        "method": method,
-        "stable": not failed,
-        "fault": text,
-        "done": 1.0,
-        "growth": max(growth.values()),
-        "error": None,
-        "steps": 3000 * len(DEPTHS),
-        "seconds": perf_counter() - began,
-        "remarks": "",
-    }
+        "case": "grazing, 1e-12 to 1e-3 of a cell", "method": method, "stable": not failed,
+        "fault": text, "done": 1.0, "growth": max(growth.values()), "error": None,
+        "steps": 3000 * len(DEPTHS), "seconds": perf_counter() - began, "remarks": "",
+    }  # fmt: skip

@@ -81,12 +81,10 @@ def watch(sim, lines=LINES, each=None):
 def reason(message):
     """The short form of why a run stopped."""
     for text, short in (
-        ("inside out", "inverted"),
-        ("not a finite", "not finite"),
-        ("more than a cell", "too fast"),
-        ("left the domain", "left the domain"),
+        ("inside out", "inverted"), ("not a finite", "not finite"),
+        ("more than a cell", "too fast"), ("left the domain", "left the domain"),
         ("blown up", "blown up"),
-    ):
+    ):  # fmt: skip
         if text in message:
             return short
     return message.splitlines()[0]

@@ -59,11 +59,8 @@ def losses(records):
         return lambda record: joined([record.get(key) for key in keys])
 
     columns = {
-        "method": name,
-        "swing": of("swing", " 2"),
-        "spin": of("spin", " 2"),
-        "wave": of("wave"),
-    }
+        "method": name, "swing": of("swing", " 2"), "spin": of("spin", " 2"), "wave": of("wave"),
+    }  # fmt: skip
     return table(columns, [record for record in records if record["per_cell"] == 2])
 
 

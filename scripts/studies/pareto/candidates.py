@@ -36,8 +36,7 @@ OF_START = ("mpm", "gimp", "cpdi", "bspline-quadratic", "bspline-cubic")
 POINTS = 0.1
 METHODS = (
     *(
-        Method(shape, affine, courant=POINTS if shape == "mpm" else 0.3)
-        for shape in SHAPES
+        Method(shape, affine, courant=POINTS if shape == "mpm" else 0.3) for shape in SHAPES
         for affine in (False, True)
     ),
     *(Method(shape, affine, True) for shape in OF_START for affine in (False, True)),
@@ -46,8 +45,6 @@ METHODS = (
         for shape, initial in (("gimp", False), ("cpdi", False), ("gimp", True))
         for affine in (False, True)
     ),
-    Method("gimp", True, courant="auto"),
-    Method("cpdi", True, courant="auto"),
-    Method("gimp", False, True, courant="auto"),
-    Method("gimp", True, True, courant="auto"),
-)
+    Method("gimp", True, courant="auto"), Method("cpdi", True, courant="auto"),
+    Method("gimp", False, True, courant="auto"), Method("gimp", True, True, courant="auto"),
+)  # fmt: skip
