@@ -1,6 +1,5 @@
 """Runs under mpirun that are disturbed, and what must be true of all that they leave."""
 
-import argparse
 import os
 import shutil
 import signal
@@ -13,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+from studies import harness
 
 import pgimp
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile
@@ -150,17 +150,9 @@ def whole(folder, name, words, ranks=1, tcp=False):
 
 
 def options_of(name, words, runs=None, **more):
-    """What the words of a proof say: runs and seed if it has some, and `more` options by name.
-
-    Of these there are the settings, or the help of one that is on or off.
-    """
-    parser = argparse.ArgumentParser(prog=f"scripts/faults {name}")
-    more = {"runs": {"default": runs}, "seed": {"default": 1}} | more if runs else more
-    for option, known in more.items():
-        on_off = {"action": "store_true", "help": known}
-        known = on_off if isinstance(known, str) else {"type": int} | known
-        parser.add_argument(f"--{option}", **known)
-    return parser.parse_args(words)
+    """What the words of a proof say: runs and seed if it has some, and more; see the harness."""
+    number = {"runs": {"type": int, "default": runs}, "seed": {"type": int, "default": 1}}
+    return harness.options_of(f"faults {name}", words, **(number if runs else {}) | more)
 
 
 def disturbed(name, words, runs):

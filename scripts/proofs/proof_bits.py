@@ -29,8 +29,8 @@ for case in sys.argv[2:]:
 
 def main(words):
     """Print what differs between ranks, and from another commit; 1 if anything does."""
-    against = {"type": str, "help": "another commit, set up and run beside this one"}
-    only = {"type": str, "default": "", "help": "names of scenes, by commas"}
+    against = {"help": "another commit, set up and run beside this one"}
+    only = {"default": "", "help": "names of scenes, by commas"}
     options = options_of("bits", words, against=against, only=only)
     only = {name for name in options.only.split(",") if name}
     with tempfile.TemporaryDirectory(prefix="pgimp-bits-") as folder:

@@ -23,7 +23,7 @@ WAYS = {"run": ([], ["-o", "out"]), "check": (["check"], []), "study": (["study"
 
 def main(words):
     """Make as many mutants as asked for; print what became of them."""
-    only = {"type": str, "choices": KINDS, "help": "one kind of mutation"}
+    only = {"choices": KINDS, "help": "one kind of mutation"}
     early = "good cases stop before they start"
     options = options_of("cases", words, 1000, only=only, short=early)
     began = time.monotonic()

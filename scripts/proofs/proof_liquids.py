@@ -19,7 +19,7 @@ MOVES = 0.5
 
 def main(words):
     """Run scenes; print what is lost, and the case file of those that lose too much."""
-    first = {"default": 0, "help": "number of the first scene"}
+    first = {"type": int, "default": 0, "help": "number of the first scene"}
     length = {"type": float, "default": 60.0, "help": "in sqrt(depth/g)"}
     options = options_of("liquids", words, 24, first=first, length=length)
     wrong = 0

@@ -34,11 +34,12 @@ _LOST = re.compile(r"of body '(\w+)' left the domain through (\S+)")
 def main(words):
     """Run as many scenes as asked for; print what became of them, and the smallest that fail."""
     options = options_of(
-        "scenes", words, 500, first={"default": 0, "help": "number of the first scene"},
-        scene={"help": "this one alone"}, short="few kinds of scenes",
-        having={"type": str, "metavar": "FEATURE", "help": "only kinds of scenes that have it"},
-        each={"default": GROUP, "help": "scenes of a kind, with --having"},
-        jobs={"default": 1, "help": "groups at a time"},
+        "scenes", words, 500, short="few kinds of scenes",
+        first={"type": int, "default": 0, "help": "number of the first scene"},
+        scene={"type": int, "help": "this one alone"},
+        having={"metavar": "FEATURE", "help": "only kinds of scenes that have it"},
+        each={"type": int, "default": GROUP, "help": "scenes of a kind, with --having"},
+        jobs={"type": int, "default": 1, "help": "groups at a time"},
         shrink={"type": float, "default": 300.0, "help": "seconds for a failing scene"},
         bounds="check indices in kernels",
     )  # fmt: skip

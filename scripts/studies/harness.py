@@ -1,5 +1,6 @@
 """What all studies share: jobs, figures that are kept, tables with machine and date, pages."""
 
+import argparse
 import csv
 import json
 import os
@@ -33,6 +34,27 @@ def origin(*more: str) -> str:
     """Machine, versions and date; `more` versions besides."""
     words = [f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy")]
     return f"{cpu()} ({os.cpu_count()} cores), {', '.join([*words, *more])}, {date.today()}"
+
+
+def options_of(prog: str, given: list[str] | None = None, **known: Any) -> Any:
+    """What the command line of scripts/PROG says, or some words.
+
+    By name there are the settings of an option, or the help of one that is on or off; one with
+    `nargs: "*"` is no option. What is to be `among` some names may be words, or between commas.
+    """
+    parser = argparse.ArgumentParser(prog=f"scripts/{prog}")
+    among = {}
+    for name, settings in known.items():
+        on_off = {"action": "store_true", "help": settings}
+        more = on_off if isinstance(settings, str) else {**settings}
+        if names := more.pop("among", None):
+            among[name] = names
+            more = {"default": "", "help": ", ".join(names)} | more
+        parser.add_argument(name if more.get("nargs") == "*" else f"--{name}", **more)
+    options = parser.parse_args(given)
+    for name, names in among.items():
+        setattr(options, name, chosen(parser, getattr(options, name), names))
+    return options
 
 
 def chosen(

@@ -150,4 +150,4 @@ def rows(quick):
     found["a square's corner and a plane"] = [
         corner(angle, s) for angle in (45.0, 20.0) for s in shifts[:4]
     ]
-    return [(what, 0.0, min(gaps), max(gaps)) for what, gaps in found.items()]
+    return [(what, min(gaps), max(gaps)) for what, gaps in found.items()]

@@ -1,10 +1,8 @@
 """Measures liquids over long times, and writes their table; see scripts/flows."""
 
-import argparse
-
 import numpy as np
 from studies.flow import problems
-from studies.harness import Kept, Table, origin, out, put
+from studies.harness import Kept, Table, options_of, origin, out, put
 from studies.scenes import box, case_of, filled, looked
 
 #: Depth of still and of sloshing water, in cells; sound at ten times sqrt(g depth).
@@ -184,10 +182,8 @@ def table(kept, only):
 
 def main():
     """Measure, and write flows.out/liquids.md and docs/soils-and-fluids.md."""
-    parser = argparse.ArgumentParser(prog="scripts/flows liquids")
-    parser.add_argument("only", nargs="*", help="still, slosh, dam, floating: then no page")
-    parser.add_argument("--new", action="store_true", help="measure all of it again")
-    options = parser.parse_args()
+    only = {"nargs": "*", "help": "still, slosh, dam, floating: then no page"}
+    options = options_of("flows liquids", only=only, new="measure all of it again")
     kept = Kept(out("flows") / "liquids.json", options.new)
     text = table(kept, options.only).text(f"By `scripts/flows liquids`: {origin()}.")
     put({"liquids": text}, out("flows") / "liquids.md", not options.only)

@@ -1,12 +1,10 @@
 """Measures the pressure on the far wall of the dam break, and draws it; see scripts/flows."""
 
-import argparse
-
 import numpy as np
 from drawing.common import BLUE, GREY, ORANGE, plt, save
 from numpy.lib.stride_tricks import sliding_window_view
 from studies.flow import problems
-from studies.harness import Kept, Table, origin, out, put
+from studies.harness import Kept, Table, options_of, origin, out, put
 
 #: Height of the column, the tank's length in whole cells of 0.04 m, and the column's volume.
 H, LENGTH, VOLUME = 0.6, 3.24, 0.72
@@ -154,10 +152,8 @@ def row(words, cell, f, steps, speed):
 
 def main():
     """Measure, and write flows.out/pressure.md, the picture and docs/soils-and-fluids.md."""
-    parser = argparse.ArgumentParser(prog="scripts/flows pressure")
-    parser.add_argument("--new", action="store_true", help="measure all of it again")
-    options = parser.parse_args()
-    kept = Kept(out("flows") / "pressure.json", options.new)
+    new = options_of("flows pressure", new="measure all of it again").new
+    kept = Kept(out("flows") / "pressure.json", new)
     table = Table(
         "dam-break", "cells [mm]", "front at the wall [s]", "first peak", "under the jet", "noise",
         "of it above 120 Hz", "noise of the force, half of it below", "second peak, of the mean",
