@@ -5,7 +5,7 @@ import os
 import platform
 import subprocess
 from datetime import date
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from statistics import median
 
@@ -52,14 +52,6 @@ def origin(**others):
     versions += [f"{name} {number}" for name, number in others.items()]
     shared = ", CPU time instead of wall time" if os.environ.get(VARIABLE) else ""
     return f"{machine()}, {', '.join(versions)}, {date.today()}{shared}"
-
-
-def installed(package):
-    """Version of a package here, or None."""
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
 
 
 def spread(values, digits=1):

@@ -26,14 +26,17 @@ def _without(case, path):
 def _step(case):
     """A fixed step of about the size that Courant control takes."""
     moduli = ("young", "bulk", "shear")  # a gas has none: it is as slow as what else there is
+
+    def number(entry, *keys):  # what varies in space counts as little as what is not there
+        return max(v for v in (0.0, *map(entry.get, keys)) if isinstance(v, int | float))
+
     speed = max(
-        math.sqrt(1.5 * max(m.get(key, 0.0) for key in moduli) / m["density"])
+        math.sqrt(1.5 * number(m, *moduli) / (number(m, "density") or 1.0))
         for m in case["materials"].values()
     ) or 1.0
     courant = case["time"]["step"]["courant"]
     courant = 0.3 if courant == "auto" else courant
-    step = courant * min(case["grid"]["cell"]) / (1.2 * speed)
-    return float(f"{step:.3g}")
+    return float(f"{courant * min(case['grid']['cell']) / (1.2 * speed):.3g}")
 
 
 def _shorter(case):
