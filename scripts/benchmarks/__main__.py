@@ -20,7 +20,6 @@ PARTS = (
     "kernels", "peers", "domain", "features", "scaling", "instructions", "output", "model",
     "balance",
 )  # fmt: skip
-
 #: Parts that are programs: their words, and those if all is to be quick.
 PROGRAMS = {
     "output": ([], ["--quick"]),

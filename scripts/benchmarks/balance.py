@@ -85,12 +85,8 @@ def still(folder, quick):
         for _ in range(1 if quick else 7):
             for switch, found in rates.items():
                 command = [
-                    "-m",
-                    "pgimp",
-                    str(ROOT / "cases" / f"{name}.yaml"),
-                    *options,
-                    "--overwrite",
-                ]
+                    "-m", "pgimp", str(ROOT / "cases" / f"{name}.yaml"), *options, "--overwrite",
+                ]  # fmt: skip
                 said = mpirun(2, [*command, "-o", str(folder / name)], switch)
                 found.append(float(re.search(r"(\S+) particle-steps/s; output", said)[1]))
                 log = (folder / name / "log.txt").read_text()

@@ -15,28 +15,21 @@ from pgimp.solver.simulation import Simulation
 
 YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1
 COURANT = 0.2
-
 #: Empty cells on either side of the block.
 PAD = 4
-
 MATERIALS = {
     "linear-1d": {"model": "linear-1d", "young": YOUNG, "density": DENSITY},
     "hooke": {"model": "hooke", "young": YOUNG, "poisson": POISSON, "density": DENSITY},
     "neo-hookean": {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": DENSITY},
 }
-
 #: Phases of the tables, and the simulation's phases that each sums.
 PHASES = {
-    "P2G": ("P2G",),
-    "grid": ("momentum",),
-    "G2P": ("G2P",),
-    "order": ("order", "sort"),
+    "P2G": ("P2G",), "grid": ("momentum",), "G2P": ("G2P",), "order": ("order", "sort"),
     "exchange": ("exchange", "migrate"),
-}
+}  # fmt: skip
 
 
 def lame():
-    """Lame's constants of the block's material."""
     shear = YOUNG / (2.0 * (1.0 + POISSON))
     return YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)), shear
 
@@ -50,18 +43,9 @@ def step_of(cell):
 def block(cells, per_cell=2, shape="gimp", material=None, pad=PAD, method=None, **parts):
     """The case of a block of unit height in free fall.
 
-    Parameters
-    ----------
-    cells : sequence of int
-        Cells of the block along each direction; one of a unit has as many as the last direction.
-    per_cell : int
-        Particles per cell along each direction.
-    pad : int or sequence of pairs of int
-        Empty cells beyond its ends, in each direction.
-    method : dict, optional
-        Further keys of ``method``.
-    **parts
-        Further keys of the case, or other values of them.
+    One of a unit has as many `cells` as the last direction; beyond its ends are `pad` empty cells,
+    one number or a pair for each direction. `method` has further keys of ``method``, `parts` of
+    the case, or other values of them.
     """
     D, h = len(cells), 1.0 / cells[-1]
     material = material or ("linear-1d" if D == 1 else "neo-hookean")
@@ -71,22 +55,16 @@ def block(cells, per_cell=2, shape="gimp", material=None, pad=PAD, method=None, 
     high = [h * (n + below) for n, (below, _) in zip(cells, pads, strict=True)]
     dt = step_of(h)
     return {
-        "format": 1,
-        "title": "Block in free fall",
-        "dimensions": D,
+        "format": 1, "title": "Block in free fall", "dimensions": D,
         "grid": {"origin": [0.0] * D, "size": size, "cell": [h] * D},
         "method": {"shape": shape, "particles_per_cell": [per_cell] * D, **(method or {})},
-        "time": {"end": 100_000 * dt, "step": dt},
-        "materials": {"solid": MATERIALS[material]},
-        "bodies": {
-            "block": {
-                "material": "solid",
-                "region": {"box": {"min": low, "max": high}},
-                "velocity": start_velocity(D),
-            }
-        },
+        "time": {"end": 100_000 * dt, "step": dt}, "materials": {"solid": MATERIALS[material]},
+        "bodies": {"block": {
+            "material": "solid", "region": {"box": {"min": low, "max": high}},
+            "velocity": start_velocity(D),
+        }},
         "gravity": [0.0] * (D - 1) + [GRAVITY],
-    } | parts
+    } | parts  # fmt: skip
 
 
 def start_velocity(dimension):
@@ -148,14 +126,8 @@ def errors(sim):
 class Timed:
     """A simulation that is timed in rounds of steps, by turns with others; collective.
 
-    `after` is called after each step.
-
-    Attributes
-    ----------
-    sim : Simulation
-        The simulation.
-    seconds, phases : list
-        Of each round: time; by phase, wall time, that of the slowest rank.
+    `after` is called after each step. Of each round there are the seconds, and by phase the wall
+    time of the slowest rank.
     """
 
     def __init__(self, sim, steps, after=None):
@@ -186,7 +158,6 @@ class Timed:
         self.phases.append({name: max(one[name] for one in every) for name in PHASES})
 
     def round(self):
-        """Time one round."""
         self._advance()
 
     @property

@@ -9,7 +9,6 @@ from workers.processes import Worker, launch
 from pgimp.solver.simulation import RESORT
 
 FACTOR = 8
-
 #: What is allowed of time and memory.
 LIMIT = 1.05
 
@@ -24,7 +23,6 @@ def pads(cells, factor):
 
 
 def main(folder, quick):
-    """Measure, and write domain.md and domain.csv."""
     sizes = [(16, 16)] if quick else [(32, 32, 32), (256, 256)]
     rounds, steps = (3, 4) if quick else (12, RESORT // 2)
     rows = []
@@ -44,20 +42,13 @@ def main(folder, quick):
                 found = worker.ask(do="result", name="it")
                 shares = [a / b for a, b in zip(seconds[factor], seconds[1], strict=True)]
                 domain = [factor * (n + 2 * PAD) for n in cells]
-                rows.append(
-                    {
-                        "dimension": len(cells),
-                        "body": " x ".join(map(str, cells)),
-                        "domain": " x ".join(map(str, domain)),
-                        "speed": found["speed"],
-                        "time": median(shares),
-                        "times": shares,
-                        "memory": memory[factor],
-                        "memory ratio": memory[factor] / memory[1],
-                        "velocity": found["velocity"],
-                        "stress": found["stress"],
-                    }
-                )
+                rows.append({
+                    "dimension": len(cells), "body": " x ".join(map(str, cells)),
+                    "domain": " x ".join(map(str, domain)), "speed": found["speed"],
+                    "time": median(shares), "times": shares, "memory": memory[factor],
+                    "memory ratio": memory[factor] / memory[1], "velocity": found["velocity"],
+                    "stress": found["stress"],
+                })  # fmt: skip
         finally:
             for worker in workers.values():
                 worker.close()

@@ -17,10 +17,8 @@ def body(low, high, material="solid"):
     """A part of the block, between two places."""
     velocity = [SPEED] + [0.0] * (len(low) - 1)
     return {
-        "material": material,
-        "region": {"box": {"min": low, "max": high}},
-        "velocity": velocity,
-    }
+        "material": material, "region": {"box": {"min": low, "max": high}}, "velocity": velocity,
+    }  # fmt: skip
 
 
 def features(cells, shape="gimp"):

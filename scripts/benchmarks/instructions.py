@@ -28,16 +28,12 @@ from pgimp.solver.contact import base
 
 #: What calls the kernels of a step.
 CALLERS = (transfers, vertices, base)
-
 #: What kernels are compiled for, whatever the machine: AVX2; valgrind does not know AVX-512.
 CPU = {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""}
-
 #: Scenes by name: cells of a block of gimp particles at random places, 2 a cell and direction.
 SCENES = {"2D": (16, 16), "3D": (8, 8, 8)}
-
 #: The kernels that do the work, which the test watches.
 HOT = ("particles_to_grid", "grid_to_particles")
-
 #: Steps before the recorded one.
 BEFORE = 3
 
@@ -57,11 +53,9 @@ def record(name):
         sim.advance()
     calls = []
     kernels = [
-        (caller, n, each)
-        for caller in CALLERS
-        for n, each in vars(caller).items()
+        (caller, n, each) for caller in CALLERS for n, each in vars(caller).items()
         if isinstance(each, Dispatcher)
-    ]
+    ]  # fmt: skip
 
     def recorder(kernel):
         def call(*arguments):
@@ -103,11 +97,9 @@ class Arguments:
             numbers = [value.size, value.itemsize]
             after = [*value.shape, *value.strides]
             return [
-                *[("void *", "0")] * 2,
-                *(("int64_t", str(n)) for n in numbers),
-                ("void *", f"data + {place}"),
-                *(("int64_t", str(n)) for n in after),
-            ]
+                *[("void *", "0")] * 2, *(("int64_t", str(n)) for n in numbers),
+                ("void *", f"data + {place}"), *(("int64_t", str(n)) for n in after),
+            ]  # fmt: skip
         if isinstance(value, tuple):
             return [pair for each in value for pair in self.flat(each)]
         if isinstance(value, bool):
@@ -119,7 +111,6 @@ class Arguments:
 
 #: A move between registers, of whose two encodings valgrind 3.19 does not know the shorter one.
 _MOVE = re.compile(r"\b(vmovq\s+%xmm\d+, %xmm\d+)")
-
 PROGRAM = """\
 #include <stdint.h>
 #include <stdio.h>
@@ -155,10 +146,8 @@ def build(folder):
     flat.data += bytes(-len(flat.data) % 64)
     (folder / "data").write_bytes(flat.data)
     text = PROGRAM % {
-        "declarations": "\n".join(declarations),
-        "calls": "\n".join(lines),
-        "size": len(flat.data),
-    }
+        "declarations": "\n".join(declarations), "calls": "\n".join(lines), "size": len(flat.data),
+    }  # fmt: skip
     (folder / "calls.c").write_text(text)
     # What a kernel has for Python is never reached, and stays unresolved.
     options = ["-O1", "-no-pie", "-Wl,-z,now", "-Wl,--unresolved-symbols=ignore-all"]

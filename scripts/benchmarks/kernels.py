@@ -60,16 +60,11 @@ def main(folder, quick):
             one.round()
     rows = []
     for (D, shape, material, per_cell, random), one in zip(todo, timed, strict=True):
-        rows.append(
-            {
-                "dimension": D,
-                "shape": shape,
-                "material": material,
-                "particles per cell": per_cell**D,
-                "positions": "random" if random else "lattice",
-                **one.result(**{name: one.phase_speed(name) for name in PHASES}),
-            }
-        )
+        rows.append({
+            "dimension": D, "shape": shape, "material": material, "particles per cell": per_cell**D,
+            "positions": "random" if random else "lattice",
+            **one.result(**{name: one.phase_speed(name) for name in PHASES}),
+        })  # fmt: skip
     columns = {
         "scene": lambda row: f"{row['dimension']}D, {row['shape']}, {row['material']}",
         "a cell": lambda row: str(row["particles per cell"]),

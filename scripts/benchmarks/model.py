@@ -14,6 +14,7 @@ import os
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,66 +40,46 @@ CASES = {
 def verify(name: str, seconds: float, cpu_time: bool) -> None:
     """Compare one case on the ranks of this run, and print what came out as JSON."""
     sys.path.insert(0, str(ROOT))
+    from pgimp import load
+    from pgimp.case.schema import Case
+    from pgimp.mpi.comm import Serial, world
     from pgimp.solver import rank, simulation
+    from pgimp.solver.simulation import Simulation
     from pgimp.utilities.model import sample
+    from pgimp.utilities.model.block import Block, block_case
+    from pgimp.utilities.model.costs import Network
+    from pgimp.utilities.model.sample import Sample, Scattered, resized, samples_of
+    from pgimp.utilities.model.verify import compare
 
     if cpu_time:
         for module in (sample, simulation, rank):
             module.perf_counter = time.process_time
-    from pgimp import load
-    from pgimp.case.schema import Case
-    from pgimp.mpi.comm import Serial, world
-    from pgimp.solver.simulation import Simulation
-    from pgimp.utilities.model.block import Block, block_case
-    from pgimp.utilities.model.costs import Network
-    from pgimp.utilities.model.sample import Sample, samples_of
-    from pgimp.utilities.model.verify import compare
-
     kind, what = CASES[name]
-    comm = world()
-    whole = not isinstance(what, int)
-    if not whole:
-        make = Block if kind == "random" else Simulation
+    comm, alone = world(), Serial()
+    if isinstance(what, int):
 
         def block(n, on):
             data = block_case(n, 10**6)
             if kind in ("mpm", "finite-gimp"):
                 data["method"]["shape"] = kind
-            return make(Case.model_validate(data), on)
+            return (Block if kind == "random" else Simulation)(Case.model_validate(data), on)
 
         def samples():
-            return [Sample(lambda n=n: block(n, Serial()), Serial()) for n in (3, 9, 28)]
+            return [Sample(partial(block, n, alone), alone) for n in (3, 9, 28)]
 
-        def small(on):
-            return block(3, on)
-
-        def large(on):
-            return block(28, on)
-
-        def target(on):
-            return block(what, on)
+        small, large, target = (partial(block, n) for n in (3, 28, what))
     else:
         case = load(ROOT / f"cases/{kind}.yaml", what)
-        count = Simulation(case, Serial()).count
+        count = Simulation(case, alone).count
         sizes = [min(200, count), 5_000, *([min(150_000, count)] if count > 10_000 else [])]
-
-        def samples():
-            return samples_of(case, count, Serial(), sizes)
-
-        from pgimp.utilities.model.sample import Scattered, resized
 
         def sized(size, on):
             return Scattered(resized(case, (count / size) ** (1 / case.dimensions)), on)
 
-        def small(on):
-            return sized(sizes[0], on)
-
-        def large(on):
-            return sized(sizes[-1], on)
-
-        def target(on):
-            return Simulation(case, on)
-
+        samples = partial(samples_of, case, count, alone, sizes)
+        small, large = partial(sized, sizes[0]), partial(sized, sizes[-1])
+        target = partial(Simulation, case)
+    whole = not isinstance(what, int)
     _, found = compare(comm, samples, small, large, {name: target}, Network(), seconds, 5, whole)
     if comm.rank == 0:
         print(json.dumps([one._asdict() | {"deviation": one.deviation} for one in found]))

@@ -31,16 +31,12 @@ BLOCK = (
 )
 #: Cells, steps before the measurement, repeats, and whether other forms of frames are measured.
 SIZES = {
-    "small": (0.08, 3, 31, False),
-    "waves": (0.04, 150, 9, True),
-    "large": (0.016, 3, 7, False),
-}
+    "small": (0.08, 3, 31, False), "waves": (0.04, 150, 9, True), "large": (0.016, 3, 7, False),
+}  # fmt: skip
 FORMS = {
-    "as usual": (),
-    "float32": ("output.precision=float32",),
-    "gzip": ("output.compression=gzip",),
+    "as usual": (), "float32": ("output.precision=float32",), "gzip": ("output.compression=gzip",),
     "float32, gzip": ("output.precision=float32", "output.compression=gzip"),
-}
+}  # fmt: skip
 _MB = 1e6
 
 
@@ -116,23 +112,10 @@ def work(name, folder):
 
 
 def measure(folder, quick=False, ranks=(1, 2)):
-    """Measure frames and checkpoints.
+    """Measure frames and checkpoints in a folder on the disk in question, which is left as it was.
 
-    Parameters
-    ----------
-    folder : Path
-        A folder on the disk that is measured; it is left as it was.
-    quick : bool
-        Whether to leave out the large ones.
-    ranks : sequence of int
-        Numbers of ranks.
-
-    Returns
-    -------
-    dict
-        By ``(name, ranks)``: ``count``, the number of particles, and by form of the frames the
-        medians: sizes in bytes, seconds of the frame, the part of it that the run waits for, the
-        checkpoint, and of plain files of their sizes.
+    By ``(name, ranks)`` the number of particles, and by form of the frames medians: sizes in bytes,
+    seconds of the frame, of its part that the run waits for, of the checkpoint and of plain files.
     """
     found = {}
     for name in list(SIZES)[: 2 if quick else None]:
@@ -159,12 +142,10 @@ def report(found):
             ("checkpoint", "checkpoint size", "checkpoint", "checkpoint raw"),
         ):
             taken, disk, amount = usual[seconds], usual[plain], usual[size] / _MB
-            speeds.append(
-                [
-                    f"{result['count']:,}", ranks, what, f"{amount:.1f}", f"{1e3 * taken:.1f}",
-                    f"{amount / taken:.0f}", f"{amount / disk:.0f}", f"{disk / taken:.2f}",
-                ]
-            )  # fmt: skip
+            speeds.append([
+                f"{result['count']:,}", ranks, what, f"{amount:.1f}", f"{1e3 * taken:.1f}",
+                f"{amount / taken:.0f}", f"{amount / disk:.0f}", f"{disk / taken:.2f}",
+            ])  # fmt: skip
         if len(result["forms"]) > 1:
             forms += [
                 [

@@ -38,11 +38,9 @@ def peers(folder):
     rows = read(folder, "peers")
     found = {(r["dimension"], r["cores"], r["code"], r["kind"]): r for r in rows}
     codes = {
-        "pgimp": ("pgimp", "random"),
-        "pgimp, lattice": ("pgimp", "lattice"),
-        "Taichi, GIMP": ("Taichi", "gimp"),
-        "Taichi, MLS-MPM": ("Taichi", "mls-mpm"),
-    }
+        "pgimp": ("pgimp", "random"), "pgimp, lattice": ("pgimp", "lattice"),
+        "Taichi, GIMP": ("Taichi", "gimp"), "Taichi, MLS-MPM": ("Taichi", "mls-mpm"),
+    }  # fmt: skip
 
     def cell(scene, code):
         row = found.get((*scene, *codes[code]))

@@ -114,18 +114,14 @@ def main(folder, quick, prototype=None):
 
 
 def size(cells):
-    """Size of a block as text."""
     return " x ".join(map(str, cells))
 
 
 #: The speed of one over that of another, of the same rounds, and what is to be reached in 3D.
 TARGETS = (
-    ("random", "prototype", "lattice", 1.0),
-    ("lattice", "prototype", "lattice", 1.4),
-    ("random", "Taichi", "gimp", 6.0),
-    ("random", "Taichi", "mls-mpm", 4.0),
-)
-
+    ("random", "prototype", "lattice", 1.0), ("lattice", "prototype", "lattice", 1.4),
+    ("random", "Taichi", "gimp", 6.0), ("random", "Taichi", "mls-mpm", 4.0),
+)  # fmt: skip
 RATIOS = {
     "scene": lambda row: row["scene"],
     "speed of pgimp, over that of": lambda row: row["over"],
@@ -152,7 +148,6 @@ def ratios(rows):
 
 
 def draw(folder, rows):
-    """Bars of the speeds."""
     scenes = list(dict.fromkeys((row["dimension"], row["cores"]) for row in rows))
     figure, axes = plt.subplots(1, len(scenes), figsize=(2.9 * len(scenes), 3.2))
     for axis, scene in zip(np.atleast_1d(axes), scenes, strict=True):

@@ -11,7 +11,6 @@ plt.rcParams.update(STYLE | {"font.size": 9})
 
 
 def save(figure, path):
-    """Write the picture."""
     figure.savefig(path)
     plt.close(figure)
     print(f"benchmark: {path}", flush=True)

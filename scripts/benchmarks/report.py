@@ -5,7 +5,7 @@ import os
 import platform
 import subprocess
 from datetime import date
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from statistics import median
 
@@ -54,31 +54,20 @@ def origin(**others):
     return f"{machine()}, {', '.join(versions)}, {date.today()}{shared}"
 
 
-def installed(package):
-    """Version of a package here, or None."""
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
-
-
 def spread(values, digits=1):
     """Median of some measurements, with the least and the greatest."""
     return f"{median(values):.{digits}f} ({min(values):.{digits}f} to {max(values):.{digits}f})"
 
 
 def number(value, digits=1):
-    """Format a number; empty if there is none."""
     return "" if value is None else f"{value:.{digits}f}"
 
 
 def count(value):
-    """Format a count."""
     return "" if value is None else f"{value:,.0f}"
 
 
 def error(value):
-    """Format an error."""
     return "" if value is None else f"{value:.0e}"
 
 
@@ -90,7 +79,6 @@ ERRORS = {
 
 
 def table(titles, rows):
-    """A table of texts and numbers."""
     lines = [f"| {' | '.join(titles)} |", "|---" * len(titles) + "|"]
     return "\n".join([*lines, *(f"| {' | '.join(map(str, row))} |" for row in rows)])
 
@@ -101,21 +89,10 @@ def markdown(columns, rows):
 
 
 def write(folder, name, title, columns, rows, note):
-    """Write NAME.md and NAME.csv.
+    """Write NAME.md and NAME.csv; returns the table with its title and note.
 
-    Parameters
-    ----------
-    columns : dict
-        See `markdown`.
-    rows : list of dict
-        All that was measured, with the same keys; lists become a column for each of their values.
-    note : str
-        What the table shows, and on what it was measured.
-
-    Returns
-    -------
-    str
-        The table with its title and note.
+    `columns` are those of `markdown`, `rows` dicts with the same keys; lists become a column for
+    each of their values. The note says what the table shows, and on what it was measured.
     """
     flat = []
     for row in rows:

@@ -15,7 +15,6 @@ from pgimp.solver.simulation import RESORT
 
 #: Ranks that share the cores, for counts alone.
 MANY = (4, 8, 16, 32, 64)
-
 #: Steps before and while messages are counted.
 BEFORE, COUNTED = 2, 5
 
@@ -62,21 +61,14 @@ def timings(quick):
         results = found[name, ranks]
         speeds = [sum(every) for every in zip(*(one["speeds"] for one in results), strict=True)]
         gains = [a / b for a, b in zip(speeds, alone, strict=True)]
-        rows.append(
-            {
-                "scene": name,
-                "kind": kind if ranks > 1 else "one",
-                "ranks": "2 runs of 1" if kind == "apart" else str(ranks),
-                "cells": " x ".join(map(str, cells)),
-                "speed": median(speeds),
-                "speeds": speeds,
-                "gain": median(gains),
-                "gains": gains,
-                "efficiency": median(gains) / ranks,
-                "velocity": max(one["velocity"] for one in results),
-                "stress": max(one["stress"] for one in results),
-            }
-        )
+        rows.append({
+            "scene": name, "kind": kind if ranks > 1 else "one",
+            "ranks": "2 runs of 1" if kind == "apart" else str(ranks),
+            "cells": " x ".join(map(str, cells)), "speed": median(speeds), "speeds": speeds,
+            "gain": median(gains), "gains": gains, "efficiency": median(gains) / ranks,
+            "velocity": max(one["velocity"] for one in results),
+            "stress": max(one["stress"] for one in results),
+        })  # fmt: skip
     return rows, rounds, steps
 
 
@@ -113,20 +105,13 @@ def count_here(quick, ranks):
                 if world.rank == 0:
                     messages, volume, reductions, _, particles = zip(*every, strict=True)
                     mean = sum(particles) / size
-                    rows.append(
-                        {
-                            "scene": f"3D, {kind}",
-                            "ranks": size,
-                            "cells": " x ".join(map(str, (along, *across))),
-                            "messages": max(messages),
-                            "messages of all": sum(messages),
-                            "kilobytes": max(volume) / 1e3,
-                            "kilobytes of all": sum(volume) / 1e3,
-                            "reductions": max(reductions),
-                            "particles": mean,
-                            "imbalance": max(particles) / mean - 1.0,
-                        }
-                    )
+                    rows.append({
+                        "scene": f"3D, {kind}", "ranks": size,
+                        "cells": " x ".join(map(str, (along, *across))), "messages": max(messages),
+                        "messages of all": sum(messages), "kilobytes": max(volume) / 1e3,
+                        "kilobytes of all": sum(volume) / 1e3, "reductions": max(reductions),
+                        "particles": mean, "imbalance": max(particles) / mean - 1.0,
+                    })  # fmt: skip
                 del sim
         some.Free()
         wait(world)

@@ -21,14 +21,10 @@ def compaction(redraw):
     mpm = ["method.shape=mpm", initial, "time.step=2.0e-5"]
     kinds = [
         ("gimp, volume tracked (the case)", BLUE, "o", run("compaction", redraw)),
-        (
-            "gimp, volume initial",
-            ORANGE,
-            "s",
-            run("compaction", redraw, "compaction-initial", [initial], ranks=1),
-        ),
+        ("gimp, volume initial", ORANGE, "s",
+         run("compaction", redraw, "compaction-initial", [initial], ranks=1)),
         ("mpm, volume initial", GREY, "x", run("compaction", redraw, "compaction-mpm", mpm, 1)),
-    ]
+    ]  # fmt: skip
     figure, axes = plt.subplots(
         2, 4, figsize=(9, 4.6), sharex=True, sharey="row", height_ratios=(1.2, 1.0)
     )

@@ -1,6 +1,7 @@
 """Running cases and saving pictures: what all drawings share."""
 
 import subprocess
+import sys
 from pathlib import Path
 
 import matplotlib
@@ -18,6 +19,8 @@ from pgimp.utilities.plot.camera import camera
 from pgimp.utilities.plot.visible import draw
 
 ROOT = Path(__file__).resolve().parents[2]
+#: Where all find what studies share.
+sys.path.append(str(ROOT / "scripts"))
 RUNS = ROOT / "pictures.out"
 PICTURES = ROOT / "cases" / "pictures"
 LARGE = 140_000  # bytes
@@ -51,8 +54,32 @@ def boxes(axis, position, radius, values, limits, colours=style.MAP, dimension=2
     return shown
 
 
+def particles(axis, frame, values, limits, rows=slice(None), colours=style.MAP, dimension=2):
+    """Draw particles of a frame, coloured by a field or by what a function finds of the frame."""
+    found = frame[values] if isinstance(values, str) else values(frame)
+    place, radius = frame["position"][rows], frame["radius"][rows]
+    return boxes(axis, place, radius, found[rows], limits, colours, dimension)
+
+
+def instants(axes, results, times, values, limits, bar, title="t = {:g} s", loc="center",
+             each=None, dimension=2, **look):  # fmt: skip
+    """Draw frames at some times with one bar; `each` adds to an axis, with its frame."""
+    for axis, time in zip(axes, times, strict=True):
+        frame = frame_at(results, time)
+        shown = particles(axis, frame, values, limits, dimension=dimension)
+        axis.set(**look)
+        axis.set_title(title.format(frame.time), fontsize=10, loc=loc)
+        if each:
+            each(axis, frame)
+    axes[0].figure.colorbar(shown, ax=list(axes), **{"shrink": 0.85, "extend": "max"} | bar)
+
+
+def speed(frame):
+    """Speeds of particles in the plane."""
+    return np.hypot(*frame["velocity"][:, :2].T)
+
+
 def save(figure, name):
-    """Write the picture."""
     PICTURES.mkdir(exist_ok=True)
     path = PICTURES / f"{name}.png"
     figure.savefig(path)

@@ -1,27 +1,20 @@
 """Error against cost: the column at W = 10000 with every shape, from coarse cells to fine."""
 
 import json
-import os
-import subprocess
-import sys
-from datetime import date
-from importlib.metadata import version
 from time import perf_counter
 from typing import NamedTuple
 
 from common import ROOT, RUNS, plt, save
 from figures.methods import METHODS
 from matplotlib.ticker import NullLocator
+from studies.harness import origin, put, table
 
 import pgimp
 from pgimp.errors import RunError
-from pgimp.io.rundir.runinfo import cpu
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 TIME = 0.5
-#: What scripts/pages writes pages from.
-PAGES = ROOT / "scripts" / "pages"
 
 
 class Kind(NamedTuple):
@@ -100,12 +93,6 @@ def front(points, cost):
     return best
 
 
-def origin():
-    """Machine, versions and date of a measurement."""
-    versions = ", ".join(f"{name} {version(name)}" for name in ("pgimp", "numba", "numpy"))
-    return f"one core of {cpu()} ({os.cpu_count()} cores), {versions}, {date.today()}"
-
-
 def error_and_cost(redraw):
     """Draw the error (47) over cell size, particle-steps and time, and write its page."""
     store = RUNS / "error-and-cost.json"
@@ -114,7 +101,8 @@ def error_and_cost(redraw):
             advance(kind, 5.0)  # compiles
         points = [measure(kind, cell) for kind in KINDS for cell in kind.cells]
         RUNS.mkdir(exist_ok=True)
-        store.write_text(json.dumps({"origin": origin(), "points": points}, indent=1))
+        found = {"origin": f"one core of {origin()}", "points": points}
+        store.write_text(json.dumps(found, indent=1))
     data = json.loads(store.read_text())
     figure, axes = plt.subplots(1, 3, figsize=(9.4, 4.4), sharey=True)
     titles = {
@@ -126,17 +114,12 @@ def error_and_cost(redraw):
     for axis, (quantity, title) in zip(axes, titles.items(), strict=True):
         for kind in KINDS:
             points = [p for p in done if p["kind"] == kind.label]
-            method = METHODS[kind.method]
+            colour = METHODS[kind.method].colour
+            look = {"marker": "o", "mfc": "none"} if kind.per_cell == 2 else {"marker": "s"}
             axis.loglog(
-                [p[quantity] for p in points],
-                [p["error"] for p in points],
-                marker={1: "s", 2: "o"}[kind.per_cell],
-                color=method.colour,
-                mfc="none" if kind.per_cell == 2 else method.colour,
-                label=kind.label,
-                ms=4.5,
-                lw=1.1,
-            )
+                [p[quantity] for p in points], [p["error"] for p in points], **look, color=colour,
+                label=kind.label, ms=4.5, lw=1.1,
+            )  # fmt: skip
         if quantity != "cell":
             best = front(done, quantity)
             axis.step(
@@ -158,19 +141,12 @@ def error_and_cost(redraw):
 def write_table(data):
     """Write docs/convergence.md with the points."""
     cells = sorted({point["cell"] for point in data["points"]}, reverse=True)
-    table = {(point["kind"], point["cell"]): point for point in data["points"]}
-    lines = ["| cell | " + " | ".join(f"{cell:g}" for cell in cells) + " |"]
-    lines.append("|---" * (len(cells) + 1) + "|")
-    for kind in KINDS:
-        entries = [_entry(table.get((kind.label, cell))) for cell in cells]
-        lines.append(f"| {kind.label} | " + " | ".join(entries) + " |")
-    text = "\n".join([*lines, "", f"Measured on {data['origin']}.", ""])
-    (PAGES / "tables" / "error-and-cost.md").write_text(text, encoding="utf-8")
-    subprocess.run([sys.executable, str(PAGES)], check=True)
+    found = {(point["kind"], point["cell"]): _entry(point) for point in data["points"]}
+    lines = [(kind.label, *(found.get((kind.label, cell), "") for cell in cells)) for kind in KINDS]
+    titles = ("cell", *(f"{cell:g}" for cell in cells))
+    put({"error-and-cost": table(titles, lines, f"Measured on {data['origin']}.")})
 
 
 def _entry(point):
-    if point is None:
-        return ""
     error = "stopped" if point["error"] is None else f"{point['error']:.1e}"
     return f"{error} in {point['seconds']:.2g} s"

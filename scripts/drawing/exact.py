@@ -1,7 +1,7 @@
 """The cases with exact solutions: shock, vortex, spinning block."""
 
 import numpy as np
-from common import BLUE, GREEN, GREY, RED, boxes, frame_at, plt, run, save
+from common import BLUE, GREEN, GREY, RED, frame_at, instants, plt, run, save
 from matplotlib.ticker import NullFormatter
 
 from pgimp.utilities.plot.style import log_ticks
@@ -11,16 +11,14 @@ TRANSIT = 0.05
 
 def shock(redraw):
     """Stress along the bar at the paper's four instants, with viscosity and without."""
-    runs = (
-        ("with viscosity", BLUE, run("shock", redraw)),
-        ("without", RED, run("shock", redraw, "shock-bare", ["materials.bar.viscosity=null"])),
-    )
+    bare = run("shock", redraw, "shock-bare", ["materials.bar.viscosity=null"])
+    runs = (("without", RED, bare), ("with viscosity", BLUE, run("shock", redraw)))
     figure, axes = plt.subplots(1, 4, figsize=(9, 3.0), sharey=True)
     for axis, part in zip(axes, (0.25, 0.3, 0.75, 1.0), strict=True):
         time = part * TRANSIT
         front = (1.0 - 1.0 / 50.0) * 1000.0 * time
         axis.plot([0, front, front, 50], [-20, -20, 0, 0], "k-", lw=1, label="exact")
-        for label, colour, results in runs[::-1]:
+        for label, colour, results in runs:
             frame = frame_at(results, time)
             place, stress = frame["position"][:, 0], frame["stress"][:, 0] / 1e3
             axis.plot(place, stress, ".-", color=colour, ms=3, lw=0.6, label=label)
@@ -33,8 +31,7 @@ def shock(redraw):
 
 def vortex(redraw):
     """Ring and a line that was radial, at three instants; errors over time at three cell sizes."""
-    cells = (0.1, 0.05, 0.025)
-    results = {}
+    cells, results = (0.1, 0.05, 0.025), {}
     for cell in cells:
         change = [f"grid.cell=[{cell},{cell}]", f"time.step={0.08 * cell}"]
         results[cell] = run("vortex", redraw, f"vortex-{cell}", change)
@@ -42,21 +39,20 @@ def vortex(redraw):
     above, below = figure.subfigures(2, 1, height_ratios=(1.25, 1.0))
     axes = above.subplots(1, 3, subplot_kw={"aspect": "equal"})
     top = np.percentile(frame_at(results[0.05], 0.5)["von-mises"], 99)
-    for column, time in enumerate((0.0, 0.5, 1.0)):
-        frame = frame_at(results[0.05], time)
-        axis = axes[column]
-        shown = boxes(axis, frame["position"], frame["radius"], frame["von-mises"], (0.0, top))
+
+    def spokes(axis, frame):
         radius = np.linspace(0.75, 1.25, 60)
         s = (radius - 1.0) / 0.5
-        angle = 0.15 * np.sin(np.pi * time) * (1.0 - 4.0 * s * s) ** 2
-        for spoke in np.arange(8) * np.pi / 4:
-            axis.plot(
-                radius * np.cos(angle + spoke), radius * np.sin(angle + spoke), color=RED, lw=1.2
-            )
-        axis.set(xlim=(-1.3, 1.3), ylim=(-1.3, 1.3), xlabel="x [m]")
-        axis.set(ylabel="" if column else "y [m]")
-        axis.set_title(f"t = {time:g} s", fontsize=10)
-    above.colorbar(shown, ax=axes, label="von Mises stress [Pa]", shrink=0.85, extend="max")
+        angle = 0.15 * np.sin(np.pi * frame.time) * (1.0 - 4.0 * s * s) ** 2
+        for way in angle + np.arange(8)[:, None] * np.pi / 4:
+            axis.plot(radius * np.cos(way), radius * np.sin(way), color=RED, lw=1.2)
+
+    instants(
+        axes, results[0.05], (0.0, 0.5, 1.0), "von-mises", (0.0, top),
+        {"label": "von Mises stress [Pa]"}, each=spokes, xlim=(-1.3, 1.3), ylim=(-1.3, 1.3),
+        xlabel="x [m]",
+    )  # fmt: skip
+    axes[0].set_ylabel("y [m]")
     lower = below.subplots(1, 3)
     for column, (name, label, factor) in enumerate(
         (("displacement-l2", "displacement [mm]", 1e3), ("stress-l2", "stress [Pa]", 1.0))
@@ -64,9 +60,8 @@ def vortex(redraw):
         axis = lower[column]
         for cell, colour in zip(cells, (GREY, GREEN, BLUE), strict=True):
             history = results[cell].history[1:]
-            axis.semilogy(
-                history["time"], factor * history[f"error.{name}"], color=colour, label=f"{cell} m"
-            )
+            error = factor * history[f"error.{name}"]
+            axis.semilogy(history["time"], error, color=colour, label=f"{cell} m")
         axis.set(xlabel="time [s]", ylabel=f"rms error: {label}")
         log_ticks(axis.yaxis)
     lower[0].legend(fontsize=8, title="cell", title_fontsize=8, loc="lower right")
@@ -88,23 +83,19 @@ def spinning_block(redraw):
     figure = plt.figure(figsize=(9, 5.4))
     above, below = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
     axes = above.subplots(1, 4, subplot_kw={"aspect": "equal"})
-    for axis, time in zip(axes, (0.0, 0.25, 0.5, 0.75), strict=True):
-        frame = frame_at(results, time)
-        mises = frame["von-mises"] / 1e3
-        shown = boxes(axis, frame["position"], frame["radius"], mises, (0.0, 60.0), dimension=3)
-        axis.set(xlim=(-0.72, 0.72), ylim=(-0.78, 0.78), xticks=[], yticks=[])
-        axis.spines[:].set_visible(False)
-        axis.set_title(f"t = {time:g} s", fontsize=10)
-    above.colorbar(
-        shown, ax=axes, label="von Mises stress [kPa]", location="bottom", aspect=50, shrink=0.6
-    )
+    bar = {"location": "bottom", "aspect": 50, "shrink": 0.6, "extend": "neither"}
+    instants(
+        axes, results, (0.0, 0.25, 0.5, 0.75), lambda frame: frame["von-mises"] / 1e3, (0.0, 60.0),
+        bar | {"label": "von Mises stress [kPa]"}, xlim=(-0.72, 0.72), ylim=(-0.78, 0.78),
+        xticks=[], yticks=[], dimension=3,
+        each=lambda axis, frame: axis.spines[:].set_visible(False),
+    )  # fmt: skip
     history = results.history[1:]
     quantities = (("displacement", "displacement [mm]", 1e3), ("stress", "stress [kPa]", 1e-3))
     for axis, (name, label, factor) in zip(below.subplots(1, 2), quantities, strict=True):
         for kind, text, colour in (("l2", "mean square", BLUE), ("max", "greatest", RED)):
-            axis.semilogy(
-                history["time"], factor * history[f"error.{name}-{kind}"], color=colour, label=text
-            )
+            error = factor * history[f"error.{name}-{kind}"]
+            axis.semilogy(history["time"], error, color=colour, label=text)
         axis.set(xlabel="time [s]", ylabel=f"error: {label}")
         log_ticks(axis.yaxis)
         axis.legend(fontsize=9)

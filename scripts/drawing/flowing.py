@@ -1,25 +1,7 @@
 """Cases of soils, fluids, gases: Sod's tube, channel, sand, banks, footing, dam break, gate."""
 
 import numpy as np
-from common import BLUE, GREY, ORANGE, RED, boxes, frame_at, plt, run, save
-
-
-def _instants(results, times, name, limits, label, sizes, view):
-    """Frames one below the other, coloured by a field."""
-    figure, axes = plt.subplots(len(times), 1, figsize=sizes, sharex=True, squeeze=False)
-    for axis, time in zip(axes[:, 0], times, strict=True):
-        frame = frame_at(results, time)
-        values = frame[name] if isinstance(name, str) else name(frame)
-        shown = boxes(axis, frame["position"], frame["radius"], values, limits)
-        axis.set(xlim=view[0], ylim=view[1], ylabel="y [m]", aspect="equal")
-        axis.set_title(f"t = {frame.time:.2f} s", fontsize=10, loc="left")
-    axes[-1, 0].set_xlabel("x [m]")
-    figure.colorbar(shown, ax=axes, label=label, shrink=0.8, extend="max")
-    return figure
-
-
-def _speed(frame):
-    return np.hypot(*frame["velocity"][:, :2].T)
+from common import BLUE, GREY, ORANGE, RED, frame_at, instants, particles, plt, run, save, speed
 
 
 def sod(redraw):
@@ -54,13 +36,10 @@ def sod(redraw):
 def channel(redraw):
     """Profiles of Bingham's and Newton's fluid across the channel, and the column."""
     law = "{model: newtonian, bulk: 5.0e4, density: 1000.0, shear-viscosity: 24.76136, "
-    law += "tension: true}"
-    mud = run("channel", redraw)
-    changed = [f"materials.mud={law}", "time.end=0.1"]
-    water = run("channel", redraw, "channel-newtonian", changed)
+    changed = [f"materials.mud={law}tension: true}}", "time.end=0.1"]
+    mud, water = run("channel", redraw), run("channel", redraw, "channel-newtonian", changed)
     figure, axes = plt.subplots(1, 2, figsize=(9, 4.0), width_ratios=(1.0, 2.2))
-    frame = mud.frame(-1)
-    shown = boxes(axes[0], frame["position"], frame["radius"], frame["velocity"][:, 1], (0.0, 0.2))
+    shown = particles(axes[0], mud.frame(-1), lambda frame: frame["velocity"][:, 1], (0.0, 0.2))
     axes[0].set(xlim=(-0.08, 0.08), ylim=(1.45, 1.15), xlabel="x [m]", ylabel="y, downwards [m]")
     figure.colorbar(shown, ax=axes[0], label="velocity of the mud [m/s]", shrink=0.9)
     across = np.linspace(-0.05, 0.05, 201)
@@ -86,11 +65,23 @@ def channel(redraw):
 
 def sand_column(redraw):
     """Four instants coloured by speed."""
-    results = run("sand-column", redraw)
-    times = (0.0, 0.2, 0.4, 1.0)
-    view = ((-1.8, 1.8), (0.0, 0.85))
-    figure = _instants(results, times, _speed, (0.0, 2.5), "speed [m/s]", (9, 8.2), view)
+    figure, axes = plt.subplots(4, 1, figsize=(9, 8.2), sharex=True)
+    instants(
+        axes, run("sand-column", redraw), (0.0, 0.2, 0.4, 1.0), speed, (0.0, 2.5),
+        {"label": "speed [m/s]", "shrink": 0.8}, "t = {:.2f} s", "left", xlim=(-1.8, 1.8),
+        ylim=(0.0, 0.85), ylabel="y [m]", aspect="equal",
+    )  # fmt: skip
+    axes[-1].set_xlabel("x [m]")
     save(figure, "sand-column")
+
+
+def _sheared(axis, frame, limits, title):
+    """Where a bank is sheared, and its first surface."""
+    shown = particles(axis, frame, "plastic-shear", limits)
+    axis.plot([0.0, 4.0, 4.0, 9.0], [3.0, 3.0, 1.0, 1.0], "--", color=GREY, lw=1.0)
+    axis.set(xlim=(0.0, 9.0), ylim=(0.0, 3.3), ylabel="y [m]", aspect="equal")
+    axis.set_title(f"{title}, t = {frame.time:.1f} s", fontsize=10, loc="left")
+    return shown
 
 
 def slope(redraw):
@@ -99,11 +90,7 @@ def slope(redraw):
     strong = run("slope", redraw, "slope-strong", ["materials.clay.cohesion=13.0e3"])
     figure, axes = plt.subplots(2, 1, figsize=(9, 6.6), sharex=True)
     for axis, results, name in ((axes[0], weak, "7"), (axes[1], strong, "13")):
-        frame = results.frame(-1)
-        shown = boxes(axis, frame["position"], frame["radius"], frame["plastic-shear"], (0.0, 1.0))
-        axis.plot([0.0, 4.0, 4.0, 9.0], [3.0, 3.0, 1.0, 1.0], "--", color=GREY, lw=1.0)
-        axis.set(xlim=(0.0, 9.0), ylim=(0.0, 3.3), ylabel="y [m]", aspect="equal")
-        axis.set_title(f"c = {name} kPa, t = {frame.time:.1f} s", fontsize=10, loc="left")
+        shown = _sheared(axis, results.frame(-1), (0.0, 1.0), f"c = {name} kPa")
     axes[1].set_xlabel("x [m]")
     figure.colorbar(shown, ax=axes, label="plastic shear", shrink=0.8, extend="max")
     save(figure, "slope")
@@ -114,15 +101,11 @@ def excavation(redraw):
     results = run("excavation", redraw)
     figure = plt.figure(figsize=(9, 8.4))
     grid = figure.add_gridspec(3, 1, height_ratios=(1.0, 1.0, 0.8))
-    axes = []
-    for k, (time, state) in enumerate(((1.5, "dug out, c = 13 kPa"), (2.5, "weak, c = 7 kPa"))):
-        axis = figure.add_subplot(grid[k], aspect="equal")
-        frame = frame_at(results, time)
-        shown = boxes(axis, frame["position"], frame["radius"], frame["plastic-shear"], (0.0, 0.3))
-        axis.plot([0.0, 4.0, 4.0, 9.0], [3.0, 3.0, 1.0, 1.0], "--", color=GREY, lw=1.0)
-        axis.set(xlim=(0.0, 9.0), ylim=(0.0, 3.3), ylabel="y [m]")
-        axis.set_title(f"{state}, t = {frame.time:.1f} s", fontsize=10, loc="left")
-        axes.append(axis)
+    axes = [figure.add_subplot(grid[k]) for k in (0, 1)]
+    for axis, time, state in zip(
+        axes, (1.5, 2.5), ("dug out, c = 13 kPa", "weak, c = 7 kPa"), strict=True
+    ):
+        shown = _sheared(axis, frame_at(results, time), (0.0, 0.3), state)
     figure.colorbar(shown, ax=axes, label="plastic shear", shrink=0.8, extend="max")
     axis = figure.add_subplot(grid[2])
     edge = results.probes["edge"]
@@ -141,8 +124,7 @@ def footing(redraw):
     locked = run("footing", redraw, "footing-locked", ["method.volumetric=pointwise"])
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), width_ratios=(1.7, 1.0))
     frame, half, deep = mean.frame(-1), 1.05, 2.0
-    position, strain = frame["position"], frame["plastic-strain"]
-    shown = boxes(axes[0], position, frame["radius"], strain, (0.0, 0.02))
+    shown = particles(axes[0], frame, "plastic-strain", (0.0, 0.02))
     axes[0].plot([0.0, half, half, 0.0], [deep, deep, 2.35, 2.35], color="k", lw=1.5)
     turn = np.linspace(1.25, 1.75, 31) * np.pi  # the fan about the edge
     fan = np.sqrt(2.0) * half * np.stack([np.cos(turn), np.sin(turn)]) + [[half], [deep]]
@@ -168,22 +150,16 @@ def dam_break(redraw):
     results = run("dam-break", redraw)
     figure = plt.figure(figsize=(9, 7.6))
     grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.0))
-    axes = []
-    for k, time in enumerate((0.2, 0.5, 0.9, 1.6)):
-        axis = figure.add_subplot(grid[k // 2, k % 2], aspect="equal")
-        frame = frame_at(results, time)
-        shown = boxes(axis, frame["position"], frame["radius"], _speed(frame), (0.0, 4.0))
-        axis.set(xlim=(0.0, 3.22), ylim=(0.0, 1.8))
-        axis.set_title(f"t = {frame.time:.1f} s", fontsize=10, loc="left")
-        axes.append(axis)
-    figure.colorbar(shown, ax=axes, label="speed [m/s]", shrink=0.85, extend="max")
+    axes = [figure.add_subplot(grid[k // 2, k % 2], aspect="equal") for k in range(4)]
+    instants(
+        axes, results, (0.2, 0.5, 0.9, 1.6), speed, (0.0, 4.0), {"label": "speed [m/s]"},
+        "t = {:.1f} s", "left", xlim=(0.0, 3.22), ylim=(0.0, 1.8),
+    )  # fmt: skip
     axis = figure.add_subplot(grid[2, :])
     history, weight = results.history, 1000.0 * 0.72 * 9.81
-    for name, colour, label in (
-        ("y-min-y", BLUE, "floor"), ("x-max-x", ORANGE, "far wall, against the water")
-    ):  # fmt: skip
-        sign = 1.0 if name == "y-min-y" else -1.0
-        axis.plot(history["time"], sign * history[f"reaction.{name}"], color=colour, label=label)
+    time, wall = history["time"], -history["reaction.x-max-x"]
+    axis.plot(time, history["reaction.y-min-y"], color=BLUE, label="floor")
+    axis.plot(time, wall, color=ORANGE, label="far wall, against the water")
     axis.axhline(weight, color="k", ls="--", lw=1.0)
     axis.set(xlabel="time [s]", ylabel="force [N/m]")
     axis.legend(loc=(0.22, 0.26))
@@ -195,18 +171,14 @@ def gate(redraw):
     results = run("gate", redraw)
     figure = plt.figure(figsize=(9, 6.6))
     grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 0.9))
-    axes = []
-    for k, time in enumerate((0.03, 0.06, 0.09, 0.14)):
-        axis = figure.add_subplot(grid[k // 2, k % 2], aspect="equal")
+    axes = [figure.add_subplot(grid[k // 2, k % 2], aspect="equal") for k in range(4)]
+    for axis, time in zip(axes, (0.03, 0.06, 0.09, 0.14), strict=True):
         frame = frame_at(results, time)
         held = frame["body"] == 1
-        solid = frame["position"][held], frame["radius"][held], np.full(held.sum(), 0.6)
-        boxes(axis, *solid, (0.0, 1.0), "Greys")
-        water = frame["position"][~held], frame["radius"][~held], _speed(frame)[~held]
-        shown = boxes(axis, *water, (0.0, 1.6))
+        particles(axis, frame, lambda frame: np.full(len(frame), 0.6), (0.0, 1.0), held, "Greys")
+        shown = particles(axis, frame, speed, (0.0, 1.6), ~held)
         axis.set(xlim=(0.0, 0.3), ylim=(0.0, 0.16))
         axis.set_title(f"t = {frame.time:.2f} s", fontsize=10, loc="left")
-        axes.append(axis)
     figure.colorbar(shown, ax=axes, label="speed [m/s]", shrink=0.85, extend="max")
     axis, tip = figure.add_subplot(grid[2, :]), results.probes["tip"]
     for way, colour, label in (("x", BLUE, "outwards"), ("y", ORANGE, "upwards")):

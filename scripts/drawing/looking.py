@@ -32,7 +32,7 @@ def block3d_initial(redraw):
     shrink(path)
 
 
-def paraview(redraw):
+def block3d_paraview(redraw):
     """The block in ParaView, when it is compressed most."""
     directory = run("block3d", redraw).path
     path = PICTURES / "block3d-paraview.png"

@@ -2,19 +2,19 @@
 
 import h5py
 import numpy as np
-from common import BLUE, GREEN, GREY, ORANGE, RED, boxes, frame_at, plt, run, save
+from common import BLUE, GREEN, GREY, ORANGE, RED, boxes, frame_at, instants, plt, run, save, speed
 
 from pgimp.utilities.plot.camera import camera
 from pgimp.utilities.plot.rigid import draw_lines, lines
 
 
-def ball_impact(speed=0.2, young=1.0e6, poisson=0.3, radius=0.1, density=1000.0):
+def ball_impact(pace=0.2, young=1.0e6, poisson=0.3, radius=0.1, density=1000.0):
     """Hertz's impact of a ball on a rigid wall: times, forces, greatest approach and E'."""
     plane, mass = young / (1.0 - poisson**2), 4.0 / 3.0 * np.pi * radius**3 * density
-    depth = (15.0 * mass * speed**2 / (16.0 * plane * np.sqrt(radius))) ** 0.4
+    depth = (15.0 * mass * pace**2 / (16.0 * plane * np.sqrt(radius))) ** 0.4
     part = np.sin(np.linspace(0.0, 0.5 * np.pi, 2001))  # approach over the greatest
     middle = 0.5 * (part[1:] + part[:-1])
-    steps = np.diff(part) * depth / speed / np.sqrt(1.0 - middle**2.5)
+    steps = np.diff(part) * depth / pace / np.sqrt(1.0 - middle**2.5)
     time = np.concatenate([[0.0], np.cumsum(steps)])
     force = 4.0 / 3.0 * plane * np.sqrt(radius) * (part * depth) ** 1.5
     whole = np.concatenate([time, 2.0 * time[-1] - time[::-1]])
@@ -33,7 +33,7 @@ def wall_pressure(results, number, cell):
     return cell * np.hypot(*column.T)[inside], force[inside], (force / area)[inside]
 
 
-def hertz_impact(redraw):
+def hertz(redraw):
     """The ball as it is pressed most; force over time and pressure on the wall against Hertz's."""
     results = run("hertz", redraw)
     radius, start, cell = 0.1, 0.005 / 0.2, 0.005
@@ -172,14 +172,13 @@ def drum(redraw):
     figure = plt.figure(figsize=(9, 5.0))
     above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.3))
     axes = above.subplots(1, 4, subplot_kw={"aspect": "equal"})
-    for axis, time in zip(axes, (0.0, 0.7, 1.4, 2.0), strict=True):
-        frame = frame_at(results, time)
-        speed = np.hypot(*frame["velocity"][:, :2].T)
-        shown = boxes(axis, frame["position"], frame["radius"], speed, (0.0, 2.0))
+
+    def outline(axis, frame):
         draw_lines(axis, lines(frame, camera(None, 2, None)), True)
         axis.set(xlim=(-0.69, 0.69), ylim=(-0.69, 0.69), xticks=(), yticks=())
-        axis.set_title(f"t = {frame.time:.1f} s", fontsize=10)
-    above.colorbar(shown, ax=axes, label="speed [m/s]", shrink=0.85, extend="max")
+
+    instants(axes, results, (0.0, 0.7, 1.4, 2.0), speed, (0.0, 2.0), {"label": "speed [m/s]"},
+             "t = {:.1f} s", each=outline)  # fmt: skip
     history = results.history
     left, right = below.subplots(1, 2)
     left.plot(history["time"], surface_angles(results), color=BLUE, label="surface of the heap")

@@ -1,7 +1,7 @@
 """The cases of metals: plates that meet, a bar thrown at a wall, a tube under pressure."""
 
 import numpy as np
-from common import BLUE, GREY, RED, boxes, frame_at, plt, run, save
+from common import BLUE, GREY, RED, frame_at, particles, plt, run, save
 
 
 def plate_impact(redraw):
@@ -16,12 +16,10 @@ def plate_impact(redraw):
         axes[0].plot(x[order], -frame["stress"][order, 0] / 1e6, color=colour, label=label)
         axes[1].plot(x[order], frame["velocity"][order, 0], color=colour, label=label)
         ways = 1e3 * time * np.array([4607.76, 5856.36])
-        place = np.array([-20.0, -ways[1], -ways[1], -ways[0], -ways[0], ways[0], ways[0], ways[1],
-                          ways[1], 20.0])  # fmt: skip
-        stress = np.array([0, 0, 700, 700, 1053.5, 1053.5, 700, 700, 0, 0])
+        place = np.array([-20.0, *-ways.repeat(2)[::-1], *ways.repeat(2), 20.0])
+        stress = np.repeat([0, 700, 1053.5, 700, 0], 2)
         axes[0].plot(place, stress, "k--", lw=0.8, label="exact" if time > 2e-6 else None)
-        jump = 15.2265
-        speed = np.array([25, 25, 25 - jump, 25 - jump, 0, 0, jump - 25, jump - 25, -25, -25])
+        speed = np.repeat([25, 25 - 15.2265, 0, 15.2265 - 25, -25], 2)
         axes[1].plot(place, speed, "k--", lw=0.8)
     axes[0].set(xlabel="x [mm]", ylabel="axial pressure [MPa]")
     axes[1].set(xlabel="x [mm]", ylabel="velocity [m/s]")
@@ -34,9 +32,8 @@ def taylor_bar(redraw):
     results = run("taylor-bar", redraw)
     figure = plt.figure(figsize=(9, 4.4))
     grid = figure.add_gridspec(1, 6)
-    axes = []
-    for column, time in enumerate((0.0, 2e-5, 4e-5, 8e-5)):
-        axis = figure.add_subplot(grid[0, column], aspect="equal")
+    axes = [figure.add_subplot(grid[0, column], aspect="equal") for column in range(4)]
+    for axis, time in zip(axes, (0.0, 2e-5, 4e-5, 8e-5), strict=True):
         frame = frame_at(results, time)
         position, start = frame["position"], results.frame(0)
         cut = start["position"][:, 2] < 2.0 * start["radius"]  # the layer beside the section
@@ -47,8 +44,7 @@ def taylor_bar(redraw):
                                  linewidths=0)  # fmt: skip
         axis.axhline(0.0, color="k", lw=1.0)
         axis.set(xlim=(-8, 8), ylim=(-1, 34), xlabel="[mm]", title=f"{1e6 * time:.0f} µs")
-        axis.set_yticks((0, 10, 20, 30), ("0", "10", "20", "30") if not column else [""] * 4)
-        axes.append(axis)
+        axis.set_yticks((0, 10, 20, 30), [""] * 4 if time else ("0", "10", "20", "30"))
     figure.colorbar(shown, ax=axes, label="plastic strain", extend="max", shrink=0.8)
     axis = figure.add_subplot(grid[0, 4:])
     history = results.history
@@ -73,10 +69,9 @@ def thick_tube(redraw):
     k, stiff, turn = 1.0 / np.sqrt(3.0), 500.0 / (1.0 - 0.3**2), np.linspace(0.0, 0.5 * np.pi, 40)
     for axis, time in zip(axes[:2], (1.3, 2.5), strict=True):
         frame = frame_at(results, time)
-        tube, x = frame["body"] == 0, frame["position"]
-        boxes(axis, x[~tube], frame["radius"][~tube], 0.0 * x[~tube, 0], (-2.0, 1.0), "Greys")
-        shown = boxes(axis, x[tube], frame["radius"][tube], frame["plastic-strain"][tube],
-                      (0.0, 0.006))  # fmt: skip
+        tube = frame["body"] == 0
+        particles(axis, frame, lambda frame: np.zeros(len(frame)), (-2.0, 1.0), ~tube, "Greys")
+        shown = particles(axis, frame, "plastic-strain", (0.0, 0.006), tube)
         front = min(2.0, np.sqrt(moved(frame) * stiff / k))
         axis.plot(front * np.cos(turn), front * np.sin(turn), "--", color="w", lw=1.5)
         axis.set(xlim=(0, 2.1), ylim=(0, 2.1), aspect="equal", title=f"t = {time}")

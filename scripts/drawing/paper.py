@@ -6,13 +6,12 @@ from pathlib import Path
 from time import perf_counter
 
 from common import ROOT, plt
-from cost import origin
 from figures import convergence, profiles, tables
 from figures.runs import keep, perform_all, recall
+from studies.harness import origin
 
 
 def main():
-    """Do what the command line says."""
     parser = argparse.ArgumentParser(prog="scripts/paper")
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "paper.out", metavar="DIR")
     parser.add_argument("--quick", action="store_true", help="fewer and coarser cells")
@@ -32,7 +31,7 @@ def main():
     began = perf_counter()
     if not arguments.redraw:
         runs = [*profiles.runs(arguments.quick), *convergence.runs(arguments.quick)]
-        keep(perform_all(runs, arguments.jobs), origin(), store)
+        keep(perform_all(runs, arguments.jobs), f"one core of {origin()}", store)
     results, source = recall(store)
     # The figures are shown at their size, not in a page's column.
     plt.rcParams["savefig.dpi"] = 130

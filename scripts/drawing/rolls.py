@@ -1,7 +1,7 @@
 """Cases of what rolls: a cylinder on a plate, a ball on a slope."""
 
 import numpy as np
-from common import BLUE, GREY, RED, boxes, frame_at, plt, run, save
+from common import BLUE, GREY, RED, boxes, frame_at, instants, plt, run, save
 
 
 def spin(frame, body, up=1):
@@ -17,20 +17,18 @@ def spin(frame, body, up=1):
 def rolling(redraw):
     """Three instants coloured by the velocity along the plate; velocity and spin against exact."""
     results = run("rolling", redraw)
-    times = (0.0, 0.1, 0.8)
     figure = plt.figure(figsize=(9, 5.2))
     grid = figure.add_gridspec(2, 3, height_ratios=(1.0, 1.25))
-    axes = []
-    for column, time in enumerate(times):
-        axis = figure.add_subplot(grid[0, column], aspect="equal")
-        frame = frame_at(results, time)
-        speed = frame["velocity"][:, 0]
-        shown = boxes(axis, frame["position"], frame["radius"], speed, (0.0, 2.0))
+    axes = [figure.add_subplot(grid[0, column], aspect="equal") for column in range(3)]
+
+    def around(axis, frame):
         middle = frame["position"][frame["body"] == frame.bodies.index("cylinder"), 0].mean()
-        axis.set(xlim=(middle - 0.35, middle + 0.35), ylim=(0.0, 0.55), xlabel="x [m]")
-        axis.set(ylabel="" if column else "y [m]", title=f"t = {frame.time:.2f} s")
-        axes.append(axis)
-    figure.colorbar(shown, ax=axes, label="velocity along x [m/s]", shrink=0.85)
+        axis.set(xlim=(middle - 0.35, middle + 0.35), title=f"t = {frame.time:.2f} s")
+
+    bar = {"label": "velocity along x [m/s]", "extend": "neither"}
+    instants(axes, results, (0.0, 0.1, 0.8), lambda frame: frame["velocity"][:, 0], (0.0, 2.0), bar,
+             each=around, ylim=(0.0, 0.55), xlabel="x [m]")  # fmt: skip
+    axes[0].set_ylabel("y [m]")
     axis = figure.add_subplot(grid[1, :])
     history = results.history
     speed = history["body.cylinder.momentum-x"] / history["body.cylinder.mass"]

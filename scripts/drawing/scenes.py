@@ -1,14 +1,13 @@
 """The other cases: disks, incline, upsetting, pile, bar."""
 
 import numpy as np
-from common import BLUE, GREY, RED, boxes, frame_at, plt, run, save
+from common import BLUE, GREY, RED, frame_at, instants, plt, run, save
 
 from pgimp.utilities.plot.camera import camera
 from pgimp.utilities.plot.rigid import draw_lines, lines
 
 
 def energies(axis, results, unit):
-    """Draw the energies of a history."""
     history = results.history
     for name, colour in (("kinetic", BLUE), ("strain", RED)):
         axis.plot(history["time"], history[f"{name}-energy"], color=colour, label=name)
@@ -33,13 +32,12 @@ def disks(redraw):
     figure = plt.figure(figsize=(9, 5.6))
     above, below = figure.subfigures(2, 1, height_ratios=(1.25, 1.0))
     axes = above.subplots(1, 3, subplot_kw={"aspect": "equal"})
-    for column, (axis, time) in enumerate(zip(axes, times, strict=True)):
-        frame = frame_at(results, time)
-        shown = boxes(axis, frame["position"], frame["radius"], frame["von-mises"], (0.0, top))
-        axis.set(xlim=(-0.05, 1.05), ylim=(-0.05, 1.05), xlabel="x [m]", xticks=(0, 0.5, 1))
-        axis.set(yticks=(0, 0.5, 1), ylabel="" if column else "y [m]")
-        axis.set_title(f"t = {frame.time:.2f} s", fontsize=10)
-    above.colorbar(shown, ax=axes, label="von Mises stress [Pa]", shrink=0.85, extend="max")
+    instants(
+        axes, results, times, "von-mises", (0.0, top), {"label": "von Mises stress [Pa]"},
+        "t = {:.2f} s", xlim=(-0.05, 1.05), ylim=(-0.05, 1.05), xlabel="x [m]", xticks=(0, 0.5, 1),
+        yticks=(0, 0.5, 1),
+    )  # fmt: skip
+    axes[0].set_ylabel("y [m]")
     left, right = below.subplots(1, 2)
     energies(left, results, "J/m")
     total = results.history["kinetic-energy"] + results.history["strain-energy"]
@@ -100,20 +98,21 @@ def upsetting(redraw):
     results = run("upsetting", redraw)
     figure = plt.figure(figsize=(9, 5.4))
     grid = figure.add_gridspec(2, 6, height_ratios=(1.0, 1.15))
-    axes = []
-    for column, time in enumerate((0.0, 0.35, 0.85)):
-        axis = figure.add_subplot(grid[0, 2 * column : 2 * column + 2], aspect="equal")
-        frame = frame_at(results, time)
-        position, stress = frame["position"], frame["von-mises"] / 1e3
-        shown = boxes(axis, position, frame["radius"], stress, (0.0, 250.0))
-        start = position - frame["displacement"]
+    axes = [figure.add_subplot(grid[0, k : k + 2], aspect="equal") for k in (0, 2, 4)]
+
+    def tools(axis, frame):
+        start = frame["position"] - frame["displacement"]
         middle = np.abs(start[:, 0] - 0.45) < 0.0126  # two columns of particles
-        axis.scatter(*position[middle, :2].T, s=1.0, color="w", zorder=3)
+        axis.scatter(*frame["position"][middle, :2].T, s=1.0, color="w", zorder=3)
         draw_lines(axis, lines(frame, camera(None, 2, None)), True)
-        axis.set(xlim=(0.0, 1.1), ylim=(0.0, 0.8), xlabel="x [m]", yticks=(0, 0.4, 0.8))
-        axis.set(ylabel="" if column else "y [m]", title=f"t = {frame.time:.2f} s")
-        axes.append(axis)
-    figure.colorbar(shown, ax=axes, label="von Mises stress [kPa]", shrink=0.85, extend="max")
+        # Once more, as what is drawn changes them.
+        axis.set(xlim=(0.0, 1.1), ylim=(0.0, 0.8), title=f"t = {frame.time:.2f} s")
+
+    instants(
+        axes, results, (0.0, 0.35, 0.85), lambda frame: frame["von-mises"] / 1e3, (0.0, 250.0),
+        {"label": "von Mises stress [kPa]"}, each=tools, xlabel="x [m]", yticks=(0, 0.4, 0.8),
+    )  # fmt: skip
+    axes[0].set_ylabel("y [m]")
     history = results.history
     left, right = figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])
     approach = -history["tool.punch.displacement-y"]

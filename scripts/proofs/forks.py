@@ -15,28 +15,18 @@ from pgimp.mpi.comm import quiet_mpi
 
 #: Where programs find these modules.
 SCRIPTS = Path(__file__).resolve().parents[1]
-
 #: Seconds after which a run is considered hung.
 PATIENCE = 90.0
-
 #: Memory that a child may take besides what it begins with; what asks for more gets an error.
 ROOM = 1_500_000_000
-
 #: Steps after which a run that would go on is done.
 STEPS = 3
 
 
 class Result(NamedTuple):
-    """What became of a command.
+    """What became of a command: status, what it wrote to stderr, time, and its greatest memory.
 
-    Attributes
-    ----------
-    status : int or None
-        Exit status, negative for a signal; None if it hung.
-    said : str
-        What it wrote to stderr.
-    seconds, megabytes : float
-        How long it took, and the most memory that it had.
+    The status is negative for a signal, None if it hung.
     """
 
     status: int | None

@@ -1,7 +1,5 @@
 """Runs under mpirun that are disturbed, and what must be true of all that they leave."""
 
-import argparse
-import json
 import os
 import random
 import shutil
@@ -15,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-from proofs.scenes import heaps
+from studies import harness
 
 import pgimp
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile
@@ -39,9 +37,7 @@ output: {every: {steps: 37}}
 history: {every: {steps: 10}}
 checkpoint: {every: {steps: 25}, keep: 3}
 """
-
 SHORT = CASE.replace("end: 2.0", "end: 1.2")
-
 #: Blocks with friction on a rough floor, a rigid body that pushes them, and one that moves freely.
 #: They come from afar, so that velocity fields and the slabs' boundaries change on the way.
 MEET = """\
@@ -69,7 +65,6 @@ output: {every: {steps: 37}, grid: [contact]}
 history: {every: {steps: 10}}
 checkpoint: {every: {steps: 25}, keep: 3}
 """
-
 #: A job on two ranks that has not ended after this is taken for hung; more share the cores.
 PATIENCE = 60.0
 
@@ -85,20 +80,9 @@ def environment(tcp=False):
 
 
 class Job:
-    """A run that goes on while it is being disturbed.
+    """A run of ``pgimp WORDS`` in a folder that goes on while it is being disturbed.
 
-    Parameters
-    ----------
-    ranks : int
-        How many; 1 is without mpirun.
-    words : sequence
-        What follows ``pgimp``.
-    folder : Path
-        Where it is started.
-    tcp : bool
-        Whether the ranks talk by TCP.
-    program : sequence of str
-        What Python is to run instead of pgimp itself.
+    One rank is without mpirun; with `tcp` ranks talk by TCP; Python runs `program` for pgimp.
     """
 
     def __init__(self, ranks, words, folder, tcp=False, program=("-m", "pgimp")):
@@ -110,18 +94,12 @@ class Job:
         self.began = time.monotonic()
         self._said = tempfile.TemporaryFile("w+", errors="replace")
         self.process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env=environment(tcp),
-            stdin=subprocess.DEVNULL,
-            stdout=self._said,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
+            command, cwd=folder, env=environment(tcp), stdin=subprocess.DEVNULL, stdout=self._said,
+            stderr=subprocess.STDOUT, start_new_session=True,
+        )  # fmt: skip
 
     @property
     def running(self):
-        """Whether it has not ended yet."""
         return self.process.poll() is None
 
     def ranks(self):
@@ -153,7 +131,6 @@ class Job:
 
     @property
     def said(self):
-        """What it wrote to the terminal."""
         self._said.seek(0)
         return self._said.read()
 
@@ -173,18 +150,18 @@ def whole(folder, name, words, ranks=1, tcp=False):
     return pgimp.open(folder / name)
 
 
-def options_of(name, runs, words):
-    """What the words of a proof with disturbed runs say."""
-    parser = argparse.ArgumentParser(prog=f"scripts/faults {name}")
-    parser.add_argument("--runs", type=int, default=runs)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--tcp", action="store_true")
-    parser.add_argument("--short", action="store_true", help="fewer steps, at most 3 ranks")
-    parser.add_argument("--contact", action="store_true", help="bodies that meet, up to 7 ranks")
-    parser.add_argument("--heap", action="store_true", help="many bodies in a drum, up to 7 ranks")
-    options = parser.parse_args(words)
-    options.contact |= options.heap
-    return options
+def options_of(name, words, runs=None, **more):
+    """What the words of a proof say: runs and seed if it has some, and more; see the harness."""
+    number = {"runs": {"type": int, "default": runs}, "seed": {"type": int, "default": 1}}
+    return harness.options_of(f"faults {name}", words, **(number if runs else {}) | more)
+
+
+def disturbed(name, words, runs):
+    """Options of a proof whose runs are disturbed."""
+    return options_of(
+        name, words, runs, tcp="ranks talk as between machines",
+        short="fewer steps, at most 3 ranks", contact="bodies that meet, up to 7 ranks",
+    )  # fmt: skip
 
 
 def undisturbed(folder, options):
@@ -246,19 +223,14 @@ def unreadable(directory):
     return wrong
 
 
-def differences(one, other):
-    """Return in what two run directories differ, bit for bit: frames, series and history."""
-    files = ["history.csv", "particles.xdmf"]
-    files += sorted(f"frames/{path.name}" for path in (one / "frames").glob("*.h5"))
-    wrong = [
-        name
-        for name in files
-        if not (other / name).exists() or (one / name).read_bytes() != (other / name).read_bytes()
-    ]
-    extra = {path.name for path in (other / "frames").iterdir()} - {
-        path.name for path in (one / "frames").iterdir()
-    }
-    return wrong + sorted(extra)
+def differences(one, other, names=("history.csv", "particles.xdmf", "frames/*")):
+    """Files of some names in which two run directories differ, bit for bit."""
+    found = {path.relative_to(run) for run in (one, other) for n in names for path in run.glob(n)}
+
+    def content(run, name):
+        return (run / name).read_bytes() if (run / name).is_file() else None
+
+    return sorted(str(name) for name in found if content(one, name) != content(other, name))
 
 
 @contextmanager

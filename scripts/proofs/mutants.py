@@ -13,7 +13,6 @@ from pgimp.schema.document import parse
 ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted([*ROOT.glob("cases/*.yaml"), *ROOT.glob("cases/hard/*.yaml")])
 STUDIES = sorted(ROOT.glob("cases/studies/*.yaml"))
-
 NUMBERS = [
     0, 0.0, -0.0, 1, -1, 0.5, 1e-300, 5e-324, 1e308, -1e308, 1.7976931348623157e308, 1e-9, 1e9,
     1e15, 1e30, 2**31, 2**31 - 1, 2**53, 2**53 + 1, 2**63, 2**64, 10**30, 10**400, -(10**30),
@@ -58,26 +57,19 @@ def places(data, path=()):
 
 
 def at(data, path):
-    """Return what stands at a path."""
     for key in path:
         data = data[key]
     return data
 
 
 def put(data, path, value):
-    """Replace what stands at a path."""
     at(data, path[:-1])[path[-1]] = value
 
 
 class Mutator:
-    """Makes mutants, the same for the same random numbers.
+    """Makes mutants, the same for the same random numbers of `chance`.
 
     Each kind is a method that returns the content of a file and further words of a command line.
-
-    Parameters
-    ----------
-    chance : random.Random
-        Where they come from.
     """
 
     def __init__(self, chance):
@@ -86,7 +78,6 @@ class Mutator:
         self.studies = [path.read_text(encoding="utf-8") for path in STUDIES]
 
     def case(self):
-        """Data of one of the cases."""
         return parse(self.chance.choice(self.texts), "case").data
 
     def text(self):
@@ -94,7 +85,6 @@ class Mutator:
         return re.sub(r"(?m)\s*#.*$", "", self.chance.choice(self.texts))
 
     def make(self, kind):
-        """Make a mutant of one of `KINDS`."""
         return getattr(self, kind)()
 
     def types(self):
@@ -191,15 +181,8 @@ class Mutator:
         i = self.chance.randrange(len(data))
         noise = self.chance.randbytes(self.chance.choice((1, 2, 50)))
         codes = (
-            "utf-16",
-            "utf-16-le",
-            "utf-16-be",
-            "utf-32",
-            "latin-1",
-            "cp037",
-            "utf-7",
-            "utf-8-sig",
-        )
+            "utf-16", "utf-16-le", "utf-16-be", "utf-32", "latin-1", "cp037", "utf-7", "utf-8-sig",
+        )  # fmt: skip
         return self.chance.choice((
             text.encode(self.chance.choice(codes), "replace"),
             data[:i] + noise + data[i:],
@@ -263,11 +246,8 @@ class Mutator:
             put(data, path, deepcopy(self.chance.choice(other)))
         if self.chance.random() < 0.3:
             data["launcher"] = [
-                "sh",
-                "-c",
-                f"touch {TRACE}",
-                self.chance.choice(("", "\x00", "{ranks}")),
-            ]
+                "sh", "-c", f"touch {TRACE}", self.chance.choice(("", "\x00", "{ranks}")),
+            ]  # fmt: skip
             data["ranks"] = self.chance.choice((2, 10**9, 2**53))
         if self.chance.random() < 0.1:
             data["sweep"] = [{"grid.cell": [[1.0]] * 30}] * self.chance.choice((1, 2, 9))
@@ -275,13 +255,6 @@ class Mutator:
 
 
 KINDS = (
-    "types",
-    "ranges",
-    "structure",
-    "letters",
-    "encodings",
-    "hostile",
-    "sizes",
-    "overrides",
+    "types", "ranges", "structure", "letters", "encodings", "hostile", "sizes", "overrides",
     "study",
-)
+)  # fmt: skip

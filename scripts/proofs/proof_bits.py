@@ -1,6 +1,5 @@
 """Bits of frozen scenes on 1, 3 and 5 ranks, and whether another commit gives the same."""
 
-import argparse
 import json
 import re
 import subprocess
@@ -8,17 +7,15 @@ import sys
 import tempfile
 from pathlib import Path
 
-from proofs.jobs import environment
+from proofs.jobs import environment, options_of
 
 ROOT = Path(__file__).resolve().parents[2]
 RANKS = (1, 3, 5)
-
 #: Shipped cases by name, and where they end: after some hundreds of steps.
 CASES = {
     "bar-vibration": 0.05, "block3d": 0.02, "channel": 0.004, "dam-break": 0.05, "disks": 0.2,
     "footing": 0.01, "gate": 0.01, "rolling": 0.05, "sand-column": 0.02, "vortex": 0.05,
 }  # fmt: skip
-
 #: Runs cases given as words, each into a folder of its name; also in older checkouts.
 RUNNER = """
 import sys
@@ -32,10 +29,9 @@ for case in sys.argv[2:]:
 
 def main(words):
     """Print what differs between ranks, and from another commit; 1 if anything does."""
-    parser = argparse.ArgumentParser(prog="scripts/faults bits")
-    parser.add_argument("--against", help="another commit, set up and run beside this one")
-    parser.add_argument("--only", default="", help="names of scenes, by commas")
-    options = parser.parse_args(words)
+    against = {"help": "another commit, set up and run beside this one"}
+    only = {"default": "", "help": "names of scenes, by commas"}
+    options = options_of("bits", words, against=against, only=only)
     only = {name for name in options.only.split(",") if name}
     with tempfile.TemporaryDirectory(prefix="pgimp-bits-") as folder:
         cases = [path for path in frozen(Path(folder)) if not only or path.stem in only]

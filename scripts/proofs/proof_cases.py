@@ -1,6 +1,5 @@
 """Mutated cases: each is run, or refused with a few of pgimp's own words; none does harm."""
 
-import argparse
 import os
 import random
 import shutil
@@ -13,24 +12,20 @@ from multiprocessing import get_context
 
 from proofs import forks
 from proofs.harmful import TRACE
-from proofs.jobs import environment, scratch
+from proofs.jobs import environment, options_of, scratch
 from proofs.mutants import KINDS, Mutator
 
 #: One mutant in this number is run in a process of its own, and by two ranks under mpirun.
 ALONE, RANKS = 25, 40
-
 #: How pgimp is told to handle it: the words before and after the name of the file.
 WAYS = {"run": ([], ["-o", "out"]), "check": (["check"], []), "study": (["study"], ["--list"])}
 
 
 def main(words):
     """Make as many mutants as asked for; print what became of them."""
-    parser = argparse.ArgumentParser(prog="scripts/faults cases")
-    parser.add_argument("--runs", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", choices=KINDS, help="one kind of mutation")
-    parser.add_argument("--short", action="store_true", help="good cases stop before they start")
-    options = parser.parse_args(words)
+    only = {"choices": KINDS, "help": "one kind of mutation"}
+    early = "good cases stop before they start"
+    options = options_of("cases", words, 1000, only=only, short=early)
     began = time.monotonic()
     outcomes, slowest, largest = defaultdict(Counter), {}, (0.0, "")
     with scratch("cases") as (folder, failures):

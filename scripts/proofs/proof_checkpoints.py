@@ -1,39 +1,32 @@
 """Damaged and lying checkpoints: named and skipped for the one before, or refused in a line."""
 
-import argparse
 import copy
 import json
 import os
 import random
-import resource
 import shutil
-import sys
-import time
 import zlib
 from collections import Counter
 from statistics import median
 
 import numpy as np
-from proofs.jobs import SHORT, differences, scratch
+from proofs import forks
+from proofs.jobs import SHORT, differences, options_of, scratch
 
 import pgimp
-from pgimp import cli
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.io.checkpoints.checkpointwriter import write
 from pgimp.mpi.comm import Serial
 from pgimp.running.checkpoints import present
 
-#: Seconds and megabytes that one attempt may take; without damage it takes a tenth of it.
-_SECONDS, _MEGABYTES = 60.0, 1500
+#: Megabytes that one attempt may take; without damage it takes a tenth of it.
+_MEGABYTES = 1500
 _MOST_LINES = 12
 
 
 def main(words):
     """Damage as many checkpoints as asked for; print what became of them."""
-    parser = argparse.ArgumentParser(prog="scripts/faults checkpoints")
-    parser.add_argument("--runs", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args(words)
+    options = options_of("checkpoints", words, 300)
     chance = random.Random(options.seed)
     outcomes, seconds, memory = Counter(), [], []
     with scratch("checkpoints") as (folder, failures):
@@ -51,7 +44,7 @@ def main(words):
             kind = KINDS[number % len(KINDS)]
             for path in before if every else before[:1]:
                 kind(path, chance)
-            status, said, spent, peak = attempt(["blocks.yaml", "-o", name, "--resume"])
+            status, said, spent, peak = attempt(["blocks.yaml", "-o", name, "--resume"], folder)
             seconds.append(spent)
             memory.append(peak)
             note = f"{name}, {'all' if every else 'newest'} {kind.__name__}"
@@ -85,28 +78,12 @@ def main(words):
     return 1 if failures else 0
 
 
-def attempt(words):
+def attempt(words, folder):
     """Run pgimp in a child: its status (None if it hangs or crashes), words, seconds, megabytes."""
-    read = os.memfd_create("said")
-    began = time.monotonic()
-    pid = os.fork()
-    if pid == 0:
-        os.dup2(read, 1)
-        os.dup2(read, 2)
-        resource.setrlimit(resource.RLIMIT_CPU, (int(_SECONDS), int(_SECONDS)))
-        status = 70
-        try:
-            status = cli.main(words)
-            sys.stdout.flush()
-        finally:
-            os._exit(status)
-    _, code, usage = os.wait4(pid, 0)
-    seconds = time.monotonic() - began
-    os.lseek(read, 0, os.SEEK_SET)
-    with open(read, errors="replace") as stream:
-        said = stream.read()
-    status = os.waitstatus_to_exitcode(code)
-    return status if status >= 0 else None, said, seconds, usage.ru_maxrss / 1024
+    done = forks.run(words, folder)
+    said = (folder / "stdout").read_text(errors="replace") + done.said
+    crashed = done.status is not None and done.status < 0
+    return None if crashed else done.status, said, done.seconds, done.megabytes
 
 
 def truncated(path, chance):
@@ -138,17 +115,11 @@ def replaced(path, chance):
     """Put something else there: nothing, text, another HDF5 file, a folder, a pipe, a dead link."""
     frame = next((path.parents[1] / "frames").glob("*.h5"))
     path.unlink()
-    chance.choice(
-        [
-            lambda: path.write_bytes(b""),
-            lambda: path.write_text("format: 1\n" * 1000),
-            lambda: shutil.copy(frame, path),
-            path.mkdir,
-            lambda: os.mkfifo(path),
-            lambda: path.symlink_to("nowhere"),
-            lambda: path.symlink_to("/dev/zero"),
-        ]
-    )()
+    chance.choice([
+        lambda: path.write_bytes(b""), lambda: path.write_text("format: 1\n" * 1000),
+        lambda: shutil.copy(frame, path), path.mkdir, lambda: os.mkfifo(path),
+        lambda: path.symlink_to("nowhere"), lambda: path.symlink_to("/dev/zero"),
+    ])()  # fmt: skip
 
 
 def header_lies(path, chance):
@@ -162,9 +133,7 @@ def header_lies(path, chance):
     where, key = tree, chance.choice(way)
     while isinstance(where[key], dict | list) and where[key] and chance.random() < 0.8:
         where = where[key]
-        key = (
-            chance.choice(list(where)) if isinstance(where, dict) else chance.randrange(len(where))
-        )
+        key = chance.choice(list(where if isinstance(where, dict) else range(len(where))))
     old = copy.deepcopy(where[key])
     while where[key] == old:
         where[key] = chance.choice(strange)
@@ -181,55 +150,35 @@ def state_lies(path, chance):
     about = copy.deepcopy(file.about)
     rows = {name: file.read(name, 0, file.count).copy() for name in file.rows}
     whole = {name: file.read_whole(name).copy() for name in file.whole}
-    row = chance.randrange(file.count)
-    state = about["state"]
-
-    def put(name, value):
-        rows[name][row] = value
-
-    chance.choice(
-        [
-            lambda: put("x", np.nan),
-            lambda: put("x", 1e300),
-            lambda: put("x", rows["x"][row] + [3.0, 0.0]),
-            lambda: put("v", np.inf),
-            lambda: put("F", np.nan),
-            lambda: put("m", -1.0),
-            lambda: put("V0", 0.0),
-            lambda: put("body", 7),
-            lambda: put("body", -1),
-            lambda: put("id", -5),
-            lambda: put("id", 2**60),
-            lambda: put("cell", -1),
-            lambda: put("cell", 2**62),
-            lambda: put("layer", rows["layer"][row] + 1),
-            lambda: rows.update({name: values[::-1].copy() for name, values in rows.items()}),
-            lambda: rows.pop(chance.choice(list(rows))),
-            lambda: rows.update(x=np.zeros((file.count, 3))),
-            lambda: rows.update(sigma=rows["sigma"].astype(np.int64)),
-            lambda: rows.update({name: values[:-1].copy() for name, values in rows.items()}),
-            lambda: whole.pop("layers"),
-            lambda: whole.update(layers=whole["layers"][:-1]),
-            lambda: whole.update(layers=np.roll(whole["layers"], 1)),
-            lambda: whole.update(layers=-whole["layers"]),
-            lambda: whole.update(layers=whole["layers"] * 2**55),
-            lambda: whole.update(work=np.full_like(whole["work"], np.nan)),
-            lambda: whole.update(impulse=whole["impulse"][:, :1]),
-            lambda: state.update(step=-1),
-            lambda: state.update(step="soon"),
-            lambda: state.update(time=1e308),
-            lambda: state.update(count=1),
-            lambda: state.update(rate=-1.0),
-            lambda: state.pop("dt"),
-            lambda: state.update(more=1),
-            lambda: about.update(state=[]),
-            lambda: about.update(program="another"),
-            lambda: about.update(frames=-3),
-            lambda: about.update(history="all"),
-            lambda: about.update(case=7),
-            lambda: about.pop("made_by"),
-        ]
-    )()
+    state, layers, row = about["state"], whole["layers"], chance.randrange(file.count)
+    # Values of a particle, then entries of the file; those that are None go.
+    lies = [(rows[name], {row: value}) for name, value in (
+        ("x", np.nan), ("x", 1e300), ("x", rows["x"][row] + [3.0, 0.0]), ("v", np.inf),
+        ("F", np.nan), ("m", -1.0), ("V0", 0.0), ("body", 7), ("body", -1), ("id", -5),
+        ("id", 2**60), ("cell", -1), ("cell", 2**62), ("layer", rows["layer"][row] + 1),
+    )]  # fmt: skip
+    lies += [(rows, lie) for lie in (
+        {name: values[::-1].copy() for name, values in rows.items()},
+        {chance.choice(list(rows)): None}, {"x": np.zeros((file.count, 3))},
+        {"sigma": rows["sigma"].astype(np.int64)},
+        {name: values[:-1].copy() for name, values in rows.items()},
+    )]  # fmt: skip
+    lies += [(whole, {"layers": lie}) for lie in (
+        None, layers[:-1], np.roll(layers, 1), -layers, layers * 2**55
+    )]  # fmt: skip
+    lies += [(whole, {"work": np.full_like(whole["work"], np.nan)})]
+    lies += [(whole, {"impulse": whole["impulse"][:, :1]})]
+    lies += [(state, lie) for lie in (
+        {"step": -1}, {"step": "soon"}, {"time": 1e308}, {"count": 1}, {"rate": -1.0},
+        {"dt": None}, {"more": 1},
+    )]  # fmt: skip
+    lies += [(about, lie) for lie in (
+        {"state": []}, {"program": "another"}, {"frames": -3}, {"history": "all"}, {"case": 7},
+        {"made_by": None},
+    )]  # fmt: skip
+    where, lie = chance.choice(lies)
+    for key, value in lie.items():
+        where.pop(key) if value is None else where.__setitem__(key, value)
     write(path, Serial(), about, rows, whole)
 
 

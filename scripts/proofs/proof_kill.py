@@ -7,12 +7,12 @@ import time
 from collections import Counter
 from statistics import median
 
-from proofs.jobs import Job, come_to, options_of, resumed, scratch, undisturbed, unreadable
+from proofs.jobs import Job, come_to, disturbed, resumed, scratch, undisturbed, unreadable
 
 
 def main(words):
     """Kill as many runs as asked for; print what became of them."""
-    options = options_of("kill", 100, words)
+    options = disturbed("kill", words, 100)
     chance = random.Random(options.seed)
     moments, statuses, begun, delays, same = Counter(), Counter(), Counter(), [], 0
     with scratch("kill") as (folder, failures):
@@ -88,7 +88,6 @@ def stage(directory):
 
 
 def report(options, moments, statuses, begun, delays, same):
-    """Print the figures."""
     by = ", by TCP" if options.tcp else ""
     most = 7 if options.contact else 4
     print(f"{options.runs} runs on 2 to {most} ranks{by}, one killed -9, resumed on 1 to {most}:")

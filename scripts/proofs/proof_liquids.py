@@ -1,10 +1,10 @@
 """Liquids in random tanks over tens of thousands of steps: their volume, and their energy."""
 
-import argparse
 import json
 import random
 
 import numpy as np
+from proofs.jobs import options_of
 from studies.scenes import box, case_of
 
 import pgimp
@@ -12,7 +12,6 @@ import pgimp
 #: What may be lost of the volume, on the mean over the last quarter; by how much the particles' own
 #: volumes may be off: they are compressed by up to one per cent, and spray is void.
 LOST, CARRIED = 0.02, 0.02
-
 #: The kinetic energy at the end over the greatest, the start's included: particles that walls hold
 #: keep of it what they have, though they do not move (docs/soils-and-fluids.md).
 MOVES = 0.5
@@ -20,12 +19,9 @@ MOVES = 0.5
 
 def main(words):
     """Run scenes; print what is lost, and the case file of those that lose too much."""
-    parser = argparse.ArgumentParser(prog="scripts/faults liquids")
-    parser.add_argument("--runs", type=int, default=24)
-    parser.add_argument("--first", type=int, default=0, help="number of the first scene")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--length", type=float, default=60.0, help="in sqrt(depth/g)")
-    options = parser.parse_args(words)
+    first = {"type": int, "default": 0, "help": "number of the first scene"}
+    length = {"type": float, "default": 60.0, "help": "in sqrt(depth/g)"}
+    options = options_of("liquids", words, 24, first=first, length=length)
     wrong = 0
     for number in range(options.first, options.first + options.runs):
         case, depth, words = tank(random.Random(f"{options.seed} {number}"))

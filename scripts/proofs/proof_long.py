@@ -1,11 +1,10 @@
 """Millions of steps: constant memory, mass exact to the bit, drift of momentum and energy."""
 
-import argparse
 import time
 from pathlib import Path
 
 import numpy as np
-from proofs.jobs import Job, scratch
+from proofs.jobs import Job, options_of, scratch
 
 import pgimp
 
@@ -26,7 +25,6 @@ boundaries: {x-max: fixed}
 history: {every: {steps: LINE}}
 checkpoint: {every: {wall: 20}, keep: 2}
 """
-
 #: A block that spins freely: 256 particles.
 SMALL = """\
 format: 1
@@ -45,7 +43,6 @@ bodies:
 history: {every: {steps: LINE}}
 checkpoint: {every: {wall: 20}, keep: 2}
 """
-
 _LINES = 200
 #: Growth of the memory from the first tenth of a run to its end that still counts as constant: the
 #: pages of the allocator and of the files' cache, not something a step or a line leaves.
@@ -54,10 +51,7 @@ _GROWTH = 2.0
 
 def main(words):
     """Run both scenes; print what stayed the same and what drifted."""
-    parser = argparse.ArgumentParser(prog="scripts/faults long")
-    parser.add_argument("--quick", action="store_true", help="a hundredth of the steps")
-    options = parser.parse_args(words)
-    part = 100 if options.quick else 1
+    part = 100 if options_of("long", words, quick="a hundredth of the steps").quick else 1
     with scratch("long") as (folder, failures):
         failures += one(folder, "tiny", TINY, 10_000_000 // part)
         failures += one(folder, "small", SMALL, 200_000 // part)
@@ -119,7 +113,6 @@ def one(folder, name, case, steps):
 
 
 def lines(directory):
-    """Number of lines of the history so far."""
     try:
         return (directory / "history.csv").read_bytes().count(b"\n")
     except FileNotFoundError:

@@ -1,6 +1,5 @@
 """Random scenes: the same files on any ranks, stopped and resumed, and books that balance."""
 
-import argparse
 import contextlib
 import itertools
 import json
@@ -13,7 +12,7 @@ import time
 from collections import Counter
 
 from proofs import bounds
-from proofs.jobs import Job, scratch
+from proofs.jobs import Job, differences, options_of, scratch
 from proofs.scenes import books as scene_books
 from proofs.scenes import runs as scene_runs
 from proofs.scenes import shrink as scene_shrink
@@ -34,18 +33,16 @@ _LOST = re.compile(r"of body '(\w+)' left the domain through (\S+)")
 
 def main(words):
     """Run as many scenes as asked for; print what became of them, and the smallest that fail."""
-    parser = argparse.ArgumentParser(prog="scripts/faults scenes")
-    parser.add_argument("--runs", type=int, default=500)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--first", type=int, default=0, help="number of the first scene")
-    parser.add_argument("--scene", type=int, help="this one alone")
-    parser.add_argument("--short", action="store_true", help="few kinds of scenes")
-    parser.add_argument("--having", metavar="FEATURE", help="only kinds of scenes that have it")
-    parser.add_argument("--each", type=int, default=GROUP, help="scenes of a kind, with --having")
-    parser.add_argument("--jobs", type=int, default=1, help="groups at a time")
-    parser.add_argument("--shrink", type=float, default=300.0, help="seconds for a failing scene")
-    parser.add_argument("--bounds", action="store_true", help="check indices in kernels")
-    options = parser.parse_args(words)
+    options = options_of(
+        "scenes", words, 500, short="few kinds of scenes",
+        first={"type": int, "default": 0, "help": "number of the first scene"},
+        scene={"type": int, "help": "this one alone"},
+        having={"metavar": "FEATURE", "help": "only kinds of scenes that have it"},
+        each={"type": int, "default": GROUP, "help": "scenes of a kind, with --having"},
+        jobs={"type": int, "default": 1, "help": "groups at a time"},
+        shrink={"type": float, "default": 300.0, "help": "seconds for a failing scene"},
+        bounds="check indices in kernels",
+    )  # fmt: skip
     if options.bounds:  # for the processes that run the scenes
         os.environ[bounds.VARIABLE] = "1"
     numbers = range(options.first, options.first + options.runs)
@@ -99,7 +96,6 @@ def read(folder, numbers):
 
 
 def report(results, options, seconds):
-    """Print the figures."""
     print(f"{len(results)} scenes, seed {options.seed}, in {seconds:.0f} s:")
     outcomes = Counter(each["outcome"] for each in results)
     print(f"  on one rank: {', '.join(f'{n} {what}' for what, n in outcomes.most_common())}")
@@ -155,7 +151,7 @@ def by_mpirun(where, number):
     status, _ = job.wait(300.0)
     if status != 0:
         return [("mpirun", f"status {status} on {ranks} ranks: {job.said}")]
-    wrong = scene_runs.differences(where / "runs" / "1", where / "runs" / "mpirun")
+    wrong = differences(where / "runs/1", where / "runs/mpirun", scene_runs.SAME)
     return [("bits under mpirun", f"on {ranks} ranks: {', '.join(wrong)}")] if wrong else []
 
 
@@ -177,12 +173,9 @@ def smaller(case, files, where, number, what, options):
 
 
 def examine(case, files, where, number, what=""):
-    """Run a case in all ways and keep its books; `what` names the only failure of interest.
+    """How a case ends on one rank, and classes and descriptions of what is wrong with it.
 
-    Returns
-    -------
-    Outcome, list of (str, str)
-        How it ended on one rank; classes and descriptions of what is wrong.
+    It is run in all ways, and its books are kept; `what` names the only failure of interest.
     """
     shutil.rmtree(where, ignore_errors=True)
     where.mkdir(parents=True)

@@ -6,20 +6,16 @@ import signal
 import time
 from collections import Counter
 
-from proofs.jobs import Job, come_to, options_of, resumed, scratch, undisturbed, unreadable
+from proofs.jobs import Job, come_to, disturbed, resumed, scratch, undisturbed, unreadable
 
 from pgimp.running.checkpoints import present
 
 #: Signal and addressee, and whether the run can stop in its own time.
 KINDS = [
-    (signal.SIGUSR1, "mpirun", True),
-    (signal.SIGUSR1, "a rank", True),
-    (signal.SIGTERM, "a rank", True),
-    (signal.SIGINT, "a rank", True),
-    (signal.SIGTERM, "mpirun", False),
-    (signal.SIGINT, "mpirun", False),
-]
-
+    (signal.SIGUSR1, "mpirun", True), (signal.SIGUSR1, "a rank", True),
+    (signal.SIGTERM, "a rank", True), (signal.SIGINT, "a rank", True),
+    (signal.SIGTERM, "mpirun", False), (signal.SIGINT, "mpirun", False),
+]  # fmt: skip
 #: pgimp with checkpoints that take seconds before they get their name.
 SLOW = """\
 import sys, time
@@ -39,7 +35,7 @@ sys.exit(main())
 
 def main(words):
     """Send as many signals as asked for; print what became of the runs."""
-    options = options_of("signals", 60, words)
+    options = disturbed("signals", words, 60)
     chance = random.Random(options.seed)
     with scratch("signals") as (folder, failures):
         (folder / "slow.py").write_text(SLOW)

@@ -34,7 +34,6 @@ class World:
         self._boxes.clear()
 
     def take(self, box):
-        """Wait for a message."""
         end = time.monotonic() + PATIENCE
         while True:
             try:
@@ -65,7 +64,6 @@ class Request:
         return False
 
     def Wait(self):
-        """Take what is received."""
         if self._receives and self._active:
             message = self._world.take(self._box)
             if message.size > self._array.size:
@@ -74,7 +72,6 @@ class Request:
         self._active = False
 
     def Free(self):
-        """Forget it."""
         self._box = None
 
 
@@ -98,5 +95,4 @@ class Reduction:
         self._comm, self._result = comm, result
 
     def Wait(self):
-        """Wait for all ranks."""
         self._result[:] = np.max(self._comm.collect("reduction"), axis=0)

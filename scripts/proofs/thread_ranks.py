@@ -36,16 +36,9 @@ def prepare():
 
 
 class Comm:
-    """One rank's communicator.
+    """One rank's communicator in a world that all ranks share.
 
-    Parameters
-    ----------
-    rank, size : int
-        Its number, and how many there are.
-    world : World
-        The same for all of them.
-    name : str
-        Tells communicators of the same ranks apart.
+    The name tells communicators of the same ranks apart.
     """
 
     def __init__(self, rank, size, world, name=""):
@@ -67,34 +60,27 @@ class Comm:
     # -- objects
 
     def allgather(self, value):
-        """Return the values of all ranks."""
         self.spread("objects", [pickle.dumps(value)] * self.size)
         return [pickle.loads(each) for each in self.collect("objects")]
 
     def alltoall(self, values):
-        """Send a value to each rank, and return what each of them sends."""
         self.spread("objects", [pickle.dumps(value) for value in values])
         return [pickle.loads(each) for each in self.collect("objects")]
 
     def gather(self, value, root=0):
-        """Return the values of all ranks on one of them."""
         every = self.allgather(value)
         return every if self.rank == root else None
 
     def bcast(self, value=None, root=0):
-        """Return the value of one rank."""
         return self.allgather(value if self.rank == root else None)[root]
 
     def allreduce(self, value):
-        """Return the sum."""
         return sum(self.allgather(value))
 
     def Barrier(self):
-        """Wait for all."""
         self.allgather(None)
 
     def send(self, value, dest, tag=0):
-        """Send a value."""
         self._box(self.rank, dest, tag).put(pickle.dumps(value))
 
     def isend(self, value, dest, tag=0):
@@ -103,7 +89,6 @@ class Comm:
         return SimpleNamespace(wait=lambda: None)
 
     def irecv(self, source, tag=0):
-        """Begin to receive a value."""
         return Message(self.world, self._box(source, self.rank, tag))
 
     def Iprobe(self, source, tag=0):
@@ -111,45 +96,36 @@ class Comm:
         return False
 
     def recv(self, source, tag=0):
-        """Receive a value."""
         return pickle.loads(self.world.take(self._box(source, self.rank, tag)))
 
     # -- arrays
 
     def Send_init(self, array, to, tag=0):
-        """Make a request that sends."""
         return Request(self.world, self._box(self.rank, to, tag), array, False)
 
     def Recv_init(self, array, source, tag=0):
-        """Make a request that receives."""
         return Request(self.world, self._box(source, self.rank, tag), array, True)
 
     def Isend(self, array, to, tag=0):
-        """Begin to send."""
         request = self.Send_init(array, to, tag)
         request.Start()
         return request
 
     def Irecv(self, array, source, tag=0):
-        """Begin to receive."""
         request = self.Recv_init(array, source, tag)
         request.Start()
         return request
 
     def Recv(self, array, source, tag=0):
-        """Receive."""
         self.Irecv(array, source, tag).Wait()
 
     def Allgather(self, mine, every):
-        """Put the arrays of all ranks into the rows of `every`."""
         every[...] = np.array(self.allgather(mine)).reshape(every.shape)
 
     def Allreduce(self, mine, every):
-        """Find the sums."""
         every[...] = sum(self.allgather(mine.copy()))
 
     def Alltoall(self, sent, received):
-        """Exchange a number with each rank."""
         self.spread("numbers", sent.copy())
         received[:] = self.collect("numbers")
 
@@ -165,22 +141,18 @@ class Comm:
         room[:] = parts
 
     def Iallreduce(self, mine, every, _):
-        """Begin to find the greatest."""
         self.spread("reduction", [mine.copy()] * self.size)
         return Reduction(self, every)
 
     # -- communicators
 
     def Get_attr(self, key):
-        """Return what has been kept with this one; None without."""
         return self._attributes.get(key)
 
     def Set_attr(self, key, value):
-        """Keep something with this one."""
         self._attributes[key] = value
 
     def Dup(self):
-        """Return one of the same ranks."""
         return Comm(self.rank, self.size, self.world, f"{self._name}+")
 
     def Split_type(self, _):
@@ -192,13 +164,7 @@ class Comm:
 
 
 def together(size, task):
-    """Run ``task(comm)`` on `size` ranks.
-
-    Returns
-    -------
-    list
-        What it returned, or the exception that it raised, by rank.
-    """
+    """Run ``task(comm)`` on some ranks; what it returned, or what it raised, by rank."""
     world, results = World(), [None] * size
 
     def work(rank):

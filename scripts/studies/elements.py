@@ -15,15 +15,7 @@ def lagrange(s):
 
 
 class Mesh:
-    """Equal elements of a beam.
-
-    Parameters
-    ----------
-    length, height : float
-        Of the beam.
-    elements : (int, int)
-        Along the beam and across it.
-    """
+    """Equal elements of a beam, so many along it and across it."""
 
     def __init__(self, length, height, elements):
         self.elements = nx, ny = elements

@@ -1,5 +1,6 @@
 """What all studies share: jobs, figures that are kept, tables with machine and date, pages."""
 
+import argparse
 import csv
 import json
 import os
@@ -35,13 +36,36 @@ def origin(*more: str) -> str:
     return f"{cpu()} ({os.cpu_count()} cores), {', '.join([*words, *more])}, {date.today()}"
 
 
-def chosen(parser: Any, names: str | Iterable[str], known: Iterable[str]) -> tuple[str, ...]:
-    """Names given in a list or between commas; one that is not known is an error."""
+def options_of(prog: str, given: list[str] | None = None, **known: Any) -> Any:
+    """What the command line of scripts/PROG says, or some words.
+
+    By name there are the settings of an option, or the help of one that is on or off; one with
+    `nargs: "*"` is no option. What is to be `among` some names may be words, or between commas.
+    """
+    parser = argparse.ArgumentParser(prog=f"scripts/{prog}")
+    among = {}
+    for name, settings in known.items():
+        on_off = {"action": "store_true", "help": settings}
+        more = on_off if isinstance(settings, str) else {**settings}
+        if names := more.pop("among", None):
+            among[name] = names
+            more = {"default": "", "help": ", ".join(names)} | more
+        parser.add_argument(name if more.get("nargs") == "*" else f"--{name}", **more)
+    options = parser.parse_args(given)
+    for name, names in among.items():
+        setattr(options, name, chosen(parser, getattr(options, name), names))
+    return options
+
+
+def chosen(
+    parser: Any, names: str | Iterable[str], known: Iterable[str], what: str = ""
+) -> tuple[str, ...]:
+    """Names given in a list or between commas; one that is not known, of `what`, is an error."""
     given = names.split(",") if isinstance(names, str) else names
     found = tuple(filter(None, given))
     for name in found:
         if name not in known:
-            parser.error(f"there is no {name}; there are {', '.join(known)}")
+            parser.error(f"there is no {what}{name}; there are {', '.join(known)}")
     return found
 
 
@@ -51,17 +75,10 @@ def key(name: Any) -> str:
 
 
 class Kept(dict[str, Any]):
-    """Figures that are kept from run to run in a JSON file.
+    """Figures that are kept from run to run in a JSON file; a `new` one forgets what it has.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    new : bool
-        Whether what it has is forgotten.
-    sources : list of Path, optional
-        Of the study. If given, figures count only while these files, pgimp's and the cases are
-        what they were when the figures were measured.
+    If files of the study are given as `sources`, figures count only while these, pgimp's and the
+    cases are what they were when the figures were measured.
     """
 
     def __init__(self, path: Path, new: bool = False, sources: Iterable[Path] = ()) -> None:
@@ -76,7 +93,6 @@ class Kept(dict[str, Any]):
             self["digest"] = digest
 
     def save(self) -> None:
-        """Write the file."""
         self._path.write_text(json.dumps(self, indent=1, default=float), encoding="utf-8")
 
     def add(self, name: Any, value: Any) -> None:
@@ -115,7 +131,6 @@ class Table:
         self.lines = [_line(titles), "|---" * len(titles) + "|"]
 
     def add(self, *cells: Any) -> None:
-        """Add a line."""
         self.lines.append(_line(cells))
         print(self.lines[-1], flush=True)
 
@@ -133,7 +148,6 @@ def _line(cells: Iterable[Any]) -> str:
 
 
 def table(titles: Iterable[Any], rows: Iterable[Iterable[Any]], note: str = "") -> str:
-    """A table in Markdown, and a note below."""
     found = Table(*titles)
     found.lines += map(_line, rows)
     return found.text(note)
@@ -158,14 +172,7 @@ def standing(name: str, mark: str = "") -> dict[tuple[str, str], list[str]]:
 def put(texts: Mapping[str, str], whole: Path | None = None, page: bool = True) -> None:
     """Write tables by name, the pages that show them, and all into one file.
 
-    Parameters
-    ----------
-    texts : dict of str
-        Each becomes scripts/pages/tables/NAME.md.
-    whole : Path, optional
-        The file that has all of them.
-    page : bool
-        Whether tables and pages are written, too.
+    Each becomes scripts/pages/tables/NAME.md, unless `page` is false; `whole` has all of them.
     """
     if whole:
         whole.write_text("\n".join(texts.values()), encoding="utf-8")

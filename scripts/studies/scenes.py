@@ -27,31 +27,19 @@ def ball(centre: Iterable[float], radius: float) -> dict[str, Any]:
 
 
 def case_of(size, cell, materials, bodies, end, *, courant=0.3, per_cell=2, **parts):
-    """A case with boxes (gimp) on cubic cells.
+    """A case with boxes (gimp) on cubic cells, `per_cell` particles a cell and direction.
 
-    Parameters
-    ----------
-    size : sequence of float
-        Extent of the domain.
-    cell : float
-        Edge of a cell.
-    end : float
-        Of the time.
-    per_cell : int
-        Particles a cell and direction.
-    parts
-        Other keys of the case; those of `grid`, `method` and `time` are added to what is here.
+    `size` is the extent of the domain, `end` that of the time. `parts` are other keys of the case;
+    those of `grid`, `method` and `time` are added to what is here.
     """
     D = len(size)
     case = {
-        "format": 1,
-        "dimensions": D,
+        "format": 1, "dimensions": D,
         "grid": {"size": [*map(float, size)], "cell": [float(cell)] * D},
         "method": {"shape": "gimp", "particles_per_cell": [per_cell] * D},
-        "time": {"end": float(end), "step": {"courant": courant}},
-        "materials": materials,
+        "time": {"end": float(end), "step": {"courant": courant}}, "materials": materials,
         "bodies": bodies,
-    }
+    }  # fmt: skip
     for name in ("grid", "method", "time"):
         case[name] |= parts.pop(name, {})
     return case | parts
@@ -79,12 +67,10 @@ def by_id(sim: Simulation, values: np.ndarray) -> np.ndarray:
 
 
 def a_line(sim: pgimp.Simulation) -> dict[str, float]:
-    """The line of the history as it is now."""
     return sim.diagnostics() or {}
 
 
 def reading(name: str) -> Callable:
-    """What looks at a column of the history."""
     return lambda sim: a_line(sim)[name]
 
 

@@ -25,12 +25,9 @@ def main():
             return {"seconds": one.seconds[-1], "speed": one.speeds[-1]}
         velocity, stress = errors(one.sim)
         return {
-            "speeds": one.speeds,
-            "speed": median(one.speeds),
-            "velocity": velocity,
-            "stress": stress,
-            "phases": one.phases,
-        }
+            "speeds": one.speeds, "speed": median(one.speeds), "velocity": velocity,
+            "stress": stress, "phases": one.phases,
+        }  # fmt: skip
 
     serve(comm, answer)
 

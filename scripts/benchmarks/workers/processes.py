@@ -35,15 +35,7 @@ def launch(ranks, words):
 
 
 class Worker:
-    """A process that answers until it is closed.
-
-    Parameters
-    ----------
-    command : list of str
-        What it runs; see `serve`.
-    more : dict, optional
-        Further variables of its environment.
-    """
+    """A process that answers until it is closed: a command, see `serve`, with more variables."""
 
     def __init__(self, command, more=None):
         self._errors = tempfile.TemporaryFile("w+", errors="replace")
@@ -54,7 +46,6 @@ class Worker:
         self._command = command
 
     def ask(self, **words):
-        """Send a line and return the answer."""
         self.tell(**words)
         return self.hear()
 
@@ -79,7 +70,6 @@ class Worker:
         )
 
     def close(self):
-        """Let it end."""
         self._process.stdin.close()
         try:
             self._process.wait(30)
@@ -93,12 +83,7 @@ class Worker:
 def serve(comm, answer):
     """Answer until there is nothing more to read; collective.
 
-    Parameters
-    ----------
-    comm : communicator
-        Of all ranks; rank 0 reads and answers.
-    answer : function
-        Called with each line on every rank; what rank 0 returns, a dict, is the answer.
+    Rank 0 reads; `answer` is called with each line on every rank, and what rank 0 returns is sent.
     """
     while True:
         words = None

@@ -25,22 +25,10 @@ def start(threads):
 
 
 class Block:
-    """A block of particles.
+    """A block of particles by ``gimp`` or ``mls-mpm``; gravity is along the last direction.
 
-    Parameters
-    ----------
-    method : str
-        ``gimp`` or ``mls-mpm``.
-    x, v : (n, D) array
-        Positions, in the order in which they are stored, and velocities.
-    vertices : sequence of int
-        Of the grid, whose first one is at 0.
-    cell, dt : float
-        Size of a cell and of a step.
-    per_cell : int
-        Particles per cell and direction.
-    density, gravity, lame : float, float, (float, float)
-        Gravity is along the last direction.
+    Positions x and velocities v, (n, D), are in the order in which they are stored; the first of
+    the grid's `vertices` is at 0.
     """
 
     def __init__(self, method, x, v, vertices, cell, dt, per_cell, density, gravity, lame):

@@ -38,9 +38,7 @@ def main(threads):
             return {"seconds": seconds[-1]}
         speeds = [block.count * steps / s / 1e6 for s in seconds]
         velocity, stress = block.errors(**scene)
-        return {
-            "speeds": speeds, "speed": median(speeds), "velocity": velocity, "stress": stress,
-        }  # fmt: skip
+        return {"speeds": speeds, "speed": median(speeds), "velocity": velocity, "stress": stress}
 
     serve(Alone, answer)
 

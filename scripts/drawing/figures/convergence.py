@@ -24,7 +24,6 @@ STOPPED = 1.02
 
 
 def cells_and_step(quick):
-    """Cell sizes, and the step that they share."""
     return (QUICK_CELLS, QUICK_STEP) if quick else (CELLS, STEP)
 
 
@@ -42,7 +41,6 @@ def speed_run(speed, cell, step):
 
 
 def runs(quick):
-    """The runs of both figures."""
     cells, step = cells_and_step(quick)
     lines = [(m, n) for m in (*PAPER, "gimp-tracked", *FUZZY) for n in COUNTS]
     lines += [(m, n) for m in GHOSTS for n in (1, 2)]
@@ -126,12 +124,9 @@ def ours(axis, results, methods):
                 continue
             markers = CROSSED if method == "finite-gimp" else MARKERS
             style = {
-                "marker": markers[per_cell],
-                "mfc": shown.colour if method == "mpm" else "none",
-                "color": shown.colour,
-                "ms": 6.0,
-                "lw": 0.7,
-            }
+                "marker": markers[per_cell], "mfc": shown.colour if method == "mpm" else "none",
+                "color": shown.colour, "ms": 6.0, "lw": 0.7,
+            }  # fmt: skip
             done = {cell: r["error"] for cell, r in line.items() if "error" in r}
             label = f"{per_cell} p/c {shown.label}"
             axis.plot(list(done), list(done.values()), label=label, **style)

@@ -26,18 +26,14 @@ METHODS = {
     "fuzzy-nearest": Method("fuzzy-nearest", "shape: fuzzy-nearest", BROWN, "D"),
     "fuzzy-constant": Method("fuzzy-constant", "shape: fuzzy-constant", PINK, "p"),
     "fuzzy-nearest-fixed": Method(
-        "fuzzy-nearest, size fixed, wall ghost",
-        "shape: fuzzy-nearest, size: fixed, wall: ghost",
-        ORANGE,
-        "D",
+        "fuzzy-nearest, size fixed, wall ghost", "shape: fuzzy-nearest, size: fixed, wall: ghost",
+        ORANGE, "D",
     ),
     "fuzzy-constant-fixed": Method(
-        "fuzzy-constant, size fixed, wall ghost",
-        "shape: fuzzy-constant, size: fixed, wall: ghost",
-        GREY,
-        "p",
+        "fuzzy-constant, size fixed, wall ghost", "shape: fuzzy-constant, size: fixed, wall: ghost",
+        GREY, "p",
     ),
-}
+}  # fmt: skip
 #: Columns of the figures that show the methods beside each other.
 PAPER = ("mpm", "gimp", "finite-gimp")
 TRACKED = ("mpm-tracked", "gimp-tracked")

@@ -15,31 +15,21 @@ STEP = 1.0e-4
 MPM_STEP = 2.0e-5
 COUNTS = (1, 2, 4)
 TITLES = {
-    PAPER: "as in the paper",
-    (*TRACKED, "finite-gimp"): "volume tracked",
-    FUZZY: "size tracked, wall mirror",
-    GHOSTS: "size fixed, wall ghost",
-}
-
-
+    PAPER: "as in the paper", (*TRACKED, "finite-gimp"): "volume tracked",
+    FUZZY: "size tracked, wall mirror", GHOSTS: "size fixed, wall ghost",
+}  # fmt: skip
 #: What all legends have in common; they may cover cell boundaries, no particles.
 LEGEND = {
-    "fontsize": 8,
-    "title_fontsize": 9,
-    "frameon": True,
-    "framealpha": 0.9,
-    "edgecolor": "none",
-}
+    "fontsize": 8, "title_fontsize": 9, "frameon": True, "framealpha": 0.9, "edgecolor": "none",
+}  # fmt: skip
 
 
 def column_run(method, step=None):
-    """The run of figures 4 and 5."""
     step = step or (MPM_STEP if method.startswith("mpm") else STEP)
     return Run("column", method, 1.0, 2, step, INSTANTS, profile=True)
 
 
 def shock_run(method, per_cell=2):
-    """The run of figures 6 to 9."""
     times = tuple(TRANSIT * fraction for fraction in FRACTIONS)
     return Run("shock", method, 1.0, per_cell, STEP, times, profile=True)
 

@@ -56,12 +56,9 @@ class Run(NamedTuple):
             ramp = f"[[0.0, [0.0]], [{2.1 / self.speed!r}, [{-2.1 * RATE!r}]]]"
             return [*words, f"gravity={{table: {ramp}}}", "exact={compaction: {dynamic: true}}"]
         return [
-            *words,
-            "gravity=null",
-            f"bodies.column.velocity=[{IMPACT}]",
-            "materials.bar.viscosity={linear: 0.2, quadratic: 2.0}",
-            "exact=shock",
-        ]
+            *words, "gravity=null", f"bodies.column.velocity=[{IMPACT}]",
+            "materials.bar.viscosity={linear: 0.2, quadratic: 2.0}", "exact=shock",
+        ]  # fmt: skip
 
 
 def perform(run):

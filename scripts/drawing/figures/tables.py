@@ -1,6 +1,6 @@
 """The errors of all runs as a table: errors.csv, and errors.md to read."""
 
-import csv
+from studies.harness import table, write_csv
 
 from figures.convergence import COUNTS, SPEEDS, line_of, speed_of
 from figures.methods import METHODS
@@ -22,13 +22,8 @@ methods by `scripts/pictures error-and-cost`.
 
 
 def write(results, origin, folder):
-    """Write both tables."""
-    with open(folder / "errors.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, FIELDS)
-        writer.writeheader()
-        for run, records in results.items():
-            for record in records:
-                writer.writerow(row(run, record))
+    found = [row(run, record) for run, records in results.items() for record in records]
+    write_csv(found, folder / "errors.csv")
     parts = ["# Errors of the paper's examples\n", f"{origin}\n", NOTES, *sections(results)]
     (folder / "errors.md").write_text("\n".join(parts), encoding="utf-8")
 
@@ -38,17 +33,11 @@ def row(run, record):
     names = {"error_dynamic": "dynamic", "mean_behind": "mean", "jump_behind": "jump"}
     found = {field: record.get(names.get(field, field)) for field in FIELDS}
     return found | {
-        "problem": run.problem,
-        "method": run.method,
-        "entry": METHODS[run.method].entry,
-        "cell": run.cell,
-        "particles_per_cell": run.per_cell,
-        "step": run.step,
-        "speed": run.speed,
-        "time": record["time"],
-        "seconds": round(record["seconds"], 3),
+        "problem": run.problem, "method": run.method, "entry": METHODS[run.method].entry,
+        "cell": run.cell, "particles_per_cell": run.per_cell, "step": run.step, "speed": run.speed,
+        "time": record["time"], "seconds": round(record["seconds"], 3),
         "state": record.get("stopped", "done"),
-    }
+    }  # fmt: skip
 
 
 def sections(results):
@@ -102,8 +91,3 @@ def entry(record, *keys):
         f"{record[key]:.0f}" if key in ("mean", "jump") else f"{record[key]:.2e}" for key in keys
     )
 
-
-def table(head, rows):
-    """A table in Markdown."""
-    lines = ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
-    return "\n".join(lines) + "\n"

@@ -19,7 +19,6 @@ def vector(rng, dimension, most):
 
 
 def middle(low, high):
-    """The middle of a box."""
     return [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
 
 
@@ -32,12 +31,10 @@ def radius(low, high):
 
 
 def box(rng, low, high, scene):
-    """All of it."""
     return {"box": {"min": low, "max": high}}
 
 
 def ball(rng, low, high, scene):
-    """The largest."""
     return {"ball": {"centre": middle(low, high), "radius": radius(low, high)}}
 
 

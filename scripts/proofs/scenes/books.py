@@ -76,14 +76,8 @@ def patch_forces(sim):
 class Books:
     """What is known of a run on one rank.
 
-    Attributes
-    ----------
-    wrong : list of (str, str)
-        Class and description of what does not hold.
-    created : float
-        Energy from nothing, as a part of the greatest energy.
-    turned : float
-        Change of the angular momentum, over mass times speed times size.
+    `wrong` has class and description of what does not hold; `created` is energy from nothing over
+    the greatest, `turned` the change of the angular momentum over mass times speed times size.
     """
 
     def __init__(self, sim):
@@ -94,16 +88,11 @@ class Books:
         self.mass = self._line["mass"]
         speeds = [wave_speed(sim.scene, body) for body in range(len(sim.scene.body_names))]
         self._scale = self.mass * max(speeds)
-        self._momentum = [(0.0, 0, "")]
-        self._work = [(0.0, 0, "")]
-        self._lines = [self._line]
-        conditions = [
-            each
+        self._momentum, self._work, self._lines = [(0.0, 0, "")], [(0.0, 0, "")], [self._line]
+        self._accelerates = any(
+            case.contact or case.rigid_bodies or any(each.varies for each in _conditions(case))
             for case in sim.cases
-            for each in (*case.boundaries.values(), *case.constraints.values())
-        ]
-        meets = any(case.contact or case.rigid_bodies for case in sim.cases)
-        self._accelerates = meets or any(each.varies for each in conditions)
+        )
         self._explained = [0.0]
 
     def run(self):
@@ -126,8 +115,8 @@ class Books:
         rows, start, last = sim.live(), sim.time, self._line
         gravity = np.array(sim.scene.gravity(start)[:D])
         impulse = last["mass"] * gravity + patch_forces(sim)
-        before = dict(zip(sim.particles.id[rows].tolist(), sim.particles.x[rows], strict=True))
-        mass = dict(zip(sim.particles.id[rows].tolist(), sim.particles.m[rows], strict=True))
+        ids, p = sim.particles.id[rows].tolist(), sim.particles
+        before, mass = (dict(zip(ids, of[rows], strict=True)) for of in (p.x, p.m))
         seen, affine = Seen(), self.case.method.affine
         with seen.step() if self._accelerates or affine else contextlib.nullcontext():
             sim.advance()
@@ -152,8 +141,7 @@ class Books:
         off = np.abs(gained - impulse).max()
         text = f"step {sim.step}: gained {gained.tolist()}, impulses {impulse.tolist()}"
         self._momentum.append((off, sim.step, text))
-        entries = [*self.case.boundaries.values(), *self.case.constraints.values()]
-        moves = any(hasattr(entry, "velocity") for entry in entries)
+        moves = any(hasattr(entry, "velocity") for entry in _conditions(self.case))
         if (len(forces) <= 1 or not moves) and not self.case.tractions:
             self._check_work(line, last, gravity, before, mass, start)
 
@@ -223,24 +211,15 @@ class Books:
                     gained += _kept(values)
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case
-        for name in (
-            name
-            for name, rigid_body in case.rigid_bodies.items()
-            if rigid_body.free and not case.gravity
-        ):
+        free = [name for name, body in case.rigid_bodies.items() if body.free]
+        for name in () if case.gravity else free:
             own, done = every[f"tool.{name}.kinetic-energy"], every[f"tool.{name}.work"]
             most = max(own.max() + np.abs(done).max(), 1e-300)
             if (gained := float((own - own[0] + done).max()) / most) > RIGID:
                 text = f"{name} gains {gained:.3g} of its energy"
                 self.wrong.append(("books: free rigid body", text))
-        held = any(
-            case.boundaries
-            or case.constraints
-            or case.tractions
-            or case.gravity
-            or case.rigid_bodies
-            for case in self.sim.cases
-        )
+        loads = ("boundaries", "constraints", "tractions", "gravity", "rigid_bodies")
+        held = any(getattr(case, load) for case in self.sim.cases for load in loads)
         if not held and self.D > 1 and len(self._lines) > 1:
             speed = math.sqrt(2.0 * energy.max() / self.mass)
             size = max(case.grid.size)
@@ -253,6 +232,10 @@ class Books:
             self.wrong.append(("books: angular momentum", text))
 
 
+def _conditions(case):
+    return *case.boundaries.values(), *case.constraints.values()
+
+
 def _kept(values):
     """Values of a column, those of a stage that does not have it as they were last; else 0."""
     found, last = np.zeros(len(values)), 0.0
@@ -262,18 +245,7 @@ def _kept(values):
 
 
 def check(load):
-    """Keep the books of a case.
-
-    Parameters
-    ----------
-    load : callable
-        ``load(overrides)`` gives the case.
-
-    Returns
-    -------
-    Books
-        With all that is wrong.
-    """
+    """The books of a case that ``load(overrides)`` gives, with all that is wrong."""
     from pgimp.mpi.comm import Serial
     from pgimp.solver.simulation import Simulation
 

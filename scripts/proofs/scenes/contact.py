@@ -78,9 +78,7 @@ def contact(rng, scene):
         if law == "friction" and rng.random() < 0.7:
             most = number(rng, 0.0, 1.0)
             kinetic = number(rng, 0.0, 0.9) * most
-            found["friction"] = most if rng.random() < 0.5 else {
-                "static": most, "kinetic": kinetic
-            }  # fmt: skip
+            found["friction"] = most if rng.random() < 0.5 else {"static": most, "kinetic": kinetic}
         if law == "friction" and rng.random() < 0.25:
             strength = 10.0 ** number(rng, -2.0, 1.0)
             found["adhesion"] = {

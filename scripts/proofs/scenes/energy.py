@@ -19,21 +19,12 @@ ROUNDING = 1e-9
 class Seen:
     """Records of the vertices in one step on one rank, (n, RECORD).
 
-    They are taken within the step: after it the window may be another one.
-
-    Attributes
-    ----------
-    carried
-        What vertices get of the velocity's variation that particles carry, in place of the momenta.
-    sums
-        Sums of the particles, before the momentum update; `forcing` is what acts then.
-    after
-        Velocities and accelerations, as particles take them.
-    held
-        Those, but of bodies in the initial configuration before they meet others: particles get
-        just that change, and with what the grid loses by it no energy.
-    active : (n,) bool
-        Whether the vertex has mass.
+    They are taken within the step: after it the window may be another one. `carried` is what
+    vertices get of the velocity's variation that particles carry, in place of the momenta. `sums`
+    are those of the particles before the momentum update, when `forcing` acts. `after` are
+    velocities and accelerations as particles take them; `held` those, but of bodies in the initial
+    configuration before they meet others: particles get just that change, and with what the grid
+    loses by it no energy. Vertices that have mass are `active`.
     """
 
     @contextlib.contextmanager

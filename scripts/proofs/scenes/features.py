@@ -24,6 +24,7 @@ from proofs.scenes.output import checkpoints, frames, grid_frames, history, prob
 from proofs.scenes.stages import stages
 
 SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
+BOXES = ("gimp", "finite-gimp", "cpdi")
 WALLS = ("fixed", "slip", "separating", "moving")
 
 
@@ -47,7 +48,6 @@ class Scene:
 
     @property
     def faces(self):
-        """Names of the domain's faces."""
         return [f"{axis}-{end}" for axis in "xyz"[: self.dimension] for end in ("min", "max")]
 
 
@@ -93,15 +93,19 @@ def splines(rng, scene):
         scene.case["method"]["wall"] = "ghost"
 
 
-def corners(rng, scene):
+def of_corners(rng, scene):
     """Parallelograms in place of another shape."""
     scene.case["method"] = {"shape": "cpdi-corners", "particles_per_cell": scene.per_cell}
 
 
-def mirrors(rng, scene):
-    """Walls reflect what boxes carry beyond them."""
-    if scene.case["method"]["shape"] in ("gimp", "finite-gimp", "cpdi", "cpdi-corners"):
-        scene.case["method"]["wall"] = "mirror"
+def of_method(shapes=None, **entries):
+    """A feature that adds keys to the method, of all shapes or of some."""
+
+    def add(rng, scene):
+        if not shapes or scene.case["method"]["shape"] in shapes:
+            scene.case["method"] |= entries
+
+    return add
 
 
 def courant(rng, scene):
@@ -115,17 +119,6 @@ def long(rng, scene):
     if not isinstance(scene.case["time"]["step"], dict):
         scene.case["time"]["step"] = {"courant": number(rng, 0.15, 0.35)}
     scene.case["time"]["end"] = 12.0 * scene.end
-
-
-def affine(rng, scene):
-    """Particles carry their velocity gradient."""
-    scene.case["method"]["affine"] = True
-
-
-def mean(rng, scene):
-    """Cells have one rate of dilatation each; where particles are boxes."""
-    if scene.case["method"]["shape"] in ("gimp", "finite-gimp", "cpdi"):
-        scene.case["method"]["volumetric"] = "mean"
 
 
 def relaxation(rng, scene):
@@ -187,10 +180,10 @@ FEATURES = (
     Feature("domain", domain),
     Feature("method", method),
     Feature("B-splines", splines, 0.15, compiled=True),
-    Feature("corners", corners, 0.06, compiled=True),
-    Feature("mirrors", mirrors, 0.4, compiled=True),
-    Feature("affine", affine, 0.35, compiled=True),
-    Feature("mean dilatation", mean, 0.35, compiled=True),
+    Feature("corners", of_corners, 0.06, compiled=True),
+    Feature("mirrors", of_method((*BOXES, "cpdi-corners"), wall="mirror"), 0.4, compiled=True),
+    Feature("affine", of_method(affine=True), 0.35, compiled=True),
+    Feature("mean dilatation", of_method(BOXES, volumetric="mean"), 0.35, compiled=True),
     Feature("relaxation", relaxation, 0.15, compiled=True),
     Feature("materials", materials),
     Feature("memory", memory, 0.2, compiled=True),
@@ -225,21 +218,9 @@ FEATURES = (
 
 
 def make(seed, number, group):
-    """A random scene.
+    """A random scene: its case, the files it names, and the names of its features.
 
-    Parameters
-    ----------
-    seed, number, group : int
-        Of the proof, the scene, and those that share what is compiled.
-
-    Returns
-    -------
-    case : dict
-        As in a case file, with the title of the scene.
-    files : dict of str to str
-        The files that it names.
-    features : list of str
-        Names of the features that it has.
+    `seed`, `number` and `group` are of the proof, the scene, and those that share what is compiled.
     """
     scene, names = Scene(), []
     for feature in FEATURES:

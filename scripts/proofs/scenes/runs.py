@@ -9,35 +9,28 @@ from typing import NamedTuple
 
 import numpy as np
 from proofs import thread_ranks
+from proofs.jobs import differences
 from proofs.thread_messages import DesertedError
 
 from pgimp.errors import CaseError, PgimpError
 
 #: The material with a memory that some scenes have.
 SOFTENING = Path(__file__).parents[3] / "cases/softening.py"
-
 #: Steps between two moves of slab boundaries.
 EVERY = 4
-
 #: A run with more steps to go is ended: a scene has some 60, or 200 where pgimp chooses them. What
 #: is crushed between a tool and a wall may need thousands, each shorter, until pgimp calls that
 #: blown up; and every scene is run about seven times.
 MOST_STEPS = 3000
-
 #: What a run leaves that no number of ranks may change.
 SAME = ("case.yaml", "history.csv", "*.xdmf", "frames/*", "probes/*", "failure/particles.h5")
 
 
 class Outcome(NamedTuple):
-    """How a run ended.
+    """How a run ended, and its error.
 
-    Attributes
-    ----------
-    kind : str
-        ``done``, ``stopped``, ``refused``, ``failed``: with an error of pgimp's that all ranks
-        raise alike; ``torn``: with different ones; ``crashed``: with another error.
-    said : str
-        The error.
+    It is ``done``, ``stopped``, ``refused``, ``failed``: with an error of pgimp's that all ranks
+    raise alike; ``torn``: with different ones; ``crashed``: with another error.
     """
 
     kind: str
@@ -106,23 +99,9 @@ def _anywhere(balance, counts, step):
 
 
 def run(case, folder, ranks, resume=False, stop_at=None):
-    """Run a case file into a folder on `ranks` ranks.
+    """Outcome of a run of a case file into a folder, or with `resume` from where it stopped.
 
-    Parameters
-    ----------
-    case, folder : Path
-        The case file and the run directory.
-    ranks : int
-        How many.
-    resume : bool
-        Whether to go on.
-    stop_at : int, optional
-        A step after which the last rank asks to stop.
-
-    Returns
-    -------
-    Outcome
-        What became of it.
+    After the step `stop_at` the last rank asks to stop.
     """
     import pgimp
 
@@ -148,18 +127,6 @@ def run(case, folder, ranks, resume=False, stop_at=None):
     return Outcome(kind, "\n".join(lines[:2]))
 
 
-def differences(one, other):
-    """Names of the files in which two runs differ."""
-    names = set()
-    for folder in (one, other):
-        names |= {str(path.relative_to(folder)) for each in SAME for path in folder.glob(each)}
-
-    def content(folder, name):
-        return (folder / name).read_bytes() if (folder / name).is_file() else None
-
-    return sorted(name for name in names if content(one, name) != content(other, name))
-
-
 def go_back(folder):
     """Delete all checkpoints but the oldest, as if the run had been killed after that."""
     checkpoints = sorted((folder / "checkpoints").glob("*.h5"))
@@ -173,23 +140,8 @@ def go_back(folder):
 def compare(case, folder, rng, steps, ranks=(2, 3)):
     """Run a case in many ways, all of which must leave the same files.
 
-    Parameters
-    ----------
-    case, folder : Path
-        The case file, and where the runs go.
-    rng : random.Random
-        Chooses numbers of ranks and steps.
-    steps : int
-        Of the run, about.
-    ranks : sequence of int
-        Besides 1 and one of 5 to 9.
-
-    Returns
-    -------
-    outcome : Outcome
-        That of the run on one rank.
-    failures : list of (str, str)
-        Class and description of what is wrong.
+    On one rank, on `ranks` and on 5 to 9; `rng` chooses these and the steps, of some `steps`, after
+    which runs stop. Returns the outcome on one rank, and class and description of what is wrong.
     """
     alone = folder / "1"
     outcome = run(case, alone, 1)
@@ -206,7 +158,7 @@ def compare(case, folder, rng, steps, ranks=(2, 3)):
         elif found != outcome:
             text = f"{name}: {found.kind} {found.said}; on one rank {outcome.kind} {outcome.said}"
             failures.append((f"ended otherwise: {found.kind}", text))
-        elif wrong := differences(alone, where):
+        elif wrong := differences(alone, where, SAME):
             kinds = sorted({Path(each).parts[0] for each in wrong})
             failures.append((f"bits: {', '.join(kinds)}", f"{name}: {', '.join(wrong)}"))
 

@@ -15,7 +15,6 @@ OPTIONAL = ("output.at", "output.grid", "output.fields", "output.precision", "ou
 
 
 def _without(case, path):
-    """The case without a key; None if it has none."""
     *parents, key = path.split(".") if isinstance(path, str) else path
     found = copy.deepcopy(case)
     part = found
@@ -27,21 +26,20 @@ def _without(case, path):
 def _step(case):
     """A fixed step of about the size that Courant control takes."""
     moduli = ("young", "bulk", "shear")  # a gas has none: it is as slow as what else there is
-    speed = (
-        max(
-            math.sqrt(1.5 * max(m.get(key, 0.0) for key in moduli) / m["density"])
-            for m in case["materials"].values()
-        )
-        or 1.0
-    )
+
+    def number(entry, *keys):  # what varies in space counts as little as what is not there
+        return max(v for v in (0.0, *map(entry.get, keys)) if isinstance(v, int | float))
+
+    speed = max(
+        math.sqrt(1.5 * number(m, *moduli) / (number(m, "density") or 1.0))
+        for m in case["materials"].values()
+    ) or 1.0
     courant = case["time"]["step"]["courant"]
     courant = 0.3 if courant == "auto" else courant
-    step = courant * min(case["grid"]["cell"]) / (1.2 * speed)
-    return float(f"{step:.3g}")
+    return float(f"{courant * min(case['grid']['cell']) / (1.2 * speed):.3g}")
 
 
 def _shorter(case):
-    """Half the steps."""
     found = copy.deepcopy(case)
     time_, out = found["time"], found.get("output", {})
     if isinstance(time_["step"], dict):
@@ -126,9 +124,8 @@ def _lower(case):
     if D == 1 or any(region in str(case["bodies"]) for region in ("points", "mesh")):
         return None
     found = _flat(case, D) | {"dimensions": D - 1}
-    for kind in ("tractions",):
-        entries = found.get(kind, {}).items()
-        found[kind] = {k: e for k, e in entries if e["face"][0] != "xyz"[D - 1]}
+    loads = found.get("tractions", {}).items()
+    found["tractions"] = {k: e for k, e in loads if e["face"][0] != "xyz"[D - 1]}
     if D == 2:
         for name, each in found["materials"].items():
             modulus = each.get("young", each.get("bulk", 100.0))  # soils, fluids and gases, too
@@ -160,9 +157,7 @@ def candidates(case):
     yield _shorter(case)
     for name in reversed(case["bodies"]):
         yield _bodiless(case, name)
-    for kind in ENTRIES[:-1]:
-        yield _without(case, kind)
-    for path in OPTIONAL:
+    for path in (*ENTRIES[:-1], *OPTIONAL):
         yield _without(case, path)
     yield _plain(case)
     for kind, name in itertools.chain(*([(k, n) for n in case.get(k, {})] for k in ENTRIES[:-1])):
@@ -177,9 +172,8 @@ def candidates(case):
                 found["bodies"][name][key] = value
                 yield found
         yield _without(case, ("bodies", name, "velocity"))
-        yield _without(case, ("bodies", name, "rigid", "velocity"))
-        yield _without(case, ("bodies", name, "rigid", "rotation"))
-        yield _without(case, ("bodies", name, "rigid", "fixed"))
+        for key in ("velocity", "rotation", "fixed"):
+            yield _without(case, ("bodies", name, "rigid", key))
     yield case | {"method": case["method"] | {"particles_per_cell": [1] * case["dimensions"]}}
     for d, upper in itertools.product(range(case["dimensions"]), (False, True)):
         yield _smaller_grid(case, d, upper)
@@ -199,21 +193,9 @@ def candidates(case):
 
 
 def shrink(case, fails, seconds):
-    """Make a case smaller.
+    """The smallest case that is found to fail as one does; ``fails(case)`` says what does.
 
-    Parameters
-    ----------
-    case : dict
-        One that fails.
-    fails : callable
-        ``fails(case)`` tells whether another one fails in the same way.
-    seconds : float
-        Of this process, after which the smallest so far will do.
-
-    Returns
-    -------
-    dict
-        The smallest that was found.
+    After some seconds of this process the smallest so far will do.
     """
     end, tried, again = time.process_time() + seconds, {repr(case)}, True
     while again:

@@ -7,17 +7,11 @@ from proofs.scenes.bodies import number, vector
 
 #: By model: a parameter that may change, and by what factor.
 PARAMETERS = {
-    "von-mises": ("yield-stress", 0.4, 1.5),
-    "johnson-cook": ("a", 0.4, 1.5),
-    "drucker-prager": ("friction-angle", 1.0, 1.3),
-    "mohr-coulomb": ("friction-angle", 1.0, 1.3),
-    "cam-clay": ("m", 0.8, 1.2),
-    "mu-i": ("mu-2", 1.0, 1.5),
-    "newtonian": ("bulk", 0.5, 1.2),
-    "bingham": ("yield-stress", 0.5, 2.0),
-    "ideal-gas": None,
-}
-
+    "von-mises": ("yield-stress", 0.4, 1.5), "johnson-cook": ("a", 0.4, 1.5),
+    "drucker-prager": ("friction-angle", 1.0, 1.3), "mohr-coulomb": ("friction-angle", 1.0, 1.3),
+    "cam-clay": ("m", 0.8, 1.2), "mu-i": ("mu-2", 1.0, 1.5), "newtonian": ("bulk", 0.5, 1.2),
+    "bingham": ("yield-stress", 0.5, 2.0), "ideal-gas": None,
+}  # fmt: skip
 #: Numbers of materials that may be a third larger or smaller, whatever the others are.
 VARY = ("young", "density", "poisson", "yield-stress", "a", "bulk", "shear-viscosity", "energy",
         "damage", "toughness", "shear")  # fmt: skip
@@ -160,6 +154,4 @@ def friction(rng, scene, now, stage):
         stage["contact"] = entries
 
 
-CHANGES = (
-    removed, parameters, gravity, walls, tractions, constraints, writing, damping, friction
-)  # fmt: skip
+CHANGES = (removed, parameters, gravity, walls, tractions, constraints, writing, damping, friction)

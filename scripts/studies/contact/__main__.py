@@ -1,12 +1,11 @@
 """Measures contact against exact results and writes its tables; see scripts/contact."""
 
-import argparse
 import sys
 from pathlib import Path
 
 from studies.contact import detection, gap, motion, walls
 from studies.contact.rows import PROBLEMS, jobs, values
-from studies.harness import Kept, key, origin, out, perform, put, standing, table
+from studies.harness import Kept, key, options_of, origin, out, perform, put, standing, table
 
 #: What marks rows that were measured earlier than the others.
 EARLIER = " \\*"
@@ -31,8 +30,7 @@ def _motions(kept):
 
 
 def _gaps(rows):
-    """Table of the gaps."""
-    found = [(what, f"{low:.3f}", f"{high:.3f}") for what, _, low, high in rows]
+    found = [(what, f"{low:.3f}", f"{high:.3f}") for what, low, high in rows]
     return table(("what meets", "least gap", "greatest"), found)
 
 
@@ -77,14 +75,12 @@ def _known_heaps():
 
 def main():
     """Measure all, write contact.out/contact.md and, unless --quick, docs/contact-validation.md."""
-    parser = argparse.ArgumentParser(prog="scripts/contact")
-    parser.add_argument("--quick", action="store_true", help="fewer and coarser; writes no page")
-    parser.add_argument(
-        "--only", nargs="+", metavar="NAME",
-        help="these motions, 'gaps', 'detection' or 'costs', with 'heaps'; other figures stay",
+    those = "these motions, 'gaps', 'detection' or 'costs', with 'heaps'; other figures stay"
+    options = options_of(
+        "contact", quick="fewer and coarser; writes no page",
+        only={"nargs": "+", "metavar": "NAME", "help": those},
+        jobs={"type": int, "default": 2, "help": "at a time"},
     )  # fmt: skip
-    parser.add_argument("--jobs", type=int, default=2, help="at a time")
-    options = parser.parse_args()
     todo = jobs(options.quick) | {
         ("detection",): (detection.text, options.quick),
         ("gaps", "bodies"): (gap.rows, options.quick),

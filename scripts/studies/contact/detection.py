@@ -228,17 +228,15 @@ def _way(angle, dimensions=2):
 def rows(quick=False):
     """Rows of the table: what touches, and what each way finds of it."""
     rng = np.random.default_rng(3)
-    touching = {}
-    for angle in (0.0, 20.0, 45.0):
-        touching[f"flat faces at {angle:.0f} degrees, 2D"] = [partial(flat, 2, _way(angle))] * 12
+    touching = {f"flat faces at {angle:.0f} degrees, 2D": [partial(flat, 2, _way(angle))] * 12
+                for angle in (0.0, 20.0, 45.0)}  # fmt: skip
     for radius in (5.0, 10.0):
         touching[f"disks, R = {radius:.0f} cells"] = [
             partial(balls, 2, radius, _way(30.0 * k)) for k in range(12)
         ]
     for angle in (45.0, 20.0):
-        touching[f"a square's corner at {angle:.0f} degrees on a plane"] = [
-            partial(corner, angle)
-        ] * 12
+        what = f"a square's corner at {angle:.0f} degrees on a plane"
+        touching[what] = [partial(corner, angle)] * 12
     touching["the edge of a block that lies on a plane"] = [edge] * 12
     for name, way in (
         ("along an axis", [1.0, 0.0, 0.0]), ("at 30 degrees", _way(30.0, 3)),

@@ -125,28 +125,25 @@ def corner(angle, shift):
 def rows(quick):
     """Rows of the table: what meets, and the least and greatest gap over places in a cell."""
     shifts = np.random.default_rng(1).random(2 if quick else 8)
-    radii = (5.0,) if quick else (5.0, 10.0)
+    few, radii = shifts[:4], (5.0,) if quick else (5.0, 10.0)
     found = {}
     for angle in (0.0, 20.0, 45.0):
         found[f"flat faces at {angle:.0f} degrees, 2D"] = [flat(2, angle, s) for s in shifts]
     for angle in () if quick else (0.0, 30.0):
-        found[f"flat faces at {angle:.0f} degrees, 3D"] = [flat(3, angle, s) for s in shifts[:4]]
+        found[f"flat faces at {angle:.0f} degrees, 3D"] = [flat(3, angle, s) for s in few]
     for radius in radii:
-        found[f"disks, R = {radius:.0f} cells"] = [
-            balls(2, radius, 30.0 * i, s) for i, s in enumerate(shifts)
-        ]
+        turns = [balls(2, radius, 30.0 * i, s) for i, s in enumerate(shifts)]
+        found[f"disks, R = {radius:.0f} cells"] = turns
     for radius in () if quick else (5.0, 10.0):
-        found[f"balls, R = {radius:.0f} cells, 3D"] = [
-            balls(3, radius, 15.0 * i, s) for i, s in enumerate(shifts[:4])
-        ]
+        turns = [balls(3, radius, 15.0 * i, s) for i, s in enumerate(few)]
+        found[f"balls, R = {radius:.0f} cells, 3D"] = turns
     for radius in radii:
-        cells, places = f"R = {radius:.0f} cells", list(enumerate(shifts[:4]))
+        cells, places = f"R = {radius:.0f} cells", list(enumerate(few))
         for rigid, what in (("a", "a rigid disk in a hole"), ("b", "a disk in a rigid hole")):
             found[f"{what}, {cells}, clearance 0.1 and 0.6"] = [
                 hole(rigid, radius, 30.0 * i, s, wide) for wide in (0.1, 0.6) for i, s in places
             ]
         found[f"a rigid disk on a plane, {cells}"] = [plane(radius, 30.0 * i, s) for i, s in places]
-    found["a square's corner and a plane"] = [
-        corner(angle, s) for angle in (45.0, 20.0) for s in shifts[:4]
-    ]
-    return [(what, 0.0, min(gaps), max(gaps)) for what, gaps in found.items()]
+    corners = [corner(angle, s) for angle in (45.0, 20.0) for s in few]
+    found["a square's corner and a plane"] = corners
+    return [(what, min(gaps), max(gaps)) for what, gaps in found.items()]

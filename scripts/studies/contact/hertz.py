@@ -83,14 +83,12 @@ def balls(cell):
     case["grid"]["size"] = [side, side, 2.0 * middle]
     case["bodies"] = {
         name: {
-            "material": "rubber",
-            "velocity": [0.0, 0.0, -0.2 * way],
+            "material": "rubber", "velocity": [0.0, 0.0, -0.2 * way],
             "region": {"intersection": [
                 ball([0.0, 0.0, middle + way * (radius + 0.5 * gap)], radius),
                 box([0.0, 0.0, 0.0], case["grid"]["size"]),
             ]},
-        }
-        for name, way in (("low", -1.0), ("high", 1.0))
+        } for name, way in (("low", -1.0), ("high", 1.0))
     }  # fmt: skip
     case["contact"] = [{"bodies": ["low", "high"]}]
     simulation = pgimp.Simulation(case)

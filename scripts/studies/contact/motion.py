@@ -24,7 +24,6 @@ def case_of(bodies, size, cell, end, solid=SOLID, **parts):
 
 
 def slope_of(angle):
-    """Sine and cosine of an angle in degrees."""
     return sin(radians(angle)), cos(radians(angle))
 
 
@@ -37,7 +36,6 @@ def run(case, overrides=()):
 
 
 def energy(line):
-    """Energy in a line of the history."""
     return line["kinetic-energy"] + line["strain-energy"]
 
 
@@ -228,11 +226,9 @@ def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
     places = [[*np.unravel_index(k % layer, columns), k // layer] for k in range(count)]
     bodies = {
         f"grain{k}": (
-            ball([6.0 + pitch * x for x in place], radius),
-            [0.5 * sin(7.0 * k), *[0.0] * (D - 1)],
-        )
-        for k, place in enumerate(places)
-    }
+            ball([6.0 + pitch * x for x in place], radius), [0.5 * sin(7.0 * k), *[0.0] * (D - 1)],
+        ) for k, place in enumerate(places)
+    }  # fmt: skip
     size = [pitch * n + 6.0 for n in (*columns, -(-count // layer))]
     simulations = []
     for contact in ([{"bodies": "all", "friction": 0.3}], []):

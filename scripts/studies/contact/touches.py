@@ -20,18 +20,10 @@ class Surface(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """Two bodies that touch.
+    """Two bodies that touch in the `middle`: their regions, and their surfaces near there.
 
-    Attributes
-    ----------
-    regions : (region, region)
-        Of the bodies.
-    surfaces : (Surface, Surface)
-        Theirs, near where they touch.
-    middle, normal : (D,) float64
-        Where that is, and the normal there, from the first to the second.
-    distance : callable
-        Gap, along the normal, at distances (n, D) from the middle.
+    The normal is that from the first to the second; `distance` gives the gap along it at distances
+    (n, D) from the middle.
     """
 
     regions: tuple
@@ -103,27 +95,19 @@ def balls(dimensions, radius, way, shift):
     return Touch(tuple(regions), tuple(surfaces), middle, way, distance)
 
 
-def _plane(middle):
-    """A body whose upper face is at a place."""
-    return box(middle - np.array([10.0, 8.0]), middle + np.array([10.0, 0.0]))
-
-
 def corner(angle, shift):
     """The corner of a square, turned by `angle`, that stands on a plane."""
     c, s = cos(radians(angle)), sin(radians(angle))
     middle, half = _middle(2, shift), 4.0
     edges = np.array([[c, s], [-s, c]])
     square = gap.turned(middle + half * edges.sum(axis=0), [half, half], angle)
-    plane = _plane(middle)
+    plane, floor = _upper(middle)
     u = (np.arange(round(6.0 * FINE[2])) + 0.5) / FINE[2]
     area = np.full(len(u), 1.0 / FINE[2])
     legs = [
         Surface(middle + u[:, None] * edges[d], np.tile(-edges[1 - d], (len(u), 1)), area)
         for d in range(2)
     ]
-    places, area = _lattice(2, 6.0)
-    floor = Surface(middle + places * [1.0, 0.0], np.tile([0.0, 1.0], (len(places), 1)),
-                    np.full(len(places), area))  # fmt: skip
     tip = Surface(*(np.concatenate(parts) for parts in zip(*legs, strict=True)))
 
     def distance(x):
@@ -132,17 +116,21 @@ def corner(angle, shift):
     return Touch((plane, square), (floor, tip), middle, np.array([0.0, 1.0]), distance)
 
 
+def _upper(middle):
+    """A body whose upper face is at a place, and that face."""
+    places, area = _lattice(2, 6.0)
+    normals, areas = np.tile([0.0, 1.0], (len(places), 1)), np.full(len(places), area)
+    region = box(middle - np.array([10.0, 8.0]), middle + np.array([10.0, 0.0]))
+    return region, Surface(middle + places * [1.0, 0.0], normals, areas)
+
+
 def edge(shift):
     """The lower edge of a block that lies on a plane."""
     middle = _middle(2, shift)
-    block = box(middle, middle + 8.0)
-    plane = _plane(middle)
+    plane, floor = _upper(middle)
     u = (np.arange(round(6.0 * FINE[2])) + 0.5) / FINE[2]
     area = np.full(2 * len(u), 1.0 / FINE[2])
     points = middle + np.concatenate([u[:, None] * [1.0, 0.0], u[:, None] * [0.0, 1.0]])
-    normals = np.repeat([[0.0, -1.0], [-1.0, 0.0]], len(u), axis=0)
-    places, part = _lattice(2, 6.0)
-    floor = Surface(middle + places * [1.0, 0.0], np.tile([0.0, 1.0], (len(places), 1)),
-                    np.full(len(places), part))  # fmt: skip
-    return Touch((plane, block), (floor, Surface(points, normals, area)), middle,
+    faces = Surface(points, np.repeat([[0.0, -1.0], [-1.0, 0.0]], len(u), axis=0), area)
+    return Touch((plane, box(middle, middle + 8.0)), (floor, faces), middle,
                  np.array([0.0, 1.0]), lambda x: np.zeros(len(x)))  # fmt: skip

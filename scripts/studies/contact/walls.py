@@ -32,24 +32,18 @@ def _corner(angle, shift):
 def gaps(quick):
     """Rows of the table: what meets the wall, and the least and greatest gap."""
     shifts = np.random.default_rng(2).random(2 if quick else 6)
-    found = {
-        "a box on the particles' lattice and a wall": [
-            first(box([4.0, low], [8.0, low + 3.0]), 2, low) for low in (0.5, 1.0)
-        ],
-        "a box anywhere and a wall": [
-            first(box([4.0, 0.5 + s], [8.0, 3.0 + s]), 2, 0.5 + s) for s in shifts
-        ],
-    }
+    lattice = [first(box([4.0, low], [8.0, low + 3.0]), 2, low) for low in (0.5, 1.0)]
+    anywhere = [first(box([4.0, 0.5 + s], [8.0, 3.0 + s]), 2, 0.5 + s) for s in shifts]
+    found = {"a box on the particles' lattice and a wall": lattice,
+             "a box anywhere and a wall": anywhere}  # fmt: skip
     for radius in (5.0,) if quick else (5.0, 10.0):
-        found[f"disks, R = {radius:.0f} cells, and a wall"] = [
-            _ball(2, radius, s) for s in shifts[:4]
-        ]
+        disks = [_ball(2, radius, s) for s in shifts[:4]]
+        found[f"disks, R = {radius:.0f} cells, and a wall"] = disks
     if not quick:
         found["balls, R = 4 cells, and a wall, 3D"] = [_ball(3, 4.0, s) for s in shifts[:2]]
-    found["a square's corner and a wall"] = [
-        _corner(angle, s) for angle in (45.0, 20.0) for s in shifts[:3]
-    ]
-    return [(what, 0.0, min(values), max(values)) for what, values in found.items()]
+    corners = [_corner(angle, s) for angle in (45.0, 20.0) for s in shifts[:3]]
+    found["a square's corner and a wall"] = corners
+    return [(what, min(values), max(values)) for what, values in found.items()]
 
 
 def bar(cell):
@@ -106,36 +100,29 @@ def _on_a_wall(length, cell, gravity, condition):
 
 def cost(dimensions, rounds):
     """Time of a step of a block on a separating floor over that on one that holds it."""
-    cells = motion.CELLS[dimensions]
-    low, high = [2.0] * (dimensions - 1) + [0.0], [cells + 2.0] * (dimensions - 1) + [float(cells)]
-    face = f"{'xyz'[dimensions - 1]}-min"
-    simulations = [
-        pgimp.Simulation(
-            motion.case_of(
-                {"a": (box(low, high), [0.0] * dimensions)},
-                [cells + 4.0] * dimensions,
-                1.0,
-                1e9,
-                boundaries={face: condition},
-            )
-        )
+    D, cells = dimensions, float(motion.CELLS[dimensions])
+    block = box([2.0] * (D - 1) + [0.0], [cells + 2.0] * (D - 1) + [cells])
+    cases = [
+        motion.case_of({"a": (block, [0.0] * D)}, [cells + 4.0] * D, 1.0, 1e9,
+                       boundaries={f"{'xyz'[D - 1]}-min": condition})
         for condition in ("slip", "separating")
-    ]
-    return motion.ratio(simulations, rounds, 16)
+    ]  # fmt: skip
+    return motion.ratio([pgimp.Simulation(case) for case in cases], rounds, 16)
 
 
 def rigid_cost(dimensions, rounds):
     """Time of a step of a block on a rigid body over that on a floor that holds it."""
-    D, cells = dimensions, motion.CELLS[dimensions]
-    low, high = [2.0] * (D - 1) + [4.0], [cells + 2.0] * (D - 1) + [cells + 4.0]
-    size = [cells + 4.0] * (D - 1) + [cells + 8.0]
-    bodies = {"a": (box(low, high), [0.0] * D)}
-    gravity = [0.0] * (D - 1) + [-0.001]
-    held = motion.case_of(bodies, size, 1.0, 1e9, gravity=gravity)
-    ends = [*low[:-1], 0.0], [*high[:-1], float(cells)]
-    held["bodies"]["a"]["region"] = box(*ends)
+    D, cells = dimensions, float(motion.CELLS[dimensions])
+    held, lying = (
+        motion.case_of(
+            {"a": (box([2.0] * (D - 1) + [low], [cells + 2.0] * (D - 1) + [cells + low]),
+                   [0.0] * D)},
+            [cells + 4.0] * (D - 1) + [cells + 8.0], 1.0, 1e9,
+            gravity=[0.0] * (D - 1) + [-0.001],
+        )
+        for low in (0.0, 4.0)
+    )  # fmt: skip
     held["boundaries"] = {f"{'xyz'[D - 1]}-min": "slip"}
-    lying = motion.case_of(bodies, size, 1.0, 1e9, gravity=gravity)
     floor = box([-2.0] * D, [cells + 8.0] * (D - 1) + [4.0])
     lying["bodies"]["floor"] = {"rigid": {}, "region": floor}
     lying["contact"] = [{"bodies": "all", "friction": 0.3}]

@@ -1,11 +1,10 @@
 """Measures soils, fluids and gases and writes the table of their page; see scripts/flows."""
 
-import argparse
 from typing import Literal, NamedTuple
 
 import numpy as np
 from studies.flow.rows import ROWS
-from studies.harness import TABLES, Kept, Table, origin, out, put, standing, table
+from studies.harness import TABLES, Kept, Table, options_of, origin, out, put, standing, table
 from studies.scenes import by_turns, case_of, filled
 
 import pgimp
@@ -21,17 +20,14 @@ class NothingParameters(NamedTuple):
 
     @staticmethod
     def stress(material, F, J, sigma, L, dt):
-        """As before: zero."""
         return sigma
 
     @staticmethod
     def energy(material, F, J, sigma):
-        """None."""
         return 0.0 * J
 
     @staticmethod
     def speed(material, F, J):
-        """That of the others, about."""
         return 30.0 + 0.0 * J
 
 
@@ -42,7 +38,6 @@ class Nothing(Material):
     model: Literal["nothing"]
 
     def parameters(self):
-        """See `NothingParameters`."""
         return NothingParameters(self.density)
 
 
@@ -54,9 +49,7 @@ LAWS = {
     "newtonian": {"bulk": 1.0e3, "shear-viscosity": 0.03},
     "newtonian without viscosity": {"bulk": 1.0e3},
     "bingham": {"bulk": 1.0e3, "shear-viscosity": 0.3, "yield-stress": 1.0},
-    "ideal-gas": {"gamma": 1.4, "energy": 100.0},
-    "drucker-prager": _SOIL,
-    "mohr-coulomb": _SOIL,
+    "ideal-gas": {"gamma": 1.4, "energy": 100.0}, "drucker-prager": _SOIL, "mohr-coulomb": _SOIL,
     "cam-clay": {
         "m": 1.2, "lambda": 0.2, "kappa": 0.04, "void-ratio": 1.0, "shear": 500.0,
         "preconsolidation": 10.0,
@@ -130,11 +123,11 @@ def _costs_table(rows, cells):
 
 def main():
     """Measure, and write flows.out/flows.md and docs/soils-and-fluids.md."""
-    parser = argparse.ArgumentParser(prog="scripts/flows")
-    parser.add_argument("words", nargs="*", metavar="WHAT", help="problems, costs; both by default")
-    parser.add_argument("--quick", action="store_true", help="coarse cells alone; writes no page")
-    parser.add_argument("--only", choices=sorted({row[2][0].__name__ for row in ROWS}))
-    options = parser.parse_args()
+    options = options_of(
+        "flows", quick="coarse cells alone; writes no page",
+        words={"nargs": "*", "metavar": "WHAT", "help": "problems, costs; both by default"},
+        only={"choices": sorted({row[2][0].__name__ for row in ROWS})},
+    )  # fmt: skip
     if options.only:
         _replace(options.only)
         return
@@ -148,15 +141,11 @@ def main():
     if kept.get("costs"):
         text += "\n" + _costs_table(kept["costs"], cells)
     note = f"By `scripts/flows`: {kept['origin']}. Speeds are per second of CPU time of one rank."
-    _write(f"{text}\n{note}\n", options.quick)
+    put({"soils-and-fluids": f"{text}\n{note}\n"}, out("flows") / "flows.md", not options.quick)
 
 
 def _replace(only):
     """Measure the problems of one function anew, and leave the rest of the table."""
     _, rest = (TABLES / "soils-and-fluids.md").read_text("utf-8").split("\n\n", 1)
     found = _problems(Kept(out("flows") / "only.json", new=True), False, only)
-    _write(f"{found.text()}\n{rest}", False)
-
-
-def _write(text, quick):
-    put({"soils-and-fluids": text}, out("flows") / "flows.md", not quick)
+    put({"soils-and-fluids": f"{found.text()}\n{rest}"}, out("flows") / "flows.md")

@@ -1,18 +1,14 @@
 """Measures liquids over long times, and writes their table; see scripts/flows."""
 
-import argparse
-
 import numpy as np
 from studies.flow import problems
-from studies.harness import Kept, Table, origin, out, put
+from studies.harness import Kept, Table, options_of, origin, out, put
 from studies.scenes import box, case_of, filled, looked
 
 #: Depth of still and of sloshing water, in cells; sound at ten times sqrt(g depth).
 DEPTH = 8.0
-
 #: sqrt(depth/g).
 UNIT = DEPTH**0.5
-
 #: Exponent of Tait's law.
 POWER = 7.0
 
@@ -142,9 +138,7 @@ _ALL = (
     {}, {"affine": True}, {"affine": True, "volumetric": "mean"}, {"shape": "finite-gimp"},
     {"shape": "cpdi"}, {"shape": "bspline-quadratic"},
 )  # fmt: skip
-
 _WALLS = ({"wall": "mirror"}, {"affine": True, "wall": "mirror"})
-
 #: What is measured: its words, with which methods, in how many dimensions, and further arguments.
 ROWS = (
     ("still, 8 cells deep, 100 sqrt(D/g)", still, _ALL, (2, 3), ()),
@@ -163,7 +157,6 @@ ROWS = (
 
 
 def words_of(method):
-    """A method in words."""
     shape = method.get("shape", "gimp")
     said = {"affine": "affine", "volumetric": "mean", "wall": "wall: mirror"}
     return ", ".join([shape, *(words for key, words in said.items() if key in method)])
@@ -192,10 +185,8 @@ def table(kept, only):
 
 def main():
     """Measure, and write flows.out/liquids.md and docs/soils-and-fluids.md."""
-    parser = argparse.ArgumentParser(prog="scripts/flows liquids")
-    parser.add_argument("only", nargs="*", help="still, slosh, dam, floating: then no page")
-    parser.add_argument("--new", action="store_true", help="measure all of it again")
-    options = parser.parse_args()
+    only = {"nargs": "*", "help": "still, slosh, dam, floating: then no page"}
+    options = options_of("flows liquids", only=only, new="measure all of it again")
     kept = Kept(out("flows") / "liquids.json", options.new)
     text = table(kept, options.only).text(f"By `scripts/flows liquids`: {origin()}.")
     put({"liquids": text}, out("flows") / "liquids.md", not options.only)

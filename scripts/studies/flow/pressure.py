@@ -1,23 +1,18 @@
 """Measures the pressure on the far wall of the dam break, and draws it; see scripts/flows."""
 
-import argparse
-
 import numpy as np
 from drawing.common import BLUE, GREY, ORANGE, plt, save
 from numpy.lib.stride_tricks import sliding_window_view
 from studies.flow import problems
-from studies.harness import Kept, Table, origin, out, put
+from studies.harness import Kept, Table, options_of, origin, out, put
 
 #: Height of the column, the tank's length in whole cells of 0.04 m, and the column's volume.
 H, LENGTH, VOLUME = 0.6, 3.24, 0.72
-
 #: Pressure and time that others are divided by.
 UNIT, CLOCK = 1000.0 * problems.G * H, np.sqrt(H / problems.G)
-
 #: The gauge: a disk of 90 mm. Its middle is said to be at 0.16 m, where codes put its upper edge,
 #: as that agrees better (Adami, Hu, Adams, J. Comput. Phys. 231, 2012).
 GAUGE, STATED = (0.07, 0.16), (0.115, 0.205)
-
 #: What B. Buchner measured there (thesis, Delft 2002): t sqrt(g/H) and p/(rho g H), some points
 #: rounded to 0.02, read off by S. Marrone et al. (2011) and by the authors of TrixiParticles.jl.
 MEASURED = (
@@ -25,46 +20,31 @@ MEASURED = (
     (3.6, 0.54), (4.2, 0.56), (4.8, 0.52), (5.2, 0.52), (5.5, 0.56), (5.7, 0.64), (5.82, 0.84),
     (5.94, 0.68), (6.1, 0.56), (6.28, 0.58), (6.5, 0.48), (6.8, 0.46), (7.2, 0.44),
 )  # fmt: skip
-
 #: While the jet climbs the wall, where Buchner has 0.54; the last period of what sloshes; the last
 #: second.
 JET, REST, STILL = (0.8, 1.3), (5.55, 9.95), (8.95, 9.95)
-
 #: The running mean that noise is counted from, and the step of what is resampled.
 MEAN, FINE = 0.05, 5.0e-4
-
 _THICK = {"linear": 0.5, "quadratic": 0.0}
-
 #: What is measured: its words, the cell, changes of the case.
 ROWS = (
     *(
         (words, cell, changes)
         for words, changes in (
-            ("as it is", {}),
-            ("`affine: true`", {"method.affine": True}),
+            ("as it is", {}), ("`affine: true`", {"method.affine": True}),
             ("3 x 3 particles a cell", {"method.particles_per_cell": [3, 3]}),
             ("`viscosity: {linear: 0.5, quadratic: 0.0}`", {"materials.water.viscosity": _THICK}),
-        )
-        for cell in (0.04, 0.02)
+        ) for cell in (0.04, 0.02)
     ),
     ("`bulk: 1.5e+5`, half the speed of sound", 0.04, {"materials.water.bulk": 1.5e5}),
     ("`bulk: 2.4e+6`, twice the speed of sound", 0.04, {"materials.water.bulk": 2.4e6}),
-)
+)  # fmt: skip
 
 
 def on(particles, near, patch, cell):
     """Mean pressure on a patch of the wall, of particles within a cell of it; what is void has 0.
 
-    Parameters
-    ----------
-    particles : dict
-        As those of a simulation.
-    near : ndarray of int
-        Those within a cell of the wall.
-    patch : (float, float)
-        Its lower and upper edge.
-    cell : float
-        Side of a cell.
+    `near` are those within a cell of the wall, `patch` its lower and upper edge.
     """
     y = particles["position"][near, 1]
     rows = near[(y > patch[0]) & (y < patch[1])]
@@ -118,7 +98,6 @@ def spectrum(time, values):
 
 
 def figures(lines):
-    """The figures of a run's table row, by name."""
     time, gauge, stated, force, depth = lines.T
     t, raw, mean = smooth(time, gauge)
     first, back = t < 0.5 * (JET[0] + JET[1]), (t > 1.3) & (t < 1.9)
@@ -163,7 +142,6 @@ def draw(runs):
 
 
 def row(words, cell, f, steps, speed):
-    """A line of the table."""
     return (
         words, f"{1e3 * cell:.0f}", f"{f['front']:.3f}", f"{f['impact']:.1f}",
         f"{f['jet']:.2f}", f"{f['noise']:.2f}", f"{100.0 * f['fast']:.0f} %",
@@ -174,10 +152,8 @@ def row(words, cell, f, steps, speed):
 
 def main():
     """Measure, and write flows.out/pressure.md, the picture and docs/soils-and-fluids.md."""
-    parser = argparse.ArgumentParser(prog="scripts/flows pressure")
-    parser.add_argument("--new", action="store_true", help="measure all of it again")
-    options = parser.parse_args()
-    kept = Kept(out("flows") / "pressure.json", options.new)
+    new = options_of("flows pressure", new="measure all of it again").new
+    kept = Kept(out("flows") / "pressure.json", new)
     table = Table(
         "dam-break", "cells [mm]", "front at the wall [s]", "first peak", "under the jet", "noise",
         "of it above 120 Hz", "noise of the force, half of it below", "second peak, of the mean",

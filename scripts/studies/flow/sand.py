@@ -11,8 +11,6 @@ LOOSE = {
     "model": "drucker-prager", "match": "plane-strain-flow", "poisson": 0.3, "density": 1500.0,
     "cohesion": 0.0, "friction-angle": 36.87,
 }  # fmt: skip
-
-
 #: A floor on which sand slides by its own friction.
 ROUGH = {"separating": {"friction": 0.6}}
 
@@ -120,9 +118,7 @@ def _write_terrain(path, low):
     x, z = np.meshgrid(np.linspace(-4.0, 68.0, 49), np.linspace(-4.0, 28.0, 25), indexing="ij")
     y = 33.0 - (x - 8.0) * low + np.sin(x / 3.0) * np.cos(z / 4.0)
     number = np.arange(x.size).reshape(x.shape)
-    a, b, c, d = (
-        number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
-    )  # fmt: skip
+    a, b, c, d = (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
     top = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, d, c), (a, c, b))])
     edges = (number[:, 0], number[-1], number[::-1, -1], number[0, ::-1])
     walls = []

@@ -16,7 +16,6 @@ import pgimp
 #: The tank in whole cells of 0.04 m, and the height of the centre of water at rest in it.
 LENGTH = 3.24
 CENTRE = 0.5 * 0.72 / LENGTH
-
 #: Steps of a turn, and from when on the level counts.
 TURN, LATE = 100, 9.0
 

@@ -1,13 +1,12 @@
 """Runs the hard cases with every method and maps the stable Courant numbers; see scripts/hard."""
 
-import argparse
 from time import perf_counter
 
 from studies.hard.jobs import jobs
 from studies.hard.locking import locking_table
 from studies.hard.rows import METHODS
 from studies.hard.table import cases_table, courant_table, merged, moving_table, write_limits
-from studies.harness import Kept, chosen, key, out, perform, put, write_csv
+from studies.harness import Kept, key, options_of, out, perform, put, write_csv
 
 #: Of these "mean" is the part of "courant" that depends on Poisson's ratio.
 WORDS = ("cases", "courant", "mean", "moving", "locking", "pictures")
@@ -22,15 +21,13 @@ TABLES_OF = {
 
 def main():
     """Run what is asked for, and write hard.csv, hard.md and docs/hard-cases.md."""
-    parser = argparse.ArgumentParser(prog="scripts/hard")
-    parser.add_argument("words", nargs="*", metavar="WHAT", help=", ".join(WORDS))
-    parser.add_argument("--quick", action="store_true", help="minutes; writes no page")
-    parser.add_argument("--redraw", action="store_true", help="tables from what is there")
-    parser.add_argument("--only", default="", metavar="SHAPE,..", help="the others stay")
-    parser.add_argument("--jobs", type=int, default=2, help="processes")
-    options = parser.parse_args()
-    words = chosen(parser, options.words, WORDS) or [word for word in WORDS if word != "mean"]
-    only = chosen(parser, options.only, METHODS)
+    options = options_of(
+        "hard", words={"nargs": "*", "metavar": "WHAT", "among": WORDS},
+        quick="minutes; writes no page", redraw="tables from what is there",
+        only={"among": METHODS, "metavar": "SHAPE,..", "help": "the others stay"},
+        jobs={"type": int, "default": 2, "help": "processes"},
+    )  # fmt: skip
+    words, only = options.words or [word for word in WORDS if word != "mean"], options.only
     folder = out("hard")
     kept = Kept(folder / ("quick.json" if options.quick else "hard.json"))
     todo = jobs(options.quick, words, only)

@@ -9,13 +9,7 @@ from studies.elements import Mesh
 
 
 def mean_deflection(young, poisson, length, height, traction, elements):
-    """Mean of u_y over the beam, held at x = 0, under a shear traction at x = length.
-
-    Parameters
-    ----------
-    elements : (int, int)
-        Along the beam and across it.
-    """
+    """Mean of u_y over the beam, held at x = 0, under a shear traction at x = length."""
     mesh = Mesh(length, height, elements)
     mu = young / (2.0 * (1.0 + poisson))
     lam = 2.0 * mu * poisson / (1.0 - 2.0 * poisson)

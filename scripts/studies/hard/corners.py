@@ -22,10 +22,7 @@ RADIUS = 1.0  # mean one of the ring, in metres
 def vortex(method, cells, amplitude):
     """Errors at a quarter of the period, or None if a particle is turned inside out.
 
-    Returns
-    -------
-    (float, float)
-        Mean square of the displacement's error over the greatest displacement; mean |J - 1|.
+    Mean square of the displacement's error over the greatest displacement; mean |J - 1|.
     """
     cell = 0.5 / cells
     sim = core(CASES / "vortex.yaml", {
@@ -72,7 +69,6 @@ def costs(methods, D, rounds=5, steps=20):
 
 
 def main():
-    """Measure, and write the table."""
     table = Table("", *SHAPES)
     for affine in (False, True):
         methods, more = [(shape, affine, 2) for shape in SHAPES], ", affine" if affine else ""

@@ -44,23 +44,18 @@ def rubber(end, region, velocity, **more):
     entry = {"model": "neo-hookean", "young": 1e6, "poisson": 0.3, "density": 1000.0}
     return {
         "grid": {"origin": [-0.8, 0.0], "size": [3.6, 1.6], "cell": [0.0125] * 2},
-        "time": {"end": end},
-        "materials": {"rubber": entry},
+        "time": {"end": end}, "materials": {"rubber": entry},
         "bodies": {"body": {"material": "rubber", "region": region, "velocity": velocity}},
-        "boundaries": {"y-min": "separating"},
-        **more,
-    }
+        "boundaries": {"y-min": "separating"}, **more,
+    }  # fmt: skip
 
 
 ABOVE = ball([0.003, 0.17], 0.15)
 SCENES = {
-    "steel ball on a plate": STEEL | {"contact": [{"bodies": "all"}]},
-    "the same, sticking": STEEL,
+    "steel ball on a plate": STEEL | {"contact": [{"bodies": "all"}]}, "the same, sticking": STEEL,
     "rubber ball, 3 m/s": rubber(0.15, ABOVE, [0.0, -3.0]),
     "rubber ball, 8 m/s": rubber(0.15, ABOVE, [1.0, -8.0]),
-    "sliding block": rubber(
-        2.0, box([0.0, 0.0], [0.3, 0.15]), [1.0, 0.0], gravity=[0.0, -200.0]
-    ),
+    "sliding block": rubber(2.0, box([0.0, 0.0], [0.3, 0.15]), [1.0, 0.0], gravity=[0.0, -200.0]),
 }  # fmt: skip
 METHODS = [
     *((shape, affine, 2, "current") for shape in (
@@ -81,11 +76,7 @@ def strains(F):
 def gradients(case, scene, x, F):
     """What a velocity (u, v) of a vertex gives to strains.
 
-    Returns
-    -------
-    vertices : (n, k) int
-    slopes : (n, k, 2) float
-        The gradient of S_vp.
+    The vertices (n, k) of each particle, and the gradients of their S_vp, (n, k, 2).
     """
     shape, cell = case.method.parameters(case.grid.cell), np.array(case.grid.cell)
     half = np.broadcast_to(np.array(shape.half), (len(x), 2))
@@ -140,9 +131,7 @@ def frozen(scene, shape, affine, per_cell, configuration):
     """Frozen and all elastic energy of the body at the end, over its kinetic energy at first."""
     case = {"format": 1, "dimensions": 2, **scene}
     case["time"] = scene["time"] | {"step": {"courant": 0.35}}
-    case["method"] = {
-        "shape": shape, "affine": affine, "particles_per_cell": [per_cell] * 2
-    }  # fmt: skip
+    case["method"] = {"shape": shape, "affine": affine, "particles_per_cell": [per_cell] * 2}
     bodies = scene["bodies"].items()
     case["bodies"] = {name: body | {"configuration": configuration} for name, body in bodies}
     sim = core(case)
@@ -169,7 +158,6 @@ def frozen(scene, shape, affine, per_cell, configuration):
 
 
 def main():
-    """Measure, and write the table."""
     table = Table("method", *SCENES)
     for method in METHODS:
         shape, affine, per_cell, configuration = method

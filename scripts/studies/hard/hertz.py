@@ -90,7 +90,6 @@ def pressed(cells, shape, per_cell):
 
 
 def main():
-    """Press, and print the table."""
     parser = argparse.ArgumentParser(
         prog="scripts/hard hertz", description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,

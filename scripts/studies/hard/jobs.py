@@ -31,12 +31,9 @@ def courant_job(method, dimension, per_cell, quick):
     poisson = next((float(word) for word in words if word.startswith("0.")), 0.3)
     both = limits(entry, dimension, per_cell, steps, 0.05 if quick else 0.01, poisson)
     return {
-        "method": method,
-        "dimension": dimension,
-        "per_cell": per_cell,
-        "all": both[0],
+        "method": method, "dimension": dimension, "per_cell": per_cell, "all": both[0],
         "best": both[1],
-    }
+    }  # fmt: skip
 
 
 def moving_job(method, dimension, per_cell, speed, quick):

@@ -8,10 +8,8 @@ from pgimp.solver.window import open_window
 
 #: Heights of the lattice above its place in the case, in cells; 1 less them mirror these.
 OFFSETS = (0.0, 0.13, 0.29, 0.5)
-
 #: Poisson's ratio and cells over the height.
 KINDS = ((0.3, 8), (0.499, 4), (0.499, 8), (0.4999, 8))
-
 _MEAN = {"method.volumetric": "mean"}
 _INITIAL = {"bodies.beam.configuration": "initial"}
 METHODS = {
@@ -37,16 +35,10 @@ def locked(method, poisson, cells, offset):
     run = watch(sim)
     found, exact = deflection(run, 1.0 + offset * cell)
     return {
-        "method": method,
-        "poisson": poisson,
-        "cells": cells,
-        "offset": offset,
-        "error": found / exact - 1.0 if run.stable else None,
-        "growth": run.growth,
-        "fault": run.fault,
-        "steps": run.sim.step,
-        "seconds": run.seconds,
-    }
+        "method": method, "poisson": poisson, "cells": cells, "offset": offset,
+        "error": found / exact - 1.0 if run.stable else None, "growth": run.growth,
+        "fault": run.fault, "steps": run.sim.step, "seconds": run.seconds,
+    }  # fmt: skip
 
 
 def locking_table(records):

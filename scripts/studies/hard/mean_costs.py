@@ -41,7 +41,6 @@ def rates(dimensions):
 
 
 def main():
-    """Measure, and write the table."""
     table = Table(
         "`volumetric`, `configuration`", "2D, million particle-steps/s", "of pointwise",
         "3D, million particle-steps/s", "of pointwise",

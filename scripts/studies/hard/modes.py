@@ -25,7 +25,6 @@ def left(configuration, shape, affine, courant):
 
 
 def main():
-    """Measure, and write the table."""
     columns = [(one, courant) for one in ("current", "initial") for courant in COURANTS]
     table = Table("method", *(f"{one}, {courant:g}" for one, courant in columns))
     for shape in SHAPES:

@@ -11,7 +11,6 @@ COLOURS = dict(zip(METHODS, (GREY, BLUE, RED, GREEN, ORANGE), strict=False))
 
 
 def draw():
-    """Draw all pictures."""
     stretch()
     blocks()
 

@@ -17,7 +17,6 @@ from pgimp.errors import RunError
 from pgimp.solver.time.clock import FixedClock
 
 METHODS = {name: {"method.shape": name} for name in SHAPES}
-
 #: The bar that is pulled has torn when it bears less than this part of what it should.
 TORN = 0.5
 
@@ -38,7 +37,6 @@ class Row(NamedTuple):
 
 
 def exact_error(run):
-    """Error (47) at the end."""
     return float(run.lines["error"][-1]), {}
 
 
@@ -163,17 +161,10 @@ def measured(row, method, quick=False):
     changes = METHODS[method] | {**row.changes, **(row.quick or {} if quick else {})}
     run = watch(begin(row.case, changes))
     record = {
-        "case": row.label,
-        "method": method,
-        "stable": run.stable,
-        "fault": run.fault,
-        "done": run.sim.time / run.sim.clock.end,
-        "growth": run.growth,
-        "error": None,
-        "steps": run.sim.step,
-        "seconds": run.seconds,
-        "remarks": "",
-    }
+        "case": row.label, "method": method, "stable": run.stable, "fault": run.fault,
+        "done": run.sim.time / run.sim.clock.end, "growth": run.growth, "error": None,
+        "steps": run.sim.step, "seconds": run.seconds, "remarks": "",
+    }  # fmt: skip
     if row.case == "stretch" and not run.fault:
         torn = torn_at(run)
         if torn < float("inf"):
@@ -192,12 +183,8 @@ DEPTHS = tuple(10.0**-n for n in range(3, 13))
 def grazing(method, depth, per_cell=2, courant=0.3, steps=3000):
     """Growth of the energy of a free bar whose particles reach a vertex by `depth` of a cell.
 
-    The bar is shaken by less than that depth, so that it stays where it grazes.
-
-    Returns
-    -------
-    float
-        Greatest energy of the bar over its first one, less 1; inf if the run failed.
+    The bar is shaken by less than that depth, so that it stays where it grazes. The growth is the
+    greatest energy over the first one, less 1; inf if the run failed.
     """
     sim = free_bodies({"shape": method}, 1, per_cell, 1)
     p, rows = sim.particles, sim.live()
@@ -220,20 +207,12 @@ def grazing(method, depth, per_cell=2, courant=0.3, steps=3000):
 
 
 def grazed(method):
-    """Record of the bars that graze a vertex."""
     began = perf_counter()
     growth = {depth: grazing(method, depth) for depth in DEPTHS}
     failed = [depth for depth in DEPTHS if growth[depth] > BOUND]
     text = f"blown up from {max(failed):.0e} to {min(failed):.0e} of a cell" if failed else ""
     return {
-        "case": "grazing, 1e-12 to 1e-3 of a cell",
-        "method": method,
-        "stable": not failed,
-        "fault": text,
-        "done": 1.0,
-        "growth": max(growth.values()),
-        "error": None,
-        "steps": 3000 * len(DEPTHS),
-        "seconds": perf_counter() - began,
-        "remarks": "",
-    }
+        "case": "grazing, 1e-12 to 1e-3 of a cell", "method": method, "stable": not failed,
+        "fault": text, "done": 1.0, "growth": max(growth.values()), "error": None,
+        "steps": 3000 * len(DEPTHS), "seconds": perf_counter() - began, "remarks": "",
+    }  # fmt: skip

@@ -11,13 +11,10 @@ from studies.scenes import core
 from pgimp.errors import RunError
 
 CASES = harness.CASES / "hard"
-
 #: A run is stable if it finishes and its energy never grows by more than this part of the most.
 BOUND = 0.05
-
 #: A run whose energy has grown by so much is stopped.
 HOPELESS = 10.0
-
 LINES = 400
 
 
@@ -47,19 +44,11 @@ def begin(name, changes):
 
 
 def watch(sim, lines=LINES, each=None):
-    """Run a simulation to its end, or until it fails.
+    """Run a simulation from its start to its end, or until it fails; see `Watched`.
 
     The growth of the energy is the greatest excess, in any line, of kinetic and strain energy over
-    what there was at first and what the loads have done, over the greatest energy of any line.
-
-    Parameters
-    ----------
-    sim : Simulation
-        At its start.
-    lines : int
-        Number of lines of the history, evenly in time.
-    each : callable, optional
-        Called with the simulation at every line.
+    what there was at first and what the loads have done, over the greatest energy of any line. The
+    history has some lines, evenly in time; at each of them `each` is called with the simulation.
     """
     began = perf_counter()
     found = [sim.diagnostics()]
@@ -92,12 +81,10 @@ def watch(sim, lines=LINES, each=None):
 def reason(message):
     """The short form of why a run stopped."""
     for text, short in (
-        ("inside out", "inverted"),
-        ("not a finite", "not finite"),
-        ("more than a cell", "too fast"),
-        ("left the domain", "left the domain"),
+        ("inside out", "inverted"), ("not a finite", "not finite"),
+        ("more than a cell", "too fast"), ("left the domain", "left the domain"),
         ("blown up", "blown up"),
-    ):
+    ):  # fmt: skip
         if text in message:
             return short
     return message.splitlines()[0]

@@ -19,7 +19,6 @@ def entry(record):
 
 
 def cases_table(records):
-    """Method by case."""
     rows = list(dict.fromkeys(record["case"] for record in records))
     found = {(record["case"], record["method"]): record for record in records}
     methods = [m for m in METHODS if any(key[1] == m for key in found)]

@@ -19,10 +19,8 @@ METHODS = [*((shape, "current") for shape in SHAPES if shape != "mpm"), ("gimp",
 #: Cells across, and speed of the edges over that of waves.
 BLOCKS = ((6, 0.05), (6, 0.2), (12, 0.2))
 TURNS = (5, 20, 50)
-
 POISSON = 0.3
 WAVE = sqrt((1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)))
-
 #: A block has torn when a particle is so much farther from the middle than the corner was.
 TORN = 1.5
 
@@ -67,7 +65,6 @@ def text(found):
 
 
 def main():
-    """Measure, and write the table."""
     table = Table("method", *(f"{cells} cells, {speed:g} c" for cells, speed in BLOCKS))
     for shape, configuration in METHODS:
         found = [text(changes(shape, configuration, *block)) for block in BLOCKS]

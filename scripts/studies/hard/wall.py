@@ -16,10 +16,7 @@ YOUNG, LENGTH, WEIGHT = 1.0e6, 50.0, 40000.0
 def column(shape, wall):
     """Mean and greatest deviation, that of the cell at the wall with its sign, and the tip's.
 
-    Returns
-    -------
-    four float
-        Of the tip, how far it stands too high, over the length.
+    Of the tip it is how far it stands too high, over the length.
     """
     method = f"method={{shape: {shape}, particles_per_cell: [2], wall: {wall}}}"
     sim = finished(core(CASES / "compaction.yaml", [method, "output.every=null"]))
@@ -34,7 +31,6 @@ def column(shape, wall):
 
 
 def main():
-    """Print a line for each shape and wall."""
     for shape in SHAPES:
         for wall in ("ghost", "mirror"):
             mean, worst, near, tip = column(shape, wall)

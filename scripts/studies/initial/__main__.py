@@ -1,9 +1,9 @@
 """Measures the initial configuration beside the current one; see scripts/initial."""
 
-import argparse
+from itertools import product
 from time import process_time
 
-from studies.harness import Kept, chosen, key, origin, out, put
+from studies.harness import Kept, key, options_of, origin, out, put, table
 from studies.initial import meetings
 from studies.initial.keeping import cube, order, ringing, speed, spin, stretch, vortex
 
@@ -22,114 +22,97 @@ KINDS = tuple(WORDS)
 def jobs():
     """What is measured, by name: (function, arguments)."""
     every = {}
-    for one in BOTH:
-        for affine in (False, True):
-            for courant in (0.3, 0.1):
-                every["ringing", one, affine, courant] = (ringing, (one, affine, courant))
-            every["spin", one, affine] = (spin, (one, affine))
-        for D, cells in ((2, 4), (2, 8), (2, 16), (3, 4), (3, 8), (3, 16)):
-            every["cube", one, D, cells] = (cube, (one, D, cells))
+
+    def add(function, *arguments, name=None):
+        every[function.__name__, *(name or arguments)] = function, arguments
+
+    for one, affine in product(BOTH, (False, True)):
+        for courant in (0.3, 0.1):
+            add(ringing, one, affine, courant)
+        add(spin, one, affine)
+    for one, D, cells in product(BOTH, (2, 3), (4, 8, 16)):
+        add(cube, one, D, cells)
     for amplitude in (0.5, 1.0):
         for cell in CELLS:
-            every["vortex", "initial", amplitude, cell] = (vortex, ("initial", amplitude, cell))
-            every["vortex", SMOOTH, amplitude, cell] = (
-                vortex, ("initial", amplitude, cell, "bspline-quadratic", True)
-            )  # fmt: skip
-        every["vortex", "current", amplitude, 0.05] = (
-            vortex, ("current", amplitude, 0.05, "finite-gimp")
-        )  # fmt: skip
-    for shape in ("gimp", "cpdi"):
-        for even in (True, False):
-            every["stretch", shape, even] = (stretch, (shape, even))
+            add(vortex, "initial", amplitude, cell)
+            add(vortex, "initial", amplitude, cell, "bspline-quadratic", True,
+                name=(SMOOTH, amplitude, cell))  # fmt: skip
+        add(vortex, "current", amplitude, 0.05, "finite-gimp", name=("current", amplitude, 0.05))
+    for shape, even in product(("gimp", "cpdi"), (True, False)):
+        add(stretch, shape, even)
     for one in BOTH:
         for name, problem in meetings.PROBLEMS.items():
             for fine in range(len(problem.arguments)):
-                every["contact", one, name, fine] = (meetings.meeting, (one, name, fine))
-    for D in (2, 3):
-        for kind in KINDS:
-            every["speed", D, kind] = (speed, (D, kind))
+                every["contact", one, name, fine] = meetings.meeting, (one, name, fine)
+    for D, kind in product((2, 3), KINDS):
+        add(speed, D, kind)
     return every
 
 
 def contacts(kept):
-    """The table of docs/contact-validation.md."""
     note = f"Measured on one core of {kept['origin']}."
     return meetings.table(lambda *name: kept.get(key(("contact", *name))), BOTH, note)
 
 
 def text(kept):
-    """The table of docs/methods.md."""
-
     def of(*name):
-        return kept.get(key(name))
+        return kept.get(key(name)) or {}
 
-    lines = ["| | current | initial |", "|---|---|---|"]
+    rows = []
     for affine in (False, True):
         words = ", affine" * affine
         for courant in (0.3, 0.1):
-            cells = []
-            for one in BOTH:
-                found = of("ringing", one, affine, courant)
-                left = found["left"] if found else {}
-                cells.append(", ".join(f"{left[n]:.3f}" for n in left))
-            lines.append(
-                f"| cantilever{words}, Courant {courant}: part of its mode's energy after 10 and "
-                f"50 periods | {' | '.join(cells)} |"
-            )
-        cells = [f"{found['lost']:.1e}" if (found := of("spin", one, affine)) else ""
-                 for one in BOTH]  # fmt: skip
-        lines.append(f"| square{words}: part of its spin lost in 3.2 turns | {' | '.join(cells)} |")
+            left = [of("ringing", one, affine, courant).get("left", {}) for one in BOTH]
+            rows.append((
+                f"cantilever{words}, Courant {courant}: part of its mode's energy after 10 and 50 "
+                "periods", *(", ".join(f"{part:.3f}" for part in each.values()) for each in left),
+            ))  # fmt: skip
+        lost = [of("spin", one, affine).get("lost") for one in BOTH]
+        cells = ("" if part is None else f"{part:.1e}" for part in lost)
+        rows.append((f"square{words}: part of its spin lost in 3.2 turns", *cells))
     for D in (2, 3):
         cells = []
         for one in BOTH:
-            found = [of("cube", one, D, cells) for cells in (4, 8, 16)]
-            cells.append(", ".join("stopped" if f["tip"] is None else f"{f['tip']:.3f}"
-                                   for f in found if f))  # fmt: skip
-        lines.append(f"| hanging cube, {D}D, 4, 8 and 16 cells: place of its tip | "
-                     f"{' | '.join(cells)} |")  # fmt: skip
+            found = filter(None, (of("cube", one, D, size) for size in (4, 8, 16)))
+            tips = ("stopped" if f["tip"] is None else f"{f['tip']:.3f}" for f in found)
+            cells.append(", ".join(tips))
+        rows.append((f"hanging cube, {D}D, 4, 8 and 16 cells: place of its tip", *cells))
     for amplitude in (0.5, 1.0):
         cells = []
         for one, sizes in (("current", (0.05,)), ("initial", CELLS), (SMOOTH, CELLS)):
-            found = [of("vortex", one, amplitude, cell) for cell in sizes]
-            found = [f for f in found if f]
-            word = ", ".join(f"{f['error']['0.5']:.4f}" if "0.5" in f["error"]
-                             else f"stopped at {f['stopped']:.2f}" for f in found)  # fmt: skip
+            found = [*filter(None, (of("vortex", one, amplitude, cell) for cell in sizes))]
             errors = [f["error"].get("0.5") for f in found]
-            orders = [n for n in order(errors) if n]
-            if orders:
+            word = ", ".join(f"stopped at {f['stopped']:.2f}" if error is None else f"{error:.4f}"
+                             for f, error in zip(found, errors, strict=True))  # fmt: skip
+            if orders := [n for n in order(errors) if n]:
                 word += f" (order {', '.join(f'{n:.1f}' for n in orders)})"
             cells.append(word)
-        lines += [
-            f"| vortex of amplitude {amplitude:g}, cells of 0.05, and of 0.1, 0.05 and 0.025: "
-            f"error of the displacement at t = 0.5 | {' | '.join(cells[:2])} |",
-            f"| the same, `bspline-quadratic` with `affine` | | {cells[2]} |",
-        ]
+        rows += [
+            (f"vortex of amplitude {amplitude:g}, cells of 0.05, and of 0.1, 0.05 and 0.025: "
+             "error of the displacement at t = 0.5", *cells[:2]),
+            ("the same, `bspline-quadratic` with `affine`", "", cells[2]),
+        ]  # fmt: skip
     for shape in ("gimp", "cpdi"):
-        found = of("stretch", shape, True), of("stretch", shape, False)
-        if all(found):
-            lines.append(f"| bar at five times its length, {shape}: greatest error of F, of the "
-                         f"force begun at rest | | {found[0]['F']:.0e}, "
-                         f"{found[1]['force']:.3f} |")  # fmt: skip
-    for D in (2, 3):
-        for kind in KINDS:
-            if found := of("speed", D, kind):
-                each = found["million particle-steps/s"]
-                lines.append(f"| {D}D, {WORDS[kind]}: million particle-steps/s | "
-                             f"{each['current']:.2f} | {each['initial']:.2f}: "
-                             f"{found['ratio']:.2f} times |")  # fmt: skip
-    return "\n".join([*lines, "", f"Measured on one core of {kept['origin']}.", ""])
+        even, rest = of("stretch", shape, True), of("stretch", shape, False)
+        if even and rest:
+            rows.append((f"bar at five times its length, {shape}: greatest error of F, of the "
+                         "force begun at rest", "", f"{even['F']:.0e}, {rest['force']:.3f}"))
+    for D, kind in product((2, 3), KINDS):
+        if found := of("speed", D, kind):
+            now, initial = found["million particle-steps/s"].values()
+            rows.append((f"{D}D, {WORDS[kind]}: million particle-steps/s", f"{now:.2f}",
+                         f"{initial:.2f}: {found['ratio']:.2f} times"))
+    found = table(("", *BOTH), rows, f"Measured on one core of {kept['origin']}.")
+    return found.replace("|  |", "| |")
 
 
 def main():
     """Measure, and write initial.json and docs/methods.md."""
-    parser = argparse.ArgumentParser(prog="scripts/initial")
-    parser.add_argument("words", nargs="*", metavar="WHAT", help=", ".join(WHAT))
-    parser.add_argument("--redraw", action="store_true", help="tables from what is there")
-    options = parser.parse_args()
-    words = chosen(parser, options.words, WHAT) or WHAT
+    words = {"nargs": "*", "metavar": "WHAT", "among": WHAT}
+    options = options_of("initial", words=words, redraw="tables from what is there")
     kept = Kept(out("initial") / "initial.json")
     for name, (function, arguments) in ({} if options.redraw else jobs()).items():
-        if name[0] not in words:
+        if name[0] not in (options.words or WHAT):
             continue
         began = process_time()
         found = function(*arguments)

@@ -14,7 +14,6 @@ from pgimp.utilities.model.block import Block, block_case
 #: A steel-like ratio, and waves at 1.16 sqrt(E/rho).
 YOUNG, POISSON, DENSITY = 1.0e6, 0.3, 1000.0
 WAVE = sqrt(YOUNG * (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)) / DENSITY)
-
 #: The cantilever of 4 by 1, its first mode after Euler and Bernoulli, and what its tip reaches.
 LENGTH, HEIGHT, TIP = 4.0, 1.0, 0.02
 ROOT = 1.8751040687
@@ -22,7 +21,6 @@ RATE = ROOT**2 * sqrt(YOUNG / (1.0 - POISSON**2) / DENSITY / 12.0) * HEIGHT / LE
 PERIOD = 2.0 * pi / RATE
 #: Instants at which it is looked at, in a period of that; its own period is 1.05 of them.
 LOOKS = 40
-
 #: When the tip of the hanging cube is looked at; finite elements have it 1.738 m below then.
 CUBE = 0.0882
 

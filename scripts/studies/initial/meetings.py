@@ -16,7 +16,6 @@ SHOWN = {
     "corner": ("corner", 2), "wall": ("wall", 1), "rolls": ("rolls 2", 2), "slips": ("slips 2", 2),
     "sphere rolls": ("rolls 3", 2), "sphere slips": ("slips 3", 2), "pressed": ("pressed", 1),
 }  # fmt: skip
-
 #: What a line says that is shorter here.
 SHORTER = {"nairn": "NairnMPM's disks, R = 10 and 20 cells: energy lost"}
 

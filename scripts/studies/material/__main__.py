@@ -1,9 +1,7 @@
 """Measures metals against exact results and writes their tables; see scripts/materials."""
 
-import argparse
-
 import numpy as np
-from studies.harness import origin, out, put, table
+from studies.harness import options_of, origin, out, put, table
 from studies.material import metals
 from studies.scenes import by_turns, case_of, filled
 
@@ -13,7 +11,6 @@ ROUNDS, STEPS = 9, 6
 
 
 def speed(rate):
-    """Particle-steps a second in words."""
     return f"{rate / 1e6:.2f} million"
 
 
@@ -103,13 +100,11 @@ def block(material):
 
 def main():
     """Measure, and write the tables; the page too unless it is quick."""
-    parser = argparse.ArgumentParser(prog="scripts/materials")
-    parser.add_argument("--quick", action="store_true", help="coarser, and no page")
-    arguments = parser.parse_args()
+    quick = options_of("materials", quick="coarser, and no page").quick
     tables = {
         "metal-waves": table(
             ["test", "exact or published", "measured", "on half the cells", "error there",
-             "particle-steps/s there"], rows_of_waves(arguments.quick),
+             "particle-steps/s there"], rows_of_waves(quick),
         ),
         "metal-paths": table(["path", "exact", "measured"], rows_of_paths()),
         "metal-costs": table(
@@ -118,4 +113,4 @@ def main():
         ),
     }  # fmt: skip
     print("\n".join(tables.values()))
-    put(tables, out("materials") / "metals.md", not arguments.quick)
+    put(tables, out("materials") / "metals.md", not quick)

@@ -1,10 +1,9 @@
 """Measures every method on small bodies and writes docs/methods.md; see scripts/methods."""
 
-import argparse
 from itertools import product
 from time import process_time
 
-from studies.harness import Kept, chosen, origin, out, put, write_csv
+from studies.harness import Kept, options_of, origin, out, put, write_csv
 from studies.method.bodies import SHAPES
 from studies.method.measures import COURANTS, bending, bounced, compressed, costs, turned, waves
 from studies.method.table import added, text
@@ -25,11 +24,9 @@ def measured(method):
 
 def main():
     """Measure, and write methods.json, methods.csv, methods.md and docs/methods.md."""
-    parser = argparse.ArgumentParser(prog="scripts/methods")
-    parser.add_argument("--redraw", action="store_true", help="tables from what is there")
-    parser.add_argument("--only", default="", metavar="SHAPE,..", help="the others stay")
-    options = parser.parse_args()
-    only = chosen(parser, options.only, SHAPES)
+    some = {"among": SHAPES, "metavar": "SHAPE,..", "help": "the others stay"}
+    options = options_of("methods", redraw="tables from what is there", only=some)
+    only = options.only
     store = out("methods") / ("some.json" if only else "methods.json")
     kept = Kept(store)
     if not options.redraw:

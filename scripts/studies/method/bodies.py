@@ -18,7 +18,6 @@ SHAPES = (
 )  # fmt: skip
 HEIGHT = 4  # cells across every body
 OFF = 0.3  # of a cell, by direction
-
 #: Height and weight of the column; its lowest part is compressed by 16 %, see `column`.
 COLUMN, STRAIN = 10.0, 0.16
 WEIGHT = 0.5 * (1.0 / (1.0 - STRAIN) - (1.0 - STRAIN))
@@ -28,16 +27,8 @@ RAMP = 480.0  # in which the weight grows: twelve times the column's slowest per
 def simulation(method, size, body, end, courant=0.3, cell=1.0, poisson=0.0, **changes):
     """A body in a domain with a wall at x-min and one at y-min, from which it can come off.
 
-    Parameters
-    ----------
-    method : (str, bool, int)
-        Shape, affine or not, particles a cell and direction.
-    size : sequence of float
-        Extent of the domain.
-    body : dict
-        Its region, and velocity if any.
-    changes
-        Other keys of the case.
+    The method is shape, affine or not, particles a cell and direction; the body has its region, and
+    velocity if any; changes are other keys of the case.
     """
     shape, affine, per_cell = method
     elastic = {"model": "neo-hookean", "young": 1.0, "poisson": poisson, "density": 1.0}
@@ -51,13 +42,7 @@ def simulation(method, size, body, end, courant=0.3, cell=1.0, poisson=0.0, **ch
 def cantilever(method, D, courant=0.3, length=6 * HEIGHT, amplitude=0.2):
     """A beam that begins to swing in its slowest mode.
 
-    Returns
-    -------
-    sim : Simulation
-    shape : (n,) float
-        Deflection of the mode at each particle, by id.
-    rate : float
-        Its exact angular frequency.
+    With the deflection of the mode at each particle, by id, and its exact angular frequency.
     """
     rate, nodes, deflection, rotation = slowest(length, HEIGHT)
     low = 4.0 if D == 2 else 4.0 + OFF
@@ -107,15 +92,9 @@ def spin(method, D, courant=0.3, edge_speed=0.05):
 
 
 def column(method, cell):
-    """A column under a weight that grows smoothly and then stays, in 2D.
+    """A column under a weight that grows smoothly and then stays, in 2D; the stress at rest, by id.
 
     With nominal stress (F - 1/F)/2 the stress is -WEIGHT (1 - X/COLUMN) at rest, whatever F.
-
-    Returns
-    -------
-    sim : Simulation
-    exact : (n,) float
-        Stress at each particle at rest, by id.
     """
     rows = [[RAMP * s, [0.0, -WEIGHT / COLUMN * (s - sin(2.0 * pi * s) / (2.0 * pi))]]
             for s in np.linspace(0.0, 1.0, 41).tolist()]  # fmt: skip

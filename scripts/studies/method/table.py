@@ -19,13 +19,11 @@ def number(value, sign=False):
 
 
 def joined(values, sign=False):
-    """Some numbers in a cell of the table."""
     texts = [number(value, sign) for value in values]
     return "stopped" if set(texts) == {"stopped"} else ", ".join(texts)
 
 
 def name(record):
-    """Label of a method."""
     affine = ", affine" if record["affine"] else ""
     return f"{record['shape']}{affine}, {record['per_cell']} a cell"
 
@@ -61,21 +59,16 @@ def losses(records):
         return lambda record: joined([record.get(key) for key in keys])
 
     columns = {
-        "method": name,
-        "swing": of("swing", " 2"),
-        "spin": of("spin", " 2"),
-        "wave": of("wave"),
-    }
+        "method": name, "swing": of("swing", " 2"), "spin": of("spin", " 2"), "wave": of("wave"),
+    }  # fmt: skip
     return table(columns, [record for record in records if record["per_cell"] == 2])
 
 
 def table(columns, records):
-    """Markdown."""
     return harness.table(columns, ([word(r) for word in columns.values()] for r in records))
 
 
 def text(records, machine):
-    """All tables of docs/methods.md."""
     return (
         f"{accuracy(records)}\nLost at Courant numbers of "
         f"{', '.join(map(str, COURANTS))}, in 2D:\n\n{losses(records)}\n"

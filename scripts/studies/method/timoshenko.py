@@ -12,14 +12,8 @@ SHEAR = 5.0 / 6.0  # of a rectangle, Poisson's ratio 0
 def slowest(length, height, elements=160):
     """Angular frequency and shape of a beam with Young's modulus and density 1.
 
-    Linear elements, the shear taken at their middle, masses lumped to the nodes.
-
-    Returns
-    -------
-    rate : float
-        Angular frequency.
-    x, deflection, rotation : (elements + 1,) float
-        Places of the nodes, and the mode, with a deflection of 1 at the tip.
+    Linear elements, the shear taken at their middle, masses lumped to the nodes. The shape is that
+    of the mode with a deflection of 1 at the tip: places of the nodes, deflection, rotation.
     """
     area, inertia = height, height**3 / 12.0
     stiffness_shear = SHEAR * 0.5 * area  # shear modulus 1/2

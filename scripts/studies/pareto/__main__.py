@@ -1,10 +1,9 @@
 """Measures error against cost and writes docs/error-against-cost.md; see scripts/pareto."""
 
-import argparse
 from time import process_time
 
 from benchmarks.workers.taichi_python import taichi_python
-from studies.harness import Kept, chosen, origin, out, put, write_csv
+from studies.harness import Kept, options_of, origin, out, put, write_csv
 from studies.pareto.candidates import METHODS
 from studies.pareto.fronts_drawn import draw
 from studies.pareto.fronts_table import fronts, prices
@@ -59,13 +58,10 @@ def report(kept, problems):
 
 def main():
     """Measure, and write pareto.json, the tables, the pictures and the page."""
-    parser = argparse.ArgumentParser(prog="scripts/pareto")
-    parser.add_argument("--redraw", action="store_true", help="tables from what is there")
-    parser.add_argument("--only", default="", metavar="PROBLEM,..", help="the others stay")
-    options = parser.parse_args()
     known = {problem.name: problem for problem in PROBLEMS}
-    only = chosen(parser, options.only, known)
+    only = {"among": known, "metavar": "PROBLEM,..", "help": "the others stay"}
+    options = options_of("pareto", redraw="tables from what is there", only=only)
     kept = Kept(out("pareto") / "pareto.json")
     if not options.redraw:
-        measure([known[name] for name in only or known], kept)
+        measure([known[name] for name in options.only or known], kept)
     report(kept, [p for p in PROBLEMS if p.name in kept["origins"]])

@@ -13,12 +13,7 @@ from studies.elements import Mesh, lagrange
 class Mode:
     """The slowest mode of a beam held at x = 0, with a greatest displacement of 1.
 
-    Young's modulus and density are 1.
-
-    Attributes
-    ----------
-    rate : float
-        Angular frequency.
+    Young's modulus and density are 1; `rate` is the angular frequency.
     """
 
     def __init__(self, length, height, elements):

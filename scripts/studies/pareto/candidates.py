@@ -4,18 +4,9 @@ from typing import NamedTuple
 
 
 class Method(NamedTuple):
-    """A method of pgimp.
+    """A method of pgimp: shape, transfer, configuration, particles a cell and direction, step.
 
-    Attributes
-    ----------
-    shape : str
-        ``method.shape``.
-    affine, initial : bool
-        Affine transfer; the initial configuration.
-    per_cell : int
-        Particles a cell and direction.
-    courant : float or str
-        Of the step; ``auto`` leaves it to pgimp.
+    The Courant number ``auto`` leaves the step to pgimp.
     """
 
     shape: str
@@ -37,19 +28,15 @@ SHAPES = (
     "mpm", "gimp", "finite-gimp", "cpdi", "cpdi-corners", "fuzzy-nearest", "fuzzy-constant",
     "bspline-quadratic", "bspline-cubic",
 )  # fmt: skip
-
 #: In the initial configuration sizes do not follow the deformation: `finite-gimp` is `gimp`, and
 #: `fuzzy-constant` is `bspline-cubic`.
 OF_START = ("mpm", "gimp", "cpdi", "bspline-quadratic", "bspline-cubic")
-
 #: Points that move are stable up to 0.12 only (docs/hard-cases.md); in the initial configuration
 #: they do not come nearer to the vertices than they are at the start.
 POINTS = 0.1
-
 METHODS = (
     *(
-        Method(shape, affine, courant=POINTS if shape == "mpm" else 0.3)
-        for shape in SHAPES
+        Method(shape, affine, courant=POINTS if shape == "mpm" else 0.3) for shape in SHAPES
         for affine in (False, True)
     ),
     *(Method(shape, affine, True) for shape in OF_START for affine in (False, True)),
@@ -58,8 +45,6 @@ METHODS = (
         for shape, initial in (("gimp", False), ("cpdi", False), ("gimp", True))
         for affine in (False, True)
     ),
-    Method("gimp", True, courant="auto"),
-    Method("cpdi", True, courant="auto"),
-    Method("gimp", False, True, courant="auto"),
-    Method("gimp", True, True, courant="auto"),
-)
+    Method("gimp", True, courant="auto"), Method("cpdi", True, courant="auto"),
+    Method("gimp", False, True, courant="auto"), Method("gimp", True, True, courant="auto"),
+)  # fmt: skip

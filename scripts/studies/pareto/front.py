@@ -20,12 +20,8 @@ def front(records):
 def price(ladder, target):
     """Seconds for an error with one method that finer cells do not exceed; None without.
 
-    Between runs the logarithms are taken as linear; what the coarsest one beats costs its time.
-
-    Parameters
-    ----------
-    ladder : list of dict
-        Its runs, coarsest first.
+    Between runs, coarsest first in the `ladder`, the logarithms are taken as linear; what the
+    coarsest one beats costs its time.
     """
     good = len(ladder)
     while good and usable(ladder[good - 1]) and ladder[good - 1]["error"] <= target:

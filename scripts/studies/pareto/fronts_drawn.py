@@ -7,21 +7,18 @@ from studies.pareto.front import front, price, usable
 from pgimp.utilities.plot import style
 
 FAMILIES = {
-    "mpm": ("points: mpm", style.GREY),
-    "gimp": ("boxes: gimp, finite-gimp", style.BLUE),
+    "mpm": ("points: mpm", style.GREY), "gimp": ("boxes: gimp, finite-gimp", style.BLUE),
     "finite-gimp": ("boxes: gimp, finite-gimp", style.BLUE),
     "cpdi": ("cpdi, cpdi-corners", style.GREEN),
     "cpdi-corners": ("cpdi, cpdi-corners", style.GREEN),
     "fuzzy-nearest": ("tents: fuzzy-nearest, -constant", style.ORANGE),
     "fuzzy-constant": ("tents: fuzzy-nearest, -constant", style.ORANGE),
-    "bspline-quadratic": ("B-splines", style.PURPLE),
-    "bspline-cubic": ("B-splines", style.PURPLE),
-}
+    "bspline-quadratic": ("B-splines", style.PURPLE), "bspline-cubic": ("B-splines", style.PURPLE),
+}  # fmt: skip
 PEER = "Taichi, MLS-MPM"
 
 
 def draw(name, problems, records, columns=3):
-    """Write cases/pictures/NAME.png."""
     rows = -(-len(problems) // columns)
     figure, axes = plt.subplots(
         rows, columns, figsize=(3.3 * columns, 3.0 * rows + 0.9), squeeze=False
@@ -89,12 +86,9 @@ def _key():
         return Line2D([], [], ls="", marker=marker, mfc=filled, color=colour, ms=size, label=label)
 
     return [
-        *handles,
-        mark("*", "Taichi MLS-MPM (hollow: float32)", style.RED, style.RED, 9),
-        mark("o", "2 particles a cell and direction"),
-        mark("s", "initial configuration"),
-        mark("^", "1 particle a cell"),
-        mark("o", "filled: affine", "k"),
+        *handles, mark("*", "Taichi MLS-MPM (hollow: float32)", style.RED, style.RED, 9),
+        mark("o", "2 particles a cell and direction"), mark("s", "initial configuration"),
+        mark("^", "1 particle a cell"), mark("o", "filled: affine", "k"),
         Line2D([], [], color="k", ls="--", lw=0.8, label="step: {courant: auto}"),
         Line2D([], [], color="#d4d4d4", lw=7.0, label="front of pgimp"),
-    ]
+    ]  # fmt: skip

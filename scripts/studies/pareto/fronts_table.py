@@ -5,20 +5,17 @@ from studies.pareto.front import front, price, usable
 
 #: Prices up to so many times the least are those of good methods.
 GOOD = 1.5
-
 #: Runs of a front are told if their error is less than this part of the one before.
 LESS = 0.8
 
 
 def seconds(value):
-    """CPU time, two digits."""
     if value < 0.0995:
         return f"{1e3 * value:.2g} ms"
     return f"{value:.0f} s" if value >= 9.95 else f"{value:.2g} s"
 
 
 def percent(value):
-    """A part as per cent, two digits."""
     return f"{100.0 * value:.2g} %" if value < 0.995 else f"{100.0 * value:.0f} %"
 
 

@@ -46,13 +46,7 @@ def ladder(problem, methods, sizes):
 
 
 def joined(runs):
-    """A record of the runs at every place: the root mean square error, the mean time.
-
-    Parameters
-    ----------
-    runs : dict of float to list of dict
-        By place on the grid, the repeated runs.
-    """
+    """A record of the repeated runs by place: the root mean square error, the mean time."""
     errors = {off: each[0]["error"] for off, each in runs.items()}
     failed = None in errors.values()
     first = next(iter(runs.values()))[0]

@@ -32,7 +32,6 @@ class Vortex(Problem):
         super().__init__("vortex", 2, (0.0,))
 
     def case(self, method, n):
-        """The case."""
         h, k = 0.5 / n, round(3.0 * n) + 2
         balls = [ball([0.0, 0.0], r) for r in (1.25, 0.75)]
         case = body_case(self, method, [2 * k, 2 * k], h, {"difference": balls}, self.end)
@@ -47,7 +46,6 @@ class Vortex(Problem):
         return [self.amplitude, pi, 1.0, 0.5, stiffness]
 
     def error(self, n, X, x, v, m):
-        """Relative L2 error at the end."""
         exact = turned(X, self.amplitude * sin(pi * self.end))
         return rms(x - exact, exact - X, m)
 
@@ -70,7 +68,6 @@ class Impact(Problem):
         super().__init__("impact", 2, (0.3,))
 
     def case(self, method, n):
-        """The case."""
         region = ball(self.centre(n), 0.5)
         case = body_case(self, method, [n + 9, round(1.6 * n)], 1.0 / n, region, self.end)
         case["bodies"]["body"]["velocity"] = [0.0, -self.speed]
@@ -81,7 +78,6 @@ class Impact(Problem):
         return [0.5 + (4.0 + self.off) / n, 0.5 + self.gap]
 
     def error(self, n, X, x, v, m):
-        """Relative L2 error at the end."""
         places = np.linspace(-0.5, 0.5, 101)
         disk = np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 2)
         terms = self.terms(disk[(disk**2).sum(axis=1) < 0.25])
@@ -122,7 +118,6 @@ class Hertz(Problem):
         self.name, self.target, self.forces = "hertz-2d", 0.05, []
 
     def case(self, method, n):
-        """The case."""
         case = YAML(typ="safe").load(CASES / "hertz-line.yaml")
         h = 2.4e-3 * 44 / n
         case["grid"] = {"size": [(n + 2) * h, 0.2112], "cell": [h, h]}

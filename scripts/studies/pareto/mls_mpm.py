@@ -24,14 +24,9 @@ ROUNDS, SHORT = 3, 0.3
 def stepper(real, start, cell, dt, lame, vertices, walls, vortex):
     """Positions and velocities of a body, what begins it, and its step.
 
-    Parameters
-    ----------
-    start : mapping of str to array
-        X, v, L, m, V of the particles.
-    walls : list of (int, bool)
-        Direction of a low face, and whether it lets go, else it holds.
-    vortex : list of float or None
-        Amplitude, angular frequency, mean radius, width and mu/rho of the generalised vortex.
+    Particles start with X, v, L, m, V; walls are low faces' directions, and whether they let go,
+    else they hold. The generalised vortex, if any, has amplitude, angular frequency, mean radius,
+    width and mu/rho.
     """
     n, D = start["X"].shape
     inverse, (first, shear) = 1.0 / cell, lame

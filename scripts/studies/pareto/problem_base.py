@@ -18,22 +18,10 @@ PLACES = (0.0, 0.3)
 class Problem(ABC):
     """A problem with a reference.
 
-    Attributes
-    ----------
-    name, title : str
-        Its key, and what pictures call it.
-    D : int
-        Dimensions.
-    sizes : tuple of int
-        Cells across the length that it is resolved by, coarsest first.
-    quick : int
-        Cells of a run that only shows that it works.
-    target : float
-        Error whose price is asked for.
-    peer : bool
-        Whether MLS-MPM on one grid can do it.
-    initial : bool
-        Whether its error is known in the initial configuration.
+    It has a name as key and a title in pictures, `sizes` of cells across the length that it is
+    resolved by, coarsest first, `quick` cells of a run that only shows that it works, and the
+    `target`, the error whose price is asked for. Whether MLS-MPM on one grid can do it is `peer`,
+    whether its error is known in the initial configuration, `initial`.
     """
 
     name: str
@@ -96,15 +84,7 @@ class Problem(ABC):
 
 
 def body_case(problem, method, size, h, region, end):
-    """A case of one elastic body.
-
-    Parameters
-    ----------
-    size : sequence of float
-        Extent of the domain, in cells.
-    h : float
-        Edge of a cell.
-    """
+    """A case of one elastic body; the domain's size is in cells, whose edge is h."""
     elastic = {"model": "neo-hookean", "young": 1.0, "poisson": problem.poisson, "density": 1.0}
     body = {
         "material": "elastic",

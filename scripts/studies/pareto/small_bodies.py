@@ -33,14 +33,12 @@ class Waves(Problem):
         self.sizes, self.quick = ((16, 32, 64) if D == 2 else (8, 16, 24)), 8
 
     def case(self, method, n):
-        """The case."""
         h, low, half = 1.0 / n, (4.0 + self.off) / n, n // 2
         region = box([low] * self.D, [low + 1.0, *[low + 0.5] * (self.D - 1)])
         size = [n + 9, half + 9, half + 9]
         return body_case(self, method, size, h, region, self.periods)
 
     def start(self, X, n):
-        """Velocity and its gradient."""
         x = 2.0 * pi * (X[:, 0] - (4.0 + self.off) / n)
         v, L = np.zeros((len(X), self.D)), np.zeros((len(X), self.D, self.D))
         v[:, 0] = self.amplitude * np.cos(x)
@@ -48,7 +46,6 @@ class Waves(Problem):
         return v, L
 
     def error(self, n, X, x, v, m):
-        """Relative L2 error at the end."""
         return swing_error(2.0 * pi, x - X, v, self.start(X, n)[0], m)
 
 
@@ -66,14 +63,12 @@ class Bending(Problem):
         self.sizes, self.quick = ((6, 12, 20) if D == 2 else (3, 5)), 2
 
     def case(self, method, n):
-        """The case."""
         h, low = 1.0 / n, (4.0 + self.off) / n
         region = box([0.0, *[low] * (self.D - 1)], [4.0, *[low + 1.0] * (self.D - 1)])
         end = 2.0 * pi / beam().rate
         return body_case(self, method, [4 * n + 4, n + 9, n + 9], h, region, end)
 
     def start(self, X, n):
-        """Velocity and its gradient."""
         shape, slope = beam().at(X[:, :2] - [0.0, (4.0 + self.off) / n])
         v, L = np.zeros((len(X), self.D)), np.zeros((len(X), self.D, self.D))
         v[:, :2] = self.amplitude * beam().rate * shape
@@ -81,7 +76,6 @@ class Bending(Problem):
         return v, L
 
     def error(self, n, X, x, v, m):
-        """Relative L2 error at the end."""
         return swing_error(beam().rate, x - X, v, self.start(X, n)[0], m)
 
 
@@ -103,7 +97,6 @@ class Spinning(Problem):
         self.axis /= hypot(*self.axis)
 
     def case(self, method, n):
-        """The case."""
         low = (n // 2 + 2 + self.off) / n
         region = box([low] * self.D, [low + 1.0] * self.D)
         rate = self.rate if self.D == 2 else (self.rate * self.axis).tolist()
@@ -114,7 +107,6 @@ class Spinning(Problem):
         return case
 
     def error(self, n, X, x, v, m):
-        """Relative L2 error at the end."""
         Z = X - (n // 2 + 2 + self.off) / n - 0.5
         Z, place = np.pad(Z, ((0, 0), (0, 3 - self.D))), x - (n // 2 + 2 + self.off) / n - 0.5
         angle = -2.0 * pi * 2.0 * self.speed**2 / 3.0  # past the whole turn
