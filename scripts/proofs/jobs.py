@@ -1,5 +1,6 @@
 """Runs under mpirun that are disturbed, and what must be true of all that they leave."""
 
+import json
 import os
 import random
 import shutil
@@ -13,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+from proofs.scenes import heaps
 from studies import harness
 
 import pgimp
@@ -158,10 +160,13 @@ def options_of(name, words, runs=None, **more):
 
 def disturbed(name, words, runs):
     """Options of a proof whose runs are disturbed."""
-    return options_of(
+    options = options_of(
         name, words, runs, tcp="ranks talk as between machines",
         short="fewer steps, at most 3 ranks", contact="bodies that meet, up to 7 ranks",
+        heap="many bodies in a drum, up to 7 ranks",
     )  # fmt: skip
+    options.contact |= options.heap
+    return options
 
 
 def undisturbed(folder, options):

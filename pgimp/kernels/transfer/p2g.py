@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.vectors.simd import load, pack, store
-from pgimp.kernels.data.arguments import Order, KernelScene
+from pgimp.kernels.data.arguments import KernelScene, Order
 from pgimp.kernels.data.velocity_fields import clear_plane, use
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.transfer.sum_layer import sum_layer

@@ -168,7 +168,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         records.last = (state.last_line, *last)
 
 
-def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
+def _whole(source: CheckpointFile, name: str, shape: tuple[int, ...]) -> np.ndarray:
     kind = np.dtype(np.int64 if name in ("layers", "velocity-fields") else np.float64)
     if source.whole.get(name) != (kind, shape):
         raise DamagedError(f"it has no {name} of the scene's shape")

@@ -90,4 +90,3 @@ def entry(record, *keys):
     return ", ".join(
         f"{record[key]:.0f}" if key in ("mean", "jump") else f"{record[key]:.2e}" for key in keys
     )
-

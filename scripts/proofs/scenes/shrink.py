@@ -30,10 +30,13 @@ def _step(case):
     def number(entry, *keys):  # what varies in space counts as little as what is not there
         return max(v for v in (0.0, *map(entry.get, keys)) if isinstance(v, int | float))
 
-    speed = max(
-        math.sqrt(1.5 * number(m, *moduli) / (number(m, "density") or 1.0))
-        for m in case["materials"].values()
-    ) or 1.0
+    speed = (
+        max(
+            math.sqrt(1.5 * number(m, *moduli) / (number(m, "density") or 1.0))
+            for m in case["materials"].values()
+        )
+        or 1.0
+    )
     courant = case["time"]["step"]["courant"]
     courant = 0.3 if courant == "auto" else courant
     return float(f"{courant * min(case['grid']['cell']) / (1.2 * speed):.3g}")

@@ -95,13 +95,24 @@ def text(kept):
     for shape in ("gimp", "cpdi"):
         even, rest = of("stretch", shape, True), of("stretch", shape, False)
         if even and rest:
-            rows.append((f"bar at five times its length, {shape}: greatest error of F, of the "
-                         "force begun at rest", "", f"{even['F']:.0e}, {rest['force']:.3f}"))
+            rows.append(
+                (
+                    f"bar at five times its length, {shape}: greatest error of F, of the "
+                    "force begun at rest",
+                    "",
+                    f"{even['F']:.0e}, {rest['force']:.3f}",
+                )
+            )
     for D, kind in product((2, 3), KINDS):
         if found := of("speed", D, kind):
             now, initial = found["million particle-steps/s"].values()
-            rows.append((f"{D}D, {WORDS[kind]}: million particle-steps/s", f"{now:.2f}",
-                         f"{initial:.2f}: {found['ratio']:.2f} times"))
+            rows.append(
+                (
+                    f"{D}D, {WORDS[kind]}: million particle-steps/s",
+                    f"{now:.2f}",
+                    f"{initial:.2f}: {found['ratio']:.2f} times",
+                )
+            )
     found = table(("", *BOTH), rows, f"Measured on one core of {kept['origin']}.")
     return found.replace("|  |", "| |")
 
