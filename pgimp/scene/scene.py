@@ -182,6 +182,10 @@ class Scene:
             surfaces=self.pairs is not None or self.unilateral_walls,
             own=self.variations.width, liquid=bool(self.flows and self.flows.relaxes),
         )  # fmt: skip
+        #: Columns of the particles at the start, whose velocity gradients vertices may need.
+        self.created = self.carried._replace(
+            affine=self.carried.affine or bool(self.lagrangian.any())
+        )
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(
             [
@@ -231,6 +235,11 @@ class Scene:
             return 2 * self.vertices
         # A vertex beyond a unilateral wall uses the clearance of the vertex on the wall.
         return self.vertices if self.approached else 0
+
+    @property
+    def lagrangian_bodies(self) -> np.ndarray | None:
+        """Mask of the bodies whose vertices keep their motion; None without any."""
+        return self.lagrangian if self.lagrangian.any() else None
 
     @property
     def origins(self) -> bool:

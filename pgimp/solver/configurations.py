@@ -47,7 +47,8 @@ class ConfigurationGroup(NamedTuple):
         """The loads on these particles."""
         if not self.lagrangian:
             return loads
-        return loads._replace(mean=(), around=() if isinstance(loads.mean, tuple) else 1.0)
+        around = () if isinstance(loads.mean, tuple) else 1.0
+        return loads._replace(mean=(), around=around, affine=(), relaxation=())
 
     def forced(self, forcing: Forcing) -> Forcing:
         """The forcing of these particles."""

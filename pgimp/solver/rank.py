@@ -32,6 +32,9 @@ from pgimp.solver.transfers import RangeReport
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
 
+#: Tag of messages with the motion of shared planes.
+_MOTION = 8
+
 #: Particles at fault that are listed on each rank; further ones are only counted.
 MOST_LISTED = 1024
 
@@ -117,7 +120,10 @@ class Rank:
         self.slab = slab
         lag = LAG if comm.size > 1 and not scene.initial else 0
         bounds = scene.bounds if scene.initial else None
-        self.grid = Grid(scene.frame, scene.vertices, slab, lag, self.contact.fields, bounds)
+        self.grid = Grid(
+            scene.frame, scene.vertices, slab, lag, self.contact.fields, bounds,
+            scene.lagrangian_bodies,
+        )  # fmt: skip
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         self.keeping = Keeping(scene, comm, self.free, slab.layers)
@@ -179,13 +185,35 @@ class Rank:
             As from `pgimp.decomposition.slabs.cut`, equal on every rank.
         """
         window, extra = self.grid.base, self.scene.vertices - 1
-        sums = redistribute(self.comm, old, new, extra, self.population, self.booked())
+        owned = (*self.booked(), *self.grid.owned_motion())
+        sums = redistribute(self.comm, old, new, extra, self.population, owned)
         self.moved = True
         self._allocate(slab_of(new, self.comm.rank))
         self.contact.moved()
         self.grid.store(window)
-        for booked, values in zip(self.booked(), sums, strict=True):
-            booked[:] = values
+        for mine, values in zip((*self.booked(), *self.grid.owned_motion()), sums, strict=True):
+            mine[:] = values
+        self.share_motion()
+
+    def share_motion(self) -> None:
+        """Get the motion of shared planes from the upper neighbour, which owns them; collective."""
+        if not self.grid.motion:
+            return
+        values, owned = self.grid.by_vertex(self.grid.motion.values), self.grid.owned
+        lower, upper = self.slab.lower, self.slab.upper
+        sent = None
+        if lower is not None:
+            sent = self.comm.isend(values[: self.grid.shared_lower].copy(), lower, _MOTION)
+        if upper is not None:
+            values[owned:] = self.comm.recv(source=upper, tag=_MOTION)
+        if sent is not None:
+            sent.wait()
+
+    def drop_gradients(self) -> None:
+        """Drop the particles' velocity gradients, which only the vertices' start needed."""
+        particles = self.population.particles
+        self.population.particles = particles._replace(L=np.zeros((particles.capacity, 0)))
+        self.migration = Migration(self.comm, self.slab, self.particles)
 
     def enter(self, scene: Scene, particles: Particles) -> None:
         """Change to the scene of another stage between two steps; the ledger starts from zero.

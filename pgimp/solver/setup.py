@@ -44,8 +44,9 @@ from pgimp.solver.start.memory import require
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
 from pgimp.solver.start.warmup import warm_up
-from pgimp.solver.state.restore import outline, read_books, read_particles
+from pgimp.solver.state.restore import outline, read_books, read_motion, read_particles
 from pgimp.solver.state.state import State
+from pgimp.solver.state.vertex_motion import begin_motion
 from pgimp.solver.time.clock import CourantClock, clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step, require_end
@@ -105,6 +106,7 @@ def begin(
         remember_stress(scene.setting.without_shape(), particles, rows)
     start.warnings += overstress.measure(scene, particles, count, comm)
     put_in_order(start, slab, particles, count)
+    begin_motion(start.rank)
     if len(scenes) > 1 and scene.variations:
         require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
     start.warnings += locking(start.case)
@@ -164,6 +166,7 @@ def resume(
     slab = _decompose(start, layers)
     put_in_order(start, slab, *read_particles(scene, slab, source, state, layers, comm))
     read_books(start.rank, source, state, start.diagnostic_sums)
+    read_motion(start.rank, source)
     start.done = start.clock.after(state.step, state.time, state.dt)
     start.rate = state.rate
     if start.clock.held and state.held_rate:  # an older checkpoint has none: a window begins

@@ -18,6 +18,7 @@ from pgimp.solver.vertices import (
     fold_mirrors,
     forcing_of,
     hold_constrained,
+    keep_vertex_motion,
     on_vertices,
     reflect_mirrors,
 )
@@ -75,6 +76,7 @@ def step(
     contact.exchange(rank, update)
     lap("contact")
     reflect_mirrors(rank, update)
+    keep_vertex_motion(rank, update)
     lap("momentum")
 
     on_particles = particle_forcing(rank, groups, t, forcing)

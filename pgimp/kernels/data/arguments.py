@@ -115,6 +115,8 @@ class Field(NamedTuple):
     used : (planes,) int64 or ()
         Bit f: the plane has sums of the velocity field f. They are cleared before it is active
         again; see `pgimp.kernels.data.velocity_fields`. () in scenes that always have one field.
+    motion : VertexMotion or ()
+        Motion that the vertices keep, in scenes with bodies in the initial configuration.
     """
 
     window: Window
@@ -126,6 +128,7 @@ class Field(NamedTuple):
     owned: int
     bounds: tuple[tuple[float, float], ...]
     used: Any = ()
+    motion: Any = ()
 
 
 class Forcing(NamedTuple):

@@ -95,7 +95,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
     fields = (0,) * len(scene.body_names) if scene.pairs else ()
     grid = Grid(
         frame, vertices, Slab(0, 1, None, None), fields=fields,
-        bounds=scene.bounds if scene.initial else None,
+        bounds=scene.bounds if scene.initial else None, lagrangian=scene.lagrangian_bodies,
     )  # fmt: skip
     grid.cover(np.full((2, 2), vertices))
     wire = np.empty(0, np.int64)

@@ -16,6 +16,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.state import State
+from pgimp.solver.state.vertex_motion import MOTION, MOTION_PLANES, put_motion
 
 
 def outline(scene: Scene, source: Any, comm: Communicator) -> tuple[State, np.ndarray]:
@@ -148,8 +149,41 @@ def read_books(rank: Rank, source: Any, state: State, records: Diagnostics) -> N
         records.last = (state.last_line, *last)
 
 
+def read_motion(rank: Rank, source: Any) -> None:
+    """Restore the motion of the vertices in the initial configuration; collective.
+
+    Raises
+    ------
+    DamagedError
+        On every rank, if it is not of this scene.
+    """
+    scene, slab = rank.scene, rank.slab
+    if scene.lagrangian_bodies is None:
+        return
+    rank.contact.assign_fields(rank)
+    grid = rank.grid
+
+    def read() -> None:
+        counts = _whole(source, MOTION_PLANES, (scene.frame.vertices[0] + scene.vertices - 1,))
+        edges = np.concatenate([[0], np.cumsum(counts)])
+        total = int(edges[-1])
+        if (counts < 0).any() or any(
+            source.whole.get(name) != (np.dtype(kind), (total, *tail))
+            for name, kind, tail in zip(MOTION, (np.int64, np.float64), ((), (6,)), strict=True)
+        ):
+            if total:
+                raise DamagedError("its motion of vertices is not of the scene's shape")
+            return
+        first, last = edges[slab.first], edges[slab.first + grid.planes]
+        keys, values = (source.read_part(name, int(first), int(last)) for name in MOTION)
+        if not np.isfinite(values).all() or not put_motion(rank, keys, values):
+            raise DamagedError("its motion of vertices is not of this scene")
+
+    all_or_none(rank.comm, read, DamagedError)
+
+
 def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:
-    kind = np.dtype(np.int64 if name == "layers" else np.float64)
+    kind = np.dtype(np.int64 if name in ("layers", MOTION_PLANES) else np.float64)
     if source.whole.get(name) != (kind, shape):
         raise DamagedError(f"it has no {name} of the scene's shape")
     array = source.read_whole(name)

@@ -14,6 +14,7 @@ from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
+from pgimp.solver.state.vertex_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.time.clock import Step
 
 _MODEL = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
@@ -112,7 +113,7 @@ def capture(
     watch: Any = None,
     stage: int = 0,
     clock: Any = None,
-) -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray]]:
+) -> tuple[dict[str, Any], Ordered, dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Capture the state of a simulation between two steps; collective.
 
     Parameters
@@ -142,11 +143,16 @@ def capture(
         This rank's particles.
     whole : dict of str to ndarray
         Particles of each layer, and sums by plane; empty except on rank 0.
+    spread : dict of str to ndarray
+        This rank's vertices that keep their motion; empty arrays in other scenes.
     """
     own = rank.booked()
-    parts = rank.comm.gather((np.diff(rank.population.start), (rank.clamped, rank.held), own))
+    vertices, *motion = stored_motion(rank)
+    parts = rank.comm.gather(
+        (np.diff(rank.population.start), (rank.clamped, rank.held), own, vertices)
+    )
     if parts is None:
-        return {}, Ordered(rank), {}
+        return {}, Ordered(rank), {}, dict(zip(MOTION, motion, strict=True))
     state = State(
         step=done.number,
         time=done.end,
@@ -178,5 +184,6 @@ def capture(
         whole["free-bodies"] = np.array([state.numbers for state in rank.free.states])
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]
+    whole[MOTION_PLANES] = np.concatenate([part[3] for part in parts])
     whole = {name: array for name, array in whole.items() if array.size}
-    return state.model_dump(), Ordered(rank), whole
+    return state.model_dump(), Ordered(rank), whole, dict(zip(MOTION, motion, strict=True))

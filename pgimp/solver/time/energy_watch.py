@@ -24,6 +24,7 @@ import numpy as np
 
 from pgimp.errors import EndlessError
 from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, layer_sums
+from pgimp.solver.state.vertex_motion import complete_sums
 from pgimp.solver.time.clock import CourantClock, FixedClock
 
 #: Steps from one check to the next.
@@ -158,6 +159,7 @@ class EnergyWatch:
         sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
+        complete_sums(rank, scene, population.ordered, sums)
         escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, scene.sums))
         rows = [found[:, :, which].sum(axis=1) for found in (sums, escaped)
                 for which in (KINETIC, STRAIN, MASS)]  # fmt: skip
