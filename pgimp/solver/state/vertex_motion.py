@@ -49,7 +49,9 @@ def begin_motion(rank: Rank) -> None:
         return
     rank.contact.assign_fields(rank)
     particles, D = rank.particles, scene.dimension
-    v, L = particles.v.copy(), particles.L.reshape(-1, D, D)
+    v, L = particles.v.copy(), np.zeros((particles.capacity, D, D))
+    if particles.L.shape[1]:
+        L = particles.L.reshape(L.shape)
     centre = np.array(scene.frame.origin) + 0.5 * np.array(scene.frame.cells) * scene.frame.cell
     particles.v[:] -= np.einsum("pij,pj->pi", L, particles.origin - centre)
     mass, momentum = _sums(rank)
@@ -69,7 +71,7 @@ def begin_motion(rank: Rank) -> None:
     _apply_conditions(rank, START)
     kept[:] = fields
     keep_motion(grid.field, 0.0)
-    if not scene.carried.affine:
+    if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
 
 
