@@ -181,6 +181,12 @@ class Grid:
         self.motion, self._stored = motion, self.window
         return motion
 
+    @property
+    def motion_field(self) -> Field:
+        """The field with the records of the vertices' motion in place of their sums."""
+        assert self.motion
+        return self.field._replace(G=self.motion.values)
+
     def owned_motion(self) -> tuple[FloatArray, ...]:
         """Motion of the planes that the rank owns, by plane; () where no vertex keeps it."""
         return (self.by_vertex(self.motion.values)[: self.owned],) if self.motion else ()

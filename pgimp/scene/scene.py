@@ -15,6 +15,7 @@ from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
 from pgimp.kernels.order.order import cell_numbers
 from pgimp.kernels.sums.sums import SUMS
+from pgimp.kernels.transfer.cells import MOST as MOST_OF_CELLS
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.fields import EVERY
@@ -186,6 +187,16 @@ class Scene:
         self.created = self.carried._replace(
             affine=self.carried.affine or bool(self.lagrangian.any())
         )
+        loads = self.loads.at(0.0)
+        self._by_cells = (
+            self.initial
+            and self.dimension > 1
+            and shape.in_cell
+            and max(shape.particles_per_cell) <= MOST_OF_CELLS
+            and all(entry.HYPERELASTIC for entry in entries)
+            and not (self.variations or loads.tractions)
+            and loads.viscosity == loads.force == loads.around == ()
+        )
         varies = any(face.condition.varies for face in self.faces)
         self._face_table = FaceTable(
             [
@@ -235,6 +246,11 @@ class Scene:
             return 2 * self.vertices
         # A vertex beyond a unilateral wall uses the clearance of the vertex on the wall.
         return self.vertices if self.approached else 0
+
+    @property
+    def by_cells(self) -> bool:
+        """Whether lattice particles are summed by `pgimp.kernels.transfer.cells`."""
+        return self._by_cells
 
     @property
     def lagrangian_bodies(self) -> np.ndarray | None:

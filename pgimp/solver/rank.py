@@ -18,6 +18,7 @@ from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import layer_sums
+from pgimp.kernels.transfer.displaced import displace_particles
 from pgimp.kernels.update.checks import OUTFLOW
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
@@ -27,6 +28,7 @@ from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
+from pgimp.solver.lattice_cells import LatticeCells, find_cells
 from pgimp.solver.transfers import RangeReport
 
 #: Phases of a step, as `Rank.timings` names them.
@@ -110,6 +112,8 @@ class Rank:
         self.contact = contact_kind(scene)(scene, comm)
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, comm) if scene.flows else None
+        self._lattice: LatticeCells | None = None
+        self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
         self.moved = False
         self._allocate(slab)
@@ -117,7 +121,7 @@ class Rank:
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
-        self.slab = slab
+        self.slab, self._lattice = slab, None
         lag = LAG if comm.size > 1 and not scene.initial else 0
         bounds = scene.bounds if scene.initial else None
         self.grid = Grid(
@@ -134,6 +138,25 @@ class Rank:
             self.grid.planes, len(scene.faces), constraints, outflow, contacts,
             len(scene.rigid_bodies),
             len(scene.body_names) if scene.flows else 0,
+        )  # fmt: skip
+
+    @property
+    def lattice(self) -> LatticeCells:
+        """The cells of lattice particles, in the initial configuration."""
+        if self._lattice is None:
+            self._lattice = find_cells(self)
+        return self._lattice
+
+    def displace(self, near: np.ndarray | None = None) -> None:
+        """Update lattice particles from the vertices' motion, all or those `near`, by offsets."""
+        order, setting = self.lattice.inside, self.scene.setting
+        if near is not None:
+            rows = self.population.order[near]
+            inside = self.lattice.is_inside[rows]
+            order = Order(rows[inside], np.searchsorted(near[inside], self.population.start))
+        self.call(
+            displace_particles, setting, self.scene.frame, self.grid.motion_field,
+            self.population.stored, order,
         )  # fmt: skip
 
     @property

@@ -30,6 +30,7 @@ class RankState(Protocol):
     vertex_bounds: np.ndarray
     error_buffer: np.ndarray
     failed: int
+    lattice: Any
     contact: Any
     clearances: Any
     flows: Any

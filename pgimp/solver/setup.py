@@ -87,7 +87,7 @@ def begin(
     start.count = int(counts.sum())
     require(scene, comm, start.count)
     layer = np.empty(len(lattice.coordinates[0]), np.int64)
-    layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
+    layers_of(scene.shape, scene.placing, scene.identity, lattice.coordinates[0], layer)
     on_lattice = np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0])
     slab = _decompose(start, creation.layer_counts(on_lattice))
     particles, count = all_or_none(

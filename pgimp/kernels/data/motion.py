@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from pgimp.jit.kernel import specialise
 from pgimp.kernels.data.particles import FloatArray
-from pgimp.kernels.data.record import MOMENTUM, VELOCITY
+from pgimp.kernels.data.record import MOMENTUM
 
-#: The first of three components of the displacement in a record of `VertexMotion.values`, which has
-#: the velocity at `VELOCITY`.
-DISPLACEMENT = 5
+#: Entries of a vertex's record in `VertexMotion.values`: mass, and the first of three components of
+#: displacement and velocity. Gathered like a record of `Field.G`, displacements give gradients.
+MASS, DISPLACEMENT, VELOCITY = 0, 1, 5
 
 
 class VertexMotion(NamedTuple):

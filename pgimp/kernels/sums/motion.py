@@ -7,8 +7,8 @@ particles, and bodies that share vertices have each their own.
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.vectors.simd import stack
-from pgimp.kernels.data.motion import DISPLACEMENT
-from pgimp.kernels.data.record import RECORD, VELOCITY
+from pgimp.kernels.data.motion import DISPLACEMENT, VELOCITY
+from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.data.velocity_fields import field_of
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC, MOMENTUM
 from pgimp.kernels.transfer.lane_io import LANES, four

@@ -1,7 +1,8 @@
 """Forces of lattice particles cell by cell, from the vertices' displacements.
 
 In the initial configuration the particles of a lattice have the same weights in every cell, and
-reach its corners only. So a cell's displacements are read once, its particles' deformation gradients
+reach its corners only. So a cell's displacements are read once. Its particles' deformation
+gradients
 
     F_p = 1 + sum_v u_v grad0 S_vp
 
@@ -9,27 +10,37 @@ follow by sums along one direction after the other, and the forces -V0 P grad0 S
 Four particles are computed in lanes. Elastic materials need no data of particles but V0.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
-import numpy as np
 
 from pgimp.jit.algebra import cofactor, determinant, full, multiply
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.lanes import where_all
 from pgimp.jit.vectors.rows import transpose
-from pgimp.jit.vectors.simd import bits, load, number, stack, store, vector
+from pgimp.jit.vectors.simd import bits, lane, load, stack, store, vector
 from pgimp.kernels.data.particles import FloatArray, IntArray
-from pgimp.physics.materials.parameters.evaluate import evaluate_four
+from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.update.piola import keep_columns
+from pgimp.kernels.update.speed import grid_speed
+from pgimp.physics.materials.parameters.evaluate import evaluate_four
+
+#: Offset of the vector with the forces in a record of the sums. Displacements are in the first
+#: vector of a record of the motion.
+_FORCES = 4
+
+#: Most particles of a cell along a direction.
+MOST = 4
 
 
 class Cells(NamedTuple):
-    """Cells of lattice particles of one body each, in the order of their layers.
+    """Cells of lattice particles, each of one body, in the order of their layers.
 
     Attributes
     ----------
+    setting : Setting
+        The scene, of hyperelastic materials.
     start : (layers + 1,) int64
         Beginning of each layer.
     place : (cells,) int64
@@ -37,13 +48,21 @@ class Cells(NamedTuple):
     material : (cells,) int64
         Number of the material.
     volumes : (cells * slots,) float64
-        Initial volumes, 0 where there is no particle; slots are rounded up to fours.
-    weights, gradients : (D * 4 * 2,) float64
-        S and its derivative of up to four particles along a direction at the two vertices.
-    per_cell : tuple of D tuples of float
+        Initial volumes by slot, 0 without a particle. In 3D each plane of a cell's particles begins
+        with a multiple of four.
+    weights, gradients : (D * MOST * 2,) float64
+        S and its derivative of the particles along each direction, at the two vertices.
+    per_cell : tuple of D tuples
         As long as there are particles along each direction.
+    controlled : bool
+        Whether to find the greatest speed.
+    rate : (1,) float64
+        Grows to the greatest speed over the cell, see `grid_speed`.
+    wrong : (capacity + 1,) int64
+        Number of particles at fault, then their slots up to the capacity.
     """
 
+    setting: Any
     start: IntArray
     place: IntArray
     material: IntArray
@@ -51,127 +70,151 @@ class Cells(NamedTuple):
     weights: FloatArray
     gradients: FloatArray
     per_cell: tuple
+    controlled: bool
+    rate: FloatArray
+    wrong: NDArray
 
 
-def add_cells(setting, field, cells, layer):
-    """Add the forces of the cells of a layer to its planes; returns the range of a plane."""
+def add_cells(cells, field, layer, span):
+    """Add the forces of the cells of a layer to its planes.
+
+    `span` is the range of a plane with sums so far, in float64, and is returned widened.
+    """
+
+
+@inner_kernel
+def _note_wrong(cells, volume, sound, first):
+    """List the particles of a group of four, from slot `first` on, that are not sound."""
+    for j in range(4):
+        if sound >> j & 1 == 0 and lane(volume, j) > 0.0:
+            count = cells.wrong[0] + 1
+            cells.wrong[0] = count
+            if count < len(cells.wrong):
+                cells.wrong[count] = first + j
 
 
 @specialise(add_cells)
-def _add_cells(setting, field, cells, layer):
+def _add_cells(cells, field, layer, span):
+    if not hasattr(cells, "instance_class"):  # ()
+        return lambda cells, field, layer, span: span
     counts = [len(each) for each in cells.types[cells.fields.index("per_cell")]]
     D = len(counts)
-    outer = counts[0] if D == 3 else 1
-    rows, columns = counts[-2], counts[-1]
-    planes = 2 if D == 3 else 1
-    slice_size = rows * columns
-    groups = -(-slice_size // 4)
-    first, second = D - 2, D - 1
+    three = D == 3
+    # A slice: in 3D the particles of a plane across x, in 2D all; `first` and `second` direction.
+    slices, rows, columns = counts[0] if three else 1, counts[-2], counts[-1]
+    size = rows * columns
+    groups, planes, first, second = -(-size // 4), 2 if three else 1, D - 2, D - 1
     identity = tuple(float(i == j) for i in range(D) for j in range(D))
     zeros = (0.0,) * (4, 6)[D - 2]
-    three = D == 3
+    of_first, of_second = 2 * MOST * first, 2 * MOST * second
 
-    def add(setting, field, cells, layer):
+    def add(cells, field, layer, span):
         motion, scratch, window = field.motion.values, field.scratch, field.window
-        W, G, place = cells.weights, cells.gradients, cells.place
-        plane = window.stride[0]
-        su = plane if three else 0
-        sb, sc = window.stride[first], window.stride[second]
-        begin = layer * plane
+        W, G, place, setting = cells.weights, cells.gradients, cells.place, cells.setting
+        sa, sb, sc = window.stride[0], window.stride[first], window.stride[second]
+        inverse, fastest = 0.0, vector(0.0)
+        for d in range(D):
+            inverse = max(inverse, setting.frame.inverse[d])
         u, f = stack(32), stack(32)
         values, slopes = stack(16), stack(16)
-        value_sums, slope_sums = stack(16), stack(16)
-        B = stack(24)
+        lines = stack(24)
         grads, P = stack(192), stack(192)
-        low, high = plane, 0
-        for pad in range(slice_size, 4 * groups):
+        low, high = sa, -1
+        for pad in range(size, 4 * groups):
             for e in range(D):
                 store(grads, 12 * pad + 4 * e, vector(0.0))
         for cell in range(cells.start[layer], cells.start[layer + 1]):
-            at = place[cell]
+            at, k = place[cell], cells.material[cell]
             low, high = min(low, at), max(high, at)
-            k = cells.material[cell]
             for a in range(planes):
-                for b in range(2):
-                    for c in range(2):
-                        store(u, 16 * a + 8 * b + 4 * c,
-                              load(motion, begin + at + a * su + b * sb + c * sc + 4))
-                        store(f, 16 * a + 8 * b + 4 * c, vector(0.0))
-            for q in range(outer):
-                if three:
-                    for i in range(4):
+                for i in range(4):
+                    r = layer * sa + at + a * sa + (i // 2) * sb + (i % 2) * sc
+                    store(u, 16 * a + 4 * i, load(motion, r))
+                    store(f, 16 * a + 4 * i, vector(0.0))
+            for q in range(slices):
+                for i in range(4):
+                    if three:
                         u0, u1 = load(u, 4 * i), load(u, 16 + 4 * i)
                         store(values, 4 * i, W[2 * q] * u0 + W[2 * q + 1] * u1)
                         store(slopes, 4 * i, G[2 * q] * u0 + G[2 * q + 1] * u1)
-                else:
-                    for i in range(4):
+                    else:
                         store(values, 4 * i, load(u, 4 * i))
                 for r in range(rows):
-                    w0, w1 = W[8 * first + 2 * r], W[8 * first + 2 * r + 1]
-                    g0, g1 = G[8 * first + 2 * r], G[8 * first + 2 * r + 1]
+                    w0, w1 = W[of_first + 2 * r], W[of_first + 2 * r + 1]
+                    g0, g1 = G[of_first + 2 * r], G[of_first + 2 * r + 1]
                     for c in range(2):
                         v0, v1 = load(values, 4 * c), load(values, 8 + 4 * c)
-                        store(B, 8 + 4 * c, g0 * v0 + g1 * v1)
-                        store(B, 16 + 4 * c, w0 * v0 + w1 * v1)
+                        store(lines, 8 + 4 * c, g0 * v0 + g1 * v1)
+                        store(lines, 16 + 4 * c, w0 * v0 + w1 * v1)
                         if three:
                             x0, x1 = load(slopes, 4 * c), load(slopes, 8 + 4 * c)
-                            store(B, 4 * c, w0 * x0 + w1 * x1)
+                            store(lines, 4 * c, w0 * x0 + w1 * x1)
                     for s in range(columns):
-                        w0, w1 = W[8 * second + 2 * s], W[8 * second + 2 * s + 1]
-                        g0, g1 = G[8 * second + 2 * s], G[8 * second + 2 * s + 1]
+                        w0, w1 = W[of_second + 2 * s], W[of_second + 2 * s + 1]
+                        g0, g1 = G[of_second + 2 * s], G[of_second + 2 * s + 1]
                         to = 12 * (r * columns + s)
                         if three:
-                            store(grads, to, w0 * load(B, 0) + w1 * load(B, 4))
-                        store(grads, to + 4 * (D - 2), w0 * load(B, 8) + w1 * load(B, 12))
-                        store(grads, to + 4 * (D - 1), g0 * load(B, 16) + g1 * load(B, 20))
+                            store(grads, to, w0 * load(lines, 0) + w1 * load(lines, 4))
+                        store(grads, to + 4 * first, w0 * load(lines, 8) + w1 * load(lines, 12))
+                        store(grads, to + 4 * second, g0 * load(lines, 16) + g1 * load(lines, 20))
                 for group in range(groups):
-                    V = load(cells.volumes, 4 * ((cell * outer + q) * groups + group))
-                    F = _deformation(identity, grads, 48 * group)
-                    if bits(V == 0.0) != 0:
-                        F = where_all(V == 0.0, _vectors(identity), F)
+                    slot = 4 * ((cell * slices + q) * groups + group)
+                    V = load(cells.volumes, slot)
+                    F = _deformations(identity, grads, 48 * group)
                     J = determinant(F)
-                    nothing = _vectors(zeros)
+                    sound = bits((V > 0.0) & (J > 0.0))
+                    if sound != 15:
+                        _note_wrong(cells, V, sound, slot)
+                        F = where_all((V > 0.0) & (J > 0.0), F, _vectors(identity))
+                        J = determinant(F)
+                    material, nothing = (k, k, k, k), _vectors(zeros)
                     args = (F, J, nothing, _vectors(identity), 0.0)
-                    sigma = evaluate_four(
-                        "stress", setting.materials, (k, k, k, k), args, (), nothing
-                    )
+                    sigma = evaluate_four("stress", setting.materials, material, args, (), nothing)
                     keep_columns(P, 48 * group, scaled(-V, multiply(full(sigma), cofactor(F))))
+                    if cells.controlled:
+                        c = grid_speed(setting, True, material, ((), F, J, ()), inverse, 0.0)
+                        fastest = max(c * inverse, fastest)
+                # The adjoint: the same sums backwards.
                 for i in range(4):
-                    store(value_sums, 4 * i, vector(0.0))
+                    store(values, 4 * i, vector(0.0))
                     if three:
-                        store(slope_sums, 4 * i, vector(0.0))
+                        store(slopes, 4 * i, vector(0.0))
                 for r in range(rows):
                     for c in range(2):
-                        b0, b1, b2 = vector(0.0), vector(0.0), vector(0.0)
+                        x, y, z = vector(0.0), vector(0.0), vector(0.0)
                         for s in range(columns):
                             p = r * columns + s
                             of = 48 * (p // 4) + 4 * (p % 4)
-                            w, g = W[8 * second + 2 * s + c], G[8 * second + 2 * s + c]
+                            w, g = W[of_second + 2 * s + c], G[of_second + 2 * s + c]
                             if three:
-                                b0 = w * load(P, of) + b0
-                            b1 = w * load(P, of + 16 * (D - 2)) + b1
-                            b2 = g * load(P, of + 16 * (D - 1)) + b2
+                                x = w * load(P, of) + x
+                            y = w * load(P, of + 16 * first) + y
+                            z = g * load(P, of + 16 * second) + z
                         for b in range(2):
-                            w, g = W[8 * first + 2 * r + b], G[8 * first + 2 * r + b]
+                            w, g = W[of_first + 2 * r + b], G[of_first + 2 * r + b]
                             i = 8 * b + 4 * c
-                            store(value_sums, i, load(value_sums, i) + (g * b1 + w * b2))
+                            store(values, i, load(values, i) + (g * y + w * z))
                             if three:
-                                store(slope_sums, i, load(slope_sums, i) + w * b0)
-                for i in range(4):
-                    v = load(value_sums, 4 * i)
-                    if three:
-                        x = load(slope_sums, 4 * i)
-                        store(f, 4 * i, load(f, 4 * i) + (W[2 * q] * v + G[2 * q] * x))
-                        store(f, 16 + 4 * i,
-                              load(f, 16 + 4 * i) + (W[2 * q + 1] * v + G[2 * q + 1] * x))
-                    else:
-                        store(f, 4 * i, v)
+                                store(slopes, i, load(slopes, i) + w * x)
+                for a in range(planes):
+                    for i in range(4):
+                        v = load(values, 4 * i)
+                        if three:
+                            v = W[2 * q + a] * v + G[2 * q + a] * load(slopes, 4 * i)
+                        store(f, 16 * a + 4 * i, load(f, 16 * a + 4 * i) + v)
             for a in range(planes):
-                for b in range(2):
-                    for c in range(2):
-                        to = at + a * su + b * sb + c * sc + 4
-                        store(scratch, to, load(scratch, to) + load(f, 16 * a + 8 * b + 4 * c))
-        return low, high
+                for i in range(4):
+                    to = at + a * sa + (i // 2) * sb + (i % 2) * sc + _FORCES
+                    store(scratch, to, load(scratch, to) + load(f, 16 * a + 4 * i))
+        if cells.controlled:
+            for j in range(4):
+                cells.rate[0] = max(cells.rate[0], lane(fastest, j))
+        if high < 0:
+            return span
+        high += RECORD
+        for d in range(1, D):
+            high += window.stride[d]
+        return (low, high) if span[1] == 0 else (min(low, span[0]), max(high, span[1]))
 
     return add
 
@@ -187,43 +230,30 @@ def _vectors_of(numbers):
     return lambda numbers: (vector(numbers[0]), *_vectors(numbers[1:]))
 
 
-def _deformation(identity, grads, at):
-    """Deformation gradients of four particles from the displacements' derivatives."""
+def _derivatives(grads, at):
+    """Components of four particles' displacements derived along one direction."""
 
 
-@specialise(_deformation)
-def _deformation_of(identity, grads, at):
+@specialise(_derivatives)
+def _derivatives_of(grads, at):
+    return lambda grads, at: transpose(
+        load(grads, at), load(grads, at + 12), load(grads, at + 24), load(grads, at + 36)
+    )
+
+
+def _deformations(identity, grads, at):
+    """Deformation gradients of four particles, from derivatives of displacements at `at`."""
+
+
+@specialise(_deformations)
+def _deformations_of(identity, grads, at):
     def two(identity, grads, at):
-        X = transpose(
-            load(grads, at), load(grads, at + 12), load(grads, at + 24), load(grads, at + 36)
-        )
-        Y = transpose(
-            load(grads, at + 4), load(grads, at + 16), load(grads, at + 28), load(grads, at + 40)
-        )
+        X, Y = _derivatives(grads, at), _derivatives(grads, at + 4)
         return 1.0 + X[1], Y[1], X[2], 1.0 + Y[2]
 
     def three(identity, grads, at):
-        X = transpose(
-            load(grads, at), load(grads, at + 12), load(grads, at + 24), load(grads, at + 36)
-        )
-        Y = transpose(
-            load(grads, at + 4), load(grads, at + 16), load(grads, at + 28), load(grads, at + 40)
-        )
-        Z = transpose(
-            load(grads, at + 8), load(grads, at + 20), load(grads, at + 32), load(grads, at + 44)
-        )
-        return (
-            1.0 + X[1], Y[1], Z[1], X[2], 1.0 + Y[2], Z[2], X[3], Y[3], 1.0 + Z[3],
-        )  # fmt: skip
+        X, Y = _derivatives(grads, at), _derivatives(grads, at + 4)
+        Z = _derivatives(grads, at + 8)
+        return 1.0 + X[1], Y[1], Z[1], X[2], 1.0 + Y[2], Z[2], X[3], Y[3], 1.0 + Z[3]
 
     return two if len(identity) == 4 else three
-
-
-@kernel
-def cells_to_scratch(setting, field, cells, layers):
-    """Sum the cells of some layers (for measurements)."""
-    n = 0
-    for layer in layers:
-        low, high = add_cells(setting, field, cells, layer)
-        n += high
-    return n

@@ -26,6 +26,12 @@ from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.filling import find_filling, fold_filling, reflect_filling
 from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.grid.momentum import WHOLE, update_momentum
+from pgimp.kernels.grid.vertex_motion import (
+    beyond_bounds,
+    book_jumps,
+    keep_motion,
+    recall_masses,
+)
 from pgimp.kernels.grid.wall_gap import find_clearances
 from pgimp.kernels.once.prestress import bearable_stress, remember_stress
 from pgimp.kernels.order.layer_changes import pack_rows, partition_migrants, sort_rows, unpack_rows
@@ -33,7 +39,9 @@ from pgimp.kernels.order.order import grow_vertex_bounds, layers_of, locate, mer
 from pgimp.kernels.rigid.fill import find_rigid_vertices
 from pgimp.kernels.rigid.hold import count_inside, count_near
 from pgimp.kernels.sums.errors import ERRORS, initial_velocities, layer_errors
+from pgimp.kernels.sums.motion import motion_sums
 from pgimp.kernels.sums.sums import exact_masses, fastest_rate, layer_sums
+from pgimp.kernels.transfer.displaced import displace_particles
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, complete, particles_to_grid
 from pgimp.mpi.comm import Serial
@@ -46,6 +54,7 @@ from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.lagrangian import warmup as presentcalls
 from pgimp.solver.flows import idle, sums_of
+from pgimp.solver.lattice_cells import no_cells
 from pgimp.solver.time.clock import START
 from pgimp.solver.vertices import on_particles, on_vertices
 
@@ -69,6 +78,25 @@ def _of_flows(scene: Scene, grid: Grid, p: Particles, order: Order) -> Iterator[
     for wall in flows.walls[:1]:
         yield 0.5, partial(fold_filling, scene.frame, own.field, wall)
         yield 0.5, partial(reflect_filling, scene.frame, own.field, wall)
+
+
+def _of_motion(
+    scene: Scene, grid: Grid, p: Particles, order: Order, forcing: Forcing
+) -> Iterator[Call]:
+    """The calls for the motion of vertices in the initial configuration."""
+    frame, setting = scene.frame, scene.setting_lagrangian if scene.mixed else scene.setting
+    faces, ledger = scene.face_parameters(0.0, 0.0), Ledger.empty(grid.planes, len(scene.faces), 1)
+    sums = np.zeros((1, len(scene.body_names), scene.sums))
+    yield 0.3, lambda: keep_motion(grid.field, 0.0)
+    yield 0.5, lambda: book_jumps(frame, faces, grid.field, on_vertices(forcing), ledger)
+    yield (
+        1.5,
+        lambda: motion_sums(setting.without_materials(), grid.field, p, order, sums),
+    )
+    if scene.by_cells:
+        yield 0.2, lambda: recall_masses(grid.field)
+        yield 0.3, lambda: beyond_bounds(frame, grid.field, np.zeros((len(frame.cell), 2)))
+        yield 2.5, lambda: displace_particles(setting, frame, grid.motion_field, p, order)
 
 
 def _rigid_bodies(scene: Scene, grid: Grid) -> Any:
@@ -197,6 +225,9 @@ def _calls(scene: Scene) -> Iterator[Call]:
         )  # fmt: skip
         yield 1.0, partial(fastest_rate, part.setting.without_shape(), p, rows, controlled)
         summed.append((part.setting.without_materials(), part.loaded(loads.summed()), order))
+    others = Others(*summed[1]) if len(summed) > 1 else ()
+    if scene.by_cells:
+        others = no_cells(scene, 1)
     yield (
         6.3 * len(summed),
         lambda: particles_to_grid(
@@ -206,7 +237,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
             summed[0][1],
             order,
             np.zeros((0, 3), np.int64),
-            Others(*summed[1]) if len(summed) > 1 else (),
+            others,
         ),
     )
     yield (
@@ -223,7 +254,10 @@ def _calls(scene: Scene) -> Iterator[Call]:
     yield 0.4, lambda: exact_masses(p, rows, 1.0, np.zeros((bodies, 2), np.int64))
     yield 0.3, lambda: sort_rows(p.layer, p.cell, p.id, rows, rows.copy())
     yield 0.3, lambda: partition_migrants(p.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
-    yield 0.2, lambda: layers_of(shape, frame, scene.identity, np.empty(0), np.empty(0, np.int64))
+    placing, none = scene.placing, np.empty(0, np.int64)
+    yield 0.2, lambda: layers_of(shape, placing, scene.identity, np.empty(0), none)
+    if scene.lagrangian_bodies is not None:
+        yield from _of_motion(scene, grid, p, order, forcing)
     for wall in scene.approached[:1]:
         yield 0.5, partial(find_clearances, frame, grid.field, wall, False, clearances)
     for mirror in scene.mirrors:

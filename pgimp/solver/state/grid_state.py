@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.data.motion import VELOCITY
+from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step

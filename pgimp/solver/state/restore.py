@@ -16,7 +16,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.state import State
-from pgimp.solver.state.vertex_motion import MOTION, MOTION_PLANES, put_motion
+from pgimp.solver.state.vertex_motion import MOTION, MOTION_PLANES, keep_masses, put_motion
 
 
 def outline(scene: Scene, source: Any, comm: Communicator) -> tuple[State, np.ndarray]:
@@ -180,6 +180,7 @@ def read_motion(rank: Rank, source: Any) -> None:
             raise DamagedError("its motion of vertices is not of this scene")
 
     all_or_none(rank.comm, read, DamagedError)
+    keep_masses(rank)
 
 
 def _whole(source: Any, name: str, shape: tuple[int, ...]) -> np.ndarray:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.data.record import MASS, MOMENTUM, VELOCITY
+from pgimp.kernels.data.motion import DISPLACEMENT, VELOCITY
+from pgimp.kernels.data.record import MASS, MOMENTUM
 from pgimp.kernels.grid.vertex_motion import book_jumps, keep_motion
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.kernels.sums.motion import motion_sums
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 MOTION_PLANES, MOTION = "vertex-planes", ("vertex", "vertex-motion")
 
 VECTOR = slice(MOMENTUM, MOMENTUM + 3)
+_VELOCITY, _DISPLACEMENT = slice(VELOCITY, VELOCITY + 3), slice(DISPLACEMENT, DISPLACEMENT + 3)
 
 
 def begin_motion(rank: Rank) -> None:
@@ -55,6 +57,7 @@ def begin_motion(rank: Rank) -> None:
     centre = np.array(scene.frame.origin) + 0.5 * np.array(scene.frame.cells) * scene.frame.cell
     particles.v[:] -= np.einsum("pij,pj->pi", L, particles.origin - centre)
     mass, momentum = _sums(rank)
+    grid.by_vertex(grid.motion.values)[..., MASS] = mass
     if any(rank.comm.allgather(bool(L.any()))):
         x = _coordinates(grid)
         for d in range(D):
@@ -87,6 +90,11 @@ def _sums(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
         defined = defined & (grid.field.used[:, None] >> bits & 1 != 0)
     records[~np.broadcast_to(defined, records.shape[:2])] = 0.0
     return records[..., MASS].copy(), records[..., VECTOR].copy()
+
+
+def keep_masses(rank: Rank) -> None:
+    """Sum the masses of vertices that keep their motion; collective."""
+    rank.grid.by_vertex(rank.grid.motion.values)[..., MASS] = _sums(rank)[0]
 
 
 def _coordinates(grid: Grid) -> list[np.ndarray]:
@@ -149,7 +157,7 @@ def enter_motion(rank: Rank, before: Grid, t: Step) -> None:
             now[:, new] = was[:, old_field]
     else:
         _regroup(rank, bodies, before, was, now)
-    _sums(rank)
+    keep_masses(rank)
     update = _apply_conditions(rank, t)
     book_jumps(scene.frame, update.faces, grid.field, update.forcing, rank.ledger)
     keep_motion(grid.field, 0.0)
@@ -206,7 +214,7 @@ def stored_motion(rank: Rank) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     if not grid.motion:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 6))
     values = grid.by_vertex(grid.motion.values)[: grid.owned].transpose(0, 2, 3, 1, 4)
-    kept = np.concatenate([values[..., VELOCITY : VELOCITY + 3], values[..., 5:8]], axis=-1)
+    kept = np.concatenate([values[..., _VELOCITY], values[..., _DISPLACEMENT]], axis=-1)
     moving = kept.any(axis=-1) & grid.motion.fields
     keys = _keys(grid, values.shape[3])[: grid.owned]
     counts = moving.reshape(grid.owned, -1).sum(axis=1).astype(np.int64)
@@ -234,6 +242,5 @@ def put_motion(rank: Rank, keys: np.ndarray, values: np.ndarray) -> bool:
     if not (inside.all() and (known.reshape(-1)[place] == keys).all()):
         return False
     at = np.unravel_index(place, known.shape)
-    mine[(*at, slice(VELOCITY, VELOCITY + 3))] = values[:, :3]
-    mine[(*at, slice(5, 8))] = values[:, 3:]
+    mine[(*at, _VELOCITY)], mine[(*at, _DISPLACEMENT)] = values[:, :3], values[:, 3:]
     return True

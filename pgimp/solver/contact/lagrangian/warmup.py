@@ -36,6 +36,7 @@ from pgimp.kernels.contact.lagrangian.vertices import (
 )
 from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import Forcing
+from pgimp.kernels.data.frame import InitialFrame
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.node import Call
@@ -79,7 +80,8 @@ def calls(
         0.5,
         lambda: copy_near_particles(setting, particles, none, none, none, scene.lagrangian, table),
     )
-    yield 1.0, lambda: find_supports(shape, frame, table, True, supports)
+    yield 0.5, lambda: find_supports(shape, frame, table, True, supports)
+    yield 0.5, lambda: find_supports(shape, InitialFrame(*frame), table, False, supports)
     yield (
         3.0,
         lambda: copy_reference_vertices(
