@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from pgimp.jit.algebra import cofactor, determinant, full, multiply
+from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.lanes import where_all
@@ -105,7 +105,6 @@ def _add_cells(cells, field, layer, span):
     size = rows * columns
     groups, planes, first, second = -(-size // 4), 2 if three else 1, D - 2, D - 1
     identity = tuple(float(i == j) for i in range(D) for j in range(D))
-    zeros = (0.0,) * (4, 6)[D - 2]
     of_first, of_second = 2 * MOST * first, 2 * MOST * second
 
     def add(cells, field, layer, span):
@@ -167,35 +166,35 @@ def _add_cells(cells, field, layer, span):
                         _note_wrong(cells, V, sound, slot)
                         F = where_all((V > 0.0) & (J > 0.0), F, _vectors(identity))
                         J = determinant(F)
-                    material, nothing = (k, k, k, k), _vectors(zeros)
-                    args = (F, J, nothing, _vectors(identity), 0.0)
-                    sigma = evaluate_four("stress", setting.materials, material, args, (), nothing)
-                    keep_columns(P, 48 * group, scaled(-V, multiply(full(sigma), cofactor(F))))
+                    material = (k, k, k, k)
+                    stress = evaluate_four("piola", setting.materials, material, (F, J), (), F)
+                    keep_columns(P, 48 * group, scaled(-V, stress))
                     if cells.controlled:
                         c = grid_speed(setting, True, material, ((), F, J, ()), inverse, 0.0)
                         fastest = max(c * inverse, fastest)
                 # The adjoint: the same sums backwards.
-                for i in range(4):
-                    store(values, 4 * i, vector(0.0))
-                    if three:
-                        store(slopes, 4 * i, vector(0.0))
                 for r in range(rows):
                     for c in range(2):
-                        x, y, z = vector(0.0), vector(0.0), vector(0.0)
-                        for s in range(columns):
-                            p = r * columns + s
-                            of = 48 * (p // 4) + 4 * (p % 4)
+                        of = 48 * (r * columns // 4) + 4 * (r * columns % 4)
+                        w, g = W[of_second + c], G[of_second + c]
+                        x = w * load(P, of)
+                        y, z = w * load(P, of + 16 * first), g * load(P, of + 16 * second)
+                        for s in range(1, columns):
+                            of = 48 * ((r * columns + s) // 4) + 4 * ((r * columns + s) % 4)
                             w, g = W[of_second + 2 * s + c], G[of_second + 2 * s + c]
-                            if three:
-                                x = w * load(P, of) + x
+                            x = w * load(P, of) + x
                             y = w * load(P, of + 16 * first) + y
                             z = g * load(P, of + 16 * second) + z
                         for b in range(2):
                             w, g = W[of_first + 2 * r + b], G[of_first + 2 * r + b]
                             i = 8 * b + 4 * c
-                            store(values, i, load(values, i) + (g * y + w * z))
-                            if three:
-                                store(slopes, i, load(slopes, i) + w * x)
+                            v = g * y + w * z
+                            if r > 0:
+                                v, x0 = load(values, i) + v, load(slopes, i) + w * x
+                            else:
+                                x0 = w * x
+                            store(values, i, v)
+                            store(slopes, i, x0)
                 for a in range(planes):
                     for i in range(4):
                         v = load(values, 4 * i)

@@ -5,7 +5,8 @@ from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.jit.algebra import inverse, isotropic, largest_stretch_squared, left_cauchy_green
+from pgimp.jit.algebra import cofactor, inverse, isotropic, largest_stretch_squared, left_cauchy_green
+from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.physics.materials.base import Material, Poisson, Young, lame
 
 
@@ -22,6 +23,12 @@ class NeoHookeanParameters(NamedTuple):
         r = 1.0 / J
         c = (material.lam * log(J) - material.mu) * r
         return isotropic(material.mu * r, left_cauchy_green(F), c)
+
+    @staticmethod
+    def piola(material, F, J):
+        """First Piola-Kirchhoff stress P = mu F + (lambda ln J - mu)/J cof F."""
+        t = (material.lam * log(J) - material.mu) / J
+        return plus_scaled(t, cofactor(F), scaled(material.mu, F))
 
     @staticmethod
     def energy(material, F, J, sigma):
