@@ -8,6 +8,7 @@ depend on the others of a batch.
 from pgimp.jit.algebra import determinant, one_plus, symmetric
 from pgimp.jit.kernel import kernel
 from pgimp.jit.tuples import plus_scaled
+from pgimp.jit.vectors.lanes import vectors
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.arguments import Batch
 from pgimp.kernels.transfer.g2p import materials_of
@@ -43,7 +44,7 @@ def displace_particles(setting, plain, field, particles, order):
             F = one_plus(1.0, grad)
             J = determinant(F)
             m = materials_of(setting.material_of, particles.body, rows)
-            unused = symmetric(grad)
+            unused = vectors(symmetric(grad))
             sigma = evaluate_four(
                 "stress", setting.materials, m, (F, J, unused, grad, 0.0), (), unused
             )
