@@ -106,6 +106,7 @@ class Grid:
         self.base = np.zeros((2, 2), np.int64)
         self.inner_bounds = np.zeros((2, 2), np.int64)
         self.motion: VertexMotion | tuple[()] = ()
+        self._stored = Window.over((0, 0, 0), (0, 0, 0))
 
     def cover(self, bounds: np.ndarray) -> None:
         """Store the vertices for supports with first vertices within `bounds`, and a margin."""
@@ -169,7 +170,8 @@ class Grid:
             mask[np.array(self.fields)[self._lagrangian]] = True
         motion = VertexMotion(aligned(len(self.G)), mask)
         if self.motion:  # the window has changed
-            old, was = self.by_vertex(self.motion.values, self._stored), self._stored
+            was = self._stored
+            old = self.by_vertex(self.kept.values, was)
             new, now = self.by_vertex(motion.values), self.window
             if old.shape[1] == count:
                 low, high = np.maximum(was.lower, now.lower), _common_end(was, now)
@@ -182,14 +184,19 @@ class Grid:
         return motion
 
     @property
+    def kept(self) -> VertexMotion:
+        """The vertices' motion, in scenes where they keep it."""
+        assert isinstance(self.motion, VertexMotion)
+        return self.motion
+
+    @property
     def motion_field(self) -> Field:
         """The field with the records of the vertices' motion in place of their sums."""
-        assert self.motion
-        return self.field._replace(G=self.motion.values)
+        return self.field._replace(G=self.kept.values)
 
     def owned_motion(self) -> tuple[FloatArray, ...]:
         """Motion of the planes that the rank owns, by plane; () where no vertex keeps it."""
-        return (self.by_vertex(self.motion.values)[: self.owned],) if self.motion else ()
+        return (self.by_vertex(self.kept.values)[: self.owned],) if self.motion else ()
 
     def by_vertex(self, values: FloatArray, window: Window | None = None) -> FloatArray:
         """Records of a window as (planes, fields, y, z, numbers), without a copy."""

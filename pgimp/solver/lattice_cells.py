@@ -45,7 +45,14 @@ class LatticeCells(NamedTuple):
 
 def no_cells(scene: Scene, layers: int) -> Cells:
     """Cells of so many layers without particles, for the sums of all particles one by one."""
-    return _cells(scene, np.zeros(layers + 1, np.int64), *np.zeros((2, 0), np.int64), 0)
+    none = np.zeros(0, np.int64)
+    return _cells(scene, np.zeros(layers + 1, np.int64), none, none, 0)
+
+
+def cleared(cells: Cells) -> Cells:
+    """The cells, without the report of the step before."""
+    cells.wrong[0], cells.rate[0] = 0, 0.0
+    return cells
 
 
 def find_cells(rank: RankState) -> LatticeCells:

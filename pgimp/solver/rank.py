@@ -222,7 +222,7 @@ class Rank:
         """Get the motion of shared planes from the upper neighbour, which owns them; collective."""
         if not self.grid.motion:
             return
-        values, owned = self.grid.by_vertex(self.grid.motion.values), self.grid.owned
+        values, owned = self.grid.by_vertex(self.grid.kept.values), self.grid.owned
         lower, upper = self.slab.lower, self.slab.upper
         sent = None
         if lower is not None:

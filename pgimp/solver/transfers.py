@@ -11,10 +11,11 @@ from pgimp.kernels.data.arguments import Forcing, Report
 from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
 from pgimp.kernels.grid.vertex_motion import recall_masses
 from pgimp.kernels.loads.loads import Loads
+from pgimp.kernels.transfer.cells import Cells
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, particles_to_grid
 from pgimp.solver.configurations import ConfigurationGroup
-from pgimp.solver.lattice_cells import no_cells, report_cells
+from pgimp.solver.lattice_cells import cleared, no_cells, report_cells
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import on_particles
@@ -78,10 +79,10 @@ def sum_particles(
         grid.marks.fill(0)
         for call, (setting, _, order) in zip(rank.calls, every, strict=True):
             call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
-    (setting, summed, order), others = every[0], Others(*every[1]) if len(every) > 1 else ()
+    setting, summed, order = every[0]
+    others: Others | Cells | tuple[()] = Others(*every[1]) if len(every) > 1 else ()
     if by_cells:
-        order, others = rank.lattice.others, rank.lattice.cells
-        others.wrong[0], others.rate[0] = 0, 0.0
+        order, others = rank.lattice.others, cleared(rank.lattice.cells)
     elif rank.scene.by_cells:
         others = no_cells(rank.scene, rank.grid.slab.layers)
     grid.active.fill(0)

@@ -45,8 +45,8 @@ CASES = {
                   end=0.5, step=0.01, constraints={
                       side: {"body": "body", "velocity": [v, 0.0],
                              "region": {"box": {"min": [a, 0.0], "max": [a + 1.0, 5.0]}}}
-                      for side, a, v in (("low", 0.9, -0.3), ("high", 4.1, 0.3))}),  # fmt: skip
-}  # fmt: skip
+                      for side, a, v in (("low", 0.9, -0.3), ("high", 4.1, 0.3))}),
+}
 
 
 @pytest.mark.parametrize("name", CASES)

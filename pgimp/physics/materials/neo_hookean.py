@@ -5,7 +5,13 @@ from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.jit.algebra import cofactor, inverse, isotropic, largest_stretch_squared, left_cauchy_green
+from pgimp.jit.algebra import (
+    cofactor,
+    inverse,
+    isotropic,
+    largest_stretch_squared,
+    left_cauchy_green,
+)
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.physics.materials.base import Material, Poisson, Young, lame
 

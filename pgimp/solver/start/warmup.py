@@ -225,7 +225,7 @@ def _calls(scene: Scene) -> Iterator[Call]:
         )  # fmt: skip
         yield 1.0, partial(fastest_rate, part.setting.without_shape(), p, rows, controlled)
         summed.append((part.setting.without_materials(), part.loaded(loads.summed()), order))
-    others = Others(*summed[1]) if len(summed) > 1 else ()
+    others: Any = Others(*summed[1]) if len(summed) > 1 else ()
     if scene.by_cells:
         others = no_cells(scene, 1)
     yield (

@@ -84,7 +84,7 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     fields = grid.G.reshape(grid.planes, 1 + max(grid.fields, default=0), *extent[1:], RECORD)[:own]
     fields[grid.active[:own] == 0] = 0.0
     if grid.motion:
-        kept, mask = grid.by_vertex(grid.motion.values)[:own], grid.motion.fields
+        kept, mask = grid.by_vertex(grid.kept.values)[:own], grid.kept.fields
         velocity = kept[:, mask, ..., VELOCITY : VELOCITY + 3]
         fields[:, mask, ..., MOMENTUM : MOMENTUM + 3] = velocity * fields[:, mask, ..., :1]
     records = fields.sum(axis=1) if fields.shape[1] > 1 else fields[:, 0]

@@ -57,14 +57,14 @@ def begin_motion(rank: Rank) -> None:
     centre = np.array(scene.frame.origin) + 0.5 * np.array(scene.frame.cells) * scene.frame.cell
     particles.v[:] -= np.einsum("pij,pj->pi", L, particles.origin - centre)
     mass, momentum = _sums(rank)
-    grid.by_vertex(grid.motion.values)[..., MASS] = mass
+    grid.by_vertex(grid.kept.values)[..., MASS] = mass
     if any(rank.comm.allgather(bool(L.any()))):
         x = _coordinates(grid)
         for d in range(D):
             particles.v[:] = L[:, :, d]
             momentum += _sums(rank)[1] * (x[d] - centre[d])[..., None]
     particles.v[:] = v
-    kept = grid.motion.fields
+    kept = grid.kept.fields
     records = grid.by_vertex(grid.G)
     if scene.moves:
         momentum[:, kept] = (mass[..., None] * _exact(rank))[:, kept]
@@ -94,7 +94,7 @@ def _sums(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
 
 def keep_masses(rank: Rank) -> None:
     """Sum the masses of vertices that keep their motion; collective."""
-    rank.grid.by_vertex(rank.grid.motion.values)[..., MASS] = _sums(rank)[0]
+    rank.grid.by_vertex(rank.grid.kept.values)[..., MASS] = _sums(rank)[0]
 
 
 def _coordinates(grid: Grid) -> list[np.ndarray]:
@@ -148,7 +148,7 @@ def enter_motion(rank: Rank, before: Grid, t: Step) -> None:
         return
     rank.contact.assign_fields(rank)
     grid = rank.grid
-    was, now = before.by_vertex(before.motion.values), grid.by_vertex(grid.motion.values)
+    was, now = before.by_vertex(before.kept.values), grid.by_vertex(grid.kept.values)
     bodies = [b for b, name in enumerate(scene.body_names) if scene.lagrangian[b]
               and name not in scene.case.staged.removed]  # fmt: skip
     pairs = {(_field(grid, b), _field(before, b)) for b in bodies}
@@ -213,9 +213,9 @@ def stored_motion(rank: Rank) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     grid = rank.grid
     if not grid.motion:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 6))
-    values = grid.by_vertex(grid.motion.values)[: grid.owned].transpose(0, 2, 3, 1, 4)
+    values = grid.by_vertex(grid.kept.values)[: grid.owned].transpose(0, 2, 3, 1, 4)
     kept = np.concatenate([values[..., _VELOCITY], values[..., _DISPLACEMENT]], axis=-1)
-    moving = kept.any(axis=-1) & grid.motion.fields
+    moving = kept.any(axis=-1) & grid.kept.fields
     keys = _keys(grid, values.shape[3])[: grid.owned]
     counts = moving.reshape(grid.owned, -1).sum(axis=1).astype(np.int64)
     return counts, keys[moving], kept[moving]
@@ -235,12 +235,12 @@ def _keys(grid: Grid, fields: int) -> np.ndarray:
 def put_motion(rank: Rank, keys: np.ndarray, values: np.ndarray) -> bool:
     """Set the motion of a rank's planes from a checkpoint; whether all keys are of its vertices."""
     grid = rank.grid
-    mine = grid.by_vertex(grid.motion.values).transpose(0, 2, 3, 1, 4)
+    mine = grid.by_vertex(grid.kept.values).transpose(0, 2, 3, 1, 4)
     known = _keys(grid, mine.shape[3])
     place = np.searchsorted(known.reshape(-1), keys)
     inside = place < known.size
     if not (inside.all() and (known.reshape(-1)[place] == keys).all()):
         return False
-    at = np.unravel_index(place, known.shape)
-    mine[(*at, _VELOCITY)], mine[(*at, _DISPLACEMENT)] = values[:, :3], values[:, 3:]
+    x, y, z, f = np.unravel_index(place, known.shape)
+    mine[x, y, z, f, _VELOCITY], mine[x, y, z, f, _DISPLACEMENT] = values[:, :3], values[:, 3:]
     return True
