@@ -13,9 +13,9 @@ from pgimp.kernels.data.frame import Frame, InitialFrame, MixedFrame
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
+from pgimp.kernels.lagrangian.cells import MOST as MOST_OF_CELLS
 from pgimp.kernels.order.order import cell_numbers
 from pgimp.kernels.sums.sums import SUMS
-from pgimp.kernels.transfer.cells import MOST as MOST_OF_CELLS
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.fields import EVERY
@@ -249,7 +249,7 @@ class Scene:
 
     @property
     def by_cells(self) -> bool:
-        """Whether lattice particles are summed by `pgimp.kernels.transfer.cells`."""
+        """Whether lattice particles are summed by `pgimp.kernels.lagrangian.cells`."""
         return self._by_cells
 
     @property

@@ -17,8 +17,8 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.lagrangian.displace import displace_particles
 from pgimp.kernels.sums.sums import layer_sums
-from pgimp.kernels.transfer.displaced import displace_particles
 from pgimp.kernels.update.checks import OUTFLOW
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
@@ -28,7 +28,7 @@ from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
-from pgimp.solver.lattice_cells import LatticeCells, find_cells
+from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
 from pgimp.solver.transfers import RangeReport
 
 #: Phases of a step, as `Rank.timings` names them.

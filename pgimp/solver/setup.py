@@ -37,6 +37,7 @@ from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
+from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.start.creation import Creation
@@ -46,7 +47,6 @@ from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_sta
 from pgimp.solver.start.warmup import warm_up
 from pgimp.solver.state.restore import outline, read_books, read_motion, read_particles
 from pgimp.solver.state.state import State
-from pgimp.solver.state.vertex_motion import begin_motion
 from pgimp.solver.time.clock import CourantClock, clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step, require_end

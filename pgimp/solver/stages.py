@@ -23,9 +23,9 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
 from pgimp.solver.history.diagnostics import sums_of_bodies
+from pgimp.solver.lagrangian.motion import enter_motion
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.warmup import warm_up
-from pgimp.solver.state.vertex_motion import enter_motion
 from pgimp.solver.time.clock import clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step

@@ -9,13 +9,13 @@ import numpy as np
 
 from pgimp.kernels.data.arguments import Forcing, Report
 from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
-from pgimp.kernels.grid.vertex_motion import recall_masses
+from pgimp.kernels.lagrangian.cells import Cells
+from pgimp.kernels.lagrangian.keep import recall_masses
 from pgimp.kernels.loads.loads import Loads
-from pgimp.kernels.transfer.cells import Cells
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, particles_to_grid
 from pgimp.solver.configurations import ConfigurationGroup
-from pgimp.solver.lattice_cells import cleared, no_cells, report_cells
+from pgimp.solver.lagrangian.cells import cleared, no_cells, report_cells
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import on_particles

@@ -8,7 +8,7 @@ from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
-from pgimp.kernels.grid.vertex_motion import keep_motion
+from pgimp.kernels.lagrangian.keep import keep_motion
 from pgimp.kernels.loads.loads import Loads
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step

@@ -11,7 +11,7 @@ from scenes import BAR, SOFT, box, field, finish, scene, start, wall
 from pgimp.errors import RunError
 from pgimp.kernels.data.record import FORCE, RECORD
 from pgimp.solver.configurations import groups_by_configuration
-from pgimp.solver.state.vertex_motion import begin_motion
+from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.transfers import sum_particles
 
 SEED = 41

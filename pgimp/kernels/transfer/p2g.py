@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.vectors.simd import load, pack, store
 from pgimp.kernels.data.velocity_fields import clear_plane, use
-from pgimp.kernels.transfer.cells import Cells, add_cells
+from pgimp.kernels.lagrangian.cells import Cells, add_cells
 from pgimp.kernels.transfer.sum_layer import sum_layer
 
 

@@ -22,8 +22,8 @@ from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.contact.keeping import QUARTER
 from pgimp.solver.history.columns import line_of
 from pgimp.solver.history.totals import Totals
+from pgimp.solver.lagrangian.motion import complete_sums
 from pgimp.solver.rank import Rank
-from pgimp.solver.state.vertex_motion import complete_sums
 from pgimp.solver.time.clock import START, Step
 
 if TYPE_CHECKING:

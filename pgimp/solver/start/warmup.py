@@ -26,22 +26,22 @@ from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.filling import find_filling, fold_filling, reflect_filling
 from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.grid.momentum import WHOLE, update_momentum
-from pgimp.kernels.grid.vertex_motion import (
+from pgimp.kernels.grid.wall_gap import find_clearances
+from pgimp.kernels.lagrangian.displace import displace_particles
+from pgimp.kernels.lagrangian.keep import (
     beyond_bounds,
     book_jumps,
     keep_motion,
     recall_masses,
 )
-from pgimp.kernels.grid.wall_gap import find_clearances
+from pgimp.kernels.lagrangian.sums import motion_sums
 from pgimp.kernels.once.prestress import bearable_stress, remember_stress
 from pgimp.kernels.order.layer_changes import pack_rows, partition_migrants, sort_rows, unpack_rows
 from pgimp.kernels.order.order import grow_vertex_bounds, layers_of, locate, merge
 from pgimp.kernels.rigid.fill import find_rigid_vertices
 from pgimp.kernels.rigid.hold import count_inside, count_near
 from pgimp.kernels.sums.errors import ERRORS, initial_velocities, layer_errors
-from pgimp.kernels.sums.motion import motion_sums
 from pgimp.kernels.sums.sums import exact_masses, fastest_rate, layer_sums
-from pgimp.kernels.transfer.displaced import displace_particles
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, complete, particles_to_grid
 from pgimp.mpi.comm import Serial
@@ -54,7 +54,7 @@ from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.lagrangian import warmup as presentcalls
 from pgimp.solver.flows import idle, sums_of
-from pgimp.solver.lattice_cells import no_cells
+from pgimp.solver.lagrangian.cells import no_cells
 from pgimp.solver.time.clock import START
 from pgimp.solver.vertices import on_particles, on_vertices
 

@@ -14,9 +14,9 @@ from pgimp.scene.rigid.free_body import STATE
 from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
 from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, keep_masses, put_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.state import State
-from pgimp.solver.state.vertex_motion import MOTION, MOTION_PLANES, keep_masses, put_motion
 
 
 def outline(scene: Scene, source: Any, comm: Communicator) -> tuple[State, np.ndarray]:

@@ -13,8 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationE
 from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.rank import Rank
-from pgimp.solver.state.vertex_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.time.clock import Step
 
 _MODEL = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)

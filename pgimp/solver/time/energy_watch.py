@@ -24,7 +24,7 @@ import numpy as np
 
 from pgimp.errors import EndlessError
 from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, layer_sums
-from pgimp.solver.state.vertex_motion import complete_sums
+from pgimp.solver.lagrangian.motion import complete_sums
 from pgimp.solver.time.clock import CourantClock, FixedClock
 
 #: Steps from one check to the next.

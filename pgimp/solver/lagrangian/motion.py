@@ -12,9 +12,9 @@ import numpy as np
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.motion import DISPLACEMENT, VELOCITY
 from pgimp.kernels.data.record import MASS, MOMENTUM
-from pgimp.kernels.grid.vertex_motion import book_jumps, keep_motion
+from pgimp.kernels.lagrangian.keep import book_jumps, keep_motion
+from pgimp.kernels.lagrangian.sums import motion_sums
 from pgimp.kernels.sums.errors import initial_velocities
-from pgimp.kernels.sums.motion import motion_sums
 from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.time.clock import START, Step

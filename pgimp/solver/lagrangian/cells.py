@@ -8,8 +8,8 @@ import numpy as np
 
 from pgimp.decomposition.grid import aligned
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.grid.vertex_motion import beyond_bounds
-from pgimp.kernels.transfer.cells import MOST, Cells
+from pgimp.kernels.lagrangian.cells import MOST, Cells
+from pgimp.kernels.lagrangian.keep import beyond_bounds
 from pgimp.kernels.update.checks import INVERTED, OUTSIDE
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
