@@ -40,11 +40,18 @@ VECTOR = slice(MOMENTUM, MOMENTUM + 3)
 _VELOCITY, _DISPLACEMENT = slice(VELOCITY, VELOCITY + 3), slice(DISPLACEMENT, DISPLACEMENT + 3)
 
 
-def begin_motion(rank: Rank) -> None:
+def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     """Project the particles' initial velocities on the vertices that keep them; collective.
 
     A vertex gets the mean of v_p + L_p (x_v - x_p), weighted with m_p S_vp, so that linear fields
-    are exact; where an exact solution gives the velocities, they are the solution's at x_v.
+    are exact. Where an exact solution gives the velocities, they are the solution's at x_v.
+
+    Parameters
+    ----------
+    rank : Rank
+        The rank, before its first step.
+    gradients : (rows, D, D) float64, optional
+        Velocity gradients L, in place of the particles' column.
     """
     scene, grid = rank.scene, rank.grid
     if scene.lagrangian_bodies is None:
@@ -52,7 +59,9 @@ def begin_motion(rank: Rank) -> None:
     rank.contact.assign_fields(rank)
     particles, D = rank.particles, scene.dimension
     v, L = particles.v.copy(), np.zeros((particles.capacity, D, D))
-    if particles.L.shape[1]:
+    if gradients is not None:
+        L = gradients
+    elif particles.L.shape[1]:
         L = particles.L.reshape(L.shape)
     centre = np.array(scene.frame.origin) + 0.5 * np.array(scene.frame.cells) * scene.frame.cell
     particles.v[:] -= np.einsum("pij,pj->pi", L, particles.origin - centre)
