@@ -59,7 +59,7 @@ def case_of(size, cell, materials, bodies, end, *, courant=0.3, per_cell=2, **pa
 
 
 def throw(sim: Simulation, v: np.ndarray, L: np.ndarray) -> None:
-    """Set the velocities (n, D) and their gradients (n, D, D) of particles before the first step."""
+    """Set velocities (n, D) and their gradients (n, D, D) of particles before the first step."""
     p, rows, D = sim.particles, sim.live(), sim.scene.dimension
     p.v[rows] = v
     if p.L.shape[1]:

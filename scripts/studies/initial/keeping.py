@@ -115,7 +115,8 @@ def stretch(shape, even):
     p, rows = sim.particles, sim.live()
     if even:
         x = (p.x[rows] - 70.0) / 20.0
-        throw(sim, np.clip(x, -1.0, 1.0) * speed, np.where(abs(x) < 1.0, speed / 20.0, 0.0)[..., None])
+        L = np.where(abs(x) < 1.0, speed / 20.0, 0.0)[..., None]
+        throw(sim, np.clip(x, -1.0, 1.0) * speed, L)
     finished(sim)
     free = rows[p.constraint[rows, 0] == 0]
     F, s = p.F[free, 0], p.sigma[free, 0]
