@@ -7,6 +7,7 @@ import numpy as np
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.data.frame import Frame, Window
+from pgimp.kernels.data.motion import VertexMotion
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.data.record import RECORD
 
@@ -23,6 +24,11 @@ def aligned(size: int) -> FloatArray:
     raw = np.zeros(size + 8)
     offset = (-raw.ctypes.data // 8) % 8
     return raw[offset : offset + size]
+
+
+def _common_end(one: Window, other: Window) -> np.ndarray:
+    """Ends of the vertices that two windows have in common."""
+    return np.minimum(np.add(one.lower, one.extent), np.add(other.lower, other.extent))
 
 
 class Grid:
@@ -45,6 +51,8 @@ class Grid:
     bounds : tuple of D pairs of float, optional
         Bounds on the particles' coordinates, in the initial configuration, where they do not follow
         from the grid.
+    lagrangian : (bodies,) bool, optional
+        Bodies in the initial configuration, whose vertices keep their motion.
 
     Attributes
     ----------
@@ -68,6 +76,8 @@ class Grid:
         See `pgimp.kernels.grid.constrained_vertices`; made at first use.
     base : (2, 2) int64
         Bounds of the first vertices (least, greatest; y, z) of supports in the window.
+    motion : VertexMotion or ()
+        Motion that the vertices keep; it stays when the window changes.
     inner_bounds : (2, 2) int64
         Bounds that ranks need not report: `lag` cells less, except at the ends of the grid.
     """
@@ -80,10 +90,12 @@ class Grid:
         lag: int = 0,
         fields: Sequence[int] = (),
         bounds: tuple[tuple[float, float], ...] | None = None,
+        lagrangian: np.ndarray | None = None,
     ) -> None:
         self.frame = frame
         self.lag = lag
         self._fixed_bounds = bounds
+        self._lagrangian = lagrangian
         self.fields = tuple(fields)
         self.vertices = vertices
         self.slab = slab
@@ -93,6 +105,8 @@ class Grid:
         self.active = np.zeros(self.planes, np.uint8)
         self.base = np.zeros((2, 2), np.int64)
         self.inner_bounds = np.zeros((2, 2), np.int64)
+        self.motion: VertexMotion | tuple[()] = ()
+        self._stored = Window.over((0, 0, 0), (0, 0, 0))
 
     def cover(self, bounds: np.ndarray) -> None:
         """Store the vertices for supports with first vertices within `bounds`, and a margin."""
@@ -140,8 +154,54 @@ class Grid:
         self.bounds = self._bounds() if self._fixed_bounds is None else self._fixed_bounds
         flags = np.zeros(self.planes, np.int64) if self.fields else ()
         arrays = self.G, self.active, self.scratch, self.deferred
-        self.field = Field(self.window, *arrays, self.shared_lower, self.owned, self.bounds, flags)
+        counts = self.shared_lower, self.owned
+        self.field = Field(self.window, *arrays, *counts, self.bounds, flags, self._motion())
         self._marks = np.zeros(0, np.int64)
+
+    def _motion(self) -> VertexMotion | tuple[()]:
+        """Room for the vertices' motion, with what there is of it; () in other scenes."""
+        if self._lagrangian is None:
+            return ()
+        count = 1 + max(self.fields, default=0)
+        mask = np.ones(count, bool)
+        if self.fields:
+            mask[:] = False
+            mask[np.array(self.fields)[self._lagrangian]] = True
+        motion = VertexMotion(aligned(len(self.G)), mask)
+        if self.motion:  # the window has changed
+            was = self._stored
+            old = self.by_vertex(self.kept.values, was)
+            new, now = self.by_vertex(motion.values), self.window
+            if old.shape[1] == count:
+                low, high = np.maximum(was.lower, now.lower), _common_end(was, now)
+                y, z = (
+                    [slice(low[d] - each.lower[d], high[d] - each.lower[d]) for each in (was, now)]
+                    for d in (1, 2)
+                )
+                new[:, :, y[1], z[1]] = old[:, :, y[0], z[0]]
+        self.motion, self._stored = motion, self.window
+        return motion
+
+    @property
+    def kept(self) -> VertexMotion:
+        """The vertices' motion, in scenes where they keep it."""
+        assert isinstance(self.motion, VertexMotion)
+        return self.motion
+
+    @property
+    def motion_field(self) -> Field:
+        """The field with the records of the vertices' motion in place of their sums."""
+        return self.field._replace(G=self.kept.values)
+
+    def owned_motion(self) -> tuple[FloatArray, ...]:
+        """Motion of the planes that the rank owns, by plane; () where no vertex keeps it."""
+        return (self.by_vertex(self.kept.values)[: self.owned],) if self.motion else ()
+
+    def by_vertex(self, values: FloatArray, window: Window | None = None) -> FloatArray:
+        """Records of a window as (planes, fields, y, z, numbers), without a copy."""
+        window = window or self.window
+        size = RECORD * window.extent[1] * window.extent[2]
+        return values.reshape(self.planes, window.stride[0] // size, *window.extent[1:], RECORD)
 
     def clear(self, i: int) -> None:
         """Set a plane to zero."""

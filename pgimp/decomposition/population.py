@@ -20,6 +20,10 @@ def with_capacity(array: np.ndarray, size: int, used: int = 0) -> np.ndarray:
     return longer
 
 
+def _nothing(near: np.ndarray | None = None) -> None:
+    pass
+
+
 class Population:
     """Particles of the layers `first` to ``first + layers - 1``.
 
@@ -50,7 +54,9 @@ class Population:
     def __init__(
         self, particles: Particles, count: int, shape, frame: Frame, slab, start=None
     ) -> None:
-        self.particles = particles
+        self.stored = particles
+        #: Whether columns lag behind the vertices' motion, and the function that updates them.
+        self.outdated, self.update = False, _nothing
         self.shape = shape
         self.frame = frame
         self.first, self.layers = slab.first, slab.layers
@@ -69,6 +75,18 @@ class Population:
             self.sort()
         else:
             self.start[:] = start
+
+    @property
+    def particles(self) -> Particles:
+        """The particles; `stored` are their columns, which may be out of date."""
+        if self.outdated:
+            self.outdated = False
+            self.update()
+        return self.stored
+
+    @particles.setter
+    def particles(self, particles: Particles) -> None:
+        self.stored = particles
 
     @property
     def changed(self) -> np.ndarray:

@@ -171,7 +171,7 @@ class Checkpoints:
         began = monotonic()
         path = self.folder / f"step-{sim.step:09d}.h5"
         records = sim.diagnostic_sums
-        state, rows, whole = capture(
+        state, rows, whole, spread = capture(
             sim.rank, sim.now, sim.rate, sim.count, records, sim.watch, sim.stage, sim.clock
         )
         about = {
@@ -186,7 +186,9 @@ class Checkpoints:
             "seconds": self.seconds if self._measured else None,
             "state": state,
         }
-        self.size += checkpointwriter.write(path, sim.comm, about, rows.columns, whole, rows.order)
+        self.size += checkpointwriter.write(
+            path, sim.comm, about, rows.columns, whole, rows.order, spread
+        )
         self.latest, self._stands_for = sim.step, stands_for
         on_root(sim.comm, self._delete_older)
         now = monotonic()

@@ -70,9 +70,11 @@ class SceneLoads:
                 np.array([entry.quadratic if entry else 0.0 for entry in entries]),
                 float(min(case.grid.cell)),
             )
-        self.relaxation: float | tuple[()] = case.method.rate or ()
+        self.lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
+        moving = not all(self.lagrangian)  # else the vertices keep the velocities
+        self.relaxation: float | tuple[()] = (case.method.rate if moving else 0.0) or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
-        self.affine: float | tuple[()] = 1.0 if case.method.affine else ()
+        self.affine: float | tuple[()] = 1.0 if case.method.affine and moving else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # same in 1D
         self.mean: float | np.ndarray | tuple[()] = 1.0 if volumetric == "mean" else ()
         law = [case.materials[body.material] for body in case.bodies.values()]
@@ -81,7 +83,6 @@ class SceneLoads:
         liquid = np.array([float(entry.LIQUID) for entry in law])
         if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid
-        self.lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
         self.force, self.walls = force, walls
         self.tractions = list(case.tractions.values())
         self.constraints = list(case.constraints.values())

@@ -14,6 +14,7 @@ from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
+from pgimp.kernels.lagrangian.cells import MOST as MOST_OF_CELLS
 from pgimp.kernels.order.order import cell_numbers
 from pgimp.kernels.sums.sums import SUMS
 from pgimp.mpi.communicator import Communicator
@@ -185,6 +186,20 @@ class Scene:
             surfaces=self.pairs is not None or self.unilateral_walls,
             own=self.variations.width, liquid=bool(self.flows and self.flows.relaxes),
         )  # fmt: skip
+        #: Columns of the particles at the start, whose velocity gradients vertices may need.
+        self.created = self.carried._replace(
+            affine=self.carried.affine or bool(self.lagrangian.any())
+        )
+        loads = self.loads.at(0.0)
+        self._by_cells = (
+            self.initial
+            and self.dimension > 1
+            and shape.in_cell
+            and max(shape.particles_per_cell) <= MOST_OF_CELLS
+            and all(entry.HYPERELASTIC for entry in entries)
+            and not (self.variations or loads.tractions)
+            and loads.viscosity == loads.force == loads.mean_lagrangian == ()
+        )
         # Faces that bodies approach vary by the length of the step alone.
         moves = any(each.condition.varies and not each.condition.approaches for each in self.faces)
         self._face_table = FaceTable(
@@ -238,6 +253,16 @@ class Scene:
             return 2 * self.vertices
         # A vertex beyond a unilateral wall uses the clearance of the vertex on the wall.
         return self.vertices if self.approached else 0
+
+    @property
+    def by_cells(self) -> bool:
+        """Whether lattice particles are summed by `pgimp.kernels.lagrangian.cells`."""
+        return self._by_cells
+
+    @property
+    def lagrangian_bodies(self) -> np.ndarray | None:
+        """Mask of the bodies whose vertices keep their motion; None without any."""
+        return self.lagrangian if self.lagrangian.any() else None
 
     @property
     def origins(self) -> bool:

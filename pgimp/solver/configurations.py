@@ -49,7 +49,8 @@ class ConfigurationGroup(NamedTuple):
         """The loads on these particles."""
         if not self.lagrangian:
             return loads
-        return loads._replace(mean=(), mean_lagrangian=() if isinstance(loads.mean, tuple) else 1.0)
+        mean = () if isinstance(loads.mean, tuple) else 1.0
+        return loads._replace(mean=(), mean_lagrangian=mean, affine=(), relaxation=())
 
     def forced(self, forcing: Forcing) -> Forcing:
         """The forcing of these particles."""

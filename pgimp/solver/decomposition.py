@@ -62,7 +62,7 @@ def slab_predicate(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarra
 
     def own(x: np.ndarray) -> np.ndarray:
         layers = np.empty(len(x), np.int64)
-        layers_of(scene.shape, scene.frame, scene.identity, x, layers)
+        layers_of(scene.shape, scene.placing, scene.identity, x, layers)
         return (slab.first <= layers) & (layers < slab.first + slab.layers)
 
     return own

@@ -17,6 +17,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.lagrangian.displace import displace_particles
 from pgimp.kernels.sums.sums import layer_sums
 from pgimp.kernels.update.checks import OUTFLOW
 from pgimp.mpi.communicator import Communicator
@@ -27,10 +28,14 @@ from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
+from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
 from pgimp.solver.transfers import RangeReport
 
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
+
+#: Tag of messages with the motion of shared planes.
+_MOTION = 8
 
 #: Particles at fault that are listed on each rank; further ones are only counted.
 MOST_LISTED = 1024
@@ -107,6 +112,8 @@ class Rank:
         self.contact = contact_kind(scene)(scene, comm)
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, comm) if scene.flows else None
+        self._lattice: LatticeCells | None = None
+        self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
         self.moved = False
         self._allocate(slab)
@@ -114,10 +121,13 @@ class Rank:
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
-        self.slab = slab
+        self.slab, self._lattice = slab, None
         lag = LAG if comm.size > 1 and not scene.initial else 0
         bounds = scene.bounds if scene.initial else None
-        self.grid = Grid(scene.frame, scene.vertices, slab, lag, self.contact.fields, bounds)
+        self.grid = Grid(
+            scene.frame, scene.vertices, slab, lag, self.contact.fields, bounds,
+            scene.lagrangian_bodies,
+        )  # fmt: skip
         self.halo = Halo(comm, slab, scene.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         self.keeping = Keeping(scene, comm, self.free, slab.layers)
@@ -128,6 +138,25 @@ class Rank:
             self.grid.planes, len(scene.faces), constraints, outflow, contacts,
             len(scene.rigid_bodies),
             len(scene.body_names) if scene.flows else 0,
+        )  # fmt: skip
+
+    @property
+    def lattice(self) -> LatticeCells:
+        """The cells of lattice particles, in the initial configuration."""
+        if self._lattice is None:
+            self._lattice = find_cells(self)
+        return self._lattice
+
+    def displace(self, near: np.ndarray | None = None) -> None:
+        """Update lattice particles from the vertices' motion, all or those `near`, by offsets."""
+        order, setting = self.lattice.inside, self.scene.setting
+        if near is not None:
+            rows = self.population.order[near]
+            inside = self.lattice.is_inside[rows]
+            order = Order(rows[inside], np.searchsorted(near[inside], self.population.start))
+        self.call(
+            displace_particles, setting, self.scene.frame, self.grid.motion_field,
+            self.population.stored, order,
         )  # fmt: skip
 
     @property
@@ -179,13 +208,35 @@ class Rank:
             As from `pgimp.decomposition.slabs.cut`, equal on every rank.
         """
         window, extra = self.grid.base, self.scene.vertices - 1
-        sums = redistribute(self.comm, old, new, extra, self.population, self.booked())
+        owned = (*self.booked(), *self.grid.owned_motion())
+        sums = redistribute(self.comm, old, new, extra, self.population, owned)
         self.moved = True
         self._allocate(slab_of(new, self.comm.rank))
         self.contact.moved()
         self.grid.store(window)
-        for booked, values in zip(self.booked(), sums, strict=True):
-            booked[:] = values
+        for mine, values in zip((*self.booked(), *self.grid.owned_motion()), sums, strict=True):
+            mine[:] = values
+        self.share_motion()
+
+    def share_motion(self) -> None:
+        """Get the motion of shared planes from the upper neighbour, which owns them; collective."""
+        if not self.grid.motion:
+            return
+        values, owned = self.grid.by_vertex(self.grid.kept.values), self.grid.owned
+        lower, upper = self.slab.lower, self.slab.upper
+        sent = None
+        if lower is not None:
+            sent = self.comm.isend(values[: self.grid.shared_lower].copy(), lower, _MOTION)
+        if upper is not None:
+            values[owned:] = self.comm.recv(source=upper, tag=_MOTION)
+        if sent is not None:
+            sent.wait()
+
+    def drop_gradients(self) -> None:
+        """Drop the particles' velocity gradients, which only the vertices' start needed."""
+        particles = self.population.particles
+        self.population.particles = particles._replace(L=np.zeros((particles.capacity, 0)))
+        self.migration = Migration(self.comm, self.slab, self.particles)
 
     def enter(self, scene: Scene, particles: Particles) -> None:
         """Change to the scene of another stage between two steps; the ledger starts from zero.

@@ -9,6 +9,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
+from pgimp.decomposition.slabs import Slab
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
@@ -23,6 +24,7 @@ class RankState(Protocol):
 
     scene: Scene
     comm: Communicator
+    slab: Slab
     grid: Grid
     halo: Halo
     population: Population
@@ -40,6 +42,10 @@ class RankState(Protocol):
     @property
     def call(self) -> Bound:
         """Calls the kernels of a step that are common to all groups."""
+
+    @property
+    def lattice(self) -> Any:
+        """The cells of lattice particles."""
 
     @property
     def particles(self) -> Particles:

@@ -32,6 +32,7 @@ from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
+from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.start.creation import Creation
@@ -39,7 +40,7 @@ from pgimp.solver.start.memory import require
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
 from pgimp.solver.start.warmup import warm_up
-from pgimp.solver.state.restore import outline, read_books, read_particles
+from pgimp.solver.state.restore import outline, read_books, read_motion, read_particles
 from pgimp.solver.state.state import State
 from pgimp.solver.time.clock import CourantClock, clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
@@ -84,7 +85,7 @@ def begin(
     start.count = int(counts.sum())
     require(scene, comm, start.count)
     layer = np.empty(len(lattice.coordinates[0]), np.int64)
-    layers_of(scene.shape, scene.frame, scene.identity, lattice.coordinates[0], layer)
+    layers_of(scene.shape, scene.placing, scene.identity, lattice.coordinates[0], layer)
     on_lattice = np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0])
     slab = _decompose(start, creation.layer_counts(on_lattice))
     particles, count = all_or_none(
@@ -103,6 +104,7 @@ def begin(
         remember_stress(scene.setting.without_shape(), particles, rows)
     start.warnings += overstress.measure(scene, particles, count, comm)
     put_in_order(start, slab, particles, count)
+    begin_motion(start.rank)
     if len(scenes) > 1 and scene.variations:
         require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
     start.warnings += locking(start.case)
@@ -162,6 +164,7 @@ def resume(
     slab = _decompose(start, layers)
     put_in_order(start, slab, *read_particles(scene, slab, source, state, layers, comm))
     read_books(start.rank, source, state, start.diagnostic_sums)
+    read_motion(start.rank, source)
     start.done = start.clock.after(state.step, state.time, state.dt)
     start.rate = state.rate
     if start.clock.held and state.held_rate:  # an older checkpoint has none: a window begins

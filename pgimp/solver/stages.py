@@ -24,6 +24,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
 from pgimp.solver.history.diagnostics import sums_of_bodies
+from pgimp.solver.lagrangian.motion import enter_motion
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.warmup import warm_up
 from pgimp.solver.time.clock import clock_of
@@ -80,11 +81,12 @@ def enter(now: Start, case: Case) -> Start:
         rank.move(now.balance.cuts, balance.cuts)
         particles = rank.particles
     balance.watch(rank.count)
-    books, free = rank.booked(), dict(_free(rank))
+    books, free, before = rank.booked(), dict(_free(rank)), rank.grid
     rank.enter(new, particles)
     _take_over(old, new, books, rank.booked())
     if rank.free:
         rank.free.states = [free[name] for name, _ in _free(rank)]
+    enter_motion(rank, before, now.done)
 
     now.stage, now.scene, now.balance = now.stage + 1, new, balance
     rate = fastest(new, particles, rank.population.order, new.controlled or True)

@@ -7,11 +7,18 @@ from collections.abc import Callable
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
-from pgimp.solver.transfers import RangeReport, particle_forcing, sum_particles, update_particles
+from pgimp.solver.transfers import (
+    RangeReport,
+    finish_sums,
+    particle_forcing,
+    sum_particles,
+    update_particles,
+)
 from pgimp.solver.vertices import (
     VertexUpdate,
     fold_mirrors,
     hold_constrained,
+    keep_vertex_motion,
     reflect_mirrors,
     vertex_forcing,
 )
@@ -47,13 +54,14 @@ def step(
     RunError
         On every rank, as from `begin`. The particles are unchanged.
     """
-    scene, grid, contact, lap = rank.scene, rank.grid, rank.contact, rank.stopwatch()
+    scene, contact, lap = rank.scene, rank.contact, rank.stopwatch()
     loads, groups = scene.loads.at(start), groups_by_configuration(scene, rank.population)
     contact.assign_fields(rank)
     lap("contact")
-    sum_particles(rank, groups, loads, bool(scene.loads.constraints))  # (16, 17, 18, 21, 22)
+    marked = bool(scene.loads.constraints)
+    sum_particles(rank, groups, loads, marked, by_cells=True)  # (16, 17, 18, 21, 22)
     lap("P2G")
-    rank.halo.finish(grid)
+    finish_sums(rank)
     t = begin()
     lap("exchange")
 
@@ -68,6 +76,7 @@ def step(
     contact.exchange(rank, update)
     lap("contact")
     reflect_mirrors(rank, update)
+    keep_vertex_motion(rank, update)
     lap("momentum")
 
     forcing = particle_forcing(rank, groups, update, loads, controlled)

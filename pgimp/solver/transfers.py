@@ -9,10 +9,13 @@ import numpy as np
 
 from pgimp.kernels.data.arguments import Forcing, Report
 from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
+from pgimp.kernels.lagrangian.cells import Cells
+from pgimp.kernels.lagrangian.keep import recall_masses
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, particles_to_grid
 from pgimp.solver.configurations import ConfigurationGroup
+from pgimp.solver.lagrangian.cells import cleared, no_cells, report_cells
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import VertexUpdate
 
@@ -42,13 +45,30 @@ class RangeReport(NamedTuple):
 
 
 def sum_particles(
-    rank: RankState, groups: Sequence[ConfigurationGroup], loads: Loads, marked: bool
+    rank: RankState,
+    groups: Sequence[ConfigurationGroup],
+    loads: Loads,
+    marked: bool,
+    by_cells: bool = False,
 ) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds the neighbours' sums.
 
-    `marked` is whether constrained vertices are marked.
+    Parameters
+    ----------
+    rank : RankState
+        The rank.
+    groups : sequence of ConfigurationGroup
+        Its particles.
+    loads : Loads
+        The loads on them.
+    marked : bool
+        Whether constrained vertices are marked.
+    by_cells : bool
+        Whether lattice particles may be summed cell by cell, without their masses.
     """
-    grid, particles, every = rank.grid, rank.particles, []
+    by_cells &= rank.scene.by_cells and not rank.failed
+    grid, population, every = rank.grid, rank.population, []
+    particles = population.stored if by_cells else population.particles
     for group in groups:
         order = group.order
         if rank.failed:  # other ranks are not notified yet; such particles may be anywhere
@@ -58,13 +78,25 @@ def sum_particles(
         grid.marks.fill(0)
         for call, (setting, _, order) in zip(rank.calls, every, strict=True):
             call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
-    (setting, summed, order), others = every[0], Others(*every[1]) if len(every) > 1 else ()
+    setting, summed, order = every[0]
+    others: Others | Cells | tuple[()] = Others(*every[1]) if len(every) > 1 else ()
+    if by_cells:
+        order, others = rank.lattice.others, cleared(rank.lattice.cells)
+    elif rank.scene.by_cells:
+        others = no_cells(rank.scene, rank.grid.slab.layers)
     grid.active.fill(0)
     for runs in rank.halo.parts(rank.population.start):  # first the layers neighbours wait for
         rank.call(  # (16, 17, 18, 21, 22)
             particles_to_grid, setting, grid.field, particles, summed, order, runs, others
         )
         rank.halo.proceed(grid, marked)
+
+
+def finish_sums(rank: RankState) -> None:
+    """Add the neighbours' sums, and set the masses of vertices that keep them; collective."""
+    rank.halo.finish(rank.grid)
+    if rank.scene.by_cells:
+        rank.call(recall_masses, rank.grid.field)
 
 
 def particle_forcing(
@@ -82,7 +114,7 @@ def particle_forcing(
         t.dt, update.forcing.gravity, rank.mass_cutoff, loads, constraints, (),
         update.forcing.position_limits, controlled, (),
         rank.flows.find(rank, groups[0].order, t) if rank.flows else (),
-        rank.keeping.at(t, rank.particles, rank.population.order),
+        rank.keeping.at(t, rank.population.stored, rank.population.order),
     )  # fmt: skip
 
 
@@ -116,11 +148,14 @@ def update_particles(
     failed: list[int] = []
     for group, call, errors in zip(groups, rank.calls, buffers, strict=False):
         mine = rank.population.changed[first + moved :]
+        order = rank.lattice.others if rank.scene.by_cells else group.order
         wrong, left, away, fastest, narrow, kept = call(
             grid_to_particles, group.setting, group.bounded(rank.scene, rank.grid.field),
-            rank.particles, group.order, layers, group.forced(forcing),
+            rank.population.stored, order, layers, group.forced(forcing),
             Report(rank.vertex_bounds, mine, errors), rank.ledger,
         )  # fmt: skip
+        if rank.scene.by_cells and not found:
+            wrong, fastest = report_cells(rank, errors, wrong, fastest)
         if away and group.rank_in_order is not None:
             mine[:away] = group.rank_in_order[mine[:away]]
         failed.append(wrong)

@@ -9,6 +9,7 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
+from pgimp.kernels.lagrangian.keep import keep_motion
 from pgimp.kernels.loads.loads import Loads
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
@@ -66,6 +67,13 @@ def hold_constrained(rank: RankState, update: VertexUpdate) -> None:
     """Set the velocities that constraints prescribe."""
     if update.forcing.marked:
         rank.call(apply_constraints, rank.grid.field, update.forcing, update.ledger)
+
+
+def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:
+    """Move the vertices that keep their motion, in the initial configuration."""
+    if rank.grid.motion:
+        rank.call(keep_motion, rank.grid.field, update.t.dt)
+        rank.population.outdated = rank.scene.by_cells
 
 
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:

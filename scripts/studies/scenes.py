@@ -8,6 +8,7 @@ import numpy as np
 
 import pgimp
 from pgimp.mpi.comm import Serial
+from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.simulation import Simulation
 
 
@@ -43,6 +44,17 @@ def case_of(size, cell, materials, bodies, end, *, courant=0.3, per_cell=2, **pa
     for name in ("grid", "method", "time"):
         case[name] |= parts.pop(name, {})
     return case | parts
+
+
+def throw(sim: Simulation, v: np.ndarray, L: np.ndarray) -> None:
+    """Set velocities (n, D) and their gradients (n, D, D) of particles before the first step."""
+    p, rows, D = sim.particles, sim.live(), sim.scene.dimension
+    p.v[rows] = v
+    if p.L.shape[1]:
+        p.L[rows] = L.reshape(len(rows), -1)
+    gradients = np.zeros((p.capacity, D, D))
+    gradients[rows] = L
+    begin_motion(sim.rank, gradients)
 
 
 def core(case: Any, overrides: Any = ()) -> Simulation:

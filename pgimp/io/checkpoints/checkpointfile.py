@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import weakref
 import zlib
+from math import prod
 from pathlib import Path
 
 import numpy as np
@@ -153,6 +154,22 @@ class CheckpointFile:
         array = np.empty(place.shape, place.dtype)
         self._fill(array, place.offset)
         return array.astype(array.dtype.newbyteorder("="), copy=False)
+
+    def read_part(self, name: str, first: int, last: int) -> Array:
+        """Read rows `first` to `last` (exclusive) of one of `whole`.
+
+        Raises
+        ------
+        DamagedError
+            If the file does not have them, or cannot be read.
+        """
+        dtype, shape = self.whole.get(name, (np.dtype(float), (0,)))
+        if not 0 <= first <= last <= shape[0]:
+            raise DamagedError(f"it has no rows {first} to {last} of {name}")
+        place = self._header.whole[name]
+        array = np.empty((last - first, *shape[1:]), place.dtype)
+        self._fill(array, place.offset + first * array[:0].itemsize * prod(shape[1:]))
+        return array.astype(dtype, copy=False)
 
     def _read(self, start: int, length: int) -> bytes:
         data = memoryview(bytearray(length))

@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Mapping
 from itertools import accumulate, chain
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ _PIECE = 4 << 20
 _PIECES = 4096
 # More characters than the header needs for a number not yet known, and for a piece.
 _NUMBER, _PIECE_TEXT = 20, 48
+_NONE: Mapping[str, Array] = MappingProxyType({})
 
 
 def write(
@@ -40,6 +42,7 @@ def write(
     rows: Mapping[str, Array],
     whole: Mapping[str, Array],
     order: Array | None = None,
+    spread: Mapping[str, Array] = _NONE,
 ) -> int:
     """Write a checkpoint; collective.
 
@@ -58,6 +61,9 @@ def write(
         Further small datasets; used on rank 0.
     order : ndarray of int, optional
         Rows to write, in this order; by default all.
+    spread : mapping of str to ndarray, shape (m, ...)
+        This rank's block of further datasets of one length, which differs from the rows'. They are
+        read like `whole`; a mapping without rows on any rank leaves them out.
 
     Returns
     -------
@@ -74,17 +80,23 @@ def write(
     part = temporary(path)
     lengths = {len(array) for array in rows.values()} if order is None else {len(order)}
     shapes = {name: (_little(array).str, array.shape[1:]) for name, array in rows.items()}
-    told_of = comm.allgather((list(lengths or {0}), shapes))
-    if any(len(some) > 1 or others != shapes for some, others in told_of):
+    more = max((len(array) for array in spread.values()), default=0)
+    told_of = comm.allgather((list(lengths or {0}), shapes, more))
+    if any(len(some) > 1 or others != shapes for some, others, _ in told_of):
         raise RunError(f"cannot {what}: the arrays of its ranks do not fit each other")
     shapes = told_of[0][1]  # in the same order on every rank
-    bounds = [0, *accumulate(some[0] for some, _ in told_of)]
+    mores = [0, *accumulate(some[2] for some in told_of)]
+    apart = [
+        Dataset(name, _little(array).str, array.shape[1:])
+        for name, array in (spread.items() if mores[-1] else ())
+    ]
+    bounds = [0, *accumulate(some[0][0] for some in told_of)]
     first, count = bounds[comm.rank], told_of[comm.rank][0][0]
     plan = _Plan(part, about, shapes, bounds)
     file = None
     with removed_on_error(part, comm):
         try:
-            offsets = on_root(comm, lambda: plan.create(whole, what))
+            offsets = on_root(comm, lambda: plan.create(whole, apart, mores[-1], what))
             file = FrameFile(part, comm, plan.most)
             for name, (dtype, tail) in shapes.items():
                 array = rows[name]
@@ -98,6 +110,12 @@ def write(
                         # Without "clip" NumPy would not use this buffer.
                         block = array.take(order[begin:end], 0, buffer, "clip")
                     file.write(place, np.asarray(block, dtype, order="C"))
+                    place += block.nbytes
+            for dataset in apart:
+                place = offsets[dataset.name] + mores[comm.rank] * dataset.row_bytes
+                for begin, end in blocks(more):
+                    block = np.asarray(spread[dataset.name][begin:end], dataset.dtype, order="C")
+                    file.write(place, block)
                     place += block.nbytes
             agree(comm, what, file.error)
             written = comm.gather(file.written)
@@ -152,10 +170,17 @@ class _Plan:
             "rows": places,
         }
 
-    def create(self, whole: Mapping[str, Array], what: str) -> dict[str, int]:
-        """Create the empty file; return the offset of each dataset."""
+    def create(
+        self, whole: Mapping[str, Array], apart: list[Dataset], length: int, what: str
+    ) -> dict[str, int]:
+        """Create the empty file; return the offset of each dataset.
+
+        `apart` are datasets of a `length` of their own, of which each rank writes a part.
+        """
         arrays = {name: np.asarray(a, _little(a), order="C") for name, a in whole.items()}
-        self._whole = arrays
+        self._whole = dict(arrays)
+        for each in apart:  # without memory
+            arrays[each.name] = np.broadcast_to(np.zeros((), each.dtype), (length, *each.tail))
         places = {
             name: {"dtype": array.dtype.str, "shape": array.shape, "offset": 0}
             for name, array in arrays.items()
@@ -164,7 +189,8 @@ class _Plan:
         places = self.content["rows"] | places
         # Two neighbours are together longer than the longest piece, except at a block's end.
         pieces = 2 * (self.count * self.row_bytes // self.most + len(places) + 1)
-        pieces += self.ranks * len(self.datasets)
+        pieces += self.ranks * (len(self.datasets) + len(apart))
+        pieces += 2 * sum(length * each.row_bytes for each in apart) // self.most
         try:
             for place in places.values():
                 if place["dtype"] not in KINDS:

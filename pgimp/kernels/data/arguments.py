@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.kernels.data.frame import Frame, Window
+from pgimp.kernels.data.motion import VertexMotion
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
 
@@ -115,6 +116,8 @@ class Field(NamedTuple):
     used : (planes,) int64 or ()
         Bit f: the plane has sums of the velocity field f. They are cleared before it is active
         again; see `pgimp.kernels.data.velocity_fields`. () in scenes that always have one field.
+    motion : VertexMotion or ()
+        Motion that the vertices keep, in scenes with bodies in the initial configuration.
     """
 
     window: Window
@@ -126,6 +129,7 @@ class Field(NamedTuple):
     owned: int
     bounds: tuple[tuple[float, float], ...]
     used: IntArray | tuple[()] = ()
+    motion: VertexMotion | tuple[()] = ()
 
 
 class Forcing(NamedTuple):

@@ -2,7 +2,8 @@
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.vertex import apply_contact
-from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, MOMENTUM, RECORD, VELOCITY
+from pgimp.kernels.data.motion import keeps, velocity_before
+from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
 from pgimp.kernels.grid.conditions import Holding, book_losses, hold
 from pgimp.kernels.grid.constraint_flags import also_held
@@ -50,8 +51,9 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
             for f in range(field_count(field.window)):
                 if is_used(field, i, f):
                     begin = i * plane + f * size
+                    kept = (field.motion, keeps(field.motion, f))
                     _accelerate(
-                        G, begin, begin + size, dt, gravity, mass_cutoff, forcing.clearances
+                        G, kept, begin, begin + size, dt, gravity, mass_cutoff, forcing.clearances
                     )
         if part == BEGINNING:
             continue
@@ -70,8 +72,11 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
 
 
 @inner_kernel
-def _accelerate(G, begin, end, dt, gravity, mass_cutoff, clearances):
-    """Turn the sums of a field of a plane into velocities and accelerations."""
+def _accelerate(G, kept, begin, end, dt, gravity, mass_cutoff, clearances):
+    """Turn the sums of a field of a plane into velocities and accelerations.
+
+    `kept` is the vertices' motion, and whether they keep it.
+    """
     for r in range(begin, end, RECORD):
         m = G[r + MASS]
         if m > mass_cutoff:
@@ -79,12 +84,12 @@ def _accelerate(G, begin, end, dt, gravity, mass_cutoff, clearances):
             for d in range(3):
                 a = G[r + FORCE + d] * inverse + gravity[d]
                 G[r + ACCELERATION + d] = a
-                G[r + VELOCITY + d] = G[r + MOMENTUM + d] * inverse + dt * a
+                G[r + VELOCITY + d] = velocity_before(*kept, G, r, d, inverse) + dt * a
         else:
             inverse = 1.0 / m if m > 0.0 else 0.0
             for d in range(3):
                 G[r + ACCELERATION + d] = 0.0
-                G[r + VELOCITY + d] *= inverse
+                G[r + VELOCITY + d] = velocity_before(*kept, G, r, d, inverse)
         if m >= 0.0:
             clear(clearances, G, r)
 

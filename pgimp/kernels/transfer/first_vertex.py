@@ -8,6 +8,10 @@ from pgimp.jit.tuples import read
 from pgimp.kernels.data.frame import InitialFrame, MixedFrame
 from pgimp.physics.shapes.base import size
 
+#: Part of a cell by which an initial support may begin before its first vertex:
+#: rounding must not divide the lattice particles of a cell. Its weight there is below rounding.
+NEAR = 1e-9
+
 
 def is_initial(frame):
     """Whether a frame, given by its Numba type, belongs to the initial configuration."""
@@ -43,6 +47,10 @@ def first_vertex(frame, d, half, x):
 
 @exact(first_vertex)  # all kernels must find the same layer, in any code
 def _first_vertex(frame, d, half, x):
+    if is_initial(frame):
+        return lambda frame, d, half, x: (
+            floor((x - frame.origin[d]) * frame.inverse[d] - half + NEAR) + frame.ghost
+        )
     return lambda frame, d, half, x: (
         floor((x - frame.origin[d]) * frame.inverse[d] - half) + frame.ghost
     )

@@ -14,6 +14,7 @@ from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.vectors.simd import load, pack, store
 from pgimp.kernels.data.arguments import KernelScene, Order
 from pgimp.kernels.data.velocity_fields import clear_plane, use
+from pgimp.kernels.lagrangian.cells import Cells, add_cells
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.transfer.sum_layer import sum_layer
 
@@ -40,6 +41,8 @@ def _sum_others(others, field, particles, layer, span):
 def _sum_others_too(others, field, particles, layer, span):
     if not hasattr(others, "instance_class"):  # ()
         return lambda others, field, particles, layer, span: span
+    if others.instance_class is Cells:
+        return lambda others, field, particles, layer, span: add_cells(others, field, layer, span)
 
     def widen(others, field, particles, layer, span):
         start = others.order.start
@@ -68,8 +71,8 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
         Runs of layers to sum, one after the other: first layer, layer after the last one, and
         whether to defer. Deferred are the sums for planes not shared with the upper rank. Only the
         rank's last layers, as many as its shared planes, may be deferred.
-    others : Others or ()
-        Further particles.
+    others : Others, Cells or ()
+        Further particles: with another setting, or by cells of the lattice.
     """
     start, window, shared_lower = order.start, field.window, field.shared_lower
     G, active, scratch, deferred = field.G, field.active, field.scratch, field.deferred

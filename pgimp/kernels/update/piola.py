@@ -54,11 +54,11 @@ def _keep_transposed(buffer, at, first, second, third):
     return keep
 
 
-def _keep_columns(buffer, at, P):
+def keep_columns(buffer, at, P):
     """Store the columns of row-major matrices of four particles in the buffer, from `at` on."""
 
 
-@specialise(_keep_columns)
+@specialise(keep_columns)
 def _keep_all_columns(buffer, at, P):
     def keep1(buffer, at, P):
         _keep(buffer, at, P[0], 0.0, 0.0)
@@ -93,7 +93,7 @@ def _keep_forces(loads, frame, particles, rows, buffer):
         sigma = take_row(particles.sigma, rows, 0, like)
         sigma = _less_pressure(loads.viscosity, particles, rows, sigma)
         P = multiply(full(sigma), cofactor(deformations(frame, particles, rows)))
-        _keep_columns(buffer, 0, scaled(-take(particles.V0, rows), P))
+        keep_columns(buffer, 0, scaled(-take(particles.V0, rows), P))
 
     def keep_both(loads, frame, particles, rows, buffer):
         sigma = take_row(particles.sigma, rows, 0, like)
@@ -103,9 +103,9 @@ def _keep_forces(loads, frame, particles, rows, buffer):
         rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
         ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -take(particles.V0, rows)
         P = multiply(full(rest), cofactor(deformations(frame, particles, rows)))
-        _keep_columns(buffer, 0, scaled(V * ratio, P))
+        keep_columns(buffer, 0, scaled(V * ratio, P))
         G = take_row(particles.around, rows, 0, matrix)
-        _keep_columns(buffer, BY_CELLS, scaled(V * mean, cofactor(G)))
+        keep_columns(buffer, BY_CELLS, scaled(V * mean, cofactor(G)))
 
     mean = loads.types[loads.fields.index("mean_lagrangian")]
     return keep_pointwise if hasattr(mean, "count") else keep_both

@@ -5,6 +5,7 @@ from pgimp.jit.tuples import plus_scaled
 from pgimp.kernels.grid.constraints import constrain_particles
 from pgimp.kernels.grid.resting import settle
 from pgimp.kernels.loads.loads import relaxed
+from pgimp.kernels.transfer.first_vertex import is_initial
 from pgimp.kernels.transfer.lane_io import take_row
 
 
@@ -27,6 +28,9 @@ def update_velocity(frame, forcing, particles, four, u, a, ledger):
 
 @specialise(update_velocity)
 def _update_velocity(frame, forcing, particles, four, u, a, ledger):
+    if is_initial(frame):  # vertices keep the velocities
+        return lambda frame, forcing, particles, four, u, a, ledger: (u, u)
+
     def update(frame, forcing, particles, four, u, a, ledger):
         v = plus_scaled(forcing.dt, a, take_row(particles.v, four.rows, 0, u))  # (27)
         v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)

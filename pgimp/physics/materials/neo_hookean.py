@@ -5,7 +5,14 @@ from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.jit.algebra import inverse, isotropic, largest_stretch_squared, left_cauchy_green
+from pgimp.jit.algebra import (
+    cofactor,
+    inverse,
+    isotropic,
+    largest_stretch_squared,
+    left_cauchy_green,
+)
+from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.physics.materials.base import Material, Poisson, Young, lame
 
 
@@ -22,6 +29,12 @@ class NeoHookeanParameters(NamedTuple):
         r = 1.0 / J
         c = (material.lam * log(J) - material.mu) * r
         return isotropic(material.mu * r, left_cauchy_green(F), c)
+
+    @staticmethod
+    def piola(material, F, J):
+        """First Piola-Kirchhoff stress P = mu F + (lambda ln J - mu)/J cof F."""
+        t = (material.lam * log(J) - material.mu) / J
+        return plus_scaled(t, cofactor(F), scaled(material.mu, F))
 
     @staticmethod
     def energy(material, F, J, sigma):
@@ -60,6 +73,7 @@ class NeoHookean(Material):
     """Compressible neo-Hookean solid, for large elastic deformation."""
 
     ELASTIC: ClassVar[bool] = True
+    HYPERELASTIC: ClassVar[bool] = True
 
     model: Literal["neo-hookean"] = Field(description="name of the model")
     young: Young

@@ -49,6 +49,10 @@ class Shape(Model):
     #: Vertices per direction in a support.
     vertices: ClassVar[int]
 
+    #: Whether lattice particles, undeformed, reach the corners of their cell only, linearly: points
+    #: and boxes.
+    in_cell: ClassVar[bool] = False
+
     #: Courant number up to which free surfaces stay stable at any position in their cells. With
     #: pointwise volumes and up to four particles a cell and direction (``scripts/hard courant``).
     stable_pointwise: ClassVar[float] = 0.45

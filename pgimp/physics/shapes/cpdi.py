@@ -79,6 +79,7 @@ class Cpdi(WideShape):
 
     shape: Literal["cpdi"] = Field(description="name of the shape")
 
+    in_cell: ClassVar[bool] = True
     vertices: ClassVar[int] = CpdiParameters.vertices()
     ends: ClassVar[bool] = True
 

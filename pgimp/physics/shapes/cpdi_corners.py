@@ -135,6 +135,7 @@ class CpdiCorners(WideShape):
 
     shape: Literal["cpdi-corners"] = Field(description="name of the shape")
 
+    in_cell: ClassVar[bool] = True
     vertices: ClassVar[int] = CpdiCornersParameters.vertices()
     ends: ClassVar[bool] = True
 

@@ -53,6 +53,7 @@ class FiniteGimp(WideShape):
 
     shape: Literal["finite-gimp"] = Field(description="name of the shape")
 
+    in_cell: ClassVar[bool] = True
     vertices: ClassVar[int] = FiniteGimpParameters.vertices()
 
     @property

@@ -39,6 +39,7 @@ class Gimp(WideShape, PointShape):
 
     shape: Literal["gimp"] = Field(description="name of the shape")
 
+    in_cell: ClassVar[bool] = True
     vertices: ClassVar[int] = GimpParameters.vertices()
 
     def parameters(self, cell: tuple[float, ...]) -> GimpParameters:

@@ -32,6 +32,7 @@ class Mpm(PointShape):
 
     shape: Literal["mpm"] = Field(description="name of the shape")
 
+    in_cell: ClassVar[bool] = True
     vertices: ClassVar[int] = MpmParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "point"
     #: No step is stable at every free surface: a lighter last vertex needs a shorter step. This

@@ -39,7 +39,7 @@ def populate(
         blocks = None
         if isinstance(found, Cloud):
             blocks = list(lattice.make(planes, counts, body, own))
-            if scene.loads.affine:
+            if scene.created.affine:
                 blocks = with_gradients(found, lattice.box, blocks)
         files.append(blocks)
     n = sum(
@@ -48,7 +48,7 @@ def populate(
         else sum(len(block.ids) for block in blocks)
         for body, blocks in enumerate(files)
     )
-    p = Particles.empty(max(n, 1), scene.carried)
+    p = Particles.empty(max(n, 1), scene.created)
     row = 0
     every = (
         lattice.make(planes, counts, body) if blocks is None else blocks

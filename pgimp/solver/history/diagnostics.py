@@ -23,6 +23,7 @@ from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.contact.keeping import QUARTER
 from pgimp.solver.history.columns import line_of
 from pgimp.solver.history.totals import Totals
+from pgimp.solver.lagrangian.motion import complete_sums
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import START, Step
 
@@ -44,6 +45,7 @@ def _own_sums(rank: Rank, scene: Scene, order: Order) -> tuple[np.ndarray, np.nd
     particles = rank.particles
     sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
     layer_sums(scene.setting.without_shape(), particles, order, sums)
+    complete_sums(rank, scene, order, sums)
     masses = np.zeros((len(scene.body_names), 2), np.int64)
     unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `put_in_order`
     exact_masses(particles, order.rows, unit, masses)

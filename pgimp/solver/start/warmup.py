@@ -24,6 +24,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import fastest
 from pgimp.solver.flows import EVERY
 from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.lagrangian.motion import begin_motion, rehearse_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.state.grid_state import active_grid
@@ -53,10 +54,12 @@ def warm_up(scene: Scene, comm: Communicator) -> None:
 
 def _rehearse(scene: Scene) -> None:
     """Call the kernels of set-up, step, history and exchange on a rank without particles."""
-    particles, rows = Particles.empty(1, scene.carried), np.empty(0, np.int32)
+    particles, rows = Particles.empty(1, scene.created), np.empty(0, np.int32)
     rank = Rank(scene, Serial(), Slab(0, 1, None, None), particles, 0)
     open_window(rank, StepReduction(Serial()))
+    begin_motion(rank)
     step(rank, STEP.start, lambda: STEP, scene.controlled)
+    rehearse_motion(rank)
     rank.population.restore_order(rows, rows)
     fastest(scene, particles, rows, scene.controlled)
     Diagnostics().line(rank, STEP)
@@ -65,7 +68,7 @@ def _rehearse(scene: Scene) -> None:
     complete(rank.grid.field, 0, 1, False, np.empty(0))
     partition_migrants(particles.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
     unpack(pack(particles, rows), particles, rows)
-    layers_of(scene.shape, scene.frame, scene.identity, np.empty(0), np.empty(0, np.int64))
+    layers_of(scene.shape, scene.placing, scene.identity, np.empty(0), np.empty(0, np.int64))
     material, chosen = scene.setting.without_shape(), rows.astype(np.int64)
     if prestressed(scene):
         remember_stress(material, particles, chosen)

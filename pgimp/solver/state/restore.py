@@ -17,6 +17,7 @@ from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.velocity_fields import MOST
 from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, keep_masses, put_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.state import State
 
@@ -168,8 +169,43 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         records.last = (state.last_line, *last)
 
 
+def read_motion(rank: Rank, source: CheckpointFile) -> None:
+    """Restore the motion of the vertices in the initial configuration; collective.
+
+    Raises
+    ------
+    DamagedError
+        On every rank, if it is not of this scene.
+    """
+    scene, slab = rank.scene, rank.slab
+    if scene.lagrangian_bodies is None:
+        return
+    rank.contact.assign_fields(rank)
+    grid = rank.grid
+
+    def read() -> None:
+        counts = _whole(source, MOTION_PLANES, (scene.frame.vertices[0] + scene.vertices - 1,))
+        edges = np.concatenate([[0], np.cumsum(counts)])
+        total = int(edges[-1])
+        if (counts < 0).any() or any(
+            source.whole.get(name) != (np.dtype(kind), (total, *tail))
+            for name, kind, tail in zip(MOTION, (np.int64, np.float64), ((), (6,)), strict=True)
+        ):
+            if total:
+                raise DamagedError("its motion of vertices is not of the scene's shape")
+            return
+        first, last = edges[slab.first], edges[slab.first + grid.planes]
+        keys, values = (source.read_part(name, int(first), int(last)) for name in MOTION)
+        if not np.isfinite(values).all() or not put_motion(rank, keys, values):
+            raise DamagedError("its motion of vertices is not of this scene")
+
+    all_or_none(rank.comm, read, DamagedError)
+    keep_masses(rank)
+
+
 def _whole(source: CheckpointFile, name: str, shape: tuple[int, ...]) -> np.ndarray:
-    kind = np.dtype(np.int64 if name in ("layers", "velocity-fields") else np.float64)
+    integers = ("layers", "velocity-fields", MOTION_PLANES)
+    kind = np.dtype(np.int64 if name in integers else np.float64)
     if source.whole.get(name) != (kind, shape):
         raise DamagedError(f"it has no {name} of the scene's shape")
     array = source.read_whole(name)

@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationE
 from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EnergyWatch
@@ -118,7 +119,7 @@ def capture(
     watch: EnergyWatch | None = None,
     stage: int = 0,
     clock: FixedClock | CourantClock | None = None,
-) -> tuple[dict[str, object], Ordered, dict[str, np.ndarray]]:
+) -> tuple[dict[str, object], Ordered, dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Capture the state of a simulation between two steps; collective.
 
     Parameters
@@ -148,11 +149,16 @@ def capture(
         This rank's particles.
     whole : dict of str to ndarray
         Particles of each layer, and sums by plane; empty except on rank 0.
+    spread : dict of str to ndarray
+        This rank's vertices that keep their motion; empty arrays in other scenes.
     """
     own = rank.booked()
-    parts = rank.comm.gather((np.diff(rank.population.start), (rank.clamped, rank.held), own))
+    vertices, *motion = stored_motion(rank)
+    parts = rank.comm.gather(
+        (np.diff(rank.population.start), (rank.clamped, rank.held), own, vertices)
+    )
     if parts is None:
-        return {}, Ordered(rank), {}
+        return {}, Ordered(rank), {}, dict(zip(MOTION, motion, strict=True))
     state = State(
         step=done.number,
         time=done.end,
@@ -185,5 +191,6 @@ def capture(
     whole["velocity-fields"] = rank.contact.assignment
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]
+    whole[MOTION_PLANES] = np.concatenate([part[3] for part in parts])
     whole = {name: array for name, array in whole.items() if array.size}
-    return state.model_dump(), Ordered(rank), whole
+    return state.model_dump(), Ordered(rank), whole, dict(zip(MOTION, motion, strict=True))

@@ -26,6 +26,7 @@ import numpy as np
 
 from pgimp.errors import EndlessError
 from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, layer_sums
+from pgimp.solver.lagrangian.motion import complete_sums
 from pgimp.solver.time.clock import CourantClock, FixedClock
 
 if TYPE_CHECKING:
@@ -163,6 +164,7 @@ class EnergyWatch:
         sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
+        complete_sums(rank, scene, population.ordered, sums)
         escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, scene.sums))
         rows = [found[:, :, which].sum(axis=1) for found in (sums, escaped)
                 for which in (KINETIC, STRAIN, MASS)]  # fmt: skip

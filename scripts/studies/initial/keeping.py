@@ -4,7 +4,7 @@ from itertools import pairwise
 from math import cos, cosh, log, pi, sin, sinh, sqrt
 
 import numpy as np
-from studies.scenes import ball, by_id, by_turns, case_of, core, filled, finished
+from studies.scenes import ball, by_id, by_turns, case_of, core, filled, finished, throw
 
 import pgimp
 from pgimp.errors import RunError
@@ -62,10 +62,9 @@ def ringing(configuration, affine, courant, cells=16, periods=(10, 50), shape="g
     p, rows = sim.particles, sim.live()
     mode, slope = _mode(p.x[rows, 0])
     speed = TIP * LENGTH * RATE
-    p.v[rows, 0] = -speed * slope * (p.x[rows, 1] - y)
-    p.v[rows, 1] = speed * mode
-    if affine:
-        p.L[rows, 1], p.L[rows, 2] = -speed * slope, speed * slope
+    L = np.zeros((len(rows), 2, 2))
+    L[:, 0, 1], L[:, 1, 0] = -speed * slope, speed * slope
+    throw(sim, speed * np.stack([-slope * (p.x[rows, 1] - y), mode], axis=1), L)
     mode = by_id(sim, mode)
     motion = []
     for _ in range(looks):
@@ -113,7 +112,9 @@ def stretch(shape, even):
     ))  # fmt: skip
     p, rows = sim.particles, sim.live()
     if even:
-        p.v[rows, 0] = np.clip((p.x[rows, 0] - 70.0) / 20.0, -1.0, 1.0) * speed
+        x = (p.x[rows] - 70.0) / 20.0
+        L = np.where(abs(x) < 1.0, speed / 20.0, 0.0)[..., None]
+        throw(sim, np.clip(x, -1.0, 1.0) * speed, L)
     finished(sim)
     free = rows[p.constraint[rows, 0] == 0]
     F, s = p.F[free, 0], p.sigma[free, 0]

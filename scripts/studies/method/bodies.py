@@ -10,7 +10,7 @@ from math import pi, sin
 
 import numpy as np
 from studies.method.timoshenko import slowest
-from studies.scenes import by_id, case_of, core, filled
+from studies.scenes import by_id, case_of, core, filled, throw
 
 SHAPES = (
     "mpm", "gimp", "finite-gimp", "cpdi", "fuzzy-nearest", "fuzzy-constant",
@@ -51,13 +51,13 @@ def cantilever(method, D, courant=0.3, length=6 * HEIGHT, amplitude=0.2):
     p, rows = sim.particles, sim.live()
     x, y = p.x[rows, 0], p.x[rows, 1] - (low + 0.5 * HEIGHT)
     shape, turn = np.interp(x, nodes, deflection), np.interp(x, nodes, rotation)
-    p.v[rows, 1] = amplitude * rate * shape
-    p.v[rows, 0] = -amplitude * rate * turn * y
-    if method[1]:
-        L = p.L.reshape(len(p.L), D, D)
-        L[rows, 1, 0] = amplitude * rate * np.interp(x, nodes, np.gradient(deflection, nodes))
-        L[rows, 0, 1] = -amplitude * rate * turn
-        L[rows, 0, 0] = -amplitude * rate * y * np.interp(x, nodes, np.gradient(rotation, nodes))
+    v, L = np.zeros((len(rows), D)), np.zeros((len(rows), D, D))
+    v[:, 1] = amplitude * rate * shape
+    v[:, 0] = -amplitude * rate * turn * y
+    L[:, 1, 0] = amplitude * rate * np.interp(x, nodes, np.gradient(deflection, nodes))
+    L[:, 0, 1] = -amplitude * rate * turn
+    L[:, 0, 0] = -amplitude * rate * y * np.interp(x, nodes, np.gradient(rotation, nodes))
+    throw(sim, v, L)
     return sim, by_id(sim, shape), rate
 
 
@@ -69,9 +69,10 @@ def wave(method, courant=0.3, cells=10, waves=2, amplitude=1e-3):
     sim = simulation(method, [length, 12], body, 6.0 * cells, courant, boundaries=walls)
     p, rows = sim.particles, sim.live()
     shape = np.sin(k * p.x[rows, 0])
-    p.v[rows, 0] = amplitude * shape
-    if method[1]:
-        p.L[rows, 0] = amplitude * k * np.cos(k * p.x[rows, 0])
+    v, L = np.zeros((len(rows), 2)), np.zeros((len(rows), 2, 2))
+    v[:, 0] = amplitude * shape
+    L[:, 0, 0] = amplitude * k * np.cos(k * p.x[rows, 0])
+    throw(sim, v, L)
     return sim, by_id(sim, shape), k
 
 

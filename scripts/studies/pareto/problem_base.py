@@ -9,7 +9,7 @@ surfaces show in one of them only, and may be of either sign. The error is the r
 from abc import ABC, abstractmethod
 
 import numpy as np
-from studies.scenes import by_id, case_of, core
+from studies.scenes import by_id, case_of, core, throw
 
 #: Places of a box on the grid, in cells.
 PLACES = (0.0, 0.3)
@@ -62,9 +62,7 @@ class Problem(ABC):
         start = self.start(X, n)
         if start is not None:
             v, L = start
-            p.v[rows] = v[p.id[rows]]
-            if method.affine:
-                p.L[rows] = L[p.id[rows]].reshape(len(rows), -1)
+            throw(sim, v[p.id[rows]], L[p.id[rows]])
             if sim.watch:  # of steps that pgimp chooses
                 sim.watch.begin(sim.rank)
         return sim, X

@@ -32,11 +32,10 @@ class Lagrangian(Reference):
             near = np.multiply.outer(near, 0.5 * (np.append(part, 0.0) + np.append(0.0, part)))
         return (near * self.m).sum() * p.V0[k] / (p.m[k] * np.prod(self.frame.cell))
 
-    def particles_to_grid(self, p, affine=False):
+    def particles_to_grid(self, p):
         D = self.D
         self.m = np.zeros(self.shape)
         self.p, self.f = np.zeros((2, *self.shape, D))
-        x = np.stack(np.meshgrid(*self.vertices, indexing="ij"), axis=-1)
         for k in range(len(p.m)):
             S, grad = self.weights_of(p, k)
             F = matrix(p.F[k])
@@ -49,9 +48,8 @@ class Lagrangian(Reference):
                 sigma = p.ratio[k, 0] * (sigma - mean * np.eye(3))
             J = np.linalg.det(F) if D > 1 else F[0, 0]
             P = J * sigma @ np.linalg.inv(F).T
-            v = p.v[k] + ((x - p.origin[k]) @ p.L[k].reshape(D, D).T if affine else 0.0)
             self.m += p.m[k] * S
-            self.p += p.m[k] * S[..., None] * v
+            self.p += p.m[k] * S[..., None] * p.v[k]
             self.f -= p.V0[k] * grad @ P[:D, :D].T
         self.particles = p
 
@@ -62,7 +60,7 @@ class Lagrangian(Reference):
             rate = np.zeros((3, 3))
             rate[:D, :D] = np.tensordot(np.moveaxis(self.v, -1, 0), grad, D)
             p.x[k] += dt * np.tensordot(S, self.v, D)
-            p.v[k] += dt * np.tensordot(S, self.a, D)
+            p.v[k] = np.tensordot(S, self.v, D)
             F = matrix(p.F[k])
             if p.around.shape[1]:
                 F[:D, :D] /= p.ratio[k]
@@ -89,5 +87,3 @@ class Lagrangian(Reference):
                 law = STRESS[type(material).__name__]
                 sigma = law(material, F, tensor(p.sigma[k]), dt * L)
             p.sigma[k] = voigt(sigma, p.sigma.shape[1])
-            if p.L.shape[1]:
-                p.L[k] = rate[:D, :D].ravel()

@@ -149,7 +149,9 @@ class LagrangianContact(NoContact):
         grid, population = rank.grid, rank.population
         holding = Holding(faces, scene.frame, forcing, contact.scratch_impulse)
         rows = population.order[self._broad_phase.near].astype(np.int64)
-        near = self._particles.gather(grid, population.particles, rows, holding, anew)
+        if population.outdated:
+            population.update(self._broad_phase.near)
+        near = self._particles.gather(grid, population.stored, rows, holding, anew)
         contact_pairs, coupling = self._find(near, t)
         vertices = near.vertices
         if self.comm.size > 1:

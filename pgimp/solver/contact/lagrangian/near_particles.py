@@ -28,6 +28,7 @@ from pgimp.kernels.contact.lagrangian.vertices import (
 )
 from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import KernelScene
+from pgimp.kernels.data.frame import InitialFrame
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.rigid.bodies import AnyRigidBodies
@@ -83,7 +84,8 @@ class NearParticles:
     def __init__(
         self, scene: Scene, comm: Communicator, rigid_bodies: AnyRigidBodies, walls: SeparatingWalls
     ) -> None:
-        self.scene, self.comm, self.call = scene, comm, Bound()
+        self.scene, self.comm, self.call, self._initial = scene, comm, Bound(), Bound()
+        self._frame = InitialFrame(*scene.frame)
         self._rigid_bodies, self._walls = rigid_bodies, walls
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
         self.mirrors = mirrors_of(scene)
@@ -195,7 +197,10 @@ class NearParticles:
         They hold until the next ones of this kind.
         """
         supports, scene = self._storage(len(table), "current" if current else "start"), self.scene
-        self.call(find_supports, scene.shape, scene.frame, table, current, supports)
+        if current:
+            self.call(find_supports, scene.shape, scene.frame, table, current, supports)
+        else:
+            self._initial(find_supports, scene.shape, self._frame, table, current, supports)
         return supports
 
     def left(self, table: np.ndarray, now: Supports) -> tuple[Supports, float]:

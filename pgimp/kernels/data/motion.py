@@ -1,0 +1,62 @@
+"""Motion that vertices keep: velocity and displacement in the initial configuration.
+
+Weights never change there, so that vertices can keep their velocities, and particles need none of
+their own (total Lagrangian method with its state at the vertices). A step is then symplectic Euler
+with a constant lumped mass: momentum and angular momentum are conserved to rounding, energy is
+bounded, and no particle has a velocity that no vertex sees.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.jit.kernel import specialise
+from pgimp.kernels.data.particles import FloatArray
+from pgimp.kernels.data.record import MOMENTUM
+
+#: Entries of a vertex's record in `VertexMotion.values`: mass, and the first of three components of
+#: displacement and velocity. Gathered like a record of `Field.G`, displacements give gradients.
+MASS, DISPLACEMENT, VELOCITY = 0, 1, 5
+
+
+class VertexMotion(NamedTuple):
+    """Velocities and displacements of the vertices, from step to step.
+
+    Attributes
+    ----------
+    values : (planes * plane,) float64
+        Records, at the offsets of `Field.G`.
+    fields : (fields,) bool
+        Mask of the velocity fields that keep them, of bodies in the initial configuration.
+    """
+
+    values: FloatArray
+    fields: NDArray[np.bool_]
+
+
+def keeps(motion, f):
+    """Whether the vertices of velocity field `f` keep their motion; `motion` may be ()."""
+
+
+@specialise(keeps)
+def _keeps(motion, f):
+    if not hasattr(motion, "instance_class"):  # ()
+        return lambda motion, f: False
+    return lambda motion, f: motion.fields[f]
+
+
+def velocity_before(motion, kept, G, r, d, inverse):
+    """Component `d` of the velocity of the vertex at `r`, at the step's beginning.
+
+    It is the vertex's own where it is `kept`, else momentum times `inverse`, 1 over the mass.
+    """
+
+
+@specialise(velocity_before)
+def _velocity_before(motion, kept, G, r, d, inverse):
+    if not hasattr(motion, "instance_class"):  # ()
+        return lambda motion, kept, G, r, d, inverse: G[r + MOMENTUM + d] * inverse
+    return lambda motion, kept, G, r, d, inverse: (
+        motion.values[r + VELOCITY + d] if kept else G[r + MOMENTUM + d] * inverse
+    )

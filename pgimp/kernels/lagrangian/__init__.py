@@ -1,0 +1,1 @@
+"""Bodies in the initial configuration: motion of the vertices, cells of the lattice."""

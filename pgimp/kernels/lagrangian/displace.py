@@ -1,0 +1,56 @@
+"""Particles from the vertices' motion, in the initial configuration: when something asks for them.
+
+Positions X_p + sum_v u_v S_vp, velocities sum_v v_v S_vp, and F = 1 + sum_v u_v grad0 S_vp with the
+stress of a hyperelastic material. Each particle is gathered by itself, so that its bits do not
+depend on the others of the four.
+"""
+
+from pgimp.jit.algebra import determinant, one_plus, symmetric
+from pgimp.jit.kernel import kernel
+from pgimp.jit.tuples import plus_scaled
+from pgimp.jit.vectors.lanes import vectors
+from pgimp.jit.vectors.simd import stack
+from pgimp.kernels.data.arguments import FourParticles
+from pgimp.kernels.transfer.g2p import materials_of
+from pgimp.kernels.transfer.gather_shared import take_from_grid
+from pgimp.kernels.transfer.lane_io import LANES, coordinates, four_rows, put, put_row, take
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, supports
+from pgimp.kernels.transfer.transpose import SUMS
+from pgimp.physics.materials.parameters.evaluate import evaluate_four
+
+
+@kernel
+def displace_particles(setting, plain, field, particles, order):
+    """Set position, velocity, deformation gradient, volume and stress of particles.
+
+    Parameters
+    ----------
+    setting, particles, order
+        See `KernelScene`, `Particles`, `Order`; the materials are hyperelastic.
+    plain : Frame
+        The frame of the current configuration.
+    field : Field
+        With the records of the vertices' motion in place of `G`.
+    """
+    shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
+    buffer, sums = stack(SUPPORT_SIZE), stack(SUMS)
+    for layer in range(len(start) - 1):
+        number = layer + window.lower[0]
+        for k in range(start[layer], start[layer + 1], LANES):
+            rows = four_rows(order.rows, k, start[layer + 1])
+            four = FourParticles(rows, min(LANES, start[layer + 1] - k), k, layer, number)
+            supports(shape, frame, window, particles, rows, number, buffer, ())
+            u, v, grad, _ = take_from_grid((shape, plain), field, (), four, buffer, sums)
+            F = one_plus(1.0, grad)
+            J = determinant(F)
+            m = materials_of(setting.material_of, particles.body, rows)
+            unused = vectors(symmetric(grad))
+            sigma = evaluate_four(
+                "stress", setting.materials, m, (F, J, unused, grad, 0.0), (), unused
+            )
+            put_row(particles.x, rows, 0, plus_scaled(1.0, u, coordinates(frame, particles, rows)))
+            put_row(particles.v, rows, 0, v)
+            put_row(particles.F, rows, 0, F)
+            put_row(particles.sigma, rows, 0, sigma)
+            if setting.tracked:
+                put(particles.V, rows, J * take(particles.V0, rows))

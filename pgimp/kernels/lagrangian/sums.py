@@ -1,0 +1,94 @@
+"""Momentum and energy of vertices by particles, in the initial configuration.
+
+Vertices have more kinetic energy and angular momentum than the means that particles see. A particle
+accounts for its part of each vertex: m_p S_vp of its mass. So sums by layer and body stay sums over
+particles, and bodies that share vertices have each their own.
+"""
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.vectors.simd import stack
+from pgimp.kernels.data.motion import DISPLACEMENT, VELOCITY
+from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.data.velocity_fields import field_of
+from pgimp.kernels.sums.sums import ANGULAR, KINETIC, MOMENTUM
+from pgimp.kernels.transfer.lane_io import LANES, four_rows
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, entry, first_offset, supports
+
+
+@inner_kernel
+def _coordinate(frame, window, d, number):
+    """Coordinate of a vertex along `d`, from its number in the window; 0 along missing ones."""
+    if d >= len(frame.origin):
+        return 0.0
+    return frame.origin[d] + (number + window.lower[d] - frame.ghost) * frame.cell[d]
+
+
+@inner_kernel
+def _weight(buffer, d, directions, i, j):
+    """Weight of vertex `i` along `d` of particle `j`; 1 along missing directions."""
+    return entry(buffer, d, 0, i, j) if d < directions else 1.0
+
+
+@kernel
+def motion_sums(setting, field, particles, order, sums):
+    """Add what the vertices have beyond particles: momentum, angular momentum, kinetic energy.
+
+    Parameters
+    ----------
+    setting, particles, order
+        See `KernelScene`, `Particles`, `Order`: particles in the initial configuration, whose sums by
+        `layer_sums` this completes.
+    field : Field
+        With the vertices' motion.
+    sums : (layers, bodies, columns) float64
+        From `layer_sums`.
+    """
+    shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
+    values, D = field.motion.values, len(setting.frame.origin)
+    vertices = len(field.scratch) // window.stride[0]
+    ny, nz = vertices if D > 1 else 1, vertices if D > 2 else 1
+    buffer = stack(SUPPORT_SIZE)
+    for layer in range(len(start) - 1):
+        for first in range(start[layer], start[layer + 1], LANES):
+            rows = four_rows(order.rows, first, start[layer + 1])
+            number = layer + window.lower[0]
+            supports(shape, frame, window, particles, rows, number, buffer, ())
+            for j in range(min(LANES, start[layer + 1] - first)):
+                p = order.rows[first + j]
+                place = first_offset(buffer, j)
+                inside = place - field_of(window, particles, p)
+                y0, z0 = inside // window.stride[1], inside % window.stride[1] // RECORD
+                begin = layer * window.stride[0] + place
+                px, py, pz, ax, ay, az, square = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+                for a in range(vertices):
+                    for b in range(ny):
+                        for c in range(nz):
+                            w = _weight(buffer, 0, D, a, j) * _weight(buffer, 1, D, b, j)
+                            w *= _weight(buffer, 2, D, c, j)
+                            r = begin + a * window.stride[0] + b * window.stride[1] + c * RECORD
+                            if w == 0.0:
+                                continue
+                            u, v = r + DISPLACEMENT, r + VELOCITY
+                            x = _coordinate(frame, window, 0, layer + a) + values[u]
+                            y = _coordinate(frame, window, 1, y0 + b) + values[u + 1]
+                            z = _coordinate(frame, window, 2, z0 + c) + values[u + 2]
+                            vx, vy, vz = values[v], values[v + 1], values[v + 2]
+                            px, py, pz = px + w * vx, py + w * vy, pz + w * vz
+                            ax += w * (y * vz - z * vy)
+                            ay += w * (z * vx - x * vz)
+                            az += w * (x * vy - y * vx)
+                            square += w * (vx * vx + vy * vy + vz * vz)
+                row, m = sums[layer, particles.body[p]], particles.m[p]
+                x, y, z = particles.x[p, 0], 0.0, 0.0
+                vx, vy, vz = particles.v[p, 0], 0.0, 0.0
+                if D > 1:
+                    y, vy = particles.x[p, 1], particles.v[p, 1]
+                if D > 2:
+                    z, vz = particles.x[p, 2], particles.v[p, 2]
+                row[MOMENTUM] += m * (px - vx)
+                row[MOMENTUM + 1] += m * (py - vy)
+                row[MOMENTUM + 2] += m * (pz - vz)
+                row[ANGULAR] += m * (ax - (y * vz - z * vy))
+                row[ANGULAR + 1] += m * (ay - (z * vx - x * vz))
+                row[ANGULAR + 2] += m * (az - (x * vy - y * vx))
+                row[KINETIC] += 0.5 * m * (square - (vx * vx + vy * vy + vz * vz))

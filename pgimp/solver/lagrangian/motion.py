@@ -1,0 +1,264 @@
+"""Motion of vertices in the initial configuration: start, stages, checkpoints, sums.
+
+See `pgimp.kernels.data.motion`. Between two steps it is in `Grid.motion`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.motion import DISPLACEMENT, VELOCITY
+from pgimp.kernels.data.record import MASS, MOMENTUM
+from pgimp.kernels.lagrangian.keep import book_jumps, keep_motion
+from pgimp.kernels.lagrangian.sums import motion_sums
+from pgimp.kernels.sums.errors import initial_velocities
+from pgimp.scene.scene import Scene
+from pgimp.solver.configurations import groups_by_configuration
+from pgimp.solver.lagrangian.cells import find_beyond
+from pgimp.solver.time.clock import START, Step
+from pgimp.solver.transfers import sum_particles
+from pgimp.solver.vertices import (
+    VertexUpdate,
+    fold_mirrors,
+    hold_constrained,
+    reflect_mirrors,
+    vertex_forcing,
+)
+
+if TYPE_CHECKING:
+    from pgimp.decomposition.grid import Grid
+    from pgimp.solver.rank import Rank
+
+#: Datasets of a checkpoint: numbers of vertices by plane; by vertex, in the order of the keys, key
+#: and motion. A key combines plane, y, z and velocity field, all counted in the whole grid.
+MOTION_PLANES, MOTION = "vertex-planes", ("vertex", "vertex-motion")
+
+VECTOR = slice(MOMENTUM, MOMENTUM + 3)
+_VELOCITY, _DISPLACEMENT = slice(VELOCITY, VELOCITY + 3), slice(DISPLACEMENT, DISPLACEMENT + 3)
+
+
+def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
+    """Project the particles' initial velocities on the vertices that keep them; collective.
+
+    A vertex gets the mean of v_p + L_p (x_v - x_p), weighted with m_p S_vp, so that linear fields
+    are exact. Where an exact solution gives the velocities, they are the solution's at x_v.
+
+    Parameters
+    ----------
+    rank : Rank
+        The rank, before its first step.
+    gradients : (rows, D, D) float64, optional
+        Velocity gradients L, in place of the particles' column.
+    """
+    scene, grid = rank.scene, rank.grid
+    if scene.lagrangian_bodies is None:
+        return
+    rank.contact.assign_fields(rank)
+    particles, D = rank.particles, scene.dimension
+    v, L = particles.v.copy(), np.zeros((particles.capacity, D, D))
+    if gradients is not None:
+        L = gradients
+    elif particles.L.shape[1]:
+        L = particles.L.reshape(L.shape)
+    centre = np.array(scene.frame.origin) + 0.5 * np.array(scene.frame.cells) * scene.frame.cell
+    particles.v[:] -= np.einsum("pij,pj->pi", L, particles.origin - centre)
+    mass, momentum = _sums(rank)
+    grid.by_vertex(grid.kept.values)[..., MASS] = mass
+    if any(rank.comm.allgather(bool(L.any()))):
+        x = _coordinates(grid)
+        for d in range(D):
+            particles.v[:] = L[:, :, d]
+            momentum += _sums(rank)[1] * (x[d] - centre[d])[..., None]
+    particles.v[:] = v
+    kept = grid.kept.fields
+    records = grid.by_vertex(grid.G)
+    if scene.moves:
+        momentum[:, kept] = (mass[..., None] * _exact(rank))[:, kept]
+    records[..., VECTOR] = momentum
+    fields = kept.copy()
+    kept[:] = False  # for once velocities are those of the momentum
+    _apply_conditions(rank, START)
+    kept[:] = fields
+    keep_motion(grid.field, 0.0)
+    if particles.L.shape[1] and not scene.carried.affine:
+        rank.drop_gradients()
+
+
+def _sums(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
+    """Mass and momentum at a rank's vertices, zero without particles, by plane, field, y, z."""
+    scene, grid = rank.scene, rank.grid
+    groups = groups_by_configuration(scene, rank.population)
+    sum_particles(rank, groups, scene.loads.at(0.0), bool(scene.loads.constraints))
+    rank.halo.finish(grid)
+    records, defined = grid.by_vertex(grid.G), grid.active[:, None] != 0
+    if grid.fields:
+        bits, used = np.minimum(np.arange(records.shape[1]), 62), np.asarray(grid.field.used)
+        defined = defined & (used[:, None] >> bits & 1 != 0)
+    records[~np.broadcast_to(defined, records.shape[:2])] = 0.0
+    return records[..., MASS].copy(), records[..., VECTOR].copy()
+
+
+def keep_masses(rank: Rank) -> None:
+    """Sum the masses of vertices that keep their motion; collective."""
+    rank.grid.by_vertex(rank.grid.kept.values)[..., MASS] = _sums(rank)[0]
+
+
+def _coordinates(grid: Grid) -> list[np.ndarray]:
+    """Coordinates of the vertices along each direction, each (planes, 1, y, z)."""
+    frame, window = grid.frame, grid.window
+    numbers = np.meshgrid(*map(np.arange, (grid.planes, *window.extent[1:])), indexing="ij")
+    return [
+        (frame.origin[d] + (numbers[d] + window.lower[d] - frame.ghost) * frame.cell[d])[:, None]
+        for d in range(len(frame.cell))
+    ]
+
+
+def _exact(rank: Rank) -> np.ndarray:
+    """Velocities of the exact solution at the vertices at time 0, (planes, 1, y, z, 3)."""
+    scene, x = rank.scene, np.stack(_coordinates(rank.grid), axis=-1)
+    v = np.zeros((*x.shape[:-1], 3))
+    flat = np.zeros((x[..., 0].size, scene.dimension))
+    initial_velocities(scene.exact, scene.frame, x.reshape(flat.shape), flat)
+    v[..., : scene.dimension] = flat.reshape(x.shape)
+    return v
+
+
+def _apply_conditions(rank: Rank, t: Step) -> VertexUpdate:
+    """Turn sums into velocities that fulfil all conditions at a time, without a step."""
+    scene = rank.scene
+    t = t._replace(start=t.end, dt=0.0)
+    scratch = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
+    forcing = vertex_forcing(rank, t, scene.loads.at(t.start))
+    update = VertexUpdate(t, scene.face_parameters(t.start, t.end), forcing, scratch)
+    fold_mirrors(rank, update)
+    rank.contact.update_momentum(rank, update)
+    hold_constrained(rank, update)
+    reflect_mirrors(rank, update)
+    return update
+
+
+def enter_motion(rank: Rank, before: Grid, t: Step) -> None:
+    """Hand the motion over to the grid of a stage, and book the jumps at its beginning; collective.
+
+    Parameters
+    ----------
+    rank : Rank
+        The rank in the stage, with its ledger.
+    before : Grid
+        The grid of the stage before, with the same planes.
+    t : Step
+        The last step.
+    """
+    scene = rank.scene
+    if scene.lagrangian_bodies is None:
+        return
+    rank.contact.assign_fields(rank)
+    grid = rank.grid
+    was, now = before.by_vertex(before.kept.values), grid.by_vertex(grid.kept.values)
+    bodies = [b for b, name in enumerate(scene.body_names) if scene.lagrangian[b]
+              and name not in scene.case.staged.removed]  # fmt: skip
+    pairs = {(_field(grid, b), _field(before, b)) for b in bodies}
+    if len({new for new, _ in pairs}) == len(pairs):
+        for new, old_field in pairs:
+            now[:, new] = was[:, old_field]
+    else:
+        _regroup(rank, bodies, before, was, now)
+    keep_masses(rank)
+    update = _apply_conditions(rank, t)
+    book_jumps(scene.frame, update.faces, grid.field, update.forcing, rank.ledger)
+    keep_motion(grid.field, 0.0)
+
+
+def _field(grid: Grid, body: int) -> int:
+    return grid.fields[body] if grid.fields else 0
+
+
+def _regroup(rank: Rank, bodies: list[int], before: Grid, was: np.ndarray, now: np.ndarray) -> None:
+    """Motion of fields whose bodies had different ones: means, weighted with the bodies' masses."""
+    population, order = rank.population, rank.population.ordered
+    mass = np.zeros(now.shape[:-1])
+    for b in bodies:
+        mine = rank.particles.body[order.rows] == b
+        edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
+        population.order, population.start = order.rows[mine], edges
+        try:
+            own = _sums(rank)[0][:, _field(rank.grid, b)]
+        finally:
+            population.order, population.start = order.rows, order.start
+        new = _field(rank.grid, b)
+        mass[:, new] += own
+        part = np.divide(own, mass[:, new], out=np.zeros_like(own), where=own > 0.0)
+        now[:, new] += part[..., None] * (was[:, _field(before, b)] - now[:, new])
+
+
+def rehearse_motion(rank: Rank) -> None:
+    """Call the kernels that only stages, and particles that are asked for, need."""
+    if rank.scene.lagrangian_bodies is None:
+        return
+    update = _apply_conditions(rank, START)
+    book_jumps(rank.scene.frame, update.faces, rank.grid.field, update.forcing, rank.ledger)
+    if rank.scene.by_cells:
+        rank.displace()
+        find_beyond(rank)
+
+
+def complete_sums(rank: Rank, scene: Scene, order: Order, sums: np.ndarray) -> None:
+    """Complete `layer_sums` of some of a rank's particles by what their vertices have beyond them.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene of the particles.
+    order : Order
+        The particles, by layer.
+    sums : (layers, bodies, columns) float64
+    """
+    if scene.lagrangian_bodies is None or not rank.grid.motion:
+        return
+    setting = scene.setting
+    if scene.mixed:
+        mine = scene.lagrangian[rank.particles.body[order.rows]]
+        edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
+        order, setting = Order(order.rows[mine], edges), scene.setting_lagrangian
+    motion_sums(setting.without_materials(), rank.grid.field, rank.particles, order, sums)
+
+
+def stored_motion(rank: Rank) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Numbers by plane, keys and values (velocity, displacement) of a rank's moving vertices."""
+    grid = rank.grid
+    if not grid.motion:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 6))
+    values = grid.by_vertex(grid.kept.values)[: grid.owned].transpose(0, 2, 3, 1, 4)
+    kept = np.concatenate([values[..., _VELOCITY], values[..., _DISPLACEMENT]], axis=-1)
+    moving = kept.any(axis=-1) & grid.kept.fields
+    keys = _keys(grid, values.shape[3])[: grid.owned]
+    counts = moving.reshape(grid.owned, -1).sum(axis=1).astype(np.int64)
+    return counts, keys[moving], kept[moving]
+
+
+def _keys(grid: Grid, fields: int) -> np.ndarray:
+    """Keys of a rank's vertices, (planes, y, z, fields) int64."""
+    ny, nz = (*grid.frame.vertices, 1, 1)[1:3]
+    x, y, z, f = np.meshgrid(
+        *(np.arange(n) + low for n, low in zip((grid.planes, *grid.window.extent[1:], fields),
+                                               (*grid.window.lower, 0), strict=True)),
+        indexing="ij",
+    )  # fmt: skip
+    return ((x * ny + y) * nz + z) * fields + f
+
+
+def put_motion(rank: Rank, keys: np.ndarray, values: np.ndarray) -> bool:
+    """Set the motion of a rank's planes from a checkpoint; whether all keys are of its vertices."""
+    grid = rank.grid
+    mine = grid.by_vertex(grid.kept.values).transpose(0, 2, 3, 1, 4)
+    known = _keys(grid, mine.shape[3])
+    place = np.searchsorted(known.reshape(-1), keys)
+    inside = place < known.size
+    if not (inside.all() and (known.reshape(-1)[place] == keys).all()):
+        return False
+    x, y, z, f = np.unravel_index(place, known.shape)
+    mine[x, y, z, f, _VELOCITY], mine[x, y, z, f, _DISPLACEMENT] = values[:, :3], values[:, 3:]
+    return True

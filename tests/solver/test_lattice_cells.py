@@ -1,0 +1,125 @@
+"""Particles of a lattice cell by cell: as one by one, to rounding, and what asks for them."""
+
+import numpy as np
+import pytest
+from scenes import SOFT, box, finish, scene, start
+
+from pgimp.errors import RunError
+from pgimp.scene.scene import Scene
+
+COLUMNS = ("x", "v", "F", "V", "sigma")
+
+
+def initial(body):
+    return body | {"configuration": "initial"}
+
+
+def disks(**parts):
+    """Two balls cut by their surfaces, of two materials, that spin into each other."""
+    spin = {"rotation": {"about": [3.1, 3.0], "rate": 0.3}, "translation": [0.4, 0.0]}
+    bodies = {
+        "a": initial({"material": "soft", "region": {"ball": {"centre": [3.1, 3.0], "radius": 2.0}},
+                      "velocity": spin}),
+        "b": initial({"material": "hard", "region": {"ball": {"centre": [7.3, 3.2], "radius": 1.9}},
+                      "velocity": [-0.4, 0.1]}),
+    }  # fmt: skip
+    two = {"soft": SOFT, "hard": SOFT | {"young": 300.0, "density": 2.0}}
+    return scene(2, bodies, cells=[21, 12], cell=0.5, end=1.5, step=0.005,
+                 materials=two, **parts)  # fmt: skip
+
+
+def space(per_cell, **parts):
+    """A block between a slip wall and a fixed one, with a free corner, under gravity."""
+    body = initial(box([0.0, 0.7, 0.0], [3.0, 3.1, 2.4], [0.1, 0.0, -0.2]))
+    return scene(3, body, cells=[4, 4, 4], per_cell=per_cell, step=0.01, end=0.3,
+                 boundaries={"x-min": "fixed", "z-min": "slip"}, gravity=[0.1, 0.2, -0.3],
+                 **parts)  # fmt: skip
+
+
+CASES = {
+    "contact": disks(contact=[{"bodies": "all", "friction": 0.3}]),
+    "bonded": disks(shape="mpm", per_cell=3),
+    "space": space(2),
+    "planes of six": space([1, 2, 3], shape="cpdi"),
+    "held": scene(
+        2,
+        initial(box([1.0, 1.0], [5.0, 3.0])),
+        per_cell=4,
+        cell=0.9,
+        cells=[8, 6],
+        end=0.5,
+        step=0.01,
+        constraints={
+            side: {
+                "body": "body",
+                "velocity": [v, 0.0],
+                "region": {"box": {"min": [a, 0.0], "max": [a + 1.0, 5.0]}},
+            }
+            for side, a, v in (("low", 0.9, -0.3), ("high", 4.1, 0.3))
+        },
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_cells_have_what_particles_have_one_by_one(name, monkeypatch):
+    """Sums in another order, and F from displacements in place of its increments: to rounding."""
+    cells = finish(start(CASES[name]))
+    assert cells.scene.by_cells and not len(cells.rank.lattice.others.rows)
+    monkeypatch.setattr(Scene, "by_cells", False)
+    single = finish(start(CASES[name]))
+    assert cells.step == single.step > 20
+    rows, others = cells.live(), single.live()
+    for column in COLUMNS:
+        mine, theirs = (getattr(sim.particles, column)[at] for sim, at in
+                        ((cells, rows), (single, others)))  # fmt: skip
+        # Thousands of roundings, of stresses of the size of the modulus.
+        size = 300.0 if column == "sigma" else 1.0
+        np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-9 * size, err_msg=column)
+    one, other = cells.diagnostics(), single.diagnostics()
+    for key in ("kinetic-energy", "strain-energy", "external-work", "momentum-x"):
+        assert one[key] == pytest.approx(other[key], rel=1e-8, abs=1e-10), key
+
+
+def test_asking_for_particles_changes_nothing():
+    """Frames, history and probes update what they show; the next step has the same bits."""
+    quiet, asked = start(CASES["contact"]), start(CASES["contact"])
+    while not quiet.finished:
+        quiet.advance()
+        asked.advance()
+        assert asked.particles.x.any()
+        asked.diagnostics()
+    rows = quiet.live()
+    for column in COLUMNS:
+        mine, theirs = (getattr(sim.particles, column)[rows] for sim in (quiet, asked))
+        assert mine.tobytes() == theirs.tobytes(), column
+    assert quiet.rank.grid.motion.values.tobytes() == asked.rank.grid.motion.values.tobytes()
+
+
+@pytest.mark.parametrize("cell", [0.1, 1.0 / 6.0, 0.3])
+def test_rounding_divides_no_cell(cell):
+    """Boxes end on the grid's lines, where rounding would put some into the next layer."""
+    body = initial(box([2 * cell] * 2, [7 * cell] * 2))
+    case = scene(2, body, cells=[9, 9], cell=cell, step={"courant": 0.3})
+    case["grid"]["origin"] = [-0.7, 0.3]
+    region = case["bodies"]["body"]["region"]["box"]
+    for end in ("min", "max"):
+        region[end] = [a + b for a, b in zip(region[end], case["grid"]["origin"], strict=True)]
+    lattice = start(case).rank.lattice
+    assert len(lattice.cells.place) == 25
+    assert not len(lattice.others.rows)
+
+
+def test_a_particle_inside_out_is_named():
+    sim = start(scene(2, initial(box([1.0, 1.0], [4.0, 3.0])), step=0.02, end=9.0))
+    values = sim.rank.grid.by_vertex(sim.rank.grid.motion.values)
+    values[5, ..., 5] = -60.0  # a plane of vertices, thrown at the next one
+    with pytest.raises(RunError, match=r"particle \d+ of body 'body' is turned inside out"):
+        finish(sim)
+
+
+def test_passing_a_wall_that_does_not_hold_it_stops_the_run():
+    case = scene(2, initial(box([0.0, 1.0], [3.0, 3.0], [0.0, -9.0])), end=2.0, step=0.01,
+                 boundaries={"x-min": "slip", "y-min": "fixed"})  # fmt: skip
+    with pytest.raises(RunError, match=r"left the domain through y-min"):
+        finish(start(case))
