@@ -96,8 +96,8 @@ class Population:
     @property
     def columns(self) -> Columns:
         """`Particles.columns`, kept until the arrays change."""
-        if self._columns is None or self._columns[0] is not self.particles:
-            self._columns = (self.particles, self.particles.columns())
+        if self._columns is None or self._columns[0] is not self.stored:
+            self._columns = (self.stored, self.stored.columns())
         return self._columns[1]
 
     @property
@@ -107,7 +107,7 @@ class Population:
 
     def sort(self) -> None:
         """Sort the rows themselves by (layer, cell, id), closing the holes."""
-        p, rows = self.particles, self.order
+        p, rows = self.stored, self.order
         locate(self.shape, self.frame, p, rows, self.frame.vertices)
         rows = rows[self._sorting(p.cell[rows], p.id[rows])]
         for array in p:
@@ -125,7 +125,7 @@ class Population:
         """
         size = len(rows) * prod(array.shape[1:])
         if len(self._scratch) < size:
-            self._scratch = np.empty(max(array.size for array in self.particles))
+            self._scratch = np.empty(max(array.size for array in self.stored))
         taken = self._scratch.view(array.dtype)[:size].reshape(len(rows), *array.shape[1:])
         np.take(array, rows, axis=0, out=taken, mode="clip")
         array[: len(rows)] = taken
@@ -147,7 +147,7 @@ class Population:
     def vertex_bounds(self) -> np.ndarray:
         """First vertices of the supports, (least, greatest; y, z)."""
         bounds = np.array([[2**62] * 2, [-(2**62)] * 2])
-        grow_vertex_bounds(self.shape, self.frame, self.particles, self.order, bounds)
+        grow_vertex_bounds(self.shape, self.frame, self.stored, self.order, bounds)
         return bounds
 
     def free_later(self, rows: np.ndarray) -> None:
@@ -178,8 +178,8 @@ class Population:
 
     def insert(self, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Rows for `count` newcomers: holes first, then new ones; in `rows` if that is given."""
-        if self._used + count - self._holes_count > self.particles.capacity:
-            self._grow(max(count, self.particles.capacity // 8))
+        if self._used + count - self._holes_count > self.stored.capacity:
+            self._grow(max(count, self.stored.capacity // 8))
         rows = np.empty(count, np.int32) if rows is None else rows
         reused = min(count, self._holes_count)
         self._holes_count -= reused
@@ -189,13 +189,13 @@ class Population:
         return rows
 
     def _grow(self, rows: int) -> None:
-        arrays: list[np.ndarray] = list(self.particles)
+        arrays: list[np.ndarray] = list(self.stored)
         self._columns = None
-        del self.particles  # so that no more than one array is there twice
+        del self.stored  # so that no more than one array is there twice
         for i, array in enumerate(arrays):
             arrays[i] = np.zeros((len(array) + rows, *array.shape[1:]), array.dtype)
             arrays[i][: len(array)] = array
-        self.particles = Particles._make(arrays)
+        self.stored = Particles._make(arrays)
 
     def restore_order(self, left: np.ndarray, arrivals: np.ndarray) -> None:
         """Restore the canonical order.
@@ -207,7 +207,7 @@ class Population:
         arrivals : (l,) int32
             Rows of the particles that have entered a layer; sorted here.
         """
-        p = self.particles
+        p = self.stored
         self._places = with_capacity(self._places, max(len(left), len(arrivals)))
         sort_rows(p.layer, p.cell, p.id, arrivals, self._places)
         places = self._places[: len(left)]

@@ -88,8 +88,7 @@ def resort(rank: Rank, balance: Balance, reduction: StepReduction, step: int) ->
     """Sort the rows, report the load, and shrink a window that is far too wide; collective."""
     begin = perf_counter()
     if not rank.scene.initial or rank.moved:
-        rank.population.sort()
-        rank.moved = False
+        rank.sort()
     rank.timings["sort"] += perf_counter() - begin
     if rank.comm.size > 1:
         balance.report(rank.comm, rank.count, int(rank.grid.active.sum()), step)

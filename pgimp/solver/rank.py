@@ -147,6 +147,11 @@ class Rank:
             self._lattice = find_cells(self)
         return self._lattice
 
+    def sort(self) -> None:
+        """Sort the particles' rows."""
+        self.population.sort()
+        self.moved, self._lattice = False, None
+
     def displace(self, near: np.ndarray | None = None) -> None:
         """Update lattice particles from the vertices' motion, all or those `near`, by offsets."""
         order, setting = self.lattice.inside, self.scene.setting

@@ -61,9 +61,11 @@ def test_bodies_that_do_not_meet_have_the_bits_they_have_alone(D, shape, affine,
         mine = field(together, "body") == list(case["bodies"]).index(name)
         n[name] = int(mine.sum())
         for column in ("x", "v", "F", "sigma", "V"):
-            np.testing.assert_array_equal(
-                field(together, column)[mine], field(sim, column), err_msg=f"{name} {column}"
-            )
+            pair = field(together, column)[mine], field(sim, column)
+            if sim.scene.by_cells:  # which a case of both configurations is not
+                np.testing.assert_allclose(*pair, rtol=1e-9, atol=1e-9, err_msg=f"{name} {column}")
+            else:
+                np.testing.assert_array_equal(*pair, err_msg=f"{name} {column}")
     assert min(n.values()) > 0
 
 

@@ -10,6 +10,7 @@ from scenes import BAR, SOFT, box, field, finish, scene, start, wall
 
 from pgimp.errors import RunError
 from pgimp.kernels.data.record import FORCE, RECORD
+from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.transfers import sum_particles
@@ -79,8 +80,9 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_step_is_that_of_the_equations(name):
+def test_a_step_is_that_of_the_equations(name, monkeypatch):
     case = CASES[name]
+    monkeypatch.setattr(Scene, "by_cells", False)  # F is then any, not that of displacements
     sim = disturbed(case)
     scene, rows = sim.scene, sim.live()
     p = type(sim.particles)(*(column[rows].copy() for column in sim.particles))

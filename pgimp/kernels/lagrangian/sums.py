@@ -36,8 +36,8 @@ def motion_sums(setting, field, particles, order, sums):
     Parameters
     ----------
     setting, particles, order
-        See `KernelScene`, `Particles`, `Order`: particles in the initial configuration, whose sums by
-        `layer_sums` this completes.
+        See `KernelScene`, `Particles`, `Order`: particles in the initial configuration, whose sums
+        by `layer_sums` this completes.
     field : Field
         With the vertices' motion.
     sums : (layers, bodies, columns) float64
