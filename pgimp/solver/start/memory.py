@@ -102,7 +102,10 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
     frame = (40 if ranks == 1 else 36 + 2 * field) + field * (output.compression != "none")
     # Scratch for the widest column, order and spare order; arrivals from other ranks.
     kept = columns * (1.0 if ranks == 1 else 1.125) + widest + 8
-    return columns, int(kept), int(kept + frame)
+    # Volume, row and order of particles in cells; gradients from which vertices start.
+    kept += 25 * scene.by_cells
+    start = 8 * scene.dimension * (scene.dimension + 3) * bool(scene.lagrangian.any())
+    return columns, int(kept), int(kept + max(frame, start))
 
 
 def window(scene: Scene, bodies: list[Extent], ranks: int) -> list[int]:
@@ -172,7 +175,8 @@ def estimate(
 
     extent = window(scene, bodies, ranks)
     fields = _fields(scene, bodies)
-    plane = prod(extent[1:]) * fields * (64 + (8 if scene.loads.constraints else 0))
+    vertex = 64 * (1 + bool(scene.lagrangian.any())) + (8 if scene.loads.constraints else 0)
+    plane = prod(extent[1:]) * fields * vertex
     if scene.approached:
         plane += prod(extent[1:]) * fields * 8 * len(scene.faces)
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
