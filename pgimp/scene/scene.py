@@ -196,7 +196,7 @@ class Scene:
             and self.dimension > 1
             and shape.in_cell
             and max(shape.particles_per_cell) <= MOST_OF_CELLS
-            and all(entry.HYPERELASTIC for entry in entries)
+            and all(hasattr(type(each), "piola") for each in self.materials)
             and not (self.variations or loads.tractions)
             and loads.viscosity == loads.force == loads.mean_lagrangian == ()
         )

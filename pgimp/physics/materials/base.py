@@ -84,9 +84,6 @@ class Material(Varying):
     ELASTIC: ClassVar[bool] = False
     """Whether it springs back whatever it goes through: it never flows, yields or breaks."""
 
-    HYPERELASTIC: ClassVar[bool] = False
-    """Whether its stress follows from F alone, whatever the path and the rate, in one formula."""
-
     STATE: ClassVar[tuple[State, ...]] = ()
     """What its particles remember besides their stress; see `pgimp.physics.materials`."""
 

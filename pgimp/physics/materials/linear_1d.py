@@ -39,7 +39,6 @@ class Linear1d(Material):
     """Bar of unit cross-section, stress linear in the stretch; only in one dimension."""
 
     ELASTIC: ClassVar[bool] = True
-    HYPERELASTIC: ClassVar[bool] = True
 
     model: Literal["linear-1d"] = Field(description="name of the model")
     young: Young

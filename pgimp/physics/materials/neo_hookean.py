@@ -73,7 +73,6 @@ class NeoHookean(Material):
     """Compressible neo-Hookean solid, for large elastic deformation."""
 
     ELASTIC: ClassVar[bool] = True
-    HYPERELASTIC: ClassVar[bool] = True
 
     model: Literal["neo-hookean"] = Field(description="name of the model")
     young: Young
