@@ -11,21 +11,11 @@ import numpy as np
 
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.record import MASS, MOMENTUM, VELOCITY
-from pgimp.kernels.grid.vertex_motion import book_jumps, keep_motion
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.kernels.sums.motion import motion_sums
 from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import groups_by_configuration
-from pgimp.solver.time.clock import START, Step
 from pgimp.solver.transfers import sum_particles
-from pgimp.solver.vertices import (
-    VertexUpdate,
-    fold_mirrors,
-    forcing_of,
-    hold_constrained,
-    on_vertices,
-    reflect_mirrors,
-)
 
 if TYPE_CHECKING:
     from pgimp.decomposition.grid import Grid
@@ -61,16 +51,12 @@ def begin_motion(rank: Rank) -> None:
             particles.v[:] = L[:, :, d]
             momentum += _sums(rank)[1] * (x[d] - centre[d])[..., None]
     particles.v[:] = v
-    kept = grid.motion.fields
-    records = grid.by_vertex(grid.G)
+    m = mass[..., None]
+    velocity = np.divide(momentum, m, out=np.zeros_like(momentum), where=m > 0.0)
     if scene.moves:
-        momentum[:, kept] = (mass[..., None] * _exact(rank))[:, kept]
-    records[..., VECTOR] = momentum
-    fields = kept.copy()
-    kept[:] = False  # for once velocities are those of the momentum
-    _apply_conditions(rank, START)
-    kept[:] = fields
-    keep_motion(grid.field, 0.0)
+        velocity = np.where(m > 0.0, _exact(rank), 0.0)
+    kept = grid.motion.fields
+    grid.by_vertex(grid.motion.values)[:, kept, ..., VECTOR] = velocity[:, kept]
     if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
 
@@ -109,31 +95,18 @@ def _exact(rank: Rank) -> np.ndarray:
     return v
 
 
-def _apply_conditions(rank: Rank, t: Step) -> VertexUpdate:
-    """Turn sums into velocities that fulfil all conditions at a time, without a step."""
-    scene = rank.scene
-    t = t._replace(start=t.end, dt=0.0)
-    scratch = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
-    forcing = on_vertices(forcing_of(rank, t, scene.loads.at(t.start), controlled=False))
-    update = VertexUpdate(t, scene.face_parameters(t.start, t.end), forcing, scratch)
-    fold_mirrors(rank, update)
-    rank.contact.update_momentum(rank, update)
-    hold_constrained(rank, update)
-    reflect_mirrors(rank, update)
-    return update
+def enter_motion(rank: Rank, before: Grid) -> None:
+    """Hand the motion over to the grid of a stage; collective.
 
-
-def enter_motion(rank: Rank, before: Grid, t: Step) -> None:
-    """Hand the motion over to the grid of a stage, and book the jumps at its beginning; collective.
+    What the stage's conditions change of velocities is booked in its first step. Fields that become
+    one move at the mean of their momenta.
 
     Parameters
     ----------
     rank : Rank
-        The rank in the stage, with its ledger.
+        The rank in the stage.
     before : Grid
         The grid of the stage before, with the same planes.
-    t : Step
-        The last step.
     """
     scene = rank.scene
     if scene.lagrangian_bodies is None:
@@ -149,10 +122,6 @@ def enter_motion(rank: Rank, before: Grid, t: Step) -> None:
             now[:, new] = was[:, old_field]
     else:
         _regroup(rank, bodies, before, was, now)
-    _sums(rank)
-    update = _apply_conditions(rank, t)
-    book_jumps(scene.frame, update.faces, grid.field, update.forcing, rank.ledger)
-    keep_motion(grid.field, 0.0)
 
 
 def _field(grid: Grid, body: int) -> int:

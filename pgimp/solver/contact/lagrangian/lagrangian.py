@@ -146,7 +146,9 @@ class LagrangianContact(NoContact):
         scene, contact, call = self.scene, self._contact, self.call
         t, faces, forcing, ledger = update
         grid, population = rank.grid, rank.population
-        holding = Holding(faces, scene.frame, forcing, contact.scratch_impulse)
+        holding = Holding(
+            faces, scene.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
+        )
         rows = population.order[self._broad_phase.near].astype(np.int64)
         near = self._particles.gather(grid, population.particles, rows, holding, anew)
         contact_pairs, coupling = self._find(near, t)

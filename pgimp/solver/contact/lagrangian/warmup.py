@@ -56,7 +56,7 @@ def calls(
     frame, shape, none = scene.frame, scene.shape, np.empty(0, np.int64)
     setting, mirrors = plain(scene), mirrors_of(scene)
     standing, walls = scene.standing_faces(), separating_walls(scene)
-    holding = Holding(faces, frame, forcing, contact.scratch_impulse)
+    holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
     free = nothing_held(holding)
     local = local_vertices(scene.vertices, scene.dimension)
     table, supports = np.empty(0, NEAR_PARTICLE), Supports.empty(0, local)
