@@ -232,7 +232,7 @@ def _advice(sim: Simulation, courant: float, kinds: set[int]) -> list[str]:
     """Interpretation of Courant number and errors, and further diagnostics."""
     stable, failure = stable_courant(sim.case), sim.failure
     if sim.case.watched:
-        stable = sim.case.method.largest_courant(sim.case.dimensions)
+        stable = largest_courant(sim.case)
     assert failure is not None
     lines = [
         f"The step had a Courant number of {courant:.3g} by the particles that are not at fault; "

@@ -6,6 +6,7 @@ from unittest import mock
 import numpy as np
 
 from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.momentum import REST
 from pgimp.solver import step as stepping
 from pgimp.solver import transfers
@@ -33,7 +34,8 @@ class Seen:
         Those, but of bodies in the initial configuration before they meet others: particles get
         just that change, and with what the grid loses by it no energy.
     active : (n,) bool
-        Whether the vertex has mass.
+        Whether the vertex has mass, and particles carry the velocities. Vertices that keep theirs
+        gain no more than the work, in whatever way they are held.
     """
 
     @contextlib.contextmanager
@@ -65,6 +67,10 @@ class Seen:
             self.held = self.after if self.held is None else self.held
             planes = np.repeat(field.active != 0, field.window.stride[0] // RECORD)
             self.active = planes & (self.sums[:, 0] > 0.0) & (self.after[:, 0] > 0.0)
+            if field.motion:
+                each = field_size(field.window) // RECORD
+                kept = np.repeat(field.motion.fields, each)
+                self.active &= ~np.tile(kept, len(field.active))
             return take(setting, field, *rest)
 
         with (

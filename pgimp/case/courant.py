@@ -1,0 +1,76 @@
+"""Largest stable Courant numbers of a case, by its shape and the configuration of its bodies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+
+#: With bodies in the initial configuration only, whose vertices keep velocities: by shape,
+#: dimensions and particles per cell; of bodies at any offset to the grid, by eigenvalues
+#: (``scripts/hard vertices``). Points have none: with them a body's outermost vertices may have as
+#: little mass as one likes, but the stiffness of whole particles.
+VERTEX_LIMITS: dict[str, dict[int, dict[int, float]]] = {
+    "gimp": {
+        1: {1: 0.86, 2: 0.8, 3: 0.73, 4: 0.66, 8: 0.49},
+        2: {1: 0.85, 2: 0.78, 3: 0.71, 4: 0.65},
+        3: {1: 0.85, 2: 0.77},
+    },
+    "finite-gimp": {
+        1: {1: 0.86, 2: 0.8, 3: 0.73, 4: 0.66, 8: 0.49},
+        2: {1: 0.85, 2: 0.78, 3: 0.71, 4: 0.65},
+        3: {1: 0.85, 2: 0.77},
+    },
+    "cpdi": {
+        1: {1: 1.0, 2: 0.9, 3: 0.78, 4: 0.68, 8: 0.49},
+        2: {1: 1.0, 2: 0.91, 3: 0.78, 4: 0.68},
+        3: {1: 1.0, 2: 0.89},
+    },
+    "fuzzy-nearest": {
+        1: {1: 1.0, 2: 1.0, 3: 0.89, 4: 0.78, 8: 0.55},
+        2: {1: 1.0, 2: 1.0, 3: 0.86, 4: 0.75},
+        3: {1: 1.0, 2: 0.96},
+    },
+    "fuzzy-constant": {
+        1: {1: 1.0, 2: 1.0, 3: 1.0, 4: 1.0, 8: 1.0},
+        2: {1: 1.0, 2: 1.0, 3: 1.0, 4: 1.0},
+        3: {1: 1.0, 2: 1.0},
+    },
+    "bspline-quadratic": {
+        1: {1: 0.86, 2: 0.95, 3: 0.99, 4: 1.0, 8: 1.0},
+        2: {1: 0.85, 2: 0.93, 3: 0.97, 4: 1.0},
+        3: {1: 0.85, 2: 0.89},
+    },
+    "bspline-cubic": {
+        1: {1: 1.0, 2: 1.0, 3: 1.0, 4: 1.0, 8: 1.0},
+        2: {1: 1.0, 2: 1.0, 3: 1.0, 4: 1.0},
+        3: {1: 1.0, 2: 1.0},
+    },
+}
+
+
+def vertex_limit(case: Case) -> float | None:
+    """Largest stable Courant number if all bodies are in the initial configuration, and measured.
+
+    Else, and with mean dilatation, None.
+    """
+    method = case.method
+    if any(body.configuration != "initial" for body in case.bodies.values()):
+        return None
+    if method.volumetric == "mean" and case.dimensions > 1:
+        return None
+    found = VERTEX_LIMITS.get(method.shape, {}).get(case.dimensions)
+    if found is None:
+        return None
+    most = max(method.particles_per_cell)
+    for per_cell, limit in found.items():
+        if most <= per_cell:
+            return limit
+    return limit * per_cell / most
+
+
+def largest_courant(case: Case) -> float:
+    """Largest Courant number measured as stable with the case's shape and bodies."""
+    limit = vertex_limit(case)
+    return case.method.largest_courant(case.dimensions) if limit is None else limit
