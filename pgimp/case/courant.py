@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
@@ -49,6 +51,12 @@ VERTEX_LIMITS: dict[str, dict[int, dict[int, float]]] = {
     },
 }
 
+#: What is left of that for Poisson's ratios above 0.3, by dimensions; the least of all shapes.
+_LESS = {
+    2: {0.3: 1.0, 0.4: 0.94, 0.45: 0.91, 0.5: 0.87},
+    3: {0.3: 1.0, 0.4: 0.91, 0.45: 0.86, 0.5: 0.81},
+}
+
 
 def vertex_limit(case: Case) -> float | None:
     """Largest stable Courant number if all bodies are in the initial configuration, and measured.
@@ -64,10 +72,22 @@ def vertex_limit(case: Case) -> float | None:
     if found is None:
         return None
     most = max(method.particles_per_cell)
-    for per_cell, limit in found.items():
-        if most <= per_cell:
-            return limit
-    return limit * per_cell / most
+    limit = next((limit for n, limit in found.items() if most <= n), 0.0)
+    if not limit:
+        n, least = list(found.items())[-1]
+        limit = least * n / most
+    return limit * _of_ratios(case)
+
+
+def _of_ratios(case: Case) -> float:
+    """Part of the limits that the greatest Poisson's ratio of the materials leaves."""
+    if case.dimensions == 1:
+        return 1.0
+    used = (case.materials[body.material] for body in case.bodies.values())
+    ratios = [getattr(material, "poisson", 0.5) for material in used]
+    most = max(float(nu) if isinstance(nu, float | int) else 0.5 for nu in ratios)
+    measured, parts = zip(*_LESS[case.dimensions].items(), strict=True)
+    return float(np.interp(most, measured, parts))
 
 
 def largest_courant(case: Case) -> float:

@@ -45,8 +45,11 @@ def test_spin_lasts(D, shape, turns):
     assert energy(last) == pytest.approx(energy(first), rel=1e-3)
 
 
-def ringing(sim, period, periods, means=3):
-    """Mean energy over the last of the first and of all periods, over that at the start."""
+def ringing(sim, period, periods, means=30):
+    """Mean energy over the first periods and over the last ones, over that at the start.
+
+    It swings, as velocities are half a step behind: by a tenth in the wave, whose strain is 2 %.
+    """
     first, early, late = energy(sim.diagnostics()), [], []
     while not sim.finished:
         sim.advance()
@@ -105,8 +108,8 @@ def test_start_from_a_file_is_exact(tmp_path):
     v = np.stack([0.3 - 0.4 * x[:, 1], 0.1 + 0.4 * x[:, 0]], axis=1)
     volume = rng.uniform(0.05, 0.25, 80)
     write_csv(tmp_path / "p.csv", {"position": x, "velocity": v, "volume": volume})
-    body = {"material": "soft", "particles": str(tmp_path / "p.csv"), "configuration": "initial"}
-    sim = start(scene(2, {"body": body}, end=1.0))
+    region = {"points": {"file": str(tmp_path / "p.csv")}}
+    sim = start(scene(2, initial({"material": "soft", "region": region}), end=0.5))
     line, m = sim.diagnostics(), field(sim, "m")
     mine = field(sim, "v")
     for d, axis in enumerate("xy"):

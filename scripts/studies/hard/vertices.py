@@ -3,16 +3,29 @@
 There vertices keep velocities and displacements, and weights are constant: steps are stable up to
 2/omega, with the greatest frequency omega of the matrices of stiffness and lumped mass. Bodies are
 those of `courant`, unstrained, cut by the grid at many offsets.
+
+Run as ``scripts/hard vertices``; writes the table of docs/hard-cases.md, and the numbers that
+``courant: auto`` takes, in pgimp/case/courant.py.
 """
+
+from math import floor
 
 import numba
 import numpy as np
+from studies.harness import ROOT, Table, put
 
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.base import weights
 
 #: Cells along a body, and offsets to the grid, by dimensions.
 BODIES = {1: (8, 400), 2: (4, 60), 3: (3, 12)}
+#: By name the shape, and Poisson's ratio if not 0.3. At 0.45 and 0.499 of two shapes.
+ROWS = {
+    **{shape: (shape, 0.3) for shape in SHAPES if shape != "cpdi-corners"},
+    **{f"{shape}, {nu}": (shape, nu) for shape in ("gimp", "cpdi") for nu in (0.45, 0.499)},
+}
+#: Particles a cell and direction, by dimensions.
+COUNTS = {1: (1, 2, 3, 4, 8), 2: (1, 2, 3, 4), 3: (1, 2)}
 #: Vertices before the body and behind it.
 ROOM = 4
 #: Of a particle's mass: vertices with less are left out, as in a step.
@@ -77,3 +90,42 @@ def _product(factors):
     for each in factors:
         found = np.einsum("pv,qw->pqvw", found, each).reshape(len(found) * len(each), -1)
     return found
+
+
+def measured():
+    """Limits by row, dimensions and particles a cell, rounded down."""
+    return {
+        row: {
+            D: {n: floor(100.0 * vertex_limit({"shape": shape}, D, n, nu)) / 100.0 for n in counts}
+            for D, counts in COUNTS.items()
+            if D > 1 or nu == 0.3
+        }
+        for row, (shape, nu) in ROWS.items()
+    }
+
+
+def write_limits(found, path=ROOT / "pgimp" / "case" / "courant.py"):
+    """Put the numbers, at most 1, where `courant: auto` finds them."""
+    text = path.read_text(encoding="utf-8")
+    head, _, rest = text.partition("VERTEX_LIMITS:")
+    lines = ["VERTEX_LIMITS: dict[str, dict[int, dict[int, float]]] = {"]
+    for row, by in found.items():
+        if row in SHAPES and row != "mpm":
+            lines.append(f'    "{row}": {{')
+            for D, limits in by.items():
+                most = {n: min(limit, 1.0) for n, limit in limits.items()}
+                lines.append(f"        {D}: {most!r},")
+            lines.append("    },")
+    tail = rest[rest.index("\n}\n") + 3 :]
+    path.write_text("\n".join([head + lines[0], *lines[1:], "}"]) + tail, encoding="utf-8")
+
+
+def main():
+    """Find all limits; write the table and the numbers."""
+    found = measured()
+    kinds = [(D, n) for D, counts in COUNTS.items() for n in counts]
+    table = Table("shape", *(f"{D}D, {n} a cell" for D, n in kinds))
+    for row, by in found.items():
+        table.add(row, *(f"{by[D][n]:.2f}" if D in by else "" for D, n in kinds))
+    put({"vertex-limits": table.text()})
+    write_limits(found)
