@@ -34,16 +34,20 @@ CUTOFF = 1e-12
 
 def vertex_limit(method, dimension, per_cell, poisson=0.3):
     """Largest stable dt c/h of the most unstable body, c that of longitudinal waves."""
-    cells, count = BODIES[dimension]
+    count = BODIES[dimension][1]
+    offsets = np.random.default_rng(1).random((count, dimension))
+    return min(box_limit(method, offset, per_cell, poisson) for offset in offsets)
+
+
+def box_limit(method, offset, per_cell, poisson=0.3):
+    """Largest stable dt c/h of a body whose low corner is at an offset to the grid's lines."""
+    dimension = len(offset)
+    cells = BODIES[dimension][0]
     entry = {**method, "particles_per_cell": [per_cell] * dimension}
     shape = SHAPES[entry["shape"]].model_validate(entry).fixed((1.0,) * dimension)
-    random = np.random.default_rng(1)
-    most = 0.0
-    for offset in random.random((count, dimension)):
-        places = ROOM + offset[:, None] + (np.arange(cells * per_cell) + 0.5) / per_cell
-        factors = [_weights(shape, x, cells + 2 * ROOM) for x in places]
-        most = max(most, _stiffest(factors, poisson if dimension > 1 else 0.0))
-    return 2.0 / np.sqrt(most)
+    places = ROOM + np.add.outer(offset, (np.arange(cells * per_cell) + 0.5) / per_cell)
+    factors = [_weights(shape, x, cells + 2 * ROOM) for x in places]
+    return 2.0 / np.sqrt(_stiffest(factors, poisson if dimension > 1 else 0.0))
 
 
 @numba.njit
