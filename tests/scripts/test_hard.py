@@ -129,7 +129,7 @@ def test_vertices_bear_steps_up_to_their_limit(part):
     body = box(low, high) | {"configuration": "initial"}
     wave = np.sqrt(100.0 * 0.7 / (1.3 * 0.4))
     step = part * vertices.box_limit({"shape": "gimp"}, offset, 2) / wave
-    sim = start(scene(2, body, cells=[12, 12], step=step, end=1e3))
+    sim = start(scene(2, body, cells=[12, 12], step=step, end=2000 * step))
     p, rows = sim.particles, sim.live()
     p.v[rows] = 1e-9 * np.random.default_rng(1).normal(size=p.v[rows].shape)
     begin_motion(sim.rank)

@@ -6,7 +6,6 @@ from unittest import mock
 import numpy as np
 
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.momentum import REST
 from pgimp.solver import step as stepping
 from pgimp.solver import transfers
@@ -68,7 +67,7 @@ class Seen:
             planes = np.repeat(field.active != 0, field.window.stride[0] // RECORD)
             self.active = planes & (self.sums[:, 0] > 0.0) & (self.after[:, 0] > 0.0)
             if field.motion:
-                each = field_size(field.window) // RECORD
+                each = field.window.extent[1] * field.window.extent[2]
                 kept = np.repeat(field.motion.fields, each)
                 self.active &= ~np.tile(kept, len(field.active))
             return take(setting, field, *rest)
