@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from pgimp.case.schema import Case
 
 #: With bodies in the initial configuration only, whose vertices keep velocities: by shape,
 #: dimensions and particles per cell; of bodies at any offset to the grid, by eigenvalues
@@ -57,10 +54,10 @@ _LESS = {
 }
 
 
-def vertex_limit(case: Case) -> float | None:
-    """Largest stable Courant number if all bodies are in the initial configuration, and measured.
+def vertex_limit(case: Any) -> float | None:
+    """Largest stable Courant number of a `Case` with all bodies in the initial configuration.
 
-    Else, and with mean dilatation, None.
+    Else, with mean dilatation, and for points, None.
     """
     method = case.method
     if any(body.configuration != "initial" for body in case.bodies.values()):
@@ -78,7 +75,7 @@ def vertex_limit(case: Case) -> float | None:
     return limit * _of_ratios(case)
 
 
-def _of_ratios(case: Case) -> float:
+def _of_ratios(case: Any) -> float:
     """Part of the limits that the greatest Poisson's ratio of the materials leaves."""
     if case.dimensions == 1:
         return 1.0
@@ -89,7 +86,7 @@ def _of_ratios(case: Case) -> float:
     return float(np.interp(most, measured, parts))
 
 
-def largest_courant(case: Case) -> float:
+def largest_courant(case: Any) -> float:
     """Largest Courant number measured as stable with the case's shape and bodies."""
     limit = vertex_limit(case)
     return case.method.largest_courant(case.dimensions) if limit is None else limit
