@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.data.record import MASS, MOMENTUM, VELOCITY
+from pgimp.kernels.data.motion import DISPLACEMENT, VertexMotion
+from pgimp.kernels.data.record import MASS, MOMENTUM
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.kernels.sums.motion import motion_sums
 from pgimp.scene.scene import Scene
@@ -55,8 +56,8 @@ def begin_motion(rank: Rank) -> None:
     velocity = np.divide(momentum, m, out=np.zeros_like(momentum), where=m > 0.0)
     if scene.moves:
         velocity = np.where(m > 0.0, _exact(rank), 0.0)
-    kept = grid.motion.fields
-    grid.by_vertex(grid.motion.values)[:, kept, ..., VECTOR] = velocity[:, kept]
+    kept = _motion(grid).fields
+    grid.by_vertex(_motion(grid).values)[:, kept, ..., VECTOR] = velocity[:, kept]
     if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
 
@@ -113,7 +114,7 @@ def enter_motion(rank: Rank, before: Grid) -> None:
         return
     rank.contact.assign_fields(rank)
     grid = rank.grid
-    was, now = before.by_vertex(before.motion.values), grid.by_vertex(grid.motion.values)
+    was, now = before.by_vertex(_motion(before).values), grid.by_vertex(_motion(grid).values)
     bodies = [b for b, name in enumerate(scene.body_names) if scene.lagrangian[b]
               and name not in scene.case.staged.removed]  # fmt: skip
     pairs = {(_field(grid, b), _field(before, b)) for b in bodies}
@@ -122,6 +123,11 @@ def enter_motion(rank: Rank, before: Grid) -> None:
             now[:, new] = was[:, old_field]
     else:
         _regroup(rank, bodies, before, was, now)
+
+
+def _motion(grid: Grid) -> VertexMotion:
+    assert isinstance(grid.motion, VertexMotion)
+    return grid.motion
 
 
 def _field(grid: Grid, body: int) -> int:
@@ -174,9 +180,10 @@ def stored_motion(rank: Rank) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     grid = rank.grid
     if not grid.motion:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 6))
-    values = grid.by_vertex(grid.motion.values)[: grid.owned].transpose(0, 2, 3, 1, 4)
-    kept = np.concatenate([values[..., VELOCITY : VELOCITY + 3], values[..., 5:8]], axis=-1)
-    moving = kept.any(axis=-1) & grid.motion.fields
+    values = grid.by_vertex(_motion(grid).values)[: grid.owned].transpose(0, 2, 3, 1, 4)
+    displaced = values[..., DISPLACEMENT : DISPLACEMENT + 3]
+    kept = np.concatenate([values[..., VECTOR], displaced], axis=-1)
+    moving = kept.any(axis=-1) & _motion(grid).fields
     keys = _keys(grid, values.shape[3])[: grid.owned]
     counts = moving.reshape(grid.owned, -1).sum(axis=1).astype(np.int64)
     return counts, keys[moving], kept[moving]
@@ -196,13 +203,13 @@ def _keys(grid: Grid, fields: int) -> np.ndarray:
 def put_motion(rank: Rank, keys: np.ndarray, values: np.ndarray) -> bool:
     """Set the motion of a rank's planes from a checkpoint; whether all keys are of its vertices."""
     grid = rank.grid
-    mine = grid.by_vertex(grid.motion.values).transpose(0, 2, 3, 1, 4)
+    mine = grid.by_vertex(_motion(grid).values).transpose(0, 2, 3, 1, 4)
     known = _keys(grid, mine.shape[3])
     place = np.searchsorted(known.reshape(-1), keys)
     inside = place < known.size
     if not (inside.all() and (known.reshape(-1)[place] == keys).all()):
         return False
     at = np.unravel_index(place, known.shape)
-    mine[(*at, slice(VELOCITY, VELOCITY + 3))] = values[:, :3]
-    mine[(*at, slice(5, 8))] = values[:, 3:]
+    mine[..., VECTOR][at] = values[:, :3]
+    mine[..., DISPLACEMENT : DISPLACEMENT + 3][at] = values[:, 3:]
     return True
