@@ -40,8 +40,8 @@ _MEAN = {
 def stable_courant(case: Case) -> float:
     """Courant number up to which free surfaces stay stable; above, there is a warning.
 
-    The shape's limit, raised with mean dilatation if no body is nearly incompressible. If all bodies
-    are in the initial configuration it is theirs.
+    The shape's limit, raised with mean dilatation if no body is nearly incompressible. If all
+    bodies are in the initial configuration it is theirs.
     """
     method, vertices = case.method, vertex_limit(case)
     if vertices is not None:
