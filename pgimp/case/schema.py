@@ -23,6 +23,7 @@ from pydantic import (
 from pgimp.case.arrange_stages import arrange
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
+from pgimp.case.courant import largest_courant
 from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
@@ -200,7 +201,7 @@ class Case(Model):
         if not isinstance(step, CourantStep):
             return None
         if step.courant == "auto":
-            return AUTO * self.method.largest_courant(self.dimensions)
+            return AUTO * largest_courant(self)
         return float(step.courant)
 
     @property

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pgimp.case.courant import largest_courant
 from pgimp.errors import RunError, explain
 from pgimp.io.frames.particlefile import ParticleFile
 from pgimp.io.frames.xdmf import Collection, particles
@@ -232,7 +233,7 @@ def _advice(sim: Simulation, courant: float, kinds: set[int]) -> list[str]:
     """Interpretation of Courant number and errors, and further diagnostics."""
     stable, failure = stable_courant(sim.case), sim.failure
     if sim.case.watched:
-        stable = sim.case.method.largest_courant(sim.case.dimensions)
+        stable = largest_courant(sim.case)
     assert failure is not None
     lines = [
         f"The step had a Courant number of {courant:.3g} by the particles that are not at fault; "

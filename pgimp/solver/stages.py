@@ -86,7 +86,7 @@ def enter(now: Start, case: Case) -> Start:
     _take_over(old, new, books, rank.booked())
     if rank.free:
         rank.free.states = [free[name] for name, _ in _free(rank)]
-    enter_motion(rank, before, now.done)
+    enter_motion(rank, before)
 
     now.stage, now.scene, now.balance = now.stage + 1, new, balance
     rate = fastest(new, particles, rank.population.order, new.controlled or True)

@@ -46,6 +46,7 @@ GO_ON = {
         "space_finite",
         "narrow",
         "initial",
+        "initial_stages",
         "varied",
     ),
 }

@@ -3,12 +3,16 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
-from studies.hard import courant, rows, table
+from scenes import box, energy, scene, start
+from studies.hard import courant, rows, table, vertices
 from studies.hard.runs import BOUND, CASES, begin, watch
 
+from pgimp.case.courant import VERTEX_LIMITS
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.courant import LIMITS
+from pgimp.solver.lagrangian.motion import begin_motion
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -115,6 +119,38 @@ def test_largest_stable_courant_number(shape, per_cell, low, high):
     together, best = courant.limits({"shape": shape}, 1, per_cell, 1500, 0.03)
     assert low < together < high
     assert together <= best
+
+
+@pytest.mark.parametrize("part", [0.98, 1.02])
+def test_vertices_bear_steps_up_to_their_limit(part):
+    """In the initial configuration, of a block of four cells off the grid's lines."""
+    offset = [0.37, 0.81]
+    low, high = ([4.0 + shift + more for shift in offset] for more in (0.0, 4.0))
+    body = box(low, high) | {"configuration": "initial"}
+    wave = np.sqrt(100.0 * 0.7 / (1.3 * 0.4))
+    step = part * vertices.box_limit({"shape": "gimp"}, offset, 2) / wave
+    sim = start(scene(2, body, cells=[12, 12], step=step, end=2000 * step))
+    p, rows = sim.particles, sim.live()
+    p.v[rows] = 1e-9 * np.random.default_rng(1).normal(size=p.v[rows].shape)
+    begin_motion(sim.rank)
+    first = energy(sim.diagnostics())
+    for _ in range(20):
+        for _ in range(50):
+            sim.advance()
+        grown = energy(sim.diagnostics()) / first
+        if grown > 100.0:  # near the limit it swings by up to 25
+            break
+    assert (grown < 100.0) == (part < 1.0)
+
+
+def test_steps_of_vertices_follow_the_table():
+    text = (table.TABLES / "vertex-limits.md").read_text(encoding="utf-8")
+    cells = table._cells(text)[1]
+    for shape, by in VERTEX_LIMITS.items():
+        for D, limits in by.items():
+            for n, limit in limits.items():
+                assert limit == min(float(cells[shape][f"{D}D, {n} a cell"]), 1.0)
+    assert vertices.vertex_limit({"shape": "gimp"}, 1, 2) == pytest.approx(0.804, abs=2e-3)
 
 
 def test_chosen_steps_follow_the_table():

@@ -22,7 +22,7 @@ def contact_forces(contact, faces, frame, field, forcing, last, out):
         Forces in the rank's own planes.
     """
     window = field.window
-    holding = Holding(faces, frame, forcing, contact.scratch_impulse)
+    holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
     part = 1.0 if last else relaxed_part(forcing.loads.relaxation, forcing.dt)
     vertex = 0
     for i in range(field.owned):

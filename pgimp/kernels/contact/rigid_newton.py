@@ -34,7 +34,7 @@ def find_rigid_impulses(contact, faces, frame, field, forcing):
         As in `update_momentum`, after its beginning.
     """
     window, rigid_bodies = field.window, contact.rigid_bodies
-    holding = Holding(faces, frame, forcing, contact.scratch_impulse)
+    holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
     for i in range(field.owned):
         for free in range(rigid_bodies.responses.shape[1]):
             _clear(rigid_bodies.responses[i, free])

@@ -82,7 +82,7 @@ def _apply_contact(contact, faces, frame, field, forcing, i, ledger, last):
 def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
     """See `apply_contact`."""
     window, dt = field.window, forcing.dt
-    holding = Holding(faces, frame, forcing, contact.scratch_impulse)
+    holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
     for j in range(window.extent[1]):
         for k in range(window.extent[2]):
             r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]

@@ -6,6 +6,7 @@ with a constant lumped mass: momentum and angular momentum are conserved to roun
 bounded, and no particle has a velocity that no vertex sees.
 """
 
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -13,11 +14,11 @@ from numpy.typing import NDArray
 
 from pgimp.jit.kernel import specialise
 from pgimp.kernels.data.particles import FloatArray
-from pgimp.kernels.data.record import MOMENTUM
+from pgimp.kernels.data.record import MASS, MOMENTUM
 
 #: Entries of a vertex's record in `VertexMotion.values`: mass, and the first of three components of
 #: displacement and velocity. Gathered like a record of `Field.G`, displacements give gradients.
-MASS, DISPLACEMENT, VELOCITY = 0, 1, 5
+KEPT_MASS, DISPLACEMENT, KEPT_VELOCITY = 0, 1, 5
 
 
 class VertexMotion(NamedTuple):
@@ -58,5 +59,34 @@ def _velocity_before(motion, kept, G, r, d, inverse):
     if not hasattr(motion, "instance_class"):  # ()
         return lambda motion, kept, G, r, d, inverse: G[r + MOMENTUM + d] * inverse
     return lambda motion, kept, G, r, d, inverse: (
-        motion.values[r + VELOCITY + d] if kept else G[r + MOMENTUM + d] * inverse
+        motion.values[r + KEPT_VELOCITY + d] if kept else G[r + MOMENTUM + d] * inverse
     )
+
+
+def momentum_before(motion, kept, G, r, d):
+    """Component `d` of the momentum of the vertex at `r`, at the step's beginning."""
+
+
+@specialise(momentum_before)
+def _momentum_before(motion, kept, G, r, d):
+    if not hasattr(motion, "instance_class"):  # ()
+        return lambda motion, kept, G, r, d: G[r + MOMENTUM + d]
+    return lambda motion, kept, G, r, d: (
+        G[r + MASS] * motion.values[r + KEPT_VELOCITY + d] if kept else G[r + MOMENTUM + d]
+    )
+
+
+def grid_rate(relaxation, motion, f):
+    """Rate at which field `f` takes the grid's velocity, see `pgimp.kernels.loads.loads.given`.
+
+    Vertices that keep their motion gain all of what conditions add to their velocities.
+    """
+
+
+@specialise(grid_rate)
+def _grid_rate(relaxation, motion, f):
+    if not hasattr(motion, "instance_class"):  # ()
+        return lambda relaxation, motion, f: relaxation
+    if hasattr(relaxation, "count"):  # ()
+        return lambda relaxation, motion, f: inf if motion.fields[f] else 0.0
+    return lambda relaxation, motion, f: inf if motion.fields[f] else relaxation

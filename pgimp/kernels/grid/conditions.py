@@ -26,12 +26,15 @@ class Holding(NamedTuple):
         Its constraints come after the faces.
     impulse : (faces, 3) float64
         Grows by each face's impulse: a part of the ledger, or scratch where nothing is booked.
+    rate : float or ()
+        Rate at which the vertex's field takes the grid's velocity, see `grid_rate`.
     """
 
     faces: Faces | tuple[()]
     frame: Frame
     forcing: Forcing
     impulse: FloatArray
+    rate: float | tuple[()]
 
 
 def hold(holding, number, r, v, a, mass):
@@ -50,14 +53,14 @@ def _hold(holding, number, r, v, a, mass):
 
     def hold_all(holding, number, r, v, a, mass):
         faces, forcing, impulse = holding.faces, holding.forcing, holding.impulse
-        relaxation, dt = forcing.loads.relaxation, forcing.dt
+        rate, dt = holding.rate, forcing.dt
         for n in range(len(faces.rows)):
             if is_beyond(faces, n, holding.frame, number):
                 u, b = v, a
                 clearance = clearance_at(forcing.clearances, n, r)
                 v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
                 for d in range(3):
-                    impulse[n, d] += given(relaxation, mass, dt, u[d], b[d], v[d], a[d])
+                    impulse[n, d] += given(rate, mass, dt, u[d], b[d], v[d], a[d])
         return v, a
 
     return hold_all
@@ -93,7 +96,7 @@ def _book_losses(holding, number, r, motion, last, mass, lost):
 
     def book_each(holding, number, r, motion, last, mass, lost):
         faces, forcing, done = holding.faces, holding.forcing, 0.0
-        relaxation, dt = forcing.loads.relaxation, forcing.dt
+        rate, dt = holding.rate, forcing.dt
         v, a = motion
         for n in range(len(faces.rows)):
             if not is_beyond(faces, n, holding.frame, number):
@@ -104,7 +107,7 @@ def _book_losses(holding, number, r, motion, last, mass, lost):
             if not unilateral_walls(faces.kinds, 0, int(faces.rows[n, KIND])):
                 continue
             for d in range(3):
-                one = given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
+                one = given(rate, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
                 lost[n, WALL_LOSS if d == side_of(faces, n)[0] else WALL_HEAT] -= one
                 done += one
         return done

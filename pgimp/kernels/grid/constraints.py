@@ -6,7 +6,9 @@ A constrained particle moves exactly as prescribed, and so do its marked vertice
 
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.vectors.simd import bits, lane, pack, where
+from pgimp.kernels.data.motion import grid_rate
 from pgimp.kernels.data.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
+from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.constraint_flags import SEVERAL
 from pgimp.kernels.loads.loads import given
 from pgimp.kernels.transfer.lane_io import take
@@ -90,6 +92,7 @@ def apply_constraints(field, forcing, ledger):
     marked, relaxation = forcing.marked, forcing.loads.relaxation
     dt, gravity, work, impulse = forcing.dt, forcing.gravity, ledger.work, ledger.constraint_impulse
     constraints, mask = marked
+    size = field_size(field.window)
     for i in range(len(active)):
         if active[i] == 0:
             continue
@@ -97,6 +100,7 @@ def apply_constraints(field, forcing, ledger):
             held = mask[r // RECORD]
             if held == 0 or not G[r + MASS] > 0.0:
                 continue
+            rate = grid_rate(relaxation, field.motion, (r - i * plane) // size)
             mass = G[r + MASS] if i < owned else 0.0
             own = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
             last = constrained_velocity(marked, r, own)
@@ -107,7 +111,7 @@ def apply_constraints(field, forcing, ledger):
                     if constraints[k].held[d]:
                         v, a = constraints[k].velocity[d], constraints[k].rate[d]
                         u, b = G[r + VELOCITY + d], G[r + ACCELERATION + d]
-                        change = given(relaxation, mass, dt, u, b, v, a)
+                        change = given(rate, mass, dt, u, b, v, a)
                         work[i] += mass * dt * gravity[d] * (v - u)
                         G[r + VELOCITY + d] = v
                         G[r + ACCELERATION + d] = a

@@ -10,12 +10,14 @@ The grid thus moves under a constraint: velocities beyond the face are the refle
 within. So it conserves energy, and momentum up to the face's impulse. Particles gain the sum of
 m a dt over all vertices. Let m' be the mass beyond the face, and f' the normal force there.
 Reflection reverses both, so that the face's impulse is -2 (f' + m' a) dt, with the images' a. For
-the relaxed part of the velocity (`relaxed`) it is -2 (p' + f' dt + m' v) likewise.
+the relaxed part of the velocity (`relaxed`), and for vertices that keep their motion, it is
+-2 (p' + f' dt + m' v) likewise.
 """
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.data.motion import KEPT_VELOCITY, grid_rate, keeps, momentum_before
 from pgimp.kernels.data.record import (
     ACCELERATION,
     CLEARANCE_SUM,
@@ -91,10 +93,10 @@ def fold(frame, field, mirror, forcing, ledger):
     """
     window, G, owned = field.window, field.G, field.owned
     dt, gravity, impulse = forcing.dt, forcing.gravity, ledger.impulse
-    relaxation = forcing.loads.relaxation
-    axis = mirror.axis
+    axis, motion = mirror.axis, field.motion
     for f in range(field_count(window)):
         begin = f * field_size(window)
+        rate, kept = grid_rate(forcing.loads.relaxation, motion, f), keeps(motion, f)
         for n in range(beyond_count(frame, window, mirror)):
             i, g, r, wall = image_of(frame, field, mirror, begin, n)
             if r < 0 or not is_used(field, i, f):
@@ -103,23 +105,26 @@ def fold(frame, field, mirror, forcing, ledger):
                 continue
             if mirror.releases:
                 push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
-                into = (G[wall + MOMENTUM + axis] + dt * push) * mirror.side
+                momentum = momentum_before(motion, kept, G, wall, axis)
+                into = (momentum + dt * push) * mirror.side
                 near = clearance_at(forcing.clearances, mirror.number, wall)
                 gap_momentum = G[wall + MASS] * near / dt
                 if not (G[wall + MASS] > 0.0 and into > gap_momentum):
                     continue
             # Gravity will act on all mass of the image alike, but on this part in reverse.
-            part = relaxed_part(relaxation, dt)
+            part = relaxed_part(rate, dt)
             for d in range(3):
                 if not _turns(mirror, d):
                     continue
                 weight = G[g + MASS] * gravity[d]
                 G[r + FORCE + d] -= 2.0 * weight
                 if i < owned:
-                    force, momentum = G[g + FORCE + d] + weight, G[g + MOMENTUM + d]
+                    force = G[g + FORCE + d] + weight
+                    momentum = momentum_before(motion, kept, G, g, d)
                     impulse[i, mirror.number, d] -= 2.0 * dt * force + 2.0 * part * momentum
             # The image's plane now has this field.
             use(field, (r - begin) // window.stride[0], begin, begin + RECORD)
+            _join(motion, kept, mirror, G, g, r)
             G[r + MASS] += G[g + MASS]
             G[r + CLEARANCE_SUM] += G[g + CLEARANCE_SUM]
             for d in range(3):
@@ -131,6 +136,31 @@ def fold(frame, field, mirror, forcing, ledger):
                 G[g + d] = 0.0
             G[g + MASS] = -1.0 - mirror.number
             G[g + FOLDED_MASS] = mass
+
+
+def _join(motion, kept, mirror, G, g, r):
+    """Give the image at `r` the mean velocity of it and of the vertex at `g`, where they keep it.
+
+    The two differ as a run, a stage or contact with the face begins. Momentum is conserved.
+    """
+
+
+@specialise(_join)
+def _join_motions(motion, kept, mirror, G, g, r):
+    if not hasattr(motion, "instance_class"):  # ()
+        return lambda motion, kept, mirror, G, g, r: None
+
+    def join(motion, kept, mirror, G, g, r):
+        if not kept:
+            return
+        m, mass, values = G[r + MASS], G[g + MASS], motion.values
+        for d in range(3):
+            sign = -1.0 if _turns(mirror, d) else 1.0
+            u, v = values[r + KEPT_VELOCITY + d], sign * values[g + KEPT_VELOCITY + d]
+            if u != v:
+                values[r + KEPT_VELOCITY + d] = u + mass / (m + mass) * (v - u)
+
+    return join
 
 
 @kernel
@@ -172,10 +202,10 @@ def reflect(frame, field, mirror, forcing, ledger):
     """
     window, G, owned = field.window, field.G, field.owned
     dt, gravity, impulse, work = forcing.dt, forcing.gravity, ledger.impulse, ledger.work
-    relaxation = forcing.loads.relaxation
     axis = mirror.axis
     for f in range(field_count(window)):
         begin = f * field_size(window)
+        rate = grid_rate(forcing.loads.relaxation, field.motion, f)
         for n in range(beyond_count(frame, window, mirror)):
             i, g, r, _ = image_of(frame, field, mirror, begin, n)
             if r < 0 or G[g + MASS] != -1.0 - mirror.number:
@@ -185,7 +215,7 @@ def reflect(frame, field, mirror, forcing, ledger):
                 if i < owned and _turns(mirror, d):
                     v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
                     impulse[i, mirror.number, d] -= given(
-                        relaxation, twice, dt, 0.0, 0.0, v, a
+                        rate, twice, dt, 0.0, 0.0, v, a
                     )  # fmt: skip
                     work[i] -= twice * dt * gravity[d] * v
             G[r + HELD] = also_held(G[r + HELD], axis)

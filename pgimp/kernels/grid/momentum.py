@@ -2,7 +2,7 @@
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.vertex import apply_contact
-from pgimp.kernels.data.motion import keeps, velocity_before
+from pgimp.kernels.data.motion import grid_rate, keeps, velocity_before
 from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
 from pgimp.kernels.grid.conditions import Holding, book_losses, hold
@@ -115,8 +115,7 @@ def _constrain_plane(faces, n, frame, field, forcing, i, ledger):
 def _constrain_face(faces, n, frame, field, forcing, i, ledger):
     """See `constrain_plane`."""
     window, G, owned, dt = field.window, field.G, i < field.owned, forcing.dt
-    relaxation, work = forcing.loads.relaxation, ledger.work
-    holding = Holding(faces, frame, forcing, ledger.impulse[i])
+    work = ledger.work
     axis, side = side_of(faces, n)
     wall = wall_of(faces, n, frame)
     j0, j1 = 0, window.extent[1]
@@ -134,6 +133,8 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
     else:
         k0 = max(k0, wall - window.lower[2])
     for f in range(field_count(window)):
+        rate = grid_rate(forcing.loads.relaxation, field.motion, f)
+        holding = Holding(faces, frame, forcing, ledger.impulse[i], rate)
         first = i * window.stride[0] + f * field_size(window)
         for j in range(j0, j1):
             for k in range(k0, k1):
@@ -151,7 +152,7 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
                 last = constrained_velocity(forcing.marked, r, v)
                 held, done = 0.0, 0.0
                 for d in range(3):
-                    done += given(relaxation, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
+                    done += given(rate, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
                     if v[d] != u[d] or a[d] != b[d]:
                         held = also_held(held, d)
                 work[i] += done - book_losses(

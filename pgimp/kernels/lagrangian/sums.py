@@ -5,9 +5,9 @@ accounts for its part of each vertex: m_p S_vp of its mass. So sums by layer and
 particles, and bodies that share vertices have each their own.
 """
 
-from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.vectors.simd import stack
-from pgimp.kernels.data.motion import DISPLACEMENT, VELOCITY
+from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.data.velocity_fields import field_of
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC, MOMENTUM
@@ -29,6 +29,16 @@ def _weight(buffer, d, directions, i, j):
     return entry(buffer, d, 0, i, j) if d < directions else 1.0
 
 
+def _vertex_count(shape):
+    """Vertices a direction in a support; a grid may have room for more, of other bodies' shapes."""
+
+
+@specialise(_vertex_count)
+def _vertex_count_of(shape):
+    count = shape.instance_class.vertices()
+    return lambda shape: count
+
+
 @kernel
 def motion_sums(setting, field, particles, order, sums):
     """Add what the vertices have beyond particles: momentum, angular momentum, kinetic energy.
@@ -45,7 +55,7 @@ def motion_sums(setting, field, particles, order, sums):
     """
     shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
     values, D = field.motion.values, len(setting.frame.origin)
-    vertices = len(field.scratch) // window.stride[0]
+    vertices = _vertex_count(shape)
     ny, nz = vertices if D > 1 else 1, vertices if D > 2 else 1
     buffer = stack(SUPPORT_SIZE)
     for layer in range(len(start) - 1):
@@ -68,7 +78,7 @@ def motion_sums(setting, field, particles, order, sums):
                             r = begin + a * window.stride[0] + b * window.stride[1] + c * RECORD
                             if w == 0.0:
                                 continue
-                            u, v = r + DISPLACEMENT, r + VELOCITY
+                            u, v = r + DISPLACEMENT, r + KEPT_VELOCITY
                             x = _coordinate(frame, window, 0, layer + a) + values[u]
                             y = _coordinate(frame, window, 1, y0 + b) + values[u + 1]
                             z = _coordinate(frame, window, 2, z0 + c) + values[u + 2]

@@ -41,7 +41,8 @@ def advice(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
     """
     began = _configuration(case, bodies)
     sizes = () if began else _sizes(case, bodies)
-    return [*began, *_points(case, bodies), *_wide(case, bodies), *_spin(case), *sizes]
+    spin = [*_spin(case), *_idle(case)]
+    return [*began, *_points(case, bodies), *_wide(case, bodies), *spin, *sizes]
 
 
 def _configuration(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
@@ -103,12 +104,26 @@ def _spin(case: Case) -> Iterator[str]:
         name
         for name, body in case.bodies.items()
         if isinstance(body.velocity, RigidMotion)
+        and body.configuration == "current"
         and np.linalg.norm(body.velocity.rotation.rate) * case.time.end > _TURN
     ]
     if turning and not case.method.affine:
         yield (
             f"method.affine: {_listed(turning)} will turn, and lose spin without it: after a turn "
             "a block of 12 cells is off by 12 to 27 % of its radius, with affine: true by 1.3 %"
+        )
+
+
+def _idle(case: Case) -> Iterator[str]:
+    """Advise on transfer options of particles' velocities where no particle carries one."""
+    if any(body.configuration == "current" for body in case.bodies.values()):
+        return
+    used = {"affine": case.method.affine, "relaxation": case.method.rate > 0.0}
+    idle = [f"method.{name}" for name, on in used.items() if on]
+    if idle:
+        yield (
+            f"{' and '.join(idle)}: without effect in the initial configuration, where vertices "
+            "keep the velocities"
         )
 
 

@@ -160,7 +160,8 @@ def case_warnings(case: Case, found: Findings) -> Iterator[str]:
                 f"contact: '{body.name}' has both its sides in one cell, so that what it meets "
                 "finds no direction to push in: smaller cells (grid.cell)"
             )
-        if case.method.affine and max(cells) < _FEW:
+        moves = case.bodies[body.name].configuration == "current"
+        if moves and case.method.affine and max(cells) < _FEW:
             yield (
                 f"method.affine: '{body.name}' is only {max(cells):.2g} cells long; on so few, "
                 "its energy grows by a quarter or more when it vibrates, whatever the step: "

@@ -10,23 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.data.motion import DISPLACEMENT, VELOCITY
+from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import MASS, MOMENTUM
-from pgimp.kernels.lagrangian.keep import book_jumps, keep_motion
 from pgimp.kernels.lagrangian.sums import motion_sums
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.lagrangian.cells import find_beyond
-from pgimp.solver.time.clock import START, Step
 from pgimp.solver.transfers import sum_particles
-from pgimp.solver.vertices import (
-    VertexUpdate,
-    fold_mirrors,
-    hold_constrained,
-    reflect_mirrors,
-    vertex_forcing,
-)
 
 if TYPE_CHECKING:
     from pgimp.decomposition.grid import Grid
@@ -37,7 +28,8 @@ if TYPE_CHECKING:
 MOTION_PLANES, MOTION = "vertex-planes", ("vertex", "vertex-motion")
 
 VECTOR = slice(MOMENTUM, MOMENTUM + 3)
-_VELOCITY, _DISPLACEMENT = slice(VELOCITY, VELOCITY + 3), slice(DISPLACEMENT, DISPLACEMENT + 3)
+_VELOCITY = slice(KEPT_VELOCITY, KEPT_VELOCITY + 3)
+_DISPLACEMENT = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
 
 def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
@@ -66,23 +58,19 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     centre = np.array(scene.frame.origin) + 0.5 * np.array(scene.frame.cells) * scene.frame.cell
     particles.v[:] -= np.einsum("pij,pj->pi", L, particles.origin - centre)
     mass, momentum = _sums(rank)
-    grid.by_vertex(grid.kept.values)[..., MASS] = mass
+    grid.by_vertex(grid.kept.values)[..., KEPT_MASS] = mass
     if any(rank.comm.allgather(bool(L.any()))):
         x = _coordinates(grid)
         for d in range(D):
             particles.v[:] = L[:, :, d]
             momentum += _sums(rank)[1] * (x[d] - centre[d])[..., None]
     particles.v[:] = v
-    kept = grid.kept.fields
-    records = grid.by_vertex(grid.G)
+    m = mass[..., None]
+    velocity = np.divide(momentum, m, out=np.zeros_like(momentum), where=m > 0.0)
     if scene.moves:
-        momentum[:, kept] = (mass[..., None] * _exact(rank))[:, kept]
-    records[..., VECTOR] = momentum
-    fields = kept.copy()
-    kept[:] = False  # for once velocities are those of the momentum
-    _apply_conditions(rank, START)
-    kept[:] = fields
-    keep_motion(grid.field, 0.0)
+        velocity = np.where(m > 0.0, _exact(rank), 0.0)
+    kept = grid.kept.fields
+    grid.by_vertex(grid.kept.values)[:, kept, ..., _VELOCITY] = velocity[:, kept]
     if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
 
@@ -103,7 +91,7 @@ def _sums(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
 
 def keep_masses(rank: Rank) -> None:
     """Sum the masses of vertices that keep their motion; collective."""
-    rank.grid.by_vertex(rank.grid.kept.values)[..., MASS] = _sums(rank)[0]
+    rank.grid.by_vertex(rank.grid.kept.values)[..., KEPT_MASS] = _sums(rank)[0]
 
 
 def _coordinates(grid: Grid) -> list[np.ndarray]:
@@ -126,31 +114,18 @@ def _exact(rank: Rank) -> np.ndarray:
     return v
 
 
-def _apply_conditions(rank: Rank, t: Step) -> VertexUpdate:
-    """Turn sums into velocities that fulfil all conditions at a time, without a step."""
-    scene = rank.scene
-    t = t._replace(start=t.end, dt=0.0)
-    scratch = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
-    forcing = vertex_forcing(rank, t, scene.loads.at(t.start))
-    update = VertexUpdate(t, scene.face_parameters(t.start, t.end), forcing, scratch)
-    fold_mirrors(rank, update)
-    rank.contact.update_momentum(rank, update)
-    hold_constrained(rank, update)
-    reflect_mirrors(rank, update)
-    return update
+def enter_motion(rank: Rank, before: Grid) -> None:
+    """Hand the motion over to the grid of a stage; collective.
 
-
-def enter_motion(rank: Rank, before: Grid, t: Step) -> None:
-    """Hand the motion over to the grid of a stage, and book the jumps at its beginning; collective.
+    What the stage's conditions change of velocities is booked in its first step. Fields that become
+    one move at the mean of their momenta.
 
     Parameters
     ----------
     rank : Rank
-        The rank in the stage, with its ledger.
+        The rank in the stage.
     before : Grid
         The grid of the stage before, with the same planes.
-    t : Step
-        The last step.
     """
     scene = rank.scene
     if scene.lagrangian_bodies is None:
@@ -167,9 +142,6 @@ def enter_motion(rank: Rank, before: Grid, t: Step) -> None:
     else:
         _regroup(rank, bodies, before, was, now)
     keep_masses(rank)
-    update = _apply_conditions(rank, t)
-    book_jumps(scene.frame, update.faces, grid.field, update.forcing, rank.ledger)
-    keep_motion(grid.field, 0.0)
 
 
 def _field(grid: Grid, body: int) -> int:
@@ -195,11 +167,7 @@ def _regroup(rank: Rank, bodies: list[int], before: Grid, was: np.ndarray, now: 
 
 
 def rehearse_motion(rank: Rank) -> None:
-    """Call the kernels that only stages, and particles that are asked for, need."""
-    if rank.scene.lagrangian_bodies is None:
-        return
-    update = _apply_conditions(rank, START)
-    book_jumps(rank.scene.frame, update.faces, rank.grid.field, update.forcing, rank.ledger)
+    """Call the kernels that only particles that are asked for need."""
     if rank.scene.by_cells:
         rank.displace()
         find_beyond(rank)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.kernels.data.motion import VELOCITY
+from pgimp.kernels.data.motion import KEPT_VELOCITY
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
@@ -85,7 +85,7 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     fields[grid.active[:own] == 0] = 0.0
     if grid.motion:
         kept, mask = grid.by_vertex(grid.kept.values)[:own], grid.kept.fields
-        velocity = kept[:, mask, ..., VELOCITY : VELOCITY + 3]
+        velocity = kept[:, mask, ..., KEPT_VELOCITY : KEPT_VELOCITY + 3]
         fields[:, mask, ..., MOMENTUM : MOMENTUM + 3] = velocity * fields[:, mask, ..., :1]
     records = fields.sum(axis=1) if fields.shape[1] > 1 else fields[:, 0]
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.case.courant import vertex_limit
 from pgimp.errors import CaseError
 from pgimp.physics.materials.base import has
 from pgimp.solver.time.limiting import limiting
@@ -39,9 +40,12 @@ _MEAN = {
 def stable_courant(case: Case) -> float:
     """Courant number up to which free surfaces stay stable; above, there is a warning.
 
-    The shape's limit, raised with mean dilatation if no body is nearly incompressible.
+    The shape's limit, raised with mean dilatation if no body is nearly incompressible. If all
+    bodies are in the initial configuration it is theirs.
     """
-    method = case.method
+    method, vertices = case.method, vertex_limit(case)
+    if vertices is not None:
+        return vertices
     least = float(method.stable)
     if method.volumetric == "pointwise" or case.dimensions == 1:
         return least

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from pgimp.case.courant import largest_courant
 from pgimp.case.schema import Case
 from pgimp.case.steps import AUTO
 from pgimp.scene.checks.advice import advice
@@ -21,7 +22,7 @@ def ordered_advice(
     for text in advice(case, bodies):
         part = next((part for key, part in _SAVES.items() if text.startswith(key)), 0.0)
         found.append((part, text))
-    courant = AUTO * case.method.largest_courant(case.dimensions)
+    courant = AUTO * largest_courant(case)
     longest = courant / pace_of(courant, bodies, crossing)
     if not case.watched and longest > 1.05 * dt:
         saved = 1.0 - dt / longest

@@ -24,7 +24,8 @@ class Seen:
     are those of the particles before the momentum update, when `forcing` acts. `after` are
     velocities and accelerations as particles take them; `held` those, but of bodies in the initial
     configuration before they meet others: particles get just that change, and with what the grid
-    loses by it no energy. Vertices that have mass are `active`.
+    loses by it no energy. Vertices are `active` that have mass, and whose velocities particles
+    carry: others gain no more than the work, in whatever way they are held.
     """
 
     @contextlib.contextmanager
@@ -56,6 +57,10 @@ class Seen:
             self.held = self.after if self.held is None else self.held
             planes = np.repeat(field.active != 0, field.window.stride[0] // RECORD)
             self.active = planes & (self.sums[:, 0] > 0.0) & (self.after[:, 0] > 0.0)
+            if field.motion:
+                each = field.window.extent[1] * field.window.extent[2]
+                kept = np.repeat(field.motion.fields, each)
+                self.active &= ~np.tile(kept, len(field.active))
             return take(setting, field, *rest)
 
         with (

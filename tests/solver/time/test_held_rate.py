@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import box, energy, scene, start
 
+from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.state.state import State, capture
 from pgimp.solver.time.held_rate import FIRST, LONGEST, WORTH, HeldRate
 
@@ -78,6 +79,7 @@ def shaken(case, modes):
         p.v[rows, 0] += amplitude * c * np.cos(k * x)
         if p.L.shape[1]:
             p.L[rows, 0] -= amplitude * c * k * np.sin(k * x)
+    begin_motion(sim.rank)
     return sim, length / c
 
 

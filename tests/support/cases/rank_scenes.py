@@ -548,6 +548,46 @@ def initial():
     ) | {"method": {"shape": "finite-gimp", "particles_per_cell": [2, 2], "volumetric": "mean"}}
 
 
+def initial_stages():
+    """Bonded bodies in the initial configuration, cut off the grid's lines, in stages.
+
+    A grip begins and ends, bonds become friction and again bonds, one body is removed; a body in
+    the current configuration flies up meanwhile, so that the window grows.
+    """
+    spin = {"rotation": {"about": [9.0, 3.0], "rate": 0.2}, "translation": [0.5, 0.4]}
+    bodies = {
+        "a": box([2.2, 2.3], [7.2, 4.3], spin),
+        "b": box([7.2, 2.3], [12.0, 4.3], spin, "stiff"),
+        "c": box([12.0, 2.3], [17.1, 4.3], spin),
+    }
+    bodies = {name: body | {"configuration": "initial"} for name, body in bodies.items()}
+    bodies["bird"] = box([9.0, 5.0], [11.0, 6.0], [3.0, 9.0])
+    held = {"body": "b", "region": {"box": {"min": [8.0, 2.0], "max": [9.0, 5.0]}}}
+    tied = [{"bodies": ["a", "b"], "law": "tied"}, {"bodies": ["b", "c"], "law": "tied"}]
+    case = scene(
+        2,
+        bodies,
+        cells=[20, 20],
+        shape="finite-gimp",
+        end=0.3,
+        step={"courant": 0.3},
+        materials=PAIR,
+        boundaries={"x-max": "slip"},
+        contact=[{"bodies": "all", "friction": 0.3}, *tied],
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["method"]["volumetric"] = "mean"
+    case["time"]["stages"] = [
+        {"name": "grip", "end": 0.5, "constraints": {"grip": held | {"velocity": [None, 2.0]}}},
+        {"name": "loose", "end": 0.7, "contact": [{"bodies": "all", "friction": 0.1}, tied[1]]},
+        {"name": "bound", "end": 0.9, "constraints": {"grip": None}, "gravity": [0.0, -2.0],
+         "contact": [{"bodies": "all", "friction": 0.1}, *tied]},
+        {"name": "gone", "end": 1.1, "remove": ["c"], "boundaries": {"y-min": "fixed"}},
+    ]  # fmt: skip
+    return case
+
+
 def initial_contact():
     """Bodies in the initial configuration meet, across slabs: each other, tools, a floor.
 
@@ -687,6 +727,7 @@ SCENES = (
             staged,
             flowing,
             initial,
+            initial_stages,
             initial_contact,
             both_configurations,
             cut,

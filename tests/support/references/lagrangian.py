@@ -53,6 +53,10 @@ class Lagrangian(Reference):
             self.f -= p.V0[k] * grad @ P[:D, :D].T
         self.particles = p
 
+    def gains(self, v, a, dt):
+        """Vertices keep all of the change."""
+        return self.v - v
+
     def grid_to_particles(self, p, materials, material_of, dt):
         D = self.D
         for k in range(len(p.m)):

@@ -215,7 +215,7 @@ class Reference:
                 at.reshape([-1 if d == axis else 1 for d in range(self.D)]), self.shape
             )
             behind = behind & (self.m > 0)
-            before = self.a.copy()
+            before = self.v.copy(), self.a.copy()
             if kind == "separating":  # first what particles bring, then that after forces
                 most = closing[axis, side]
                 brought = side * (self.v - dt * self.a)[..., axis]
@@ -237,8 +237,8 @@ class Reference:
                     assert kind == "fixed"
                 self.v[where, d] = v
                 self.a[where, d] = a
-            force = m * (self.a - before)
-            self.impulse.append(dt * force.reshape(-1, self.D).sum(axis=0))
+            gained = m * self.gains(*before, dt)
+            self.impulse.append(gained.reshape(-1, self.D).sum(axis=0))
         # Where faces meet, the velocity that counts is the one that all of them leave.
         self.work = dt * (m * (b + self.a - free) * self.v).sum()
         for (axis, side, _, sticks), every in zip(mirrors[::-1], folded[::-1], strict=True):
@@ -247,6 +247,10 @@ class Reference:
                 for field in (self.v, self.a):
                     rows = np.moveaxis(field, axis, 0)
                     rows[beyond][taken] = sign * rows[image][taken]
+
+    def gains(self, v, a, dt):
+        """Velocity that particles gain by conditions, before which the vertices had v and a."""
+        return dt * (self.a - a)
 
     def images(self, axis, side):
         """Vertex numbers along `axis` beyond a face, and their mirror images'."""

@@ -71,7 +71,7 @@ def book_held(holding, field, vertices, ledger):
             continue
         u = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
         b = (G[r + ACCELERATION], G[r + ACCELERATION + 1], G[r + ACCELERATION + 2])
-        own = Holding(holding.faces, holding.frame, forcing, ledger.impulse[i])
+        own = Holding(holding.faces, holding.frame, forcing, ledger.impulse[i], holding.rate)
         rest = _book_faces(own, number, r, u, b, lost, G[r + MASS])
         _book_constraints(forcing.marked, r, rest, ledger.constraint_impulse[i])
         for d in range(3):

@@ -147,7 +147,9 @@ class LagrangianContact(NoContact):
         scene, contact, call = self.scene, self._contact, self.call
         t, faces, forcing, ledger = update
         grid, population = rank.grid, rank.population
-        holding = Holding(faces, scene.frame, forcing, contact.scratch_impulse)
+        holding = Holding(
+            faces, scene.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
+        )
         rows = population.order[self._broad_phase.near].astype(np.int64)
         if population.outdated:
             population.update(self._broad_phase.near)
