@@ -203,7 +203,7 @@ def stored_motion(rank: Rank) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     kept = np.concatenate([values[..., _VELOCITY], values[..., _DISPLACEMENT]], axis=-1)
     moving = kept.any(axis=-1) & grid.kept.fields
     keys = _keys(grid, values.shape[3])[: grid.owned]
-    counts = moving.reshape(grid.owned, -1).sum(axis=1).astype(np.int64)
+    counts = moving.sum(axis=(1, 2, 3)).astype(np.int64)
     return counts, keys[moving], kept[moving]
 
 
