@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from proofs import thread_ranks
 from proofs.jobs import differences
-from proofs.thread_messages import DesertedError
+from proofs.scenes import thread_ranks
+from proofs.scenes.thread_messages import DesertedError
 
 from pgimp.errors import CaseError, PgimpError
 

@@ -12,7 +12,7 @@ import time
 from types import SimpleNamespace
 
 import numpy as np
-from proofs.thread_messages import Message, Reduction, Request, World
+from proofs.scenes.thread_messages import Message, Reduction, Request, World
 
 from pgimp.mpi.comm import quiet_mpi
 
