@@ -51,8 +51,9 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
         end, moved = float(before.time.end), _displacements(before, now)
         gone = before.staged.removed + tuple(name for name in stage.remove if name in now.bodies)
         leaves = before.staged.escapes or bool(_leaving(now))
+        rebonds = before.staged.rebonds or now.contact != before.contact
         now.__dict__["staged_as"] = Staged(
-            number + 1, stage.name, end, counted, gone, leaves, moved
+            number + 1, stage.name, end, counted, gone, leaves, moved, rebonds
         )
         found.append(now)
     return tuple(found), []

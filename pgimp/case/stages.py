@@ -114,6 +114,8 @@ class Staged(NamedTuple):
         Whether particles may leave, in this stage or a previous one.
     displacements : dict of str to tuple
         Displacements that constraints have prescribed in previous stages, to be added.
+    rebonds : bool
+        Whether a stage has given other entries of contact, which may bond bodies anew.
     """
 
     number: int = 0
@@ -123,6 +125,7 @@ class Staged(NamedTuple):
     removed: tuple[str, ...] = ()
     escapes: bool = False
     displacements: Mapping[str, tuple[float, ...]] = {}
+    rebonds: bool = False
 
     @property
     def title(self) -> str:

@@ -197,7 +197,7 @@ class Scene:
             and shape.in_cell
             and max(shape.particles_per_cell) <= MOST_OF_CELLS
             and all(hasattr(type(each), "piola") for each in self.materials)
-            and not (self.variations or loads.tractions)
+            and not (self.variations or loads.tractions or case.staged.rebonds)
             and loads.viscosity == loads.force == loads.mean_lagrangian == ()
         )
         # Faces that bodies approach vary by the length of the step alone.
