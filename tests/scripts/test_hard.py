@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scenes import box, energy, scene, start
-from studies.hard import courant, rows, table, vertices
+from studies.hard import courant, rows, table
 from studies.hard.runs import BOUND, CASES, begin, watch
+from studies.initial import vertices
 
 from pgimp.case.courant import VERTEX_LIMITS
 from pgimp.physics.shapes import SHAPES

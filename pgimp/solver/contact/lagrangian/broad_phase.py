@@ -161,7 +161,8 @@ class BroadPhase:
             lattice = np.full((2, D), [[-np.inf], [np.inf]])
             lattice[int(side < 0), axis] = end - frame.ghost - side * (1.0 + away[axis])
             ends.append(lattice)
-        self._regions = self._marked(population, groups, np.array(ends), meeting)
+        boxes = np.array(ends).reshape(-1, 2, D)
+        self._regions = self._marked(population, groups, boxes, meeting)
 
     def _marked(
         self, population: Population, groups: np.ndarray, ends: np.ndarray, meeting: Any
