@@ -35,13 +35,13 @@ class Seen:
         take, exchange = transfers.grid_to_particles, LagrangianContact.exchange
         self.held = None
 
-        def summed(rank, parts, loads, marked):
+        def summed(rank, parts, loads, marked, by_cells=False):
             v = rank.particles.v.copy()
             rank.particles.v[:] = 0.0
             sum_particles(rank, parts, loads, False)
             self.carried = rank.grid.G.reshape(-1, RECORD).copy()
             rank.particles.v[:] = v
-            sum_particles(rank, parts, loads, marked)
+            sum_particles(rank, parts, loads, marked, by_cells)
 
         def updated(frame, field, faces, forcing, ledger, contact, part):
             if part != REST:
