@@ -12,6 +12,7 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.once.prestress import bearable_stress, remember_stress
 from pgimp.kernels.order.layer_changes import partition_migrants
 from pgimp.kernels.order.order import layers_of
+from pgimp.kernels.rigid.bodies import distances
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import complete, particles_to_grid
@@ -70,6 +71,9 @@ def _rehearse(scene: Scene) -> None:
     unpack(pack(particles, rows), particles, rows)
     layers_of(scene.shape, scene.placing, scene.identity, np.empty(0), np.empty(0, np.int64))
     material, chosen = scene.setting.without_shape(), rows.astype(np.int64)
+    if scene.rigid_bodies:  # looked at now and then, also by runs that go on
+        placed = scene.rigid_bodies.at(STEP.start, STEP.start)
+        distances(placed, 0, scene.rigid_bodies.frame, particles.x[:0], np.empty(0))
     if prestressed(scene):
         remember_stress(material, particles, chosen)
     if stressed(scene):
