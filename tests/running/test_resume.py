@@ -182,7 +182,7 @@ def test_a_state_is_what_the_simulation_goes_on_with(folder):
     class Memory:
         def __init__(self, sim):
             done = sim.now, sim.rate, sim.count, sim.diagnostic_sums
-            state, rows, self._whole = capture(sim.rank, *done, clock=sim.clock)
+            state, rows, self._whole, _ = capture(sim.rank, *done, clock=sim.clock)
             self.about, self._rows = {"state": json.loads(json.dumps(state))}, dict(rows)
             self.count = sim.rank.count
             self.rows = {name: (a.dtype, a.shape[1:]) for name, a in self._rows.items()}

@@ -132,16 +132,17 @@ def test_vertices_bear_steps_up_to_their_limit(part):
     step = part * vertices.box_limit({"shape": "gimp"}, offset, 2) / wave
     sim = start(scene(2, body, cells=[12, 12], step=step, end=2000 * step))
     p, rows = sim.particles, sim.live()
-    p.v[rows] = 1e-9 * np.random.default_rng(1).normal(size=p.v[rows].shape)
+    # Strains of far more than the rounding of energies.
+    p.v[rows] = 1e-4 * np.random.default_rng(1).normal(size=p.v[rows].shape)
     begin_motion(sim.rank)
     first = energy(sim.diagnostics())
-    for _ in range(20):
-        for _ in range(50):
-            sim.advance()
-        grown = energy(sim.diagnostics()) / first
-        if grown > 100.0:  # near the limit it swings by up to 25
+    most = 0.0
+    for _ in range(1000):
+        sim.advance()
+        most = max(most, energy(sim.diagnostics()) / first)
+        if most > 100.0:  # near the limit it swings by up to 25
             break
-    assert (grown < 100.0) == (part < 1.0)
+    assert (most < 100.0) == (part < 1.0)
 
 
 def test_steps_of_vertices_follow_the_table():

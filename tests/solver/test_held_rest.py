@@ -90,8 +90,12 @@ def test_a_face_that_moves_along_takes_nothing_of_what_moves_with_it(configurati
     belt = wall(1.0, 0.0)
     line = finish(start(thrown(2, belt, configuration=configuration))).diagnostics()
     assert line["wall.y-min.impact-loss"] == pytest.approx(0.0, abs=1e-15)
-    line = finish(start(thrown(2, "fixed", configuration=configuration))).diagnostics()
-    assert line["wall.y-min.impact-loss"] > 0.05
+    sim = start(thrown(2, "fixed", configuration=configuration))
+    sim.diagnostics()  # the energy from which losses count
+    line = finish(sim).diagnostics()
+    # Vertices that keep their velocities lose them in the first step; particles have none to lose.
+    loss = {"current": "wall.y-min.impact-loss", "initial": "dissipated-energy"}[configuration]
+    assert line[loss] > 0.05
 
 
 def test_waves_of_a_bar_are_not_damped():

@@ -79,10 +79,10 @@ def test_what_is_at_rest_below_works_nothing(configuration, dimension, below, sh
 @pytest.mark.parametrize("below", ["wall", "rough", "rigid"])
 def test_a_block_at_rest_works_nothing(below):
     """Of 27 that gravity could give by the block's height, a millionth in 200 steps at rest."""
-    case = transferred(lying(2, below, "initial", end=10.0, gravity=[0.0, -1.0]), "flip")
-    case["method"]["relaxation"] = 30.0  # it comes to rest
+    case = lying(2, below, "initial", end=30.0, gravity=[0.0, -1.0])
+    case["materials"]["soft"]["viscosity"] = {"linear": 4.0, "quadratic": 0.0}  # it comes to rest
     sim = start(case)
-    while sim.time < 8.0:
+    while sim.time < 28.0:
         sim.advance()
     before = sim.diagnostics()
     after = finish(sim).diagnostics()
@@ -112,13 +112,16 @@ def test_heat_of_a_wall_is_force_times_way(configuration, shape):
     way = gained["body.body.centre-x"]
     heat = gained["wall.y-min.friction-heat"]
     press = end["reaction.y-min-y"]
-    # The bottom, which slides, swings about the mean way of the block.
-    assert heat == pytest.approx(0.3 * press * way, rel=0.03)
+    # The bottom, which slides, swings about the mean way of the block. In the initial configuration
+    # the swing lasts: the block slides farther while less presses it.
+    lasts = configuration == "initial"
+    assert heat == pytest.approx(0.3 * press * way, rel=0.15 if lasts else 0.03)
     work = 8.0 * (gravity[0] * way + gravity[1] * gained["body.body.centre-y"])
     assert gained["external-work"] == pytest.approx(work, rel=1e-9)
     kept = gained["kinetic-energy"] + gained["strain-energy"]
-    assert kept + heat == pytest.approx(work, rel=0.03)
-    assert gained["dissipated-energy"] == pytest.approx(heat, rel=0.06)
+    lost = heat + gained["wall.y-min.impact-loss"]
+    assert kept + lost == pytest.approx(work, rel=0.03)
+    assert gained["dissipated-energy"] == pytest.approx(lost, rel=0.06)
 
 
 def test_walls_that_only_hold_a_component_take_nothing():
