@@ -171,6 +171,8 @@ FLYING = """
 import numpy as np
 import pgimp
 
+pytestmark = pytest.mark.slow(75)
+
 changes = {f"bodies.{name}.velocity": [0.8, 0.3] for name in ("left", "right")}
 changes |= {"body_force": {"damping": {"rate": 2.0}}, "time.end": 1.0}
 sim = pgimp.Simulation("case.yaml", overrides=changes)

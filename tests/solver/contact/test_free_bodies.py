@@ -12,6 +12,8 @@ from pgimp.errors import CaseError, RunError
 from pgimp.scene.rigid.bulk import bulk, everywhere
 from pgimp.scene.rigid.free_body import FreeBody, State
 
+pytestmark = pytest.mark.slow(75)
+
 
 @pytest.mark.parametrize("law", [{"friction": 0.3}, {"law": "tied"}])
 @pytest.mark.parametrize("density", [1e-3, 1.0, 1e3])
