@@ -9,6 +9,8 @@ from pages import ENVIRONMENT, ROOT, apply, block_of, blocks
 from processes import run
 from two_blocks import CASE
 
+pytestmark = pytest.mark.slow(75)
+
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory):
@@ -170,8 +172,6 @@ def test_law_of_contact(source):
 FLYING = """
 import numpy as np
 import pgimp
-
-pytestmark = pytest.mark.slow(75)
 
 changes = {f"bodies.{name}.velocity": [0.8, 0.3] for name in ("left", "right")}
 changes |= {"body_force": {"damping": {"rate": 2.0}}, "time.end": 1.0}
