@@ -36,7 +36,7 @@ def changes(shape, configuration, cells, speed):
     }
     end = TURNS[-1] * 2.0 * pi / rate
     sim = simulation((shape, True, 2), [2 * cells] * 2, body, end, poisson=POISSON)
-    p, found = sim.particles, []
+    found = []
 
     def spin_and_energy():
         line = sim.diagnostics()
@@ -49,7 +49,7 @@ def changes(shape, configuration, cells, speed):
         while not sim.finished:
             sim.advance()
             if sim.time >= TURNS[len(found)] / TURNS[-1] * end * (1.0 - 1e-12):
-                if np.abs(p.x[sim.live()] - middle).max() > TORN * sqrt(0.5) * cells:
+                if np.abs(sim.particles.x[sim.live()] - middle).max() > TORN * sqrt(0.5) * cells:
                     break
                 found.append(spin_and_energy() / first - 1.0)
     except RunError:
