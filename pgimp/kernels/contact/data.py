@@ -12,6 +12,7 @@ import numpy as np
 
 from pgimp.jit.kernel import inner_kernel
 from pgimp.jit.memory import structure
+from pgimp.kernels.contact.listed import VertexList
 from pgimp.kernels.contact.select import VERTEX_RANGE
 from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.physics.contact.pairs import Pairs
@@ -69,6 +70,8 @@ class Contact(NamedTuple):
         Number of the contact vertices in each plane.
     vertex_ranges : (planes,) VERTEX_RANGE
         Range of these vertices in each plane, see `select_near`.
+    listed : VertexList
+        The vertices at which pairs act on each other, found once for the passes of a step.
     offsets, bodies : (fields,) int64
         Scratch: offsets of the fields' records at a vertex, and their bodies.
     fields : (fields,) FIELD_STATE
@@ -88,6 +91,7 @@ class Contact(NamedTuple):
     volumes: np.ndarray
     vertex_counts: np.ndarray
     vertex_ranges: np.ndarray
+    listed: VertexList
     offsets: np.ndarray
     bodies: np.ndarray
     fields: np.ndarray
@@ -111,8 +115,8 @@ class Contact(NamedTuple):
         count = most * (most - 1) // 2
         return cls(
             pairs, volumes, np.zeros(planes, np.int64), np.zeros(planes, VERTEX_RANGE),
-            np.zeros(most, np.int64), np.zeros(most, np.int64), np.zeros(most, FIELD_STATE),
-            np.zeros(count, PAIR_ENDS), np.zeros(count, PAIR_STATE), np.zeros((faces, 3)),
+            VertexList.empty(planes), np.zeros(most, np.int64), np.zeros(most, np.int64),
+            np.zeros(most, FIELD_STATE), np.zeros(count, PAIR_ENDS), np.zeros(count, PAIR_STATE), np.zeros((faces, 3)),
             rigid_bodies,
         )  # fmt: skip
 

@@ -3,6 +3,7 @@
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.data import fields_of, impulse_of
 from pgimp.kernels.contact.vertex import contact_at_vertex
+from pgimp.kernels.contact.vertex_list import vertex_number
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.loads.loads import relaxed_part
 
@@ -24,20 +25,15 @@ def contact_forces(contact, faces, frame, field, forcing, last, out):
     window = field.window
     holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
     part = 1.0 if last else relaxed_part(forcing.loads.relaxation, forcing.dt)
-    vertex = 0
-    for i in range(field.owned):
-        touched = field.active[i] != 0 and contact.vertex_counts[i] > 0
-        for j in range(window.extent[1]):
-            for k in range(window.extent[2]):
-                if touched:
-                    r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                    number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                    _, pairs = contact_at_vertex(contact, holding, field, number, r, last)
-                    for pair in range(pairs):
-                        a, b = fields_of(contact, pair)
-                        sign = -1.0 if contact.bodies[a] < contact.bodies[b] else 1.0
-                        row = contact.pair_states[pair]
-                        for d in range(3):
-                            J = impulse_of(row, d)
-                            out[vertex, d] += part * sign * J / forcing.dt
-                vertex += 1
+    listed, lower = contact.listed, window.lower
+    for n in range(listed.start[field.owned]):
+        number = vertex_number(contact, n)
+        _, pairs = contact_at_vertex(contact, holding, field, n, last)
+        vertex = (number[0] - lower[0]) * window.extent[1] + number[1] - lower[1]
+        vertex = vertex * window.extent[2] + number[2] - lower[2]
+        for pair in range(pairs):
+            a, b = fields_of(contact, pair)
+            sign = -1.0 if contact.bodies[a] < contact.bodies[b] else 1.0
+            row = contact.pair_states[pair]
+            for d in range(3):
+                out[vertex, d] += part * sign * impulse_of(row, d) / forcing.dt

@@ -14,6 +14,7 @@ from pgimp.kernels.contact.data import fields_of
 from pgimp.kernels.contact.law import held_compliance
 from pgimp.kernels.contact.sliding import sliding_slope
 from pgimp.kernels.contact.vertex import contact_at_vertex
+from pgimp.kernels.contact.vertex_list import vertex_number
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.rigid.bodies import lever, position_of
 from pgimp.physics.contact.base import TIED
@@ -33,22 +34,18 @@ def find_rigid_impulses(contact, faces, frame, field, forcing):
     faces, frame, field, forcing
         As in `update_momentum`, after its beginning.
     """
-    window, rigid_bodies = field.window, contact.rigid_bodies
+    rigid_bodies = contact.rigid_bodies
     holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
     for i in range(field.owned):
         for free in range(rigid_bodies.responses.shape[1]):
             _clear(rigid_bodies.responses[i, free])
-        if field.active[i] == 0 or contact.vertex_counts[i] == 0:
-            continue
-        for j in range(window.extent[1]):
-            for k in range(window.extent[2]):
-                r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                if not _some_free(rigid_bodies, len(frame.cell), number):
-                    continue
-                count, pairs = contact_at_vertex(contact, holding, field, number, r, True)
-                for pair in range(pairs):
-                    _add(contact, rigid_bodies, holding, number, pair, count if pairs > 1 else 1, i)
+        for n in range(contact.listed.start[i], contact.listed.start[i + 1]):
+            number = vertex_number(contact, n)
+            if not _some_free(rigid_bodies, len(frame.cell), number):
+                continue
+            count, pairs = contact_at_vertex(contact, holding, field, n, True)
+            for pair in range(pairs):
+                _add(contact, rigid_bodies, holding, number, pair, count if pairs > 1 else 1, i)
 
 
 @inner_kernel

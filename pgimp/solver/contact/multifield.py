@@ -16,6 +16,7 @@ from pgimp.kernels.contact.forces import contact_forces
 from pgimp.kernels.contact.rigid_newton import find_rigid_impulses
 from pgimp.kernels.contact.select import select_near
 from pgimp.kernels.contact.vertex import find_contact_vertices
+from pgimp.kernels.contact.vertex_list import list_vertices
 from pgimp.kernels.contact.volumes import volume_sums
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
@@ -117,6 +118,7 @@ class MultifieldContact(NoContact):
             self._connect(grid)
         contact = self.data
         ledger.contact[:, :, CONTACT_AREA] = 0.0
+        contact.vertex_counts.fill(0)
         scene, rigid_bodies = self.scene, self.scene.rigid_bodies
         if not needed(max(self.fields) or rigid_bodies):
             return
@@ -153,10 +155,12 @@ class MultifieldContact(NoContact):
         are solved for, between two parts of the update.
         """
         self._steps -= 1
+        self._list(rank, update, False)
         if self.free is None:
             self.advance(rank, update, WHOLE)
             return
         self.advance(rank, update, BEGINNING)
+        self._list(rank, update, True)
         self._solve_free(rank, update)
         self.advance(rank, update, REST)
         self.free.move(self.rigid_bodies, rank.grid, update.t.dt)
@@ -174,15 +178,38 @@ class MultifieldContact(NoContact):
 
     def forces(self, rank: RankState, update: VertexUpdate, out: np.ndarray) -> None:
         """See `NoContact.forces`."""
-        forces = partial(
-            rank.call, contact_forces, self.data, update.faces, self.scene.frame, rank.grid.field,
-            update.forcing,
-        )  # fmt: skip
+        self._list(rank, update, False)
         if update.forcing.loads.relaxation != ():
-            forces(False, out)
+            self._add_forces(rank, update, False, out)
         self.advance(rank, update, BEGINNING)
+        if self.free:
+            self._list(rank, update, True)
         self._solve_free(rank, update)
-        forces(True, out)
+        self._add_forces(rank, update, True, out)
+
+    def _add_forces(
+        self, rank: RankState, update: VertexUpdate, last: bool, out: np.ndarray
+    ) -> None:
+        """Add the forces of a pass to those at the vertices."""
+        rank.call(
+            contact_forces, self.data, update.faces, self.scene.frame, rank.grid.field,
+            update.forcing, last, out,
+        )  # fmt: skip
+
+    def _list(self, rank: RankState, update: VertexUpdate, last: bool) -> None:
+        """List the contact vertices; for the last pass anew only with free rigid bodies."""
+        contact = self.data
+        if not needed(contact.vertex_counts.any()):
+            contact.listed.start.fill(0)
+            return
+        while True:
+            self.call(
+                list_vertices, self.data, update.faces, self.scene.frame, rank.grid.field,
+                update.t.dt, last,
+            )  # fmt: skip
+            if self.data.listed.fits():
+                return
+            self.data = self.data._replace(listed=self.data.listed.with_room())
 
     def _find_planes(self, grid: Grid) -> np.ndarray:
         """Find the planes of possible contact between different fields until they are regrouped."""

@@ -16,7 +16,7 @@ from pgimp.kernels.contact.data import PAIR_STATE, clear_field
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.lagrangian.reference_grid import depth
 from pgimp.kernels.contact.lagrangian.vertices import number_of
-from pgimp.kernels.contact.vertex import load_rigid_bodies
+from pgimp.kernels.contact.rigid_fields import load_rigid_bodies
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
 from pgimp.physics.contact.base import UNILATERAL

@@ -1,0 +1,53 @@
+"""Rigid bodies as further velocity fields at a vertex, with infinite mass."""
+
+from math import inf
+
+from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.kernels.rigid.bodies import position_of
+from pgimp.kernels.rigid.fill import fill
+
+
+def load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
+    """Add the rigid bodies near a vertex to the `count` fields there; returns their number.
+
+    The velocity from particles is paired with the rigid velocity at the step's beginning, after
+    forces at its end. So the material gets its support's acceleration.
+    """
+
+
+@specialise(load_rigid_bodies)
+def _load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
+    if not hasattr(rigid_bodies, "instance_class"):
+        return lambda contact, rigid_bodies, frame, number, sides, count, last: 0
+
+    def find(contact, rigid_bodies, frame, number, sides, count, last):
+        found, point = count, rigid_bodies.point[0]
+        for t in range(len(rigid_bodies.motion)):
+            if (rigid_bodies.lattice[t].free >= 0 and not last) or not fill(
+                rigid_bodies, t, frame, number, sides
+            ):
+                continue
+            row = contact.fields[found]
+            contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
+            row.mass, row.filled, row.curvature_gap = inf, point.filled, point.curvature_gap
+            for d in range(3):
+                row.surface[d] = point.surface[d]
+            set_rigid_velocity(row, rigid_bodies.motion[t], frame, number, last)
+            found += 1
+        return found - count
+
+    return find
+
+
+@inner_kernel
+def set_rigid_velocity(row, motion, frame, number, last):
+    """Set the velocity of a field, a rigid body with a motion, at a vertex; it is held there."""
+    velocity = motion.velocity_after if last else motion.velocity_before
+    x = position_of(frame, number)
+    arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        v = velocity[d]
+        v += velocity[3 + e] * arm[f] - velocity[3 + f] * arm[e]
+        row.velocity[d] = row.velocity_before[d] = v
+        row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 0.0

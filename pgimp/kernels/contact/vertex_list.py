@@ -1,0 +1,167 @@
+"""Search for a step's contact vertices, with their fields and pairs: done once for all passes."""
+
+from math import inf
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.contact.gap import find_pairs
+from pgimp.kernels.contact.listed import FIELDS, PAIRS, VERTICES
+from pgimp.kernels.contact.rigid_fields import load_rigid_bodies, set_rigid_velocity
+from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
+from pgimp.kernels.data.velocity_fields import field_count, field_size
+from pgimp.kernels.grid.faces import on_walls, wall_sides
+from pgimp.kernels.transfer.contribution import VOLUME_CORRECTION
+
+
+@kernel
+def list_vertices(contact, faces, frame, field, dt, last):
+    """List the vertices of all planes with contact at which some pairs act on each other.
+
+    Their order is that of the planes' vertices. So sums over them go in it too.
+
+    Parameters
+    ----------
+    contact : Contact
+        With its volumes; `listed` is set.
+    faces, frame, field
+        See `Faces`, `Frame`, `Field`, after the fold of mirrors.
+    dt : float
+        Length of the step.
+    last : bool
+        Whether the list is for the last pass, in which free rigid bodies take part.
+    """
+    listed, window = contact.listed, field.window
+    found = (0, 0, 0)
+    for i in range(len(contact.vertex_counts)):
+        listed.start[i] = found[VERTICES]
+        if field.active[i] != 0 and contact.vertex_counts[i] > 0:
+            for j in range(window.extent[1]):
+                for k in range(window.extent[2]):
+                    number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                    r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                    found = _add(contact, faces, frame, field, r, number, dt, last, found)
+    listed.start[len(contact.vertex_counts)] = found[VERTICES]
+    listed.found[VERTICES], listed.found[FIELDS], listed.found[PAIRS] = found
+
+
+@inner_kernel
+def _add(contact, faces, frame, field, r, number, dt, last, found):
+    """List the vertex whose first record has offset `r`, if any pairs act there."""
+    count = _find_fields(contact, faces, frame, field, r, number)
+    if count == 0:
+        return found
+    sides = wall_sides(faces, frame, number)
+    rigid = load_rigid_bodies(contact, contact.rigid_bodies, frame, number, sides, count, last)
+    if count + rigid < 2:
+        return found
+    pairs = find_pairs(contact, frame, sides, count + rigid, rigid, dt)
+    if pairs == 0:
+        return found
+    listed, (v, f, p) = contact.listed, found
+    after = (v + 1, f + count + rigid, p + pairs)
+    if (
+        after[VERTICES] > len(listed.vertices)
+        or after[FIELDS] > len(listed.fields)
+        or after[PAIRS] > len(listed.pairs)
+    ):
+        return after
+    row = listed.vertices[v]
+    for d in range(3):
+        row.number[d] = number[d]
+    row.fields, row.rigid, row.first_field = count, rigid, f
+    row.pairs, row.first_pair = pairs, p
+    for a in range(count + rigid):
+        listed.fields[f + a].offset = contact.offsets[a]
+        listed.fields[f + a].body = contact.bodies[a]
+    for pair in range(pairs):
+        kept, state, ends = listed.pairs[p + pair], contact.pair_states[pair], contact.ends[pair]
+        kept.fields[0], kept.fields[1], kept.law = ends.fields[0], ends.fields[1], ends.law
+        kept.gap_rate, kept.area = state.gap_rate, state.area
+        kept.adhesion, kept.shear_adhesion = state.adhesion, state.shear_adhesion
+        for d in range(3):
+            kept.normal[d] = state.normal[d]
+    return after
+
+
+@inner_kernel
+def _find_fields(contact, faces, frame, field, r, number):
+    """Find the fields at the vertex whose first record has offset `r`; returns their number.
+
+    Walls cut off part of its neighbourhood.
+    """
+    G, V, size = field.G, contact.volumes, field_size(field.window)
+    cell = 0.5 ** on_walls(faces, frame, number)
+    for d in range(len(frame.cell)):
+        cell *= frame.cell[d]
+    count = 0
+    for f in range(field_count(field.window)):
+        offset = r + f * size
+        if not (G[offset + MASS] > 0.0 and V[offset + MASS] > 0.0):
+            continue
+        contact.offsets[count] = offset
+        contact.bodies[count] = int(V[offset + MOMENTUM] / V[offset + MASS] + 0.5) - 1
+        contact.fields[count].mass = G[offset + MASS]
+        contact.fields[count].filled = (V[offset + MASS] + V[offset + VOLUME_CORRECTION]) / cell
+        cut = V[offset + MOMENTUM + 2]
+        contact.fields[count].curvature_gap = V[offset + MOMENTUM + 1] / cut if cut > 0.0 else 0.0
+        for d in range(3):
+            contact.fields[count].surface[d] = V[offset + FORCE + d]
+        count += 1
+    return count
+
+
+@inner_kernel
+def vertex_number(contact, n):
+    """The numbers of listed vertex `n`."""
+    number = contact.listed.vertices[n].number
+    return number[0], number[1], number[2]
+
+
+@inner_kernel
+def load_vertex(contact, frame, field, n, last):
+    """Load the fields and pairs of listed vertex `n`, before any impulse in this pass.
+
+    Returns the numbers of its fields with particles, its rigid bodies and its pairs.
+    """
+    row, listed = contact.listed.vertices[n], contact.listed
+    for a in range(row.fields):
+        entry, state = listed.fields[row.first_field + a], contact.fields[a]
+        contact.offsets[a], contact.bodies[a] = entry.offset, entry.body
+        state.mass = field.G[entry.offset + MASS]
+        inverse = 1.0 if last else 1.0 / state.mass
+        for d in range(3):
+            state.velocity[d] = state.velocity_before[d] = (
+                field.G[entry.offset + VELOCITY + d] * inverse
+            )
+    for a in range(row.fields, row.fields + row.rigid):
+        contact.offsets[a], contact.bodies[a] = -1, listed.fields[row.first_field + a].body
+        contact.fields[a].mass = inf
+        _set_velocity(contact, contact.rigid_bodies, a, frame, vertex_number(contact, n), last)
+    for pair in range(row.pairs):
+        kept, state, ends = (
+            listed.pairs[row.first_pair + pair],
+            contact.pair_states[pair],
+            contact.ends[pair],
+        )
+        ends.fields[0], ends.fields[1], ends.law = kept.fields[0], kept.fields[1], kept.law
+        state.gap_rate, state.area = kept.gap_rate, kept.area
+        state.adhesion, state.shear_adhesion = kept.adhesion, kept.shear_adhesion
+        state.normal_impulse = state.sticking = state.adhesion_used = 0.0
+        for d in range(3):
+            state.normal[d], state.tangential_impulse[d] = kept.normal[d], 0.0
+    return row.fields, row.rigid, row.pairs
+
+
+def _set_velocity(contact, rigid_bodies, a, frame, number, last):
+    """Set the velocity of field `a`, a rigid body, at a vertex."""
+
+
+@specialise(_set_velocity)
+def _set_velocity_of(contact, rigid_bodies, a, frame, number, last):
+    if not hasattr(rigid_bodies, "instance_class"):
+        return lambda contact, rigid_bodies, a, frame, number, last: None
+
+    def set_velocity(contact, rigid_bodies, a, frame, number, last):
+        t = contact.bodies[a] - rigid_bodies.bodies
+        set_rigid_velocity(contact.fields[a], rigid_bodies.motion[t], frame, number, last)
+
+    return set_velocity
