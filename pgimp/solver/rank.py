@@ -101,17 +101,19 @@ class Rank:
     ) -> None:
         self.scene, self.comm = scene, comm
         self.mass_cutoff = 0.0
-        self.calls = tuple(Bound() for _ in range(1 + scene.mixed))
-        self.population = Population(particles, count, scene.shape, scene.placing, slab, start)
+        self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
+        self.population = Population(
+            particles, count, scene.settings.shape, scene.placing, slab, start
+        )
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.particle_steps = self.clamped = self.held = 0
-        self.error_buffer = np.zeros((2 * (1 + scene.mixed), MOST_LISTED, 2), np.int64)
+        self.error_buffer = np.zeros((2 * (1 + scene.settings.mixed), MOST_LISTED, 2), np.int64)
         self.errors, self.failed = self.error_buffer[0, :0], 0
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self.contact = contact_kind(scene)(scene, comm)
         self.clearances = Clearances(scene)
-        self.flows = Flows(scene, comm) if scene.flows else None
+        self.flows = Flows(scene, comm) if scene.interaction.flows else None
         self._lattice: LatticeCells | None = None
         self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
@@ -122,22 +124,24 @@ class Rank:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab, self._lattice = slab, None
-        lag = LAG if comm.size > 1 and not scene.initial else 0
-        bounds = scene.bounds if scene.initial else None
+        lag = LAG if comm.size > 1 and not scene.settings.initial else 0
+        bounds = scene.domain.bounds if scene.settings.initial else None
         self.grid = Grid(
-            scene.frame, scene.vertices, slab, lag, self.contact.fields, bounds,
-            scene.lagrangian_bodies,
+            scene.domain.frame, scene.settings.vertices, slab, lag, self.contact.fields, bounds,
+            scene.settings.lagrangian_bodies,
         )  # fmt: skip
-        self.halo = Halo(comm, slab, scene.vertices - 1)
+        self.halo = Halo(comm, slab, scene.settings.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         self.keeping = Keeping(scene, comm, self.free, slab.layers)
-        outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)
-        constraints = len(scene.loads.constraints)
-        contacts = len(scene.pairs.way) if scene.pairs else 0
+        outflow = (
+            (len(scene.body_names), scene.materials.sums) if scene.settings.escapes else (0, 0)
+        )
+        constraints = len(scene.interaction.loads.constraints)
+        contacts = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
         self.ledger = Ledger.empty(
-            self.grid.planes, len(scene.faces), constraints, outflow, contacts,
-            len(scene.rigid_bodies),
-            len(scene.body_names) if scene.flows else 0,
+            self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
+            len(scene.interaction.rigid_bodies),
+            len(scene.body_names) if scene.interaction.flows else 0,
         )  # fmt: skip
 
     @property
@@ -160,7 +164,7 @@ class Rank:
             inside = self.lattice.is_inside[rows]
             order = Order(rows[inside], np.searchsorted(near[inside], self.population.start))
         self.call(
-            displace_particles, setting, self.scene.frame, self.grid.motion_field,
+            displace_particles, setting, self.scene.domain.frame, self.grid.motion_field,
             self.population.stored, order,
         )  # fmt: skip
 
@@ -182,7 +186,7 @@ class Rank:
     @property
     def migrates(self) -> bool:
         """Whether particles may migrate to or from other ranks in a step."""
-        return self.slab.neighbours and not self.scene.initial
+        return self.slab.neighbours and not self.scene.settings.initial
 
     @property
     def free(self) -> FreeBodies | None:
@@ -191,7 +195,7 @@ class Rank:
 
     def fastest(self, rate: float) -> float:
         """Cells crossed in a unit of time by waves and particles, `rate`, or by rigid bodies."""
-        rate, free = max(rate, self.scene.rigid_bodies.rate), self.free
+        rate, free = max(rate, self.scene.interaction.rigid_bodies.rate), self.free
         return max(rate, free.rate) if free else rate
 
     def live(self) -> np.ndarray:
@@ -212,7 +216,7 @@ class Rank:
         old, new : list of int
             As from `pgimp.decomposition.slabs.cut`, equal on every rank.
         """
-        window, extra = self.grid.base, self.scene.vertices - 1
+        window, extra = self.grid.base, self.scene.settings.vertices - 1
         owned = (*self.booked(), *self.grid.owned_motion())
         sums = redistribute(self.comm, old, new, extra, self.population, owned)
         self.moved = True
@@ -254,11 +258,11 @@ class Rank:
             The particles, with the columns of the scene.
         """
         window, self.scene = self.grid.base, scene
-        self.calls = tuple(Bound() for _ in range(1 + scene.mixed))
+        self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
         self.population.particles = particles
         self.contact = contact_kind(scene)(scene, self.comm)
         self.clearances = Clearances(scene)
-        self.flows = Flows(scene, self.comm) if scene.flows else None
+        self.flows = Flows(scene, self.comm) if scene.interaction.flows else None
         self._allocate(self.slab)
         self.grid.store(window)
 

@@ -55,17 +55,20 @@ def step(
         On every rank, as from `begin`. The particles are unchanged.
     """
     scene, contact, lap = rank.scene, rank.contact, rank.stopwatch()
-    loads, groups = scene.loads.at(start), groups_by_configuration(scene, rank.population)
+    loads, groups = (
+        scene.interaction.loads.at(start),
+        groups_by_configuration(scene, rank.population),
+    )
     contact.assign_fields(rank)
     lap("contact")
-    marked = bool(scene.loads.constraints)
+    marked = bool(scene.interaction.loads.constraints)
     sum_particles(rank, groups, loads, marked, by_cells=True)  # (16, 17, 18, 21, 22)
     lap("P2G")
     finish_sums(rank)
     t = begin()
     lap("exchange")
 
-    faces = scene.face_parameters(t.start, t.end)
+    faces = scene.domain.face_parameters(t.start, t.end)
     update = VertexUpdate(t, faces, vertex_forcing(rank, t, loads), rank.ledger)
     contact.detect(rank, t, rank.ledger)
     lap("contact")

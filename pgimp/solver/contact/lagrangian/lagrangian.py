@@ -76,19 +76,21 @@ class LagrangianContact(NoContact):
         super().__init__(scene, comm)
         self.call = Bound()
         self.bodies = len(scene.body_names)
-        self.fields = (0,) * self.bodies if scene.pairs else ()
+        self.fields = (0,) * self.bodies if scene.interaction.pairs else ()
         self.groups = np.zeros(self.bodies, np.int64)
         self.sweeps = 0
         self._grouped = False
         self.pairs, self._walls = with_walls(scene), separating_walls(scene)
         self._broad_phase = BroadPhase(scene, comm, self.pairs, self._walls)
-        rigid_bodies: Any = scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
-        self._contact = Contact.empty(
-            self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.faces), rigid_bodies
+        rigid_bodies: Any = (
+            scene.interaction.rigid_bodies.in_planes(1) if scene.interaction.rigid_bodies else ()
         )
-        self.free = FreeBodies(scene, comm) if scene.rigid_bodies.free else None
+        self._contact = Contact.empty(
+            self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.domain.faces), rigid_bodies
+        )
+        self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
-        self._every_face = scene.standing_faces()
+        self._every_face = scene.domain.standing_faces()
         self._particles = NearParticles(scene, comm, rigid_bodies, self._walls)
 
     @property
@@ -111,11 +113,13 @@ class LagrangianContact(NoContact):
         p, order = population.particles, population.order
         boxes = np.full((2, self.bodies, scene.dimension), np.inf)
         boxes[1] = -np.inf
-        grow_boxes(scene.frame, p._replace(x=p.origin), order, boxes)
+        grow_boxes(scene.domain.frame, p._replace(x=p.origin), order, boxes)
         every = np.array(self.comm.allgather(boxes))
         low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
         distance = 2.0 * reach(scene)
-        self.fields, self.groups = bonded(self.pairs, low, high, distance, scene.lagrangian)
+        self.fields, self.groups = bonded(
+            self.pairs, low, high, distance, scene.settings.lagrangian
+        )
         self._particles.groups = self.groups
         self._particles.fields = np.array(self.fields, np.int64)
         if max(self.fields) > 0 and self.fields != grid.fields:
@@ -131,8 +135,10 @@ class LagrangianContact(NoContact):
         rigid_bodies, free = self.rigid_bodies, self.free
         t, _, forcing, ledger = update
         ledger.contact[:, :, CONTACT_AREA] = 0.0
-        if self.scene.rigid_bodies:
-            self.scene.rigid_bodies.at(t.start, t.end, free.states if free else None)  # in place
+        if self.scene.interaction.rigid_bodies:
+            self.scene.interaction.rigid_bodies.at(
+                t.start, t.end, free.states if free else None
+            )  # in place
         if free:
             free.begin(rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
@@ -148,7 +154,7 @@ class LagrangianContact(NoContact):
         t, faces, forcing, ledger = update
         grid, population = rank.grid, rank.population
         holding = Holding(
-            faces, scene.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
+            faces, scene.domain.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
         )
         rows = population.order[self._broad_phase.near].astype(np.int64)
         if population.outdated:
@@ -168,7 +174,13 @@ class LagrangianContact(NoContact):
         )
         changes = values["velocity"] - before
         call(
-            change_velocities, scene.frame, grid.field, vertices.keys, changes, forcing, ledger.work
+            change_velocities,
+            scene.domain.frame,
+            grid.field,
+            vertices.keys,
+            changes,
+            forcing,
+            ledger.work,
         )
         call(book_held, holding, grid.field, vertices, ledger)
         if grid.slab.layers and grid.slab.lower is None:
@@ -178,7 +190,7 @@ class LagrangianContact(NoContact):
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""
-        contact, call, frame = self._contact, self.call, self.scene.frame
+        contact, call, frame = self._contact, self.call, self.scene.domain.frame
         table, patches, contact_vertices, start, vertices = near
         now, mirrors = self._particles.supports(table, True), self._particles.mirrors
         left = self._particles.left(table, now)

@@ -85,11 +85,11 @@ class NearParticles:
         self, scene: Scene, comm: Communicator, rigid_bodies: AnyRigidBodies, walls: SeparatingWalls
     ) -> None:
         self.scene, self.comm, self.call, self._initial = scene, comm, Bound(), Bound()
-        self._frame = InitialFrame(*scene.frame)
+        self._frame = InitialFrame(*scene.domain.frame)
         self._rigid_bodies, self._walls = rigid_bodies, walls
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
         self.mirrors = mirrors_of(scene)
-        self.local = local_vertices(scene.vertices, scene.dimension)
+        self.local = local_vertices(scene.settings.vertices, scene.dimension)
         self._seen = Seen(np.empty(0, np.int64), 0)
         self._plain, self._shares = plain(scene), undivided(comm.size)
         self._table, self._kept = np.empty(0, NEAR_PARTICLE), dict[str, Supports]()
@@ -121,7 +121,7 @@ class NearParticles:
             rows,
             self.groups,
             self.fields,
-            scene.lagrangian,
+            scene.settings.lagrangian,
             table,
         )
         if comm.size == 1:
@@ -130,11 +130,11 @@ class NearParticles:
             vertices = self._take(grid, holding, table, start)
             return Near(table, patches, contact_vertices, start, vertices)
         if anew:
-            most = np.array(scene.frame.cells) + 2 * scene.frame.ghost + 1
-            self._shares = divide(comm, table["first_vertex"], scene.vertices, most)
+            most = np.array(scene.domain.frame.cells) + 2 * scene.domain.frame.ghost + 1
+            self._shares = divide(comm, table["first_vertex"], scene.settings.vertices, most)
         parts = []
         for rank in range(comm.size):
-            own = table[self._shares.reached(table["first_vertex"], scene.vertices, rank)]
+            own = table[self._shares.reached(table["first_vertex"], scene.settings.vertices, rank)]
             supports = self.supports(own, False)
             parts.append((own, *self._take(grid, holding, own, supports)))
         tables, keys, values = zip(*comm.alltoall(parts), strict=True)
@@ -150,7 +150,7 @@ class NearParticles:
             low, high = first.min(axis=0), first.max(axis=0)
         none = np.empty(0, np.int64)
         contact_vertices = ContactVertices(
-            low, high - low + self.scene.vertices, 1 + int(self.groups.max()), none,
+            low, high - low + self.scene.settings.vertices, 1 + int(self.groups.max()), none,
             np.empty(0, VERTEX_SUMS), none,
         )  # fmt: skip
         within, boxes = self._shares.within(self.comm.rank), self._rigid_boxes()
@@ -198,9 +198,13 @@ class NearParticles:
         """
         supports, scene = self._storage(len(table), "current" if current else "start"), self.scene
         if current:
-            self.call(find_supports, scene.shape, scene.frame, table, current, supports)
+            self.call(
+                find_supports, scene.settings.shape, scene.domain.frame, table, current, supports
+            )
         else:
-            self._initial(find_supports, scene.shape, self._frame, table, current, supports)
+            self._initial(
+                find_supports, scene.settings.shape, self._frame, table, current, supports
+            )
         return supports
 
     def left(self, table: np.ndarray, now: Supports) -> tuple[Supports, float]:
@@ -208,12 +212,12 @@ class NearParticles:
 
         `now` are the supports at the particles' current positions.
         """
-        if not isinstance(self.scene.shape, BOXES):
+        if not isinstance(self.scene.settings.shape, BOXES):
             return now, 1.0
         if not needed(table["cut"].any()):
             return now, 0.0
         left, scene = self._storage(len(table), "left"), self.scene
-        self.call(narrow_supports, scene.shape, scene.frame, table, now, left)
+        self.call(narrow_supports, scene.settings.shape, scene.domain.frame, table, now, left)
         return left, 0.0
 
     def _storage(self, count: int, kind: str) -> Supports:
@@ -234,14 +238,14 @@ def in_order(vertices: ReferenceVertices) -> ReferenceVertices:
 
 def plain(scene: Scene) -> KernelScene:
     """Kernel scene with current positions, without materials."""
-    return scene.setting.without_materials()._replace(frame=scene.frame)
+    return scene.setting.without_materials()._replace(frame=scene.domain.frame)
 
 
 def mirrors_of(scene: Scene) -> np.ndarray:
     """The mirrors, (n,) FACE_PLANE."""
-    frame = scene.frame
+    frame = scene.domain.frame
     rows = []
-    for each in scene.mirrors:
+    for each in scene.domain.mirrors:
         vertex = frame.ghost + (each.side > 0) * frame.cells[each.axis]
         rows.append((each.axis, each.side, vertex, each.number, each.sticks))
     return np.array(rows, FACE_PLANE)
