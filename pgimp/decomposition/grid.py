@@ -10,6 +10,7 @@ from pgimp.kernels.data.frame import Frame, Window
 from pgimp.kernels.data.motion import VertexMotion
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.data.used_rows import clear_planes
 
 #: Cells by which the window reaches beyond the particles, so that it seldom has to grow.
 MARGIN = 2
@@ -107,6 +108,7 @@ class Grid:
         self.inner_bounds = np.zeros((2, 2), np.int64)
         self.motion: VertexMotion | tuple[()] = ()
         self._stored = Window.over((0, 0, 0), (0, 0, 0))
+        self._room: dict[str, FloatArray] = {}
 
     def cover(self, bounds: np.ndarray) -> None:
         """Store the vertices for supports with first vertices within `bounds`, and a margin."""
@@ -141,22 +143,42 @@ class Grid:
             self.inner_bounds[0, d - 1] = min(low + self.lag, last) if low else 0
             self.inner_bounds[1, d - 1] = max(high - self.lag, 0) if high < last else last
             lower[d], extent[d] = low, high - low + self.vertices
-        self.window = Window.over(
-            (lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]), self.fields
-        )
+        self._room.clear()
+        self._arrange((lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]))
+
+    def regroup(self, fields: Sequence[int]) -> None:
+        """Change the bodies' velocity fields; sums are lost, and arrays stay where they fit."""
+        clear_planes(self.field)
+        self.fields = tuple(fields)
+        self._arrange(self.window.lower, self.window.extent)
+
+    def _arrange(self, lower: tuple[int, int, int], extent: tuple[int, int, int]) -> None:
+        """Lay out the fields of the planes in a window."""
+        self.window = Window.over(lower, extent, self.fields)
         plane = self.window.stride[0]
-        self.G = aligned(self.planes * plane)
-        self.scratch = aligned(self.vertices * plane)
+        self.G = self._zeros("G", self.planes * plane)
+        self.scratch = self._zeros("scratch", self.vertices * plane)
         half = self.shared_lower * (self.shared_lower + 1) // 2 * plane
         shared_upper = self.vertices - 1 if self.slab.upper is not None else 0
-        self.deferred = aligned(half + shared_upper * (shared_upper + 1) // 2 * plane)
+        deferred = half + shared_upper * (shared_upper + 1) // 2 * plane
+        self.deferred = self._zeros("deferred", deferred)
         self.partial = self.deferred[:half]
         self.bounds = self._bounds() if self._fixed_bounds is None else self._fixed_bounds
-        flags = np.zeros(self.planes, np.int64) if self.fields else ()
+        count = 1 + max(self.fields, default=0)
+        flags = np.zeros((self.planes + 1, count), np.int64) if self.fields else ()
         arrays = self.G, self.active, self.scratch, self.deferred
         counts = self.shared_lower, self.owned
         self.field = Field(self.window, *arrays, *counts, self.bounds, flags, self._motion())
         self._marks = np.zeros(0, np.int64)
+
+    def _zeros(self, name: str, size: int) -> FloatArray:
+        """An array of zeros, by its name: the one there is, if all its users have left zeros."""
+        room = self._room.get(name)
+        if room is None:
+            room = self._room[name] = aligned(size)
+        elif len(room) < size:  # further fields: with some to spare
+            room = self._room[name] = aligned(size * 5 // 4)
+        return room[:size]
 
     def _motion(self) -> VertexMotion | tuple[()]:
         """Room for the vertices' motion, with what there is of it; () in other scenes."""

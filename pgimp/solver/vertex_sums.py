@@ -52,6 +52,12 @@ class VertexSums:
         """Allocate for the planes of a rank's grid, and velocity fields; return whether anew."""
         if self._known is grid.field:
             return False
+        if self._known is not None and self._is_like(grid):
+            self._known = grid.field
+            if self.grid.fields == tuple(fields):
+                return False
+            self.grid.regroup(fields)
+            return True
         for halo in self._halos.values():
             halo.close()
         self._halos.clear()
@@ -61,6 +67,12 @@ class VertexSums:
         )
         self.grid.store(grid.base)
         return True
+
+    def _is_like(self, grid: Grid) -> bool:
+        """Whether a rank's grid has the planes and the window of this one."""
+        own = self.grid
+        same = own.slab == grid.slab and np.array_equal(own.base, grid.base)
+        return same and own.window.extent == grid.window.extent
 
     def add(self, particles: Particles, order: Order, planes: np.ndarray) -> None:
         """Sum particles into some of the planes.

@@ -65,7 +65,8 @@ def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
             if mirror.releases == releases:
                 call(fold, scene.domain.frame, field, mirror, update.forcing, update.ledger)
                 if contact:
-                    call(fold_volumes, scene.domain.frame, field, contact.volumes, mirror)
+                    volumes = contact.volumes, contact.used
+                    call(fold_volumes, scene.domain.frame, field, *volumes, mirror)
         if not releases:
             rank.clearances.find(rank.grid)
 

@@ -1,6 +1,13 @@
-"""Velocity fields of bodies by a greedy colouring, from their bounding boxes."""
+"""Velocity fields of bodies by a greedy colouring, from their bounding boxes.
+
+Close bodies are found by a sweep: in the order of their lower ends along an axis, each is compared
+with those after it up to its upper end and the distance asked for.
+"""
 
 from pgimp.jit.kernel import inner_kernel, kernel
+
+#: Added to the distance up to which a sweep compares bodies, in cells: exact tests follow.
+_SLACK = 1e-9
 
 
 @inner_kernel
@@ -18,8 +25,56 @@ def _steps_apart(boxes, reach, a, b):
     return 0.5 * max(_distance(boxes, a, b) - reach, 0.0)
 
 
+@inner_kernel
+def _end(boxes, axis, order, n, wide):
+    """Offset behind the last body, in the order, that may be within a distance of the `n`-th."""
+    most, end = boxes[1, order[n], axis] + wide + _SLACK, n + 1
+    while end < len(order) and boxes[0, order[end], axis] < most:
+        end += 1
+    return end
+
+
 @kernel
-def colour_bodies(boxes, reach, fewest, most, stamps, fields):
+def find_neighbours(boxes, reach, fewest, axis, order, start, neighbours):
+    """List for each body those with lower numbers that it may touch within the fewest steps.
+
+    Parameters
+    ----------
+    boxes, reach, fewest
+        See `colour_bodies`.
+    axis, order : int, (bodies,) int64
+        Axis of the sweep, and the bodies in the order of their lower ends along it.
+    start : (bodies + 1,) int64
+        Set to the beginnings of the bodies' lists in `neighbours`.
+    neighbours : (n,) int64
+        Filled with the lists, if there is room for all.
+
+    Returns
+    -------
+    int
+        Room needed.
+    """
+    start[:] = 0
+    for filled in range(2):
+        for n in range(len(order)):
+            for m in range(n + 1, _end(boxes, axis, order, n, 2.0 * fewest + reach)):
+                a, b = min(order[n], order[m]), max(order[n], order[m])
+                if _steps_apart(boxes, reach, a, b) < fewest:
+                    if filled:
+                        start[b] -= 1
+                        neighbours[start[b]] = a
+                    else:
+                        start[b] += 1
+        if filled == 0:
+            for b in range(len(order)):  # now the ends of the lists, to be filled from there
+                start[b + 1] += start[b]
+            if start[len(order)] > len(neighbours):
+                break
+    return start[len(order)]
+
+
+@kernel
+def colour_bodies(boxes, reach, most, axis, order, start, neighbours, stamps, fields):
     """Set the fields: each body gets the lowest one not used by any body it may touch soon.
 
     Parameters
@@ -28,8 +83,10 @@ def colour_bodies(boxes, reach, fewest, most, stamps, fields):
         Least and greatest coordinates by body, in cells; infinite without particles.
     reach : float
         Distance in cells from which two particles have no common vertex along a direction.
-    fewest, most : int
-        Least number of steps without contact for bodies of one field, and the most that count.
+    most : int
+        Most steps without contact that count.
+    axis, order, start, neighbours
+        See `find_neighbours`.
     stamps : (bodies + 1,) int64
         Scratch, zeros.
     fields : (bodies,) int64
@@ -40,25 +97,25 @@ def colour_bodies(boxes, reach, fewest, most, stamps, fields):
     int
         Steps in which bodies of one field have no common vertex, at most `most`.
     """
-    steps = most
     for b in range(len(fields)):
-        for a in range(b):
-            if _steps_apart(boxes, reach, a, b) < fewest:
-                stamps[fields[a]] = b + 1
+        for k in range(start[b], start[b + 1]):
+            stamps[fields[neighbours[k]]] = b + 1
         own = 0
         while stamps[own] == b + 1:
             own += 1
         fields[b] = own
-        for a in range(b):
-            if fields[a] == own:
-                alone = _steps_apart(boxes, reach, a, b)
+    steps = most
+    for n in range(len(order)):
+        for m in range(n + 1, _end(boxes, axis, order, n, 2.0 * steps + reach)):
+            if fields[order[n]] == fields[order[m]]:
+                alone = _steps_apart(boxes, reach, order[n], order[m])
                 if alone < steps:
                     steps = int(alone)
     return steps
 
 
 @kernel
-def find_intervals(boxes, fields, wide, ends):
+def find_intervals(boxes, fields, wide, axis, order, ends):
     """Find intervals along x in which bodies of different fields may have common vertices.
 
     Parameters
@@ -67,6 +124,8 @@ def find_intervals(boxes, fields, wide, ends):
         See `colour_bodies`.
     wide : float
         Cells by which boxes may be apart.
+    axis, order
+        See `find_neighbours`.
     ends : (n, 2) float64
         Filled with the intervals' ends, as far as there is room.
 
@@ -76,8 +135,9 @@ def find_intervals(boxes, fields, wide, ends):
         Number of intervals.
     """
     found = 0
-    for a in range(len(fields)):
-        for b in range(a + 1, len(fields)):
+    for n in range(len(order)):
+        for m in range(n + 1, _end(boxes, axis, order, n, wide)):
+            a, b = order[n], order[m]
             if fields[a] == fields[b] or not _distance(boxes, a, b) < wide:
                 continue
             if found < len(ends):
@@ -85,3 +145,18 @@ def find_intervals(boxes, fields, wide, ends):
                 ends[found, 1] = min(boxes[1, a, 0], boxes[1, b, 0]) + 0.5 * wide
             found += 1
     return found
+
+
+@kernel
+def bound_bodies(x, body, rows, boxes):
+    """Grow the bodies' boxes, (2, bodies, D), to contain the coordinates x of particles.
+
+    Cells are counted afterwards: rounding keeps the order of coordinates.
+    """
+    for p in rows:
+        b = body[p]
+        for d in range(boxes.shape[2]):
+            if x[p, d] < boxes[0, b, d]:  # rarely true: avoids stores and their latency
+                boxes[0, b, d] = x[p, d]
+            if x[p, d] > boxes[1, b, d]:
+                boxes[1, b, d] = x[p, d]

@@ -66,12 +66,16 @@ class Contact(NamedTuple):
         The law of each pair of bodies.
     volumes : (planes * plane,) float64
         The sums of `VolumeSums`, for the planes with contact vertices.
+    used : (planes + 1, fields) int64
+        Their used rows, see `Field`.
     vertex_counts : (planes,) int64
         Number of the contact vertices in each plane.
     vertex_ranges : (planes,) VERTEX_RANGE
         Range of these vertices in each plane, see `select_near`.
     listed : VertexList
         The vertices at which pairs act on each other, found once for the passes of a step.
+    present : (fields,) int64
+        Scratch: fields that may have mass at a vertex.
     offsets, bodies : (fields,) int64
         Scratch: offsets of the fields' records at a vertex, and their bodies.
     fields : (fields,) FIELD_STATE
@@ -82,6 +86,8 @@ class Contact(NamedTuple):
         Scratch: the states of the pairs.
     scratch_impulse : (faces, 3) float64
         Scratch for unbooked impulses of faces.
+    near : (planes, y, z) int8
+        Whether a vertex is near rigid bodies, see `find_rigid_vertices`; empty without any.
     rigid_bodies : RigidBodies or ()
         The rigid bodies, which count as fields without records in the grid, and with infinite
         mass.
@@ -89,15 +95,18 @@ class Contact(NamedTuple):
 
     pairs: Pairs
     volumes: np.ndarray
+    used: np.ndarray
     vertex_counts: np.ndarray
     vertex_ranges: np.ndarray
     listed: VertexList
+    present: np.ndarray
     offsets: np.ndarray
     bodies: np.ndarray
     fields: np.ndarray
     ends: np.ndarray
     pair_states: np.ndarray
     scratch_impulse: np.ndarray
+    near: np.ndarray
     rigid_bodies: AnyRigidBodies
 
     @classmethod
@@ -114,10 +123,11 @@ class Contact(NamedTuple):
         most = fields + (len(rigid_bodies.motion) if rigid_bodies else 0)
         count = most * (most - 1) // 2
         return cls(
-            pairs, volumes, np.zeros(planes, np.int64), np.zeros(planes, VERTEX_RANGE),
-            VertexList.empty(planes), np.zeros(most, np.int64), np.zeros(most, np.int64),
-            np.zeros(most, FIELD_STATE), np.zeros(count, PAIR_ENDS), np.zeros(count, PAIR_STATE), np.zeros((faces, 3)),
-            rigid_bodies,
+            pairs, volumes, np.zeros((0, 0), np.int64),
+            np.zeros(planes, np.int64), np.zeros(planes, VERTEX_RANGE), VertexList.empty(planes),
+            np.zeros(most, np.int64), np.zeros(most, np.int64), np.zeros(most, np.int64),
+            np.zeros(most, FIELD_STATE), np.zeros(count, PAIR_ENDS), np.zeros(count, PAIR_STATE),
+            np.zeros((faces, 3)), np.zeros((0, 0, 0), np.int8), rigid_bodies,
         )  # fmt: skip
 
 

@@ -4,7 +4,29 @@ from math import inf
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.rigid.bodies import position_of
-from pgimp.kernels.rigid.fill import fill
+from pgimp.kernels.rigid.fill import FAR, fill
+
+
+def has_rigid_bodies(rigid_bodies):
+    """Whether there are rigid bodies."""
+
+
+@specialise(has_rigid_bodies)
+def _has_rigid_bodies(rigid_bodies):
+    if hasattr(rigid_bodies, "instance_class"):
+        return lambda rigid_bodies: True
+    return lambda rigid_bodies: False
+
+
+def may_be_near(near, rigid_bodies, i, j, k):
+    """Whether rigid bodies may be near a vertex, given by its offsets in the window."""
+
+
+@specialise(may_be_near)
+def _may_be_near(near, rigid_bodies, i, j, k):
+    if hasattr(rigid_bodies, "instance_class"):
+        return lambda near, rigid_bodies, i, j, k: near[i, j, k] != FAR
+    return lambda near, rigid_bodies, i, j, k: False
 
 
 def load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):

@@ -6,14 +6,15 @@ from pgimp.kernels.contact.data import SWEEPS
 from pgimp.kernels.contact.law import exchange, find_held
 from pgimp.kernels.contact.select import clear_range, include
 from pgimp.kernels.contact.vertex_list import load_vertex, vertex_number
-from pgimp.kernels.data.record import ACCELERATION, MASS, MOMENTUM, RECORD, VELOCITY
-from pgimp.kernels.data.velocity_fields import field_count, field_size, has_several
+from pgimp.kernels.data.record import ACCELERATION, MASS, MOMENTUM, VELOCITY
+from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
+from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.loads.loads import relaxed_part
 
 
 @kernel
-def find_contact_vertices(field, where, vertex_counts, vertex_ranges):
+def find_contact_vertices(field, where, present, vertex_counts, vertex_ranges):
     """Count the vertices at which several fields have mass, in each of a rank's planes.
 
     Parameters
@@ -22,28 +23,32 @@ def find_contact_vertices(field, where, vertex_counts, vertex_ranges):
         After the halo exchange, so that ranks agree in shared planes.
     where : (planes,) bool
         Which of the planes may hold several fields.
+    present : (fields,) int64
+        Scratch.
     vertex_counts : (planes,) int64
         Set here.
     vertex_ranges : (planes,) VERTEX_RANGE
         Set to their ranges, see `select_near`.
     """
-    window, G = field.window, field.G
-    size, count = field_size(window), field_count(window)
+    window, G, size = field.window, field.G, field_size(field.window)
     vertex_counts[:] = 0
     for i in range(len(vertex_counts)):
         clear_range(vertex_ranges[i])
-        if field.active[i] == 0 or count == 1 or not where[i] or not has_several(field, i):
+        if field.active[i] == 0 or not where[i]:
             continue
-        r = i * window.stride[0]
-        for j in range(window.extent[1]):
-            for k in range(window.extent[2]):
-                found = 0
-                for f in range(count):
-                    found += G[r + f * size + MASS] > 0.0
-                if found > 1:
-                    vertex_counts[i] += 1
-                    include(vertex_ranges[i], j, k)
-                r += RECORD
+        left = rows_with(field, i, 2)
+        while left:
+            begin, end, bit, left = next_bit(field, left)
+            count = fields_with(field, i, bit, present)
+            for j in range(begin, end):
+                for k in range(window.extent[2]):
+                    r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                    found = 0
+                    for n in range(count):
+                        found += G[r + present[n] * size + MASS] > 0.0
+                    if found > 1:
+                        vertex_counts[i] += 1
+                        include(vertex_ranges[i], j, k)
 
 
 def apply_contact(contact, faces, frame, field, forcing, i, ledger, last):

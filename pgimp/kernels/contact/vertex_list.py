@@ -5,9 +5,15 @@ from math import inf
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.listed import FIELDS, PAIRS, VERTICES
-from pgimp.kernels.contact.rigid_fields import load_rigid_bodies, set_rigid_velocity
+from pgimp.kernels.contact.rigid_fields import (
+    has_rigid_bodies,
+    load_rigid_bodies,
+    may_be_near,
+    set_rigid_velocity,
+)
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
-from pgimp.kernels.data.velocity_fields import field_count, field_size
+from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
+from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.faces import on_walls, wall_sides
 from pgimp.kernels.transfer.contribution import VOLUME_CORRECTION
 
@@ -30,27 +36,39 @@ def list_vertices(contact, faces, frame, field, dt, last):
         Whether the list is for the last pass, in which free rigid bodies take part.
     """
     listed, window = contact.listed, field.window
-    found = (0, 0, 0)
+    found, least = (0, 0, 0), 2 - has_rigid_bodies(contact.rigid_bodies)
     for i in range(len(contact.vertex_counts)):
         listed.start[i] = found[VERTICES]
         if field.active[i] != 0 and contact.vertex_counts[i] > 0:
-            for j in range(window.extent[1]):
-                for k in range(window.extent[2]):
-                    number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                    r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                    found = _add(contact, faces, frame, field, r, number, dt, last, found)
+            left = rows_with(field, i, least)
+            while left:
+                begin, end, bit, left = next_bit(field, left)
+                most = fields_with(field, i, bit, contact.present)
+                for j in range(begin, end):
+                    for k in range(window.extent[2]):
+                        number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                        r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                        near = may_be_near(contact.near, contact.rigid_bodies, i, j, k)
+                        found = _add(
+                            contact, faces, frame, field, r, number, most, near, dt, last, found
+                        )
     listed.start[len(contact.vertex_counts)] = found[VERTICES]
     listed.found[VERTICES], listed.found[FIELDS], listed.found[PAIRS] = found
 
 
 @inner_kernel
-def _add(contact, faces, frame, field, r, number, dt, last, found):
-    """List the vertex whose first record has offset `r`, if any pairs act there."""
-    count = _find_fields(contact, faces, frame, field, r, number)
-    if count == 0:
+def _add(contact, faces, frame, field, r, number, most, near, dt, last, found):
+    """List the vertex whose first record has offset `r`, if any pairs act there.
+
+    `most` fields may have mass there, see `Contact.present`. Rigid bodies may be `near`.
+    """
+    count = _find_fields(contact, faces, frame, field, r, number, most)
+    if count == 0 or (count == 1 and not near):
         return found
     sides = wall_sides(faces, frame, number)
-    rigid = load_rigid_bodies(contact, contact.rigid_bodies, frame, number, sides, count, last)
+    rigid = 0
+    if near:
+        rigid = load_rigid_bodies(contact, contact.rigid_bodies, frame, number, sides, count, last)
     if count + rigid < 2:
         return found
     pairs = find_pairs(contact, frame, sides, count + rigid, rigid, dt)
@@ -83,7 +101,7 @@ def _add(contact, faces, frame, field, r, number, dt, last, found):
 
 
 @inner_kernel
-def _find_fields(contact, faces, frame, field, r, number):
+def _find_fields(contact, faces, frame, field, r, number, most):
     """Find the fields at the vertex whose first record has offset `r`; returns their number.
 
     Walls cut off part of its neighbourhood.
@@ -93,8 +111,8 @@ def _find_fields(contact, faces, frame, field, r, number):
     for d in range(len(frame.cell)):
         cell *= frame.cell[d]
     count = 0
-    for f in range(field_count(field.window)):
-        offset = r + f * size
+    for n in range(most):
+        offset = r + contact.present[n] * size
         if not (G[offset + MASS] > 0.0 and V[offset + MASS] > 0.0):
             continue
         contact.offsets[count] = offset

@@ -113,9 +113,10 @@ class Field(NamedTuple):
         Number of planes, from the first, whose sums this rank accounts for.
     bounds : tuple of D pairs of float
         Coordinates between which a particle is certainly in the domain and in the window.
-    used : (planes,) int64 or ()
-        Bit f: the plane has sums of the velocity field f. They are cleared before it is active
-        again; see `pgimp.kernels.data.velocity_fields`. () in scenes that always have one field.
+    used : (planes + 1, fields) int64 or ()
+        Bits of the rows along y in which a plane's velocity field is not zero. They are cleared
+        before it is active again; see `pgimp.kernels.data.velocity_fields`. The last entries are
+        for the layer's own planes. () in scenes that always have one field.
     motion : VertexMotion or ()
         Motion that the vertices keep, in scenes with bodies in the initial configuration.
     """

@@ -8,9 +8,6 @@ from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.vectors.simd import load, pack, store
 from pgimp.kernels.data.record import RECORD
 
-#: The last bit of `Field.used` stands for all fields from this one on.
-_LAST = 62
-
 
 @inner_kernel
 def field_size(window):
@@ -63,63 +60,3 @@ def _move_to_fields(window, particles, rows, buffer, at):
             store(buffer, at, load(buffer, at) + begin)
 
     return move
-
-
-def clear_plane(field, i):
-    """Set plane `i` to zero; of several fields, only the used ones."""
-
-
-@specialise(clear_plane)
-def _clear_plane(field, i):
-    def clear(field, i):
-        plane = field.window.stride[0]
-        field.G[i * plane : (i + 1) * plane] = 0.0
-
-    def clear_used(field, i):
-        size = field_size(field.window)
-        for f in range(field_count(field.window)):
-            if is_used(field, i, f):
-                begin = i * field.window.stride[0] + f * size
-                field.G[begin : begin + size] = 0.0
-        field.used[i] = 0
-
-    return clear if _is_single(field) else clear_used
-
-
-def _is_single(field):
-    """Whether scenes with such a `Field` always have one field."""
-    return hasattr(field.types[field.fields.index("used")], "count")  # ()
-
-
-def is_used(field, i, f):
-    """Whether field `f` of plane `i` may be nonzero."""
-
-
-@specialise(is_used)
-def _is_used(field, i, f):
-    if _is_single(field):
-        return lambda field, i, f: True
-    return lambda field, i, f: (
-        len(field.window.bodies) == 0 or field.used[i] >> min(f, _LAST) & 1 != 0
-    )
-
-
-def use(field, i, low, high):
-    """Note that plane `i` is not zero between `low` and `high`, in float64 from its beginning."""
-
-
-@specialise(use)
-def _use(field, i, low, high):
-    def note(field, i, low, high):
-        size = field_size(field.window)
-        for f in range(low // size, (high - 1) // size + 1):
-            field.used[i] |= 1 << min(f, _LAST)
-
-    return (lambda field, i, low, high: None) if _is_single(field) else note
-
-
-@inner_kernel
-def has_several(field, i):
-    """Whether bodies of several fields may have mass in plane `i`."""
-    used = field.used[i]
-    return used & (used - 1) != 0 or used >> _LAST != 0

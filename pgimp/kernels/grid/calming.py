@@ -24,7 +24,7 @@ from pgimp.jit.tuples import plus_first
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import lane, load, pack, store
 from pgimp.kernels.data.particles import FloatArray
-from pgimp.kernels.data.velocity_fields import is_used
+from pgimp.kernels.data.used_rows import is_used
 
 #: Entries of a vertex's record: mass of relaxed particles, and momentum in three components; after
 #: that momentum over mass.

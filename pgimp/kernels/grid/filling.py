@@ -34,7 +34,8 @@ from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.data.frame import Window
 from pgimp.kernels.data.particles import FloatArray, IntArray
-from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
+from pgimp.kernels.data.used_rows import is_used, use
+from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.calming import Calming, find_motion
 from pgimp.kernels.grid.mirror import beyond_count, image_of
 from pgimp.kernels.rigid.fill import fill
@@ -228,6 +229,9 @@ def find_filling(frame, field, walls, rigid_bodies, fills, calming):
                         G[r + EXCESS], G[r + SURPLUS] = max(surplus, 0.0), surplus
                         G[r + OVERLAP] = max(surplus, 0.0) / max(1.0 + surplus, 1.0)
                 find_motion(calming, field, i, first, field_count(window), size)
+        for f in range(field_count(window)):
+            if is_used(field, i, f):  # now everywhere
+                use(field, i, f * size, (f + 1) * size)
 
 
 @inner_kernel

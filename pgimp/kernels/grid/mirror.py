@@ -29,7 +29,8 @@ from pgimp.kernels.data.record import (
     RECORD,
     VELOCITY,
 )
-from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used, use
+from pgimp.kernels.data.used_rows import is_used, note_range, use
+from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.constraint_flags import also_held
 from pgimp.kernels.grid.wall_gap import clearance_at
 from pgimp.kernels.loads.loads import given, relaxed_part
@@ -123,7 +124,9 @@ def fold(frame, field, mirror, forcing, ledger):
                     momentum = momentum_before(motion, kept, G, g, d)
                     impulse[i, mirror.number, d] -= 2.0 * dt * force + 2.0 * part * momentum
             # The image's plane now has this field.
-            use(field, (r - begin) // window.stride[0], begin, begin + RECORD)
+            plane = r // window.stride[0]
+            low = r - plane * window.stride[0]
+            use(field, plane, low, low + RECORD)
             _join(motion, kept, mirror, G, g, r)
             G[r + MASS] += G[g + MASS]
             G[r + CLEARANCE_SUM] += G[g + CLEARANCE_SUM]
@@ -164,7 +167,7 @@ def _join_motions(motion, kept, mirror, G, g, r):
 
 
 @kernel
-def fold_volumes(frame, field, volumes, mirror):
+def fold_volumes(frame, field, volumes, used, mirror):
     """Add the `VolumeSums` beyond a face to the sums of the mirror images.
 
     Parameters
@@ -173,6 +176,8 @@ def fold_volumes(frame, field, volumes, mirror):
         As in `fold`, after it; vertices that it has not folded stay.
     volumes : (planes * plane,) float64
         The sums.
+    used : (planes + 1, fields) int64
+        Their used rows, see `Field`.
     """
     window, G = field.window, field.G
     for f in range(field_count(window)):
@@ -184,6 +189,9 @@ def fold_volumes(frame, field, volumes, mirror):
             for d in range(RECORD):
                 sign = -1.0 if d == FORCE + mirror.axis else 1.0
                 volumes[r + d] += sign * volumes[g + d]
+            plane = r // window.stride[0]
+            low = r - plane * window.stride[0]
+            note_range(window, used[plane], low, low + RECORD)
 
 
 @kernel

@@ -4,7 +4,8 @@ from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.vertex import apply_contact
 from pgimp.kernels.data.motion import grid_rate, keeps, velocity_before
 from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, RECORD, VELOCITY
-from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
+from pgimp.kernels.data.used_rows import next_rows, used_rows
+from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import Holding, book_losses, hold
 from pgimp.kernels.grid.constraint_flags import also_held
 from pgimp.kernels.grid.constraints import constrained_velocity
@@ -42,19 +43,21 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     if part != REST:
         ledger.outside_mass[:] = 0.0
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
-    size = field_size(field.window)
+    size, row = field_size(field.window), field.window.stride[1]
     for i in range(len(active)):
         if active[i] == 0:
             continue
         if part != REST:
             apply_contact(contact, faces, frame, field, forcing, i, ledger, False)
             for f in range(field_count(field.window)):
-                if is_used(field, i, f):
-                    begin = i * plane + f * size
-                    kept = (field.motion, keeps(field.motion, f))
+                kept = (field.motion, keeps(field.motion, f))
+                first, left = i * plane + f * size, used_rows(field, i, f)
+                while left:
+                    begin, end, left = next_rows(field, left)
                     _accelerate(
-                        G, kept, begin, begin + size, dt, gravity, mass_cutoff, forcing.clearances
-                    )
+                        G, kept, first + begin * row, first + end * row, dt, gravity, mass_cutoff,
+                        forcing.clearances,
+                    )  # fmt: skip
         if part == BEGINNING:
             continue
         apply_contact(contact, faces, frame, field, forcing, i, ledger, True)
@@ -63,8 +66,10 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
         if heavy and i < owned:
             power = 0.0
             for f in range(field_count(field.window)):
-                if is_used(field, i, f):
-                    for r in range(i * plane + f * size, i * plane + (f + 1) * size, RECORD):
+                first, left = i * plane + f * size, used_rows(field, i, f)
+                while left:
+                    begin, end, left = next_rows(field, left)
+                    for r in range(first + begin * row, first + end * row, RECORD):
                         v = r + VELOCITY
                         b_v = gravity[0] * G[v] + gravity[1] * G[v + 1] + gravity[2] * G[v + 2]
                         power += G[r + MASS] * b_v

@@ -3,7 +3,8 @@
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import MASS, RECORD, VELOCITY
-from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
+from pgimp.kernels.data.used_rows import is_used, use
+from pgimp.kernels.data.velocity_fields import field_count, field_size
 
 
 @kernel
@@ -19,6 +20,7 @@ def recall_masses(field):
             if fields[f] and is_used(field, i, f):
                 for r in range(i * plane + f * size, i * plane + (f + 1) * size, RECORD):
                     G[r + MASS] = values[r + KEPT_MASS]
+                use(field, i, f * size, (f + 1) * size)
 
 
 @kernel

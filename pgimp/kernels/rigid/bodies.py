@@ -88,11 +88,14 @@ def move_freely(rigid_bodies: NumbaObject) -> bool:
 
 
 @inner_kernel
-def find_distance(rigid_bodies, t, D, x, y, z):
-    """Set distance and normal of body `t` at a point."""
-    row, lattice, point = rigid_bodies.motion[t], rigid_bodies.lattice[t], rigid_bodies.point[0]
+def _locate(rigid_bodies, t, D, x, y, z):
+    """Find the cell of the lattice of body `t` that a point is in.
+
+    Returns whether there is one, its first point, the distances of its points along each
+    direction, and the point's place between them.
+    """
+    row, lattice = rigid_bodies.motion[t], rigid_bodies.lattice[t]
     gap = (x - row.centre[0], y - row.centre[1], z - row.centre[2])
-    point.distance = point.mean_distance = point.normal[0] = point.normal[1] = point.normal[2] = 0.0
     offset, inside = 0, True
     part = (0.0, 0.0, 0.0)
     step = (0, 0, 0)
@@ -116,12 +119,36 @@ def find_distance(rigid_bodies, t, D, x, y, z):
             stride if d == 1 else step[1],
             stride if d == 2 else step[2],
         )
+    return inside, lattice.first + offset, step, part
+
+
+@inner_kernel
+def is_far(rigid_bodies, t, D, x, y, z, reach):
+    """Whether all points of the lattice around a point are farther than `reach` from body `t`."""
+    inside, first, step, _ = _locate(rigid_bodies, t, D, x, y, z)
+    if not inside:
+        return True
+    least = rigid_bodies.values[first, 0]
+    for corner in range(1, 1 << D):
+        where = first
+        for d in range(D):
+            where += step[d] if corner >> d & 1 else 0
+        least = min(least, rigid_bodies.values[where, 0])
+    return least > reach
+
+
+@inner_kernel
+def find_distance(rigid_bodies, t, D, x, y, z):
+    """Set distance and normal of body `t` at a point."""
+    row, point = rigid_bodies.motion[t], rigid_bodies.point[0]
+    point.distance = point.mean_distance = point.normal[0] = point.normal[1] = point.normal[2] = 0.0
+    inside, first, step, part = _locate(rigid_bodies, t, D, x, y, z)
     if not inside:
         point.distance = 1e300
         return
     own0, own1, own2 = 0.0, 0.0, 0.0
     for corner in range(1 << D):
-        weight, where = 1.0, lattice.first + offset
+        weight, where = 1.0, first
         for d in range(D):
             if corner >> d & 1:
                 weight *= part[d]

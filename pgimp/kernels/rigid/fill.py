@@ -12,13 +12,20 @@ from math import sqrt
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.select import include
 from pgimp.kernels.data.record import MASS
-from pgimp.kernels.data.velocity_fields import field_count, field_size
-from pgimp.kernels.rigid.bodies import find_distance, position_of
+from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
+from pgimp.kernels.data.velocity_fields import field_size
+from pgimp.kernels.rigid.bodies import find_distance, is_far, position_of
 from pgimp.kernels.rigid.tents import cut
 
 #: Difference between the mean distance and the distance at the vertex, as part of a cell along the
 #: surface. From this on the surface does not count as flat.
 FLAT = 0.02
+
+#: Distance from which on no bound for a near body holds, over the sum of a cell's sides.
+CERTAINLY = 1.0 + FLAT + 1e-3
+
+#: Whether a vertex is near any rigid body.
+FAR, NEAR = 1, 2
 
 #: Component of a normal along a wall's normal that is rounding: the wall is then perpendicular.
 SQUARE = 1e-9
@@ -52,12 +59,16 @@ def _tangent(frame, point):
 def _is_near(rigid_bodies, t, frame, number):
     """Set distance and normal at a vertex; returns whether the body may be near."""
     lattice, point, D = rigid_bodies.lattice[t], rigid_bodies.point[0], len(frame.cell)
-    square, along = 0.0, 0.0
+    square, along, most = 0.0, 0.0, 0.0
     for d in range(D):
         if number[d] < lattice.least[d] or number[d] > lattice.most[d]:
             return False
         square += frame.cell[d] ** 2
+        most += frame.cell[d]
     x, y, z = position_of(frame, number)
+    # All bounds below, and the tangent, are at most the sum of the cell's sides.
+    if is_far(rigid_bodies, t, D, x, y, z, CERTAINLY * most):
+        return False
     find_distance(rigid_bodies, t, D, x, y, z)
     for d in range(D):
         along += abs(point.normal[d]) * frame.cell[d]
@@ -149,18 +160,21 @@ def fill(rigid_bodies, t, frame, number, sides):
 
 
 @kernel
-def find_rigid_vertices(frame, field, rigid_bodies, vertex_counts, vertex_ranges):
+def find_rigid_vertices(frame, field, rigid_bodies, near, present, vertex_counts, vertex_ranges):
     """Count, in each of a rank's planes, the vertices with mass that are near a rigid body.
 
     Parameters
     ----------
     field : Field
         After the halo exchange.
-    vertex_counts, vertex_ranges
+    near : (planes, y, z) int8
+        Set to `NEAR` at these vertices, to `FAR` at other ones that have mass, elsewhere to 0.
+    present, vertex_counts, vertex_ranges
         As in `find_contact_vertices`; they grow by these vertices.
     """
     window, G, D = field.window, field.G, len(frame.cell)
     size = field_size(window)
+    near[:] = 0
     for t in range(len(rigid_bodies.motion)):
         low, high = (0, 0, 0), (0, 0, 0)
         for d in range(D):
@@ -171,13 +185,21 @@ def find_rigid_vertices(frame, field, rigid_bodies, vertex_counts, vertex_ranges
         for i in range(low[0], min(high[0], len(vertex_counts) - 1) + 1):
             if field.active[i] == 0:
                 continue
-            for j in range(low[1], high[1] + 1):
-                for k in range(low[2], high[2] + 1):
-                    r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                    some = False
-                    for f in range(field_count(window)):
-                        some = some or G[r + f * size + MASS] > 0.0
-                    number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                    if some and _is_near(rigid_bodies, t, frame, number):
-                        vertex_counts[i] += 1
-                        include(vertex_ranges[i], j, k)
+            left = rows_with(field, i, 1)
+            while left:
+                begin, end, bit, left = next_bit(field, left)
+                count = fields_with(field, i, bit, present)
+                for j in range(max(begin, low[1]), min(end, high[1] + 1)):
+                    for k in range(low[2], high[2] + 1):
+                        r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
+                        some = False
+                        for n in range(count):
+                            some = some or G[r + present[n] * size + MASS] > 0.0
+                        number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                        if not some:
+                            continue
+                        near[i, j, k] = max(near[i, j, k], FAR)
+                        if _is_near(rigid_bodies, t, frame, number):
+                            near[i, j, k] = NEAR
+                            vertex_counts[i] += 1
+                            include(vertex_ranges[i], j, k)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.vectors.simd import load, pack, store
 from pgimp.kernels.data.arguments import KernelScene, Order
-from pgimp.kernels.data.velocity_fields import clear_plane, use
+from pgimp.kernels.data.used_rows import add_layer, clear_plane, end_layer, use, use_layer
 from pgimp.kernels.lagrangian.cells import Cells, add_cells
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.transfer.sum_layer import sum_layer
@@ -42,7 +42,13 @@ def _sum_others_too(others, field, particles, layer, span):
     if not hasattr(others, "instance_class"):  # ()
         return lambda others, field, particles, layer, span: span
     if others.instance_class is Cells:
-        return lambda others, field, particles, layer, span: add_cells(others, field, layer, span)
+
+        def cells(others, field, particles, layer, span):
+            low, high = add_cells(others, field, layer, span)
+            use_layer(field, low, high)
+            return low, high
+
+        return cells
 
     def widen(others, field, particles, layer, span):
         start = others.order.start
@@ -75,7 +81,7 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
         Further particles: with another setting, or by cells of the lattice.
     """
     start, window, shared_lower = order.start, field.window, field.shared_lower
-    G, active, scratch, deferred = field.G, field.active, field.scratch, field.deferred
+    active, scratch, deferred = field.active, field.scratch, field.deferred
     plane = window.stride[0]
     vertices = len(scratch) // plane
     shared = vertices - 1
@@ -103,24 +109,14 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
                     slot = kept + _slot(layer - layers + shared, shared) + i
                     _defer(scratch, i * plane, deferred, slot * plane, low, high, plane)
                     continue
-                _flush(scratch, i * plane, G, target * plane, low, high)
-                if high > 0:
-                    use(field, target, low, high)
+                add_layer(field, i * plane, target, low, high)
+            end_layer(field)
 
 
 @inner_kernel
 def _slot(k, shared):
     """Offset, in planes, of the deferred sums of the k-th of `shared` layers."""
     return k * shared - k * (k - 1) // 2
-
-
-@inner_kernel
-def _flush(scratch, source, G, target, low, high):
-    """Add entries `low` to `high` of a plane of `scratch` to a plane of `G`, leaving zeros."""
-    zero = pack(0.0, 0.0, 0.0, 0.0)
-    for i in range(low, high, 4):
-        store(G, target + i, load(G, target + i) + load(scratch, source + i))
-        store(scratch, source + i, zero)
 
 
 @inner_kernel

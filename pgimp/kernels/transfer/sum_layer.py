@@ -4,6 +4,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.contact.volumes import summed_supports
 from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.data.used_rows import layer_marks, mark_support
 from pgimp.kernels.grid.calming import motion_share
 from pgimp.kernels.grid.filling import FillingSums, ratio_arms
 from pgimp.kernels.loads.loads import scatter_loads, weight
@@ -79,6 +80,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
         buffer = stack(SUPPORT_SIZE)
         forces = stack(PIOLA_SIZE)
         weights = stack(SUPPORT_SIZE)
+        marks = layer_marks(field, vertices, len(frame.origin))
         for k in range(begin, end, LANES):
             four = four_rows(rows, k, end)
             summed_supports(loads, shape, frame, window, particles, four, number, buffer)
@@ -98,6 +100,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                     loads.mean_lagrangian, (shape, frame), scratch, Support(weights, j), offset,
                     window.stride, forces,
                 )  # fmt: skip
+                mark_support(marks, window, particles.body[p], offset)
                 low = min(low, offset)
                 high = max(high, offset)
         scatter_loads(loads, setting, field, particles, rows, span, number)

@@ -108,8 +108,7 @@ class MultifieldContact(NoContact):
         self._intervals = where_near(boxes, fields, self._reach, steps)
         self._where = None
         if fields != grid.fields:
-            grid.fields = fields
-            grid.store(grid.base)
+            grid.regroup(fields)
 
     def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
         """See `NoContact.detect`; volumes are summed at contact vertices."""
@@ -128,6 +127,7 @@ class MultifieldContact(NoContact):
             find_contact_vertices,
             grid.field,
             self._where,
+            contact.present,
             contact.vertex_counts,
             contact.vertex_ranges,
         )
@@ -140,6 +140,8 @@ class MultifieldContact(NoContact):
                 scene.domain.frame,
                 grid.field,
                 placed,
+                contact.near,
+                contact.present,
                 contact.vertex_counts,
                 contact.vertex_ranges,
             )
@@ -213,22 +215,26 @@ class MultifieldContact(NoContact):
 
     def _find_planes(self, grid: Grid) -> np.ndarray:
         """Find the planes of possible contact between different fields until they are regrouped."""
-        first = int(grid.window.lower[0]) - self.scene.domain.frame.ghost
-        place = np.arange(first, first + grid.planes, dtype=float)
-        low, high = self._intervals.T
-        # Each begins behind as many ends as lie before the plane.
-        begun = np.searchsorted(np.sort(low), place, "right")
-        return begun > np.searchsorted(np.sort(high), place, "left")
+        first, planes = int(grid.window.lower[0]) - self.scene.domain.frame.ghost, grid.planes
+        begin = np.clip(np.ceil(self._intervals[:, 0]) - first, 0, planes).astype(np.int64)
+        end = np.clip(np.floor(self._intervals[:, 1]) + 1 - first, 0, planes).astype(np.int64)
+        more, less = (np.bincount(each, minlength=planes + 1) for each in (begin, end))
+        return np.cumsum(more - less)[:planes] > 0
 
     def _connect(self, grid: Grid) -> None:
-        """Allocate the data of kernels for the planes of `grid`."""
-        self._where, scene = None, self.scene
-        most = 1 + max(self.fields)
-        rigid = scene.interaction.rigid_bodies
-        placed = rigid.in_planes(grid.planes) if rigid else ()
-        self.data = Contact.empty(
-            self.pairs, self._volumes.grid.G, grid.planes, most, len(scene.domain.faces), placed
-        )
+        """Connect the data of kernels to the grids; allocate them if there is no room."""
+        self._where, scene, sums = None, self.scene, self._volumes.grid
+        rigid_bodies, most = scene.interaction.rigid_bodies, 1 + max(self.fields)
+        old = self.data and (len(self.data.vertex_counts), len(self.data.fields))
+        if not old or old[0] != grid.planes or old[1] < most + len(rigid_bodies):
+            self.data = Contact.empty(
+                self.pairs, sums.G, grid.planes, most + most // 4, len(scene.domain.faces),
+                rigid_bodies.in_planes(grid.planes) if rigid_bodies else (),
+            )  # fmt: skip
+        near = self.data.near
+        if rigid_bodies and near.shape != grid.window.extent:
+            near = np.zeros(grid.window.extent, np.int8)
+        self.data = self.data._replace(volumes=sums.G, used=sums.field.used, near=near)
 
     def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
         """Find the particles that may have weight on contact vertices, in some of the planes."""

@@ -13,8 +13,12 @@ from __future__ import annotations
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.colouring import colour_bodies, find_intervals
-from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
+from pgimp.kernels.contact.colouring import (
+    bound_bodies,
+    colour_bodies,
+    find_intervals,
+    find_neighbours,
+)
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
@@ -38,7 +42,8 @@ def body_boxes(
     """
     boxes = np.full((2, bodies, len(frame.cell)), np.inf)
     boxes[1] = -np.inf
-    grow_boxes(frame, particles, rows, boxes)
+    bound_bodies(particles.x, particles.body, rows, boxes)
+    boxes = (boxes - np.array(frame.origin)) * np.array(frame.inverse)
     if comm.size > 1:
         every = np.array(comm.allgather(boxes))
         boxes = np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
@@ -69,9 +74,10 @@ def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: 
     if not needed(any(fields)):
         return np.empty((0, 2))
     numbers, wide, room = np.array(fields, np.int64), 2.0 * steps + reach, 8 * len(fields)
+    axis, order = _sweep(boxes)
     while True:
         ends = np.empty((room, 2))
-        found = find_intervals(boxes, numbers, wide, ends)
+        found = find_intervals(boxes, numbers, wide, axis, order, ends)
         if found <= room:
             return ends[:found]
         room = found
@@ -96,5 +102,24 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
     """
     count = boxes.shape[1]
     fields, stamps = np.zeros(count, np.int64), np.zeros(count + 1, np.int64)
-    steps = colour_bodies(boxes, reach, FEWEST, MOST, stamps, fields)
+    axis, order = _sweep(boxes)
+    start, room = np.empty(count + 1, np.int64), 8 * count
+    while True:
+        neighbours = np.empty(room, np.int64)
+        found = find_neighbours(boxes, reach, FEWEST, axis, order, start, neighbours)
+        if found <= room:
+            break
+        room = found
+    steps = colour_bodies(boxes, reach, MOST, axis, order, start, neighbours, stamps, fields)
     return tuple(fields.tolist()), min(steps, NEAR) if fields.any() else steps
+
+
+def _sweep(boxes: np.ndarray) -> tuple[int, np.ndarray]:
+    """Axis along which few boxes overlap, and the bodies in the order of their lower ends there."""
+    some = boxes[0, :, 0] <= boxes[1, :, 0]
+    axis = 0
+    if some.any():
+        low, high = boxes[0, some], boxes[1, some]
+        wide = np.maximum((high - low).mean(axis=0), 1e-9)
+        axis = int(np.argmax((high.max(axis=0) - low.min(axis=0)) / wide))
+    return axis, np.argsort(boxes[0, :, axis], kind="stable")

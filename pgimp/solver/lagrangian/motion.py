@@ -88,8 +88,7 @@ def _sums(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     rank.halo.finish(grid)
     records, defined = grid.by_vertex(grid.G), grid.active[:, None] != 0
     if grid.fields:
-        bits, used = np.minimum(np.arange(records.shape[1]), 62), np.asarray(grid.field.used)
-        defined = defined & (used[:, None] >> bits & 1 != 0)
+        defined = defined & (np.asarray(grid.field.used)[:-1] != 0)
     records[~np.broadcast_to(defined, records.shape[:2])] = 0.0
     return records[..., MASS].copy(), records[..., VECTOR].copy()
 

@@ -79,6 +79,11 @@ def plain_fields(boxes, reach):
     return tuple(fields.tolist()), steps, np.stack(ends, axis=1)
 
 
+def ordered(intervals):
+    """Intervals in an order of their own."""
+    return intervals[np.lexsort(intervals.T)]
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_fields_of_hundreds_of_bodies_are_those_of_numpy(seed):
     """Heaps and sparse grains, in 1D to 3D, also bodies of which no particle is left."""
@@ -94,7 +99,7 @@ def test_fields_of_hundreds_of_bodies_are_those_of_numpy(seed):
     expected = plain_fields(boxes, reach)
     assert (fields, steps) == expected[:2]
     if any(fields):
-        np.testing.assert_array_equal(ends, expected[2])
+        np.testing.assert_array_equal(ordered(ends), ordered(expected[2]))
 
 
 def test_bodies_apart_share_a_field():
