@@ -34,9 +34,18 @@ def _end(boxes, axis, order, n, wide):
     return end
 
 
+@inner_kernel
+def _are_within(boxes, a, b, wide):
+    """Whether two bodies are within a distance, or by a rounding beyond it."""
+    for d in range(boxes.shape[2]):
+        if max(boxes[0, a, d] - boxes[1, b, d], boxes[0, b, d] - boxes[1, a, d]) > wide + _SLACK:
+            return False
+    return True
+
+
 @kernel
-def find_neighbours(boxes, reach, fewest, axis, order, start, neighbours):
-    """List for each body those with lower numbers that it may touch within the fewest steps.
+def find_neighbours(boxes, reach, fewest, axis, order, pairs):
+    """Find the pairs of bodies that may touch within the fewest steps.
 
     Parameters
     ----------
@@ -44,37 +53,27 @@ def find_neighbours(boxes, reach, fewest, axis, order, start, neighbours):
         See `colour_bodies`.
     axis, order : int, (bodies,) int64
         Axis of the sweep, and the bodies in the order of their lower ends along it.
-    start : (bodies + 1,) int64
-        Set to the beginnings of the bodies' lists in `neighbours`.
-    neighbours : (n,) int64
-        Filled with the lists, if there is room for all.
+    pairs : (n, 2) int64
+        Filled with the pairs, the lower number first, as far as there is room.
 
     Returns
     -------
     int
-        Room needed.
+        Number of pairs.
     """
-    start[:] = 0
-    for filled in range(2):
-        for n in range(len(order)):
-            for m in range(n + 1, _end(boxes, axis, order, n, 2.0 * fewest + reach)):
-                a, b = min(order[n], order[m]), max(order[n], order[m])
-                if _steps_apart(boxes, reach, a, b) < fewest:
-                    if filled:
-                        start[b] -= 1
-                        neighbours[start[b]] = a
-                    else:
-                        start[b] += 1
-        if filled == 0:
-            for b in range(len(order)):  # now the ends of the lists, to be filled from there
-                start[b + 1] += start[b]
-            if start[len(order)] > len(neighbours):
-                break
-    return start[len(order)]
+    found, wide = 0, 2.0 * fewest + reach
+    for n in range(len(order)):
+        for m in range(n + 1, _end(boxes, axis, order, n, wide)):
+            a, b = min(order[n], order[m]), max(order[n], order[m])
+            if _are_within(boxes, a, b, wide) and _steps_apart(boxes, reach, a, b) < fewest:
+                if found < len(pairs):
+                    pairs[found, 0], pairs[found, 1] = a, b
+                found += 1
+    return found
 
 
 @kernel
-def colour_bodies(boxes, reach, most, axis, order, start, neighbours, stamps, fields):
+def colour_bodies(boxes, reach, most, axis, order, pairs, scratch, fields):
     """Set the fields: each body gets the lowest one not used by any body it may touch soon.
 
     Parameters
@@ -85,9 +84,9 @@ def colour_bodies(boxes, reach, most, axis, order, start, neighbours, stamps, fi
         Distance in cells from which two particles have no common vertex along a direction.
     most : int
         Most steps without contact that count.
-    axis, order, start, neighbours
+    axis, order, pairs
         See `find_neighbours`.
-    stamps : (bodies + 1,) int64
+    scratch : (2 * bodies + len(pairs) + 2,) int64
         Scratch, zeros.
     fields : (bodies,) int64
         Set here.
@@ -97,9 +96,19 @@ def colour_bodies(boxes, reach, most, axis, order, start, neighbours, stamps, fi
     int
         Steps in which bodies of one field have no common vertex, at most `most`.
     """
-    for b in range(len(fields)):
+    count = len(fields)
+    stamps, start = scratch[: count + 1], scratch[count + 1 : 2 * count + 2]
+    lower = scratch[2 * count + 2 :]
+    for n in range(len(pairs)):
+        start[pairs[n, 1]] += 1
+    for b in range(count):  # then the ends of the bodies' lists in `lower`, to be filled from there
+        start[b + 1] += start[b]
+    for n in range(len(pairs)):
+        start[pairs[n, 1]] -= 1
+        lower[start[pairs[n, 1]]] = pairs[n, 0]
+    for b in range(count):
         for k in range(start[b], start[b + 1]):
-            stamps[fields[neighbours[k]]] = b + 1
+            stamps[fields[lower[k]]] = b + 1
         own = 0
         while stamps[own] == b + 1:
             own += 1
@@ -107,7 +116,9 @@ def colour_bodies(boxes, reach, most, axis, order, start, neighbours, stamps, fi
     steps = most
     for n in range(len(order)):
         for m in range(n + 1, _end(boxes, axis, order, n, 2.0 * steps + reach)):
-            if fields[order[n]] == fields[order[m]]:
+            if fields[order[n]] == fields[order[m]] and _are_within(
+                boxes, order[n], order[m], 2.0 * steps + reach
+            ):
                 alone = _steps_apart(boxes, reach, order[n], order[m])
                 if alone < steps:
                     steps = int(alone)
@@ -138,7 +149,9 @@ def find_intervals(boxes, fields, wide, axis, order, ends):
     for n in range(len(order)):
         for m in range(n + 1, _end(boxes, axis, order, n, wide)):
             a, b = order[n], order[m]
-            if fields[a] == fields[b] or not _distance(boxes, a, b) < wide:
+            if fields[a] == fields[b] or not _are_within(boxes, a, b, wide):
+                continue
+            if not _distance(boxes, a, b) < wide:
                 continue
             if found < len(ends):
                 ends[found, 0] = max(boxes[0, a, 0], boxes[0, b, 0]) - 0.5 * wide

@@ -1,6 +1,6 @@
 """Contact law at a vertex: held components of fields, and the impulses of pairs."""
 
-from math import inf, sqrt
+from math import copysign, inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.contact.data import fields_of, impulse_of
@@ -133,7 +133,10 @@ def _inverse_mass(field, bilateral, d):
 
 @inner_kernel
 def exchange(contact, holding, number, held, pair, last):
-    """Exchange the rest of the impulse that the law requires between the fields of a pair."""
+    """Exchange the rest of the impulse that the law requires between the fields of a pair.
+
+    Returns whether anything changes: without any change in a whole sweep, further ones have none.
+    """
     row = contact.pair_states[pair]
     (a, b), entry = fields_of(contact, pair), contact.ends[pair].law - 1
     first, second = contact.fields[a], contact.fields[b]
@@ -149,6 +152,7 @@ def exchange(contact, holding, number, held, pair, last):
     soft = (0.0, 0.0, 0.0)
     if held:
         soft = held_compliance(contact, contact.rigid_bodies, a, b)
+    changed = False
     if tied:
         for d in range(len(holding.frame.cell)):
             mobility = first.bilateral_inverse_mass[d] + second.bilateral_inverse_mass[d] + soft[d]
@@ -157,8 +161,9 @@ def exchange(contact, holding, number, held, pair, last):
             # A prescribed field moves the other; unilateral walls act on both.
             w = u[d] if first.bilateral_inverse_mass[d] == 0.0 else first.velocity[d]
             w -= v[d] if second.bilateral_inverse_mass[d] == 0.0 else second.velocity[d]
-            _give(first, second, row, d, (w - soft[d] * row.tangential_impulse[d]) / mobility)
-        return
+            J = (w - soft[d] * row.tangential_impulse[d]) / mobility
+            changed = _give(first, second, row, d, J) or changed
+        return changed
     w = (
         v[0] - u[0] + soft[0] * impulse_of(row, 0),
         v[1] - u[1] + soft[1] * impulse_of(row, 1),
@@ -173,7 +178,7 @@ def exchange(contact, holding, number, held, pair, last):
         normal += w[d] * row.normal[d]
     prescribed = rigid and soft[0] + soft[1] + soft[2] == 0.0  # not a body that moves freely
     if not most > 0.0 or (prescribed and answer < LEAST_GIVEN * most):
-        return
+        return False
     push, square = row.normal_impulse, 0.0
     if answer > 0.0:
         row.normal_impulse = max(0.0, push - (normal + row.gap_rate) / answer)
@@ -193,14 +198,33 @@ def exchange(contact, holding, number, held, pair, last):
     for d in range(3):
         stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most
         J = (row.normal_impulse - push) * row.normal[d]
+        before, then = first.velocity[d], second.velocity[d]
         first.velocity[d] -= J / first.mass
         second.velocity[d] += J / second.mass
-        _give(first, second, row, d, part * stick - row.tangential_impulse[d])
+        changed = _give(first, second, row, d, part * stick - row.tangential_impulse[d]) or changed
+        changed = changed or _differ(before, first.velocity[d])
+        changed = changed or _differ(then, second.velocity[d])
+    return changed or _differ(push, row.normal_impulse)
 
 
 @inner_kernel
 def _give(first, second, row, d, J):
-    """Change component `d` of two fields' velocities by an impulse across the normal."""
+    """Change component `d` of two fields' velocities by an impulse across the normal.
+
+    Returns whether this changes anything.
+    """
+    before = (row.tangential_impulse[d], first.velocity[d], second.velocity[d])
     row.tangential_impulse[d] += J
     first.velocity[d] -= J / first.mass
     second.velocity[d] += J / second.mass
+    return (
+        _differ(before[0], row.tangential_impulse[d])
+        or _differ(before[1], first.velocity[d])
+        or _differ(before[2], second.velocity[d])
+    )
+
+
+@inner_kernel
+def _differ(a, b):
+    """Whether two numbers have different bits; NaN differs from itself."""
+    return a != b or (a == 0.0 and copysign(1.0, a) != copysign(1.0, b))

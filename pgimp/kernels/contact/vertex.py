@@ -110,6 +110,9 @@ def contact_at_vertex(contact, holding, field, n, last):
     number = vertex_number(contact, n)
     held = find_held(contact, holding, number, count, rigid, last)
     for _ in range(SWEEPS if held or pairs > 1 else 1):
+        changed = False
         for pair in range(pairs):
-            exchange(contact, holding, number, held, pair, last)
+            changed = exchange(contact, holding, number, held, pair, last) or changed
+        if not changed:
+            break
     return count, pairs

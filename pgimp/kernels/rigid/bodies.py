@@ -123,18 +123,18 @@ def _locate(rigid_bodies, t, D, x, y, z):
 
 
 @inner_kernel
-def is_far(rigid_bodies, t, D, x, y, z, reach):
-    """Whether all points of the lattice around a point are farther than `reach` from body `t`."""
+def least_distance(rigid_bodies, t, D, x, y, z):
+    """Least distance from body `t` on the lattice's points around a point; 1e300 if far from it."""
     inside, first, step, _ = _locate(rigid_bodies, t, D, x, y, z)
     if not inside:
-        return True
+        return 1e300
     least = rigid_bodies.values[first, 0]
     for corner in range(1, 1 << D):
         where = first
         for d in range(D):
             where += step[d] if corner >> d & 1 else 0
         least = min(least, rigid_bodies.values[where, 0])
-    return least > reach
+    return least
 
 
 @inner_kernel

@@ -14,7 +14,7 @@ from pgimp.kernels.contact.select import include
 from pgimp.kernels.data.record import MASS
 from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
-from pgimp.kernels.rigid.bodies import find_distance, is_far, position_of
+from pgimp.kernels.rigid.bodies import find_distance, least_distance, position_of
 from pgimp.kernels.rigid.tents import cut
 
 #: Difference between the mean distance and the distance at the vertex, as part of a cell along the
@@ -56,18 +56,45 @@ def _tangent(frame, point):
 
 
 @inner_kernel
+def _far(frame):
+    """Distance from which on no vertex is near: greater than all bounds in `_is_near`."""
+    most = 0.0
+    for d in range(len(frame.cell)):
+        most += frame.cell[d]
+    return CERTAINLY * most
+
+
+@inner_kernel
+def _clear_vertices(rigid_bodies, t, frame, number):
+    """Number of vertices along a line from a vertex on that are certainly far; 0 if it may be near.
+
+    From one point to the next the distance changes by no more than the way; twice that is allowed.
+    """
+    x, y, z = position_of(frame, number)
+    most, D = 0.0, len(frame.cell)
+    for d in range(D):
+        most = max(most, frame.cell[d])
+    spare = least_distance(rigid_bodies, t, D, x, y, z)
+    if spare == 1e300:  # it may be outside of the lattice only here
+        return 1
+    spare -= _far(frame)
+    if not spare > 0.0:
+        return 0
+    way = 0.5 * spare - 2.0 * D * rigid_bodies.motion[t].spacing
+    return 1 + int(max(way, 0.0) / most)
+
+
+@inner_kernel
 def _is_near(rigid_bodies, t, frame, number):
     """Set distance and normal at a vertex; returns whether the body may be near."""
     lattice, point, D = rigid_bodies.lattice[t], rigid_bodies.point[0], len(frame.cell)
-    square, along, most = 0.0, 0.0, 0.0
+    square, along = 0.0, 0.0
     for d in range(D):
         if number[d] < lattice.least[d] or number[d] > lattice.most[d]:
             return False
         square += frame.cell[d] ** 2
-        most += frame.cell[d]
     x, y, z = position_of(frame, number)
-    # All bounds below, and the tangent, are at most the sum of the cell's sides.
-    if is_far(rigid_bodies, t, D, x, y, z, CERTAINLY * most):
+    if least_distance(rigid_bodies, t, D, x, y, z) > _far(frame):
         return False
     find_distance(rigid_bodies, t, D, x, y, z)
     for d in range(D):
@@ -185,21 +212,26 @@ def find_rigid_vertices(frame, field, rigid_bodies, near, present, vertex_counts
         for i in range(low[0], min(high[0], len(vertex_counts) - 1) + 1):
             if field.active[i] == 0:
                 continue
-            left = rows_with(field, i, 1)
+            left, clear = rows_with(field, i, 1), -1
             while left:
                 begin, end, bit, left = next_bit(field, left)
                 count = fields_with(field, i, bit, present)
                 for j in range(max(begin, low[1]), min(end, high[1] + 1)):
+                    clear = -1 if D > 2 else clear
                     for k in range(low[2], high[2] + 1):
                         r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
                         some = False
                         for n in range(count):
                             some = some or G[r + present[n] * size + MASS] > 0.0
-                        number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
                         if not some:
                             continue
                         near[i, j, k] = max(near[i, j, k], FAR)
-                        if _is_near(rigid_bodies, t, frame, number):
+                        here = k if D > 2 else j
+                        if here < clear:
+                            continue
+                        number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                        clear = here + _clear_vertices(rigid_bodies, t, frame, number)
+                        if here >= clear and _is_near(rigid_bodies, t, frame, number):
                             near[i, j, k] = NEAR
                             vertex_counts[i] += 1
                             include(vertex_ranges[i], j, k)

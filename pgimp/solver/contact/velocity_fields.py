@@ -101,25 +101,20 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
         Steps for which this holds.
     """
     count = boxes.shape[1]
-    fields, stamps = np.zeros(count, np.int64), np.zeros(count + 1, np.int64)
-    axis, order = _sweep(boxes)
-    start, room = np.empty(count + 1, np.int64), 8 * count
+    (axis, order), room = _sweep(boxes), 8 * count
     while True:
-        neighbours = np.empty(room, np.int64)
-        found = find_neighbours(boxes, reach, FEWEST, axis, order, start, neighbours)
+        pairs = np.empty((room, 2), np.int64)
+        found = find_neighbours(boxes, reach, FEWEST, axis, order, pairs)
         if found <= room:
             break
         room = found
-    steps = colour_bodies(boxes, reach, MOST, axis, order, start, neighbours, stamps, fields)
+    fields, scratch = np.zeros(count, np.int64), np.zeros(2 * count + found + 2, np.int64)
+    steps = colour_bodies(boxes, reach, MOST, axis, order, pairs[:found], scratch, fields)
     return tuple(fields.tolist()), min(steps, NEAR) if fields.any() else steps
 
 
 def _sweep(boxes: np.ndarray) -> tuple[int, np.ndarray]:
-    """Axis along which few boxes overlap, and the bodies in the order of their lower ends there."""
-    some = boxes[0, :, 0] <= boxes[1, :, 0]
-    axis = 0
-    if some.any():
-        low, high = boxes[0, some], boxes[1, some]
-        wide = np.maximum((high - low).mean(axis=0), 1e-9)
-        axis = int(np.argmax((high.max(axis=0) - low.min(axis=0)) / wide))
-    return axis, np.argsort(boxes[0, :, axis], kind="stable")
+    """Axis along which the bodies reach farthest, and their order by their lower ends there."""
+    reached = boxes[1].max(axis=0) - boxes[0].min(axis=0)
+    axis = int(reached.argmax())
+    return axis, boxes[0, :, axis].argsort(kind="stable")
