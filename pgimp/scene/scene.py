@@ -100,7 +100,7 @@ class Scene:
             and self.dimension > 1
             and method.in_cell
             and max(method.particles_per_cell) <= MOST
-            and not (loads.tractions or loads.force or self.case.staged.rebonds)
+            and not (loads.force or self.case.staged.rebonds)
         )
 
     def _cell_loads(self) -> Loads | tuple[()]:

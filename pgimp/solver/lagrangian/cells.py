@@ -32,7 +32,7 @@ class LatticeCells(NamedTuple):
     rows : (slots,) int64
         Row of the particle in each slot, or -1.
     others, inside : Order
-        The particles that are in no cell, and the others.
+        The particles that are in no cell: off the lattice, or with a traction; and those in cells.
     is_inside : (capacity,) bool
         Whether the particle in a row is in a cell.
     """
@@ -71,6 +71,7 @@ def find_cells(rank: RankState) -> LatticeCells:
     number += scene.domain.frame.ghost
     fits = (np.abs(within - place) < _NEAR * per_cell).all(axis=1)
     fits &= (number[:, 0] == p.layer[rows]) & ((0 <= place) & (place < per_cell)).all(axis=1)
+    fits &= ~p.patch[rows].any(axis=1)  # tractions are forces on particles
     mine = np.flatnonzero(fits)
     offset = np.zeros(len(mine), np.int64)
     for d in range(1, D):
