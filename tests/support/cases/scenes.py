@@ -5,7 +5,6 @@ size 1 a time unit, and motions of order 0.1 strain it by about a hundredth.
 """
 
 import json
-from unittest.mock import patch
 
 import numpy as np
 
@@ -67,12 +66,8 @@ def wall(*velocity):
 
 
 def start(case):
-    """The simulation of a case, on one rank, without the rehearsal of its kernels.
-
-    What is called is compiled then; most tests call less than the rehearsal would compile.
-    """
-    with patch("pgimp.solver.setup.warm_up"):
-        return Simulation(Case.model_validate(case), Serial())
+    """The simulation of a case, on one rank."""
+    return Simulation(Case.model_validate(case), Serial())
 
 
 def finish(sim):
