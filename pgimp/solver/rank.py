@@ -18,8 +18,6 @@ from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.lagrangian.displace import displace_particles
-from pgimp.kernels.sums.sums import layer_sums
-from pgimp.kernels.update.checks import OUTFLOW
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
@@ -29,7 +27,6 @@ from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
-from pgimp.solver.transfers import RangeReport
 
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
@@ -159,6 +156,8 @@ class Rank:
     def displace(self, near: np.ndarray | None = None) -> None:
         """Update lattice particles from the vertices' motion, all or those `near`, by offsets."""
         order, setting = self.lattice.inside, self.scene.setting
+        if self.scene.cell_loads:  # F and stress are those of the step
+            setting = setting.without_materials()
         if near is not None:
             rows = self.population.order[near]
             inside = self.lattice.is_inside[rows]
@@ -283,78 +282,3 @@ class Rank:
                 last_own = own
 
         return lap
-
-    def send(self, report: RangeReport) -> None:
-        """Send the particles of a range of layers that have left the slab; see `Migration`."""
-        if len(report.changed) or self.migrates:
-            self.migration.proceed(self.population, report.changed)
-
-    def settle(self, reports: list[RangeReport], lap: Callable[[str], None]) -> None:
-        """Complete a step: counts, outflow, arrivals, and the canonical order.
-
-        Parameters
-        ----------
-        reports : list of RangeReport
-            Reports of all layers.
-        lap : callable
-            From `stopwatch`.
-        """
-        population = self.population
-        self.keeping.finish(self.ledger, int(self.grid.window.lower[0]))
-        self.particle_steps += self.count
-        found, outflow, failed = 0, 0, list[int]()
-        for report in reports:
-            self.clamped += report.clamped
-            self.held += report.held
-            failed += report.failed
-            found, outflow = found + len(report.changed), outflow + report.outflow
-        if sum(failed):
-            self._list_errors(failed)
-        changed = population.changed[:found]
-        if len(reports) > 1:
-            changed.sort()
-        if outflow:
-            self._remove_outflow(changed)
-        arrived = changed
-        if found or self.migrates:
-            arrived = self.migration.receive(population)
-        lap("migrate")
-        if found or len(arrived):
-            population.restore_order(changed, arrived)
-        lap("order")
-
-    def _remove_outflow(self, left: np.ndarray) -> None:
-        """Book the particles that have left the domain, and free their rows.
-
-        Their mass, momentum and energy are added to the sums of their last layer, in canonical
-        order. So the ledger has the same bits on any number of ranks.
-
-        Parameters
-        ----------
-        left : (k,) int32
-            Offsets in the order of the particles that left or changed their layer, ascending.
-        """
-        scene, population = self.scene, self.population
-        rows = population.order[left]
-        gone = self.particles.layer[rows] == OUTFLOW
-        leaving = rows[gone]
-        order = Order(leaving, np.searchsorted(left[gone], population.start))
-        escaped = self.ledger.escaped[: self.slab.layers]
-        layer_sums(scene.setting.without_shape(), self.particles, order, escaped)
-        population.free_later(leaving)
-
-    def _list_errors(self, numbers: list[int]) -> None:
-        """List the particles at fault in this step in canonical order, at most `MOST_LISTED`.
-
-        Parameters
-        ----------
-        numbers : list of int
-            Number found by each call; the first ones are in `error_buffer`.
-        """
-        found = np.concatenate(
-            [buffer[:n] for buffer, n in zip(self.error_buffer, numbers, strict=False)]
-        )
-        rank_in_order = np.empty(self.particles.capacity, np.int64)
-        rank_in_order[self.population.order] = np.arange(self.count)
-        self.failed = sum(numbers)
-        self.errors = found[np.argsort(rank_in_order[found[:, 0]])][:MOST_LISTED]

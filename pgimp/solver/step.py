@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from pgimp.solver.completion import send_particles, settle
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
@@ -88,7 +89,7 @@ def step(
     for layers in rank.halo.halves(rank.population.start):  # first the layers neighbours wait for
         reports.append(update_particles(rank, groups, forcing, layers, reports))
         lap("G2P")  # (26, 27, 29, 30)
-        rank.send(reports[-1])
+        send_particles(rank, reports[-1])
         lap("migrate")
-    rank.settle(reports, lap)
+    settle(rank, reports, lap)
     return t, max(report.rate for report in reports)

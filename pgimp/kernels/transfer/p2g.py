@@ -44,7 +44,7 @@ def _sum_others_too(others, field, particles, layer, span):
     if others.instance_class is Cells:
 
         def cells(others, field, particles, layer, span):
-            low, high = add_cells(others, field, layer, span)
+            low, high = add_cells(others, field, particles, layer, span)
             use_layer(field, low, high)
             return low, high
 

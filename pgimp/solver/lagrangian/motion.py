@@ -137,8 +137,11 @@ def enter_motion(rank: Rank, before: Grid) -> None:
     rank.contact.assign_fields(rank)
     grid = rank.grid
     was, now = before.by_vertex(before.kept.values), grid.by_vertex(grid.kept.values)
-    bodies = [b for b, name in enumerate(scene.body_names) if scene.settings.lagrangian[b]
-              and name not in scene.case.staged.removed]  # fmt: skip
+    bodies = [
+        b
+        for b, name in enumerate(scene.body_names)
+        if scene.settings.lagrangian[b] and name not in scene.case.staged.removed
+    ]
     pairs = {(_field(grid, b), _field(before, b)) for b in bodies}
     if len({new for new, _ in pairs}) == len(pairs):
         for new, old_field in pairs:

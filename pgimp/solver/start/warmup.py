@@ -47,9 +47,11 @@ def warm_up(scene: Scene, comm: Communicator) -> None:
             noted = note_calls(lambda: _rehearse(scene))
             shared_out(
                 comm,
-                [(len(str(types)) + LONG.get(each, 0), partial(each.compile, types))
-                 for each, types in noted],
-            )  # fmt: skip
+                [
+                    (len(str(types)) + LONG.get(each, 0), partial(each.compile, types))
+                    for each, types in noted
+                ],
+            )
         _rehearse(scene)
 
 

@@ -170,8 +170,11 @@ class EnergyWatch:
             if scene.settings.escapes
             else np.zeros((len(own.work), 1, scene.materials.sums))
         )
-        rows = [found[:, :, which].sum(axis=1) for found in (sums, escaped)
-                for which in (KINETIC, STRAIN, MASS)]  # fmt: skip
+        rows = [
+            found[:, :, which].sum(axis=1)
+            for found in (sums, escaped)
+            for which in (KINETIC, STRAIN, MASS)
+        ]
         # Energy taken by unilateral walls cannot come from nothing.
         parts = rank.comm.allgather((own.work - own.wall_energy.sum(axis=(1, 2)), *rows))
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))

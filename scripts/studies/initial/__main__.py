@@ -14,6 +14,8 @@ SMOOTH = "initial, smooth"
 WORDS = {
     "at rest": "block at rest on the lattice",
     "moving": "block that moves",
+    "mean": "the same at rest with `volumetric: mean`",
+    "metal": "the same of `von-mises`",
     "random": "particles at random places",
 }
 KINDS = tuple(WORDS)

@@ -184,8 +184,8 @@ def speed(D, kind, rounds=15, steps=12):
     """CPU time of a step in the current over that in the initial configuration, by turns.
 
     The standard block of `pgimp bench`, or a square: ``at rest`` as it lies on the lattice;
-    ``moving`` at a twentieth of the wave speed, from where it is a third of a cell away on; or its
-    particles at ``random`` places.
+    ``moving`` at a twentieth of the wave speed, from where it is a third of a cell away on; with
+    ``mean`` dilatation; of ``metal``, with a memory; or its particles at ``random`` places.
     """
     sims = {}
     for configuration in ("current", "initial"):
@@ -205,6 +205,11 @@ def speed(D, kind, rounds=15, steps=12):
             case["time"]["end"] = 10**6 * dt
             pace = 0.05 * 0.3 * case["grid"]["cell"][0] / dt
             body["velocity"] = [pace] * D
+        if kind == "mean":
+            case["method"]["volumetric"] = "mean"
+        if kind == "metal":
+            (law,) = case["materials"].values()
+            law |= {"model": "von-mises", "yield-stress": 0.01 * law["young"]}
         sim = Block(pgimp.load(case), Serial()) if kind == "random" else core(case)
         for _ in range(22 if kind == "moving" else 0):
             sim.advance()

@@ -10,6 +10,8 @@ from pgimp.kernels.data.record import MASS, RECORD
 from pgimp.kernels.rigid.fill import FAR, NEAR, _is_near
 from pgimp.solver.contact.multifield import MultifieldContact
 
+pytestmark = pytest.mark.slow(80)
+
 
 def heap(D, law="friction", **parts):
     """Squares or cubes that lie close together, each with a velocity of its own."""
@@ -153,5 +155,5 @@ def test_a_grid_that_is_regrouped_is_zero(monkeypatch):
         kept.append(grid._room["G"] is room)
 
     monkeypatch.setattr(Grid, "regroup", regroup)
-    watched(heap(2), monkeypatch, lambda rank, contact: None, 60)
+    watched(heap(2), monkeypatch, lambda rank, contact: None, 40)
     assert any(kept)
