@@ -1,6 +1,7 @@
 """Search for a step's contact vertices, with their fields and pairs: done once for all passes."""
 
 from math import inf
+from typing import Any, NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.gap import find_pairs
@@ -11,11 +12,23 @@ from pgimp.kernels.contact.rigid_fields import (
     may_be_near,
     set_rigid_velocity,
 )
+from pgimp.kernels.data.arguments import Field
+from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
 from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.faces import on_walls, wall_sides
 from pgimp.kernels.transfer.contribution import VOLUME_CORRECTION
+
+
+class Search(NamedTuple):
+    """Where vertices are searched, and for which pass: the arguments of `list_vertices`."""
+
+    faces: Any
+    frame: Frame
+    field: Field
+    dt: float
+    last: bool
 
 
 @kernel
@@ -36,33 +49,33 @@ def list_vertices(contact, faces, frame, field, dt, last):
         Whether the list is for the last pass, in which free rigid bodies take part.
     """
     listed, window = contact.listed, field.window
+    search = Search(faces, frame, field, dt, last)
     found, least = (0, 0, 0), 2 - has_rigid_bodies(contact.rigid_bodies)
     for i in range(len(contact.vertex_counts)):
         listed.start[i] = found[VERTICES]
-        if field.active[i] != 0 and contact.vertex_counts[i] > 0:
-            left = rows_with(field, i, least)
-            while left:
-                begin, end, bit, left = next_bit(field, left)
-                most = fields_with(field, i, bit, contact.present)
-                for j in range(begin, end):
-                    for k in range(window.extent[2]):
-                        number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                        r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                        near = may_be_near(contact.near, contact.rigid_bodies, i, j, k)
-                        found = _add(
-                            contact, faces, frame, field, r, number, most, near, dt, last, found
-                        )
+        if field.active[i] == 0 or contact.vertex_counts[i] == 0:
+            continue
+        left = rows_with(field, i, least)
+        while left:
+            begin, end, bit, left = next_bit(field, left)
+            most = fields_with(field, i, bit, contact.present)
+            for j in range(begin, end):
+                for k in range(window.extent[2]):
+                    number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                    near = may_be_near(contact.near, contact.rigid_bodies, i, j, k)
+                    found = _add(contact, search, number, most, near, found)
     listed.start[len(contact.vertex_counts)] = found[VERTICES]
     listed.found[VERTICES], listed.found[FIELDS], listed.found[PAIRS] = found
 
 
 @inner_kernel
-def _add(contact, faces, frame, field, r, number, most, near, dt, last, found):
-    """List the vertex whose first record has offset `r`, if any pairs act there.
+def _add(contact, search, number, most, near, found):
+    """List a vertex, if any pairs act there.
 
     `most` fields may have mass there, see `Contact.present`. Rigid bodies may be `near`.
     """
-    count = _find_fields(contact, faces, frame, field, r, number, most)
+    faces, frame, last = search.faces, search.frame, search.last
+    count = _find_fields(contact, faces, frame, search.field, number, most)
     if count == 0 or (count == 1 and not near):
         return found
     sides = wall_sides(faces, frame, number)
@@ -71,7 +84,7 @@ def _add(contact, faces, frame, field, r, number, most, near, dt, last, found):
         rigid = load_rigid_bodies(contact, contact.rigid_bodies, frame, number, sides, count, last)
     if count + rigid < 2:
         return found
-    pairs = find_pairs(contact, frame, sides, count + rigid, rigid, dt)
+    pairs = find_pairs(contact, frame, sides, count + rigid, rigid, search.dt)
     if pairs == 0:
         return found
     listed, (v, f, p) = contact.listed, found
@@ -101,12 +114,15 @@ def _add(contact, faces, frame, field, r, number, most, near, dt, last, found):
 
 
 @inner_kernel
-def _find_fields(contact, faces, frame, field, r, number, most):
-    """Find the fields at the vertex whose first record has offset `r`; returns their number.
+def _find_fields(contact, faces, frame, field, number, most):
+    """Find the fields at a vertex; returns their number.
 
     Walls cut off part of its neighbourhood.
     """
-    G, V, size = field.G, contact.volumes, field_size(field.window)
+    G, V, window, r = field.G, contact.volumes, field.window, 0
+    size = field_size(window)
+    for d in range(3):
+        r += (number[d] - window.lower[d]) * window.stride[d]
     cell = 0.5 ** on_walls(faces, frame, number)
     for d in range(len(frame.cell)):
         cell *= frame.cell[d]
