@@ -188,6 +188,15 @@ def test_what_cannot_be_in_one_case_is_said():
     start(case)
 
 
+def test_one_particle_a_cell_is_refused():
+    """Displacements that alternate from vertex to vertex strain none in the middle of a cell."""
+    case = disks("initial", "current")
+    case["method"]["particles_per_cell"] = [1, 1]
+    with pytest.raises(ValidationError, match="have hourglass modes with one particle along 2"):
+        start(case)
+    start(disks("current", "current") | {"method": case["method"]})
+
+
 def test_parallelograms_of_both_configurations_are_refused():
     case = disks("initial", "current")
     case["method"]["shape"] = "cpdi-corners"
