@@ -121,7 +121,6 @@ class Migration:
 
     def __init__(self, comm: Communicator, slab: Slab, particles: Particles) -> None:
         self.messages = self.bytes = 0
-        self._slab = slab
         columns = particles.width
         lower, upper = (
             None if neighbour is None else _Link(comm, neighbour, columns)

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.checks.bodies import check_bounds
 from pgimp.case.checks.probes import check_near
+from pgimp.case.checks.regions import check_bounds
 from pgimp.case.places import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
