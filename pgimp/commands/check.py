@@ -9,7 +9,7 @@ import argparse
 from itertools import chain
 
 from pgimp.case.load import load
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.jit.compiled.cache import announced
 from pgimp.mpi.comm import say

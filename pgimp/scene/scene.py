@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import CaseError
 from pgimp.jit.compiled.cache import messages, problems
