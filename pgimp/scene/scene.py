@@ -44,7 +44,7 @@ class Scene:
     setting : KernelScene
         The scene for kernels; `setting_lagrangian` is for bodies in the initial configuration
         beside others.
-    placing : Frame, InitialFrame or MixedFrame
+    order_frame : Frame, InitialFrame or MixedFrame
         The frame for kernels that sort particles.
     by_cells : bool
         Whether lattice particles are summed by `pgimp.kernels.lagrangian.cells`.
@@ -83,9 +83,9 @@ class Scene:
         self.setting_lagrangian = self.setting._replace(
             shape=shape.fixed(domain.frame.cell), frame=start
         )
-        self.placing: Any = frame
+        self.order_frame: Any = frame
         if settings.mixed:
-            self.placing = MixedFrame(*domain.frame, settings.lagrangian)
+            self.order_frame = MixedFrame(*domain.frame, settings.lagrangian)
         self.by_cells = self._by_cells()
         self.ends = self._ends()
 

@@ -86,7 +86,11 @@ def begin(
     require(scene, comm, start.count)
     layer = np.empty(len(lattice.coordinates[0]), np.int64)
     layers_of(
-        scene.settings.shape, scene.placing, scene.setting.identity, lattice.coordinates[0], layer
+        scene.settings.shape,
+        scene.order_frame,
+        scene.setting.identity,
+        lattice.coordinates[0],
+        layer,
     )
     on_lattice = np.bincount(layer, counts.sum(axis=0), scene.domain.frame.vertices[0])
     slab = _decompose(start, creation.layer_counts(on_lattice))

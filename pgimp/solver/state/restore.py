@@ -268,7 +268,9 @@ def _inconsistent(
         if column.above is not None and not (values > column.above).all():
             return f"the {name} of a particle is not above {column.above:g}"
     layer = p._replace(layer=np.empty_like(p.layer), cell=np.empty_like(p.cell))
-    locate(scene.settings.shape, scene.placing, layer, np.arange(n, dtype=np.int32), frame.vertices)
+    locate(
+        scene.settings.shape, scene.order_frame, layer, np.arange(n, dtype=np.int32), frame.vertices
+    )
     expected = slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))
     if (p.layer[:n] != expected).any() or (layer.layer[:n] != expected).any():
         return "a particle is not in its layer"

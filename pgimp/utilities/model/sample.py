@@ -61,7 +61,7 @@ class ScatteredCreation(Creation):
         if scene.settings.initial or scene.settings.mixed:
             p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
-        locate(scene.settings.shape, scene.placing, p, rows, scene.domain.frame.vertices)
+        locate(scene.settings.shape, scene.order_frame, p, rows, scene.domain.frame.vertices)
         here = (p.layer[:count] >= slab.first) | (slab.lower is None)
         here &= (p.layer[:count] < end) | (slab.upper is None)
         rows = rows[here]
