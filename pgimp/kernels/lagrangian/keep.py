@@ -1,30 +1,24 @@
 """Velocity and displacement of vertices after a step; see `pgimp.kernels.data.motion`."""
 
-from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.kernel import kernel
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size, is_used
 
 
-@inner_kernel
-def _kept_range(field, i, f):
-    """Range of records of field `f` in plane `i` whose vertices keep their motion; may be empty."""
-    size = field_size(field.window)
-    begin = i * field.window.stride[0] + f * size
-    if field.active[i] == 0 or not (field.motion.fields[f] and is_used(field, i, f)):
-        return begin, begin
-    return begin, begin + size
-
-
 @kernel
 def recall_masses(field):
     """Set the masses of vertices that keep their motion, in place of sums of particles' masses."""
-    G, values = field.G, field.motion.values
+    G, window = field.G, field.window
+    values, fields = field.motion
+    plane, size = window.stride[0], field_size(window)
     for i in range(len(field.active)):
-        for f in range(field_count(field.window)):
-            begin, end = _kept_range(field, i, f)
-            for r in range(begin, end, RECORD):
-                G[r + MASS] = values[r + KEPT_MASS]
+        if field.active[i] == 0:
+            continue
+        for f in range(field_count(window)):
+            if fields[f] and is_used(field, i, f):
+                for r in range(i * plane + f * size, i * plane + (f + 1) * size, RECORD):
+                    G[r + MASS] = values[r + KEPT_MASS]
 
 
 @kernel
@@ -38,11 +32,16 @@ def keep_motion(field, dt):
     dt : float
         Length of the step.
     """
-    G, values = field.G, field.motion.values
+    G, window = field.G, field.window
+    values, fields = field.motion
+    plane, size = window.stride[0], field_size(window)
     for i in range(len(field.active)):
-        for f in range(field_count(field.window)):
-            begin, end = _kept_range(field, i, f)
-            for r in range(begin, end, RECORD):
+        if field.active[i] == 0:
+            continue
+        for f in range(field_count(window)):
+            if not (fields[f] and is_used(field, i, f)):
+                continue
+            for r in range(i * plane + f * size, i * plane + (f + 1) * size, RECORD):
                 for d in range(3):
                     v = G[r + VELOCITY + d]
                     values[r + KEPT_VELOCITY + d] = v
