@@ -32,11 +32,11 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     first.__dict__["staged_as"] = Staged(escapes=bool(_leaving(first)))
     found, names = [first], {""}
     for number, stage in enumerate(case.time.stages):
-        before, place = found[-1], ("time", "stages", number)
+        before, where = found[-1], ("time", "stages", number)
         problems = list(check_by_itself(stage, before, names))
         names.add(stage.name)
         if problems:
-            return (), [item._replace(path=(*place, *item.path)) for item in problems]
+            return (), [item._replace(path=(*where, *item.path)) for item in problems]
         spellings = {name: entry.SPELLINGS for name, entry in before.materials.items()}
         data = merged(data, stage, spellings)
         counted = _counted(before, stage)
@@ -47,7 +47,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
         else:
             problems = list(check_changes(before, now, stage))
         if problems:
-            return (), [_relocated(item, stage, place) for item in problems]
+            return (), [_relocated(item, stage, where) for item in problems]
         end, moved = float(before.time.end), _displacements(before, now)
         gone = before.staged.removed + tuple(name for name in stage.remove if name in now.bodies)
         leaves = before.staged.escapes or bool(_leaving(now))
@@ -101,21 +101,21 @@ def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
     return found
 
 
-def _relocated(item: Problem, stage: Stage, place: Path) -> Problem:
+def _relocated(item: Problem, stage: Stage, where: Path) -> Problem:
     """Return a problem of a stage's case with the path of its cause in the stage."""
     section = item.path[0] if item.path else ""
     if section == "time":
-        return item._replace(path=(*place, *item.path[1:]))
+        return item._replace(path=(*where, *item.path[1:]))
     changes: object = stage.changes.get(str(section))
     if isinstance(changes, Mapping) and len(item.path) > 1 and item.path[1] not in changes:
         changes = None
     if changes is not None or section in ("materials", "tractions", "contact", "output"):
-        return item._replace(path=(*place, *item.path))
+        return item._replace(path=(*where, *item.path))
     if section in ("boundaries", "escape") and len(item.path) > 1:
         # The two conflict on a face: the stage changes the other one.
         other = "escape" if section == "boundaries" else "boundaries"
         if item.path[1] in stage.changes.get(other, {}):
-            path = (*place, other, item.path[1])
+            path = (*where, other, item.path[1])
             return item._replace(path=path, text=f"{'.'.join(map(str, item.path))}: {item.text}")
     return item._replace(text=f"in the stage '{stage.name}': {item.text}")
 

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from pgimp.case.places import remember
+from pgimp.case.locations import remember
 from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.errors import CaseError
@@ -86,9 +86,9 @@ def _report(problems: list[Problem], document: Document, filename: str) -> str:
     """Return a line for every problem, in the order of the file, overrides last."""
     lines = []
     for item in problems:
-        place = document.place(item.path)
-        where = f"{filename}:{place}" if isinstance(place, int) else place or filename
-        order = place if isinstance(place, int) else 0 if place is None else len(document.places)
-        lines.append((isinstance(place, str), order, f"{where}: {dotted(item.path)}: {item.text}"))
+        at = document.location(item.path)
+        where = f"{filename}:{at}" if isinstance(at, int) else at or filename
+        order = at if isinstance(at, int) else 0 if at is None else len(document.locations)
+        lines.append((isinstance(at, str), order, f"{where}: {dotted(item.path)}: {item.text}"))
     texts = [text for _, _, text in sorted(lines, key=lambda line: line[:2])]
     return few(list(dict.fromkeys(texts)), filename)

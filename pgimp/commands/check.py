@@ -9,7 +9,7 @@ import argparse
 from itertools import chain
 
 from pgimp.case.load import load
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.jit.compiled.cache import announced
 from pgimp.mpi.comm import say
@@ -20,7 +20,8 @@ from pgimp.scene.checks.later_constraints import idle_warnings
 from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.checks.sanity import body_warnings, case_warnings, small_step_warning
 from pgimp.scene.rigid.warnings import motion_warnings
-from pgimp.solver.start.memory import MemoryShortError, size_text
+from pgimp.solver.start.memory import size_text
+from pgimp.solver.start.require_memory import MemoryShortError
 from pgimp.solver.time.stability import stability_warning, stable_courant
 from pgimp.utilities.check.bodies import MOST_BODIES, report_body, report_materials, report_rigid
 from pgimp.utilities.check.cost import measure, report_cost, report_memory

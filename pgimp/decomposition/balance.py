@@ -114,8 +114,8 @@ class Balance:
             This rank's particles; steps done.
         """
         spent = worked["P2G"] + worked["G2P"] + worked["order"], worked["momentum"]
-        place = self._taken % self._interval
-        self._steps[place] = spent[0] - self._before[0], spent[1] - self._before[1]
+        slot = self._taken % self._interval
+        self._steps[slot] = spent[0] - self._before[0], spent[1] - self._before[1]
         self._before = spent
         self._taken += 1
         self.pause -= 1

@@ -121,7 +121,6 @@ class Migration:
 
     def __init__(self, comm: Communicator, slab: Slab, particles: Particles) -> None:
         self.messages = self.bytes = 0
-        self._slab = slab
         columns = particles.width
         lower, upper = (
             None if neighbour is None else _Link(comm, neighbour, columns)
@@ -134,7 +133,7 @@ class Migration:
         self._sent = False
         self.close = weakref.finalize(self, _close, self._links)
 
-    def proceed(self, population: Population, places: np.ndarray) -> None:
+    def proceed(self, population: Population, offsets: np.ndarray) -> None:
         """Process particles that have changed their layer; not collective beyond the neighbours.
 
         At the first call in a step, particles that have left the slab are sent; later calls must
@@ -144,17 +143,17 @@ class Migration:
         ----------
         population : Population
             This rank's population; it frees the rows of leaving particles.
-        places : (k,) int32
+        offsets : (k,) int32
             Offsets of the particles in its order.
         """
         down = up = 0
-        found = len(places)
+        found = len(offsets)
         if found:
             self._arrivals = with_capacity(self._arrivals, self._stay + found, self._stay)
             self._migrants = with_capacity(self._migrants, found)
             layer, order = population.particles.layer, population.order
             slab, kept = (population.first, population.layers), self._arrivals[self._stay :]
-            stay, down, up = partition_migrants(layer, order, places, *slab, kept, self._migrants)
+            stay, down, up = partition_migrants(layer, order, offsets, *slab, kept, self._migrants)
             self._stay += stay
         if self._sent:
             return

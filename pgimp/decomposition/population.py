@@ -68,7 +68,7 @@ class Population:
         # Rows: unused ones, and rows freed in this step; with space for more.
         self._holes, self._holes_count = np.empty(0, np.int32), 0
         self._left, self._left_count = np.empty(0, np.int32), 0
-        self._places = np.empty(0, np.int32)
+        self._offsets = np.empty(0, np.int32)
         self._scratch = np.empty(0)
         self._columns: tuple[Particles, Columns] | None = None
         if start is None:
@@ -208,14 +208,14 @@ class Population:
             Rows of the particles that have entered a layer; sorted here.
         """
         p = self.stored
-        self._places = with_capacity(self._places, max(len(left), len(arrivals)))
-        sort_rows(p.layer, p.cell, p.id, arrivals, self._places)
-        places = self._places[: len(left)]
-        places[:] = left  # its memory may overlap the new order's
+        self._offsets = with_capacity(self._offsets, max(len(left), len(arrivals)))
+        sort_rows(p.layer, p.cell, p.id, arrivals, self._offsets)
+        offsets = self._offsets[: len(left)]
+        offsets[:] = left  # its memory may overlap the new order's
         count = len(self.order) - len(left) + len(arrivals)
         self._spare = with_capacity(self._spare, count)
         merge(
-            p, self.order, self.start, places, self.first, arrivals, self._spare, self._spare_start
+            p, self.order, self.start, offsets, self.first, arrivals, self._spare, self._spare_start
         )
         # The spare array is long enough for all particles, too, see `changed`.
         old, self.order = self._whole(self.order), self._spare[:count]

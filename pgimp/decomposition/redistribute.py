@@ -64,22 +64,22 @@ def redistribute(
     planes = np.concatenate([counts, *flat], axis=1)
     new_planes = np.empty((gets.layers, planes.shape[1]))
 
-    def places(slab: Slab, a: Slab, b: Slab) -> slice:
+    def span(slab: Slab, a: Slab, b: Slab) -> slice:
         first, end = common(a, b)
         return slice(first - slab.first, end - slab.first)
 
     def rows_of(owner: Slab) -> np.ndarray:
-        place = places(before, before, owner)
-        return order[start[place.start] : start[place.stop]] if place.stop > place.start else _NONE
+        rows = span(before, before, owner)
+        return order[start[rows.start] : start[rows.stop]] if rows.stop > rows.start else _NONE
 
-    new_planes[places(gets, had, gets)] = planes[places(had, had, gets)]
+    new_planes[span(gets, had, gets)] = planes[span(had, had, gets)]
     rows = {rank: [rows_of(after)]}
     # One distance of ranks after the other, so that no ranks wait for each other in a circle. At
     # most one message is on its way out and one on its way in.
     for distance in _distances(old, new, extra):
         to, source = rank + distance, rank - distance
-        going = planes[places(had, had, _planes(new, extra, to))]
-        coming = new_planes[places(gets, gets, _planes(old, extra, source))]
+        going = planes[span(had, had, _planes(new, extra, to))]
+        coming = new_planes[span(gets, gets, _planes(old, extra, source))]
         leaving = rows_of(_planes(new, 0, to))
         request = comm.Isend(np.ascontiguousarray(going), to, _TAG) if len(going) else None
         if len(coming):

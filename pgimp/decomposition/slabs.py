@@ -74,14 +74,14 @@ def cut(costs: ArrayLike, ranks: int, width: int, ends: int = 0) -> list[int]:
 
     low, high = np.maximum(middle - _NEARBY, 0), np.minimum(middle + _NEARBY, slack)
     inner = [np.arange(a, b + 1) for a, b in zip(low + least, high + least, strict=True)]
-    places = [np.array([0]), *inner, np.array([layers])]
+    candidates = [np.array([0]), *inner, np.array([layers])]
     widths = [ends, *[width] * (active - 2), ends]
-    most = _best_cuts(total, places, widths, np.inf)[1]
-    return [0, *_best_cuts(total, places, widths, most)[0], layers]
+    most = _best_cuts(total, candidates, widths, np.inf)[1]
+    return [0, *_best_cuts(total, candidates, widths, most)[0], layers]
 
 
 def _best_cuts(
-    total: np.ndarray, places: list[np.ndarray], widths: Sequence[int], bound: float
+    total: np.ndarray, candidates: list[np.ndarray], widths: Sequence[int], bound: float
 ) -> tuple[list[int], float]:
     """Boundaries with the least greatest cost of a run or, for a bound on it, of least squares.
 
@@ -89,7 +89,7 @@ def _best_cuts(
     ----------
     total : (layers + 1,) float64
         Cost of all layers below.
-    places : sequence of arrays of int
+    candidates : sequence of arrays of int
         Possible positions of each boundary, including the first and the last one.
     widths : sequence of int
         Least number of layers between a boundary and the next.
@@ -102,7 +102,7 @@ def _best_cuts(
         Cost of the most expensive run, or the sum of squares.
     """
     value, choices = np.zeros(1), []
-    for lower, upper, width in zip(places, places[1:], widths, strict=False):
+    for lower, upper, width in zip(candidates, candidates[1:], widths, strict=False):
         run = total[upper][:, None] - total[lower]
         run[upper[:, None] - lower < width] = np.inf
         if bound < np.inf:
@@ -113,10 +113,10 @@ def _best_cuts(
         choices.append(every.argmin(axis=1))
         value = every.min(axis=1)
     boundaries: list[int] = []
-    place = 0
+    index = 0
     for k in range(len(choices) - 1, 0, -1):
-        place = choices[k][place]
-        boundaries.append(int(places[k][place]))
+        index = choices[k][index]
+        boundaries.append(int(candidates[k][index]))
     return boundaries[::-1], float(value[0])
 
 

@@ -16,7 +16,7 @@ from pgimp.jit.outside import NumbaObject
 class Own(NamedTuple):
     """Placeholder of a number that varies by particle: its index among these."""
 
-    place: int
+    number: int
 
 
 def is_own(kind: NumbaObject) -> bool:

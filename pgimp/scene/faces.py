@@ -8,12 +8,12 @@ import numpy as np
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.grid.faces import KIND, PARAMETERS, Faces
 from pgimp.kernels.grid.position_limits import (
+    COORDINATE,
     FACE,
     GRAVITY,
     HOLDS,
     MOTION,
     NUMBER,
-    PLACE,
     VELOCITY,
     WALL,
 )
@@ -40,7 +40,7 @@ class Face:
         """Parameters of the condition's kernel for a step."""
         return self.condition.parameters(self.axis, self.side, start, end)
 
-    def place(self, frame: Frame) -> float:
+    def coordinate(self, frame: Frame) -> float:
         """Coordinate of the face."""
         end = frame.cells[self.axis] if self.side > 0 else 0
         return frame.origin[self.axis] + end * frame.cell[self.axis]
@@ -54,14 +54,14 @@ class Face:
         speed = self.condition.speed(self.axis, end)
         if speed is None or speed * self.side > 0.0:
             return None
-        origin, cells, place = frame.origin[self.axis], frame.cells[self.axis], self.place(frame)
+        origin, cells, x = frame.origin[self.axis], frame.cells[self.axis], self.coordinate(frame)
         if self.side < 0:
-            return place, speed
+            return x, speed
         # Just within the last cell: the gradient of a point on the face itself would act on
         # massless vertices beyond. The force that balances the face's would be lost.
-        while (place - origin) * frame.inverse[self.axis] >= cells:
-            place = float(np.nextafter(place, -np.inf))
-        return place, speed
+        while (x - origin) * frame.inverse[self.axis] >= cells:
+            x = float(np.nextafter(x, -np.inf))
+        return x, speed
 
 
 def _numbers(parameters: tuple | float) -> list[float]:
@@ -131,9 +131,9 @@ def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:
     found[:, GRAVITY] = found[:, HOLDS] = 0.0
     for number, face in enumerate(faces):
         wall, row = face.wall(frame, end), found[2 * face.axis + (face.side > 0)]
-        row[PLACE], row[NUMBER] = face.place(frame), number
+        row[COORDINATE], row[NUMBER] = face.coordinate(frame), number
         if wall is not None:
-            row[FACE], row[PLACE], row[VELOCITY] = number, *wall
+            row[FACE], row[COORDINATE], row[VELOCITY] = number, *wall
         motion = face.condition.motion(end)
         if motion is not None:
             row[HOLDS], row[MOTION:] = 1.0, motion
@@ -150,8 +150,8 @@ def position_bounds(faces: Sequence[Face], frame: Frame) -> tuple[tuple[float, f
     position_bounds = [[-np.inf, np.inf] for _ in frame.cell]
     for face in faces:
         if not face.condition.varies and face.condition.speed(face.axis, 0.0) == 0.0:
-            d, end = face.axis, face.side > 0
-            position_bounds[d][end] = float(face.place(frame) + face.side * SLACK * frame.cell[d])
+            d, slack = face.axis, face.side * SLACK * frame.cell[face.axis]
+            position_bounds[d][face.side > 0] = float(face.coordinate(frame) + slack)
     return tuple((low, high) for low, high in position_bounds)
 
 

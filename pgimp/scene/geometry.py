@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.checks.bodies import check_bounds
 from pgimp.case.checks.probes import check_near
-from pgimp.case.places import located
+from pgimp.case.checks.regions import check_bounds
+from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh.tree import build_tree, nothing

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.decomposition.population import Population
 from pgimp.errors import CaseError

@@ -2,7 +2,7 @@
 
 from math import prod
 
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.sums.sums import SUMS

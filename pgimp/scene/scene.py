@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene
@@ -45,7 +45,7 @@ class Scene:
     setting : KernelScene
         The scene for kernels; `setting_lagrangian` is for bodies in the initial configuration
         beside others.
-    placing : Frame, InitialFrame or MixedFrame
+    order_frame : Frame, InitialFrame or MixedFrame
         The frame for kernels that sort particles.
     by_cells : bool
         Whether lattice particles are summed by `pgimp.kernels.lagrangian.cells`.
@@ -86,9 +86,9 @@ class Scene:
         self.setting_lagrangian = self.setting._replace(
             shape=shape.fixed(domain.frame.cell), frame=start
         )
-        self.placing: Any = frame
+        self.order_frame: Any = frame
         if settings.mixed:
-            self.placing = MixedFrame(*domain.frame, settings.lagrangian)
+            self.order_frame = MixedFrame(*domain.frame, settings.lagrangian)
         self.by_cells = self._by_cells()
         self.cell_loads = self._cell_loads()
         self.ends = self._ends()

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.regions import Points
@@ -99,14 +99,14 @@ class Variations:
 
     def _field(self, path: tuple[str, ...]) -> Field:
         """Field of a parameter that varies in at least one material."""
-        place, constant, meaning = [], [], ""
+        index, constant, meaning = [], [], ""
         for name, layout in zip(self.names, self.layouts, strict=True):
             varies = layout is not None and path in layout.paths
-            place.append(layout.places[layout.paths.index(path)] if layout and varies else -1)
+            index.append(layout.indices[layout.paths.index(path)] if layout and varies else -1)
             constant.append(np.nan if varies else _constant(self.case.materials[name], path))
             if varies:
                 meaning = meaning or described(type(self.case.materials[name]), path)
-        columns, constants = np.array(place), np.array(constant)
+        columns, constants = np.array(index), np.array(constant)
 
         def values(source: Source) -> Reals:
             number = np.asarray(source.body_material)[source.take("body")]
@@ -135,11 +135,11 @@ class Variations:
         name = self.names[material]
         entry = self.case.materials[name]
         columns = {key: table[:, 0] for key, table in block.states.items() if table.shape[1] == 1}
-        places = Places(block.centroids, columns)
+        points = Places(block.centroids, columns)
         values = np.empty((len(block.ids), len(layout.paths)))
         for j, path in enumerate(layout.paths):
             try:
-                values[:, j] = entry.variations[path].values(places)
+                values[:, j] = entry.variations[path].values(points)
             except NoValueError as error:
                 raise CaseError(
                     f"materials.{name}.{'.'.join(path)}: {self._particle(block, error.row, body)} "
@@ -172,9 +172,9 @@ class Variations:
 
     def _particle(self, block: ParticleBlock, row: int, body: str) -> str:
         """Name a particle, by the line of its file or by its position."""
-        place = ", ".join(f"{x:.6g}" for x in block.positions[row])
+        position = ", ".join(f"{x:.6g}" for x in block.positions[row])
         region = self.case.bodies[body].region
-        text = f"the particle at ({place}) of body '{body}'"
+        text = f"the particle at ({position}) of body '{body}'"
         if isinstance(region, Points) and block.rows is not None:
             lines = region.lines([int(block.rows[row])])
             text += "".join(f", {line} of {region.file}," for line in lines)

@@ -59,14 +59,14 @@ class Document:
     """Plain data (dict, list, str, int, float, bool, None) with the line of each part."""
 
     data: Any
-    places: dict[Path, int | str] = field(default_factory=dict)
+    locations: dict[Path, int | str] = field(default_factory=dict)
     """By path: the line of the key or the list item, or the override that wrote it."""
 
-    def place(self, path: Path) -> int | str | None:
-        """Return the place of `path`, or of the nearest part around it."""
+    def location(self, path: Path) -> int | str | None:
+        """Return the location of `path`, or of the nearest part around it."""
         for length in range(len(path), 0, -1):
-            if path[:length] in self.places:
-                return self.places[path[:length]]
+            if path[:length] in self.locations:
+                return self.locations[path[:length]]
         return None
 
 
@@ -136,7 +136,7 @@ def parse(text: str, filename: str) -> Document:
         raise CaseError(f"{filename}: not valid YAML: {shorten(str(error), 200)}") from None
     if builder.twice:
         raise CaseError(few(builder.twice, filename))
-    return Document(builder.root, builder.places)
+    return Document(builder.root, builder.locations)
 
 
 def few(lines: list[str], filename: str) -> str:
@@ -163,7 +163,7 @@ def scalar(text: str) -> object:
 
 
 class _ForeignError(Exception):
-    """YAML that is not allowed in a case file, with its place."""
+    """YAML that is not allowed in a case file, with its location."""
 
     def __init__(self, text: str, mark: Any) -> None:
         super().__init__(text)
@@ -193,7 +193,7 @@ class _Builder:
     def __init__(self, filename: str):
         self.filename = filename
         self.root: object = None
-        self.places: dict[Path, int | str] = {}
+        self.locations: dict[Path, int | str] = {}
         self.twice: list[str] = []
         self.documents = self.values = 0
         self.open: list[tuple[object, Path]] = []
@@ -235,7 +235,7 @@ class _Builder:
         elif isinstance(container, list):
             path = (*path, len(container))
             container.append(value)
-            self.places[path] = event.start_mark.line + 1
+            self.locations[path] = event.start_mark.line + 1
         else:
             self.root = value
         if isinstance(value, dict | list):
@@ -247,12 +247,12 @@ class _Builder:
     def _take_key(self, event: ScalarEvent, container: dict[str, object], path: Path) -> None:
         self.key, line = event.value, event.start_mark.line + 1
         if self.key in container:
-            first = self.places[(*path, self.key)]
+            first = self.locations[(*path, self.key)]
             self.twice.append(
                 f"{self.filename}:{line}: {dotted((*path, self.key))}: the key is there already, "
                 f"in line {first}; remove one of them"
             )
-        self.places[(*path, self.key)] = line
+        self.locations[(*path, self.key)] = line
 
     @staticmethod
     def _value(event: NodeEvent) -> object:

@@ -146,9 +146,9 @@ def explain(model: type[BaseModel], error: ValidationError, value: object) -> li
             foreign.setdefault(path, []).append(_text(item, keys))
     # Branches of a union that the value does not begin to fit are no help.
     around = {
-        place[:length]
-        for place in (*(item.path for item in own), *foreign)
-        for length in range(len(place))
+        path[:length]
+        for path in (*(item.path for item in own), *foreign)
+        for length in range(len(path))
     }
     own += [Problem(path, _either(texts)) for path, texts in foreign.items() if path not in around]
     return own

@@ -55,7 +55,7 @@ def apply(document: Document, overrides: Overrides) -> None:
 
 
 def change(document: Document, keys: list[str], value: object, label: str) -> None:
-    """Write `value` at the end of the path `keys`; `label` is its place in messages.
+    """Write `value` at the end of the path `keys`; `label` is its location in messages.
 
     Raises
     ------
@@ -64,10 +64,10 @@ def change(document: Document, keys: list[str], value: object, label: str) -> No
     """
     if len(keys) > DEEPEST:
         raise CaseError(f"{label}: a path of {len(keys):,} keys is too long (at most {DEEPEST})")
-    place = _write(document.data, keys, value, label)
-    for known in [known for known in document.places if known[: len(place)] == place]:
-        del document.places[known]
-    document.places[place] = label
+    written = _write(document.data, keys, value, label)
+    for known in [known for known in document.locations if known[: len(written)] == written]:
+        del document.locations[known]
+    document.locations[written] = label
 
 
 def _write(data: Any, keys: list[str], value: Any, label: str) -> Path:
@@ -110,7 +110,7 @@ def as_data(value: object, label: str, depth: int = 0) -> object:
     value : object
         Numbers, text, lists and mappings, also of NumPy, and parts of a case.
     label : str
-        Its place in messages.
+        Its location in messages.
     depth : int
         Depth of nesting.
 

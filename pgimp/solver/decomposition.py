@@ -62,7 +62,7 @@ def slab_predicate(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarra
 
     def own(x: np.ndarray) -> np.ndarray:
         layers = np.empty(len(x), np.int64)
-        layers_of(scene.settings.shape, scene.placing, scene.setting.identity, x, layers)
+        layers_of(scene.settings.shape, scene.order_frame, scene.setting.identity, x, layers)
         return (slab.first <= layers) & (layers < slab.first + slab.layers)
 
     return own

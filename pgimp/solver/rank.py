@@ -100,7 +100,7 @@ class Rank:
         self.mass_cutoff = 0.0
         self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
         self.population = Population(
-            particles, count, scene.settings.shape, scene.placing, slab, start
+            particles, count, scene.settings.shape, scene.order_frame, slab, start
         )
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import CaseError
 from pgimp.jit.compiled.cache import messages, problems
@@ -36,7 +36,7 @@ from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.start.creation import Creation
-from pgimp.solver.start.memory import require
+from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
 from pgimp.solver.start.warmup import warm_up
@@ -86,7 +86,11 @@ def begin(
     require(scene, comm, start.count)
     layer = np.empty(len(lattice.coordinates[0]), np.int64)
     layers_of(
-        scene.settings.shape, scene.placing, scene.setting.identity, lattice.coordinates[0], layer
+        scene.settings.shape,
+        scene.order_frame,
+        scene.setting.identity,
+        lattice.coordinates[0],
+        layer,
     )
     on_lattice = np.bincount(layer, counts.sum(axis=0), scene.domain.frame.vertices[0])
     slab = _decompose(start, creation.layer_counts(on_lattice))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,7 +26,7 @@ from pgimp.solver.start.validate_stages import absent, look_ahead
 from pgimp.solver.state.state import State
 from pgimp.solver.step import step
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
-from pgimp.solver.time.energy_watch import EVERY, EnergyWatch
+from pgimp.solver.time.energy_watch import EnergyWatch
 
 if TYPE_CHECKING:
     from pgimp.io.checkpoints.checkpointfile import CheckpointFile
@@ -245,11 +244,11 @@ class Simulation:
         request = Request.ERROR if rank.failed else self.request
         reduction.begin(rate, request, balance.rebalance_requested, rank.vertex_bounds)
         sort = number % RESORT == 0
-        look = self.watch is not None and (self.watch.close or number % EVERY == 0)
-        if complete or move or sort or look or self.comm.size == 1:
+        watch = self.watch if self.watch and self.watch.due(number) else None
+        if complete or move or sort or watch or self.comm.size == 1:
             self.complete_reduction()
-        if look:
-            self._look()
+        if watch:
+            watch.look(rank, self.step, self.time, self.clock)
         if not rank.grid.covers(reduction.vertex_bounds):
             rank.grid.extend(reduction.vertex_bounds)
         if move:
@@ -292,14 +291,6 @@ class Simulation:
             self.failure = collect_errors(self.rank, last)
             raise RunError(self.failure.text)
         self.done = last
-
-    def _look(self) -> None:
-        """Look for spurious energy, and shorten the steps; collective."""
-        assert self.watch is not None
-        begin = perf_counter()
-        self.watch.look(self.rank, self.step, self.time)
-        self.watch.shorten(self.clock)
-        self.rank.timings["order"] += perf_counter() - begin
 
     def diagnostics(self) -> dict[str, float] | None:
         """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""

@@ -110,12 +110,12 @@ def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
     """Remove all particles of some bodies; return their sums, of use on rank 0."""
     population = rank.population
     order = population.order
-    places = np.flatnonzero(np.isin(rank.particles.body[order], bodies)).astype(np.int32)
-    rows = order[places]
-    start = np.searchsorted(places, population.start)
+    offsets = np.flatnonzero(np.isin(rank.particles.body[order], bodies)).astype(np.int32)
+    rows = order[offsets]
+    start = np.searchsorted(offsets, population.start)
     taken = sums_of_bodies(rank, rank.scene, Order(rows, start))
     population.free_later(rows)
-    population.restore_order(places, np.empty(0, np.int32))
+    population.restore_order(offsets, np.empty(0, np.int32))
     return np.add.reduce(taken, axis=0)
 
 

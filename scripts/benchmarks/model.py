@@ -48,7 +48,8 @@ def verify(name: str, seconds: float, cpu_time: bool) -> None:
     from pgimp.utilities.model import sample
     from pgimp.utilities.model.block import Block, block_case
     from pgimp.utilities.model.costs import Network
-    from pgimp.utilities.model.sample import Sample, Scattered, resized, samples_of
+    from pgimp.utilities.model.sample import Sample, Scattered, samples_of
+    from pgimp.utilities.model.sample_cases import resized
     from pgimp.utilities.model.verify import compare
 
     if cpu_time:

@@ -1,9 +1,9 @@
 """Tables of measurements, as Markdown and as CSV with all digits, and on what was measured."""
 
-import csv
 import os
 import platform
 import subprocess
+import sys
 from datetime import date
 from importlib.metadata import version
 from pathlib import Path
@@ -15,6 +15,9 @@ from clock import VARIABLE
 from pgimp.io.rundir.runinfo import cpu
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "scripts"))  # where the tables of studies are, too
+
+from studies import harness  # noqa: E402
 
 
 def machine():
@@ -79,8 +82,7 @@ ERRORS = {
 
 
 def table(titles, rows):
-    lines = [f"| {' | '.join(titles)} |", "|---" * len(titles) + "|"]
-    return "\n".join([*lines, *(f"| {' | '.join(map(str, row))} |" for row in rows)])
+    return harness.table(titles, rows).rstrip("\n")
 
 
 def markdown(columns, rows):
@@ -103,11 +105,7 @@ def write(folder, name, title, columns, rows, note):
             else:
                 line[key] = value
         flat.append(line)
-    keys = list(dict.fromkeys(key for line in flat for key in line))
-    with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, keys)
-        writer.writeheader()
-        writer.writerows(flat)
+    harness.write_csv(flat, folder / f"{name}.csv")
     text = f"## {title}\n\n{markdown(columns, rows)}\n\n{note}\n"
     (folder / f"{name}.md").write_text(text, encoding="utf-8")
     print(text, flush=True)

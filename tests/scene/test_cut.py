@@ -246,7 +246,7 @@ def test_volumes_of_any_region_are_those_of_a_count(data, dimension, seed):
     body = LatticeBody(found, [edges] * dimension, [centres] * dimension, True)
     surveys = body.slabs((0, 41))
     try:
-        volume = sum(s.fractions.sum() + np.delete(s.whole, s.places).sum() for s in surveys)
+        volume = sum(s.fractions.sum() + np.delete(s.whole, s.indices).sum() for s in surveys)
     except TangledError:
         assume(False)
     volume *= 0.2**dimension

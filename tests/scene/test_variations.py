@@ -200,7 +200,7 @@ def test_facts_are_those_of_all_particles():
 
 def test_samples_carry_as_much():
     """What `pgimp check` times: kernels of the same types, whatever the place of the sample."""
-    from pgimp.utilities.model.sample import plain
+    from pgimp.utilities.model.sample_cases import plain
 
     made, sample = (Scene(pgimp.load(crash(VARIED))), Scene(plain(pgimp.load(crash(VARIED)), 100)))
     assert (

@@ -20,7 +20,7 @@ from pgimp.mpi.comm import Serial
 from pgimp.mpi.limits import Limit, limits
 from pgimp.scene.bodies import extent
 from pgimp.scene.scene import Scene, count_particles
-from pgimp.solver.start import memory
+from pgimp.solver.start import require_memory
 
 pytestmark = pytest.mark.slow(30)
 
@@ -65,15 +65,15 @@ class Others:
 
 
 def refusal(case, bounds):
-    with pytest.raises(memory.MemoryShortError) as caught:
-        memory.require(Scene(Case.model_validate(case)), Others(bounds))
+    with pytest.raises(require_memory.MemoryShortError) as caught:
+        require_memory.require(Scene(Case.model_validate(case)), Others(bounds))
     return str(caught.value)
 
 
 def test_what_the_ranks_of_a_node_need_together_must_be_there():
     case = square(3002)  # 36 million particles of some 400 bytes
     a, b = Limit("a", "this node", 8 * GB), Limit("b", "this node", 8 * GB)
-    memory.require(Scene(Case.model_validate(case)), Others([[a], [a], [b], [b], [a], [b]]))
+    require_memory.require(Scene(Case.model_validate(case)), Others([[a], [a], [b], [b], [a], [b]]))
     text = refusal(case, [[a], [a], [b], [a], [a], [b]])
     mentions(text, "too large", "4 of 6 ranks", "this node leaves 8 GB\n", "GB a rank")
     mentions(text, "3.59e+07 particles", "grid.cell", "more nodes")

@@ -13,12 +13,8 @@ from typing import Any
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pgimp.case.checks.bodies import (
-    check_adhesion,
     check_constraints,
-    check_contact,
     check_materials,
-    check_regions,
-    check_tools,
     check_tractions,
     check_velocities,
 )
@@ -36,6 +32,8 @@ from pgimp.case.checks.domain import (
 )
 from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.probes import check_probes
+from pgimp.case.checks.regions import check_regions
+from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
 from pgimp.case.checks.variations import check_variations
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.materials.base import Material
@@ -135,7 +133,7 @@ _CHECKS = (
     check_variations,
     check_velocities,
     check_regions,
-    check_tools,
+    check_rigid_bodies,
     check_gravity,
     check_body_force,
     check_boundaries,

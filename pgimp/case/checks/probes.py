@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from pgimp.case.body import Body
-from pgimp.case.checks.bodies import check_body_of, check_regions
+from pgimp.case.checks.bodies import check_body_of
 from pgimp.case.checks.domain import check_grid
+from pgimp.case.checks.regions import check_regions
 from pgimp.case.grid import Grid
 from pgimp.case.output import PlaceProbe, PointProbe
 from pgimp.geometry.regions.base import Region

@@ -5,7 +5,7 @@ from numba.core import types
 from pgimp.jit.kernel import specialise
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.own import named
-from pgimp.jit.vectors.simd import lane, vec4, vector, where, with_lane
+from pgimp.jit.vectors.simd import lane, number, vec4, vector, where, with_lane
 
 
 def _is_tuple(kind):
@@ -28,6 +28,31 @@ def _vectors(values):
     if len(values) == 1:
         return lambda values: (vector(values[0]),)
     return lambda values: (vector(values[0]), *vectors(values[1:]))
+
+
+def zeros(like):
+    """Zero vectors, as many as `like` has entries."""
+
+
+@specialise(zeros)
+def _zeros(like):
+    if len(like) == 0:
+        return lambda like: ()
+    return lambda like: (vector(0.0), *zeros(like[1:]))
+
+
+def numbers(buffer, at, step, like):
+    """Every `step`-th number of a buffer on the stack from `at` on, as many as `like` has."""
+
+
+@specialise(numbers)
+def _numbers(buffer, at, step, like):
+    if len(like) == 0:
+        return lambda buffer, at, step, like: ()
+    return lambda buffer, at, step, like: (
+        number(buffer, at),
+        *numbers(buffer, at + step, step, like[1:]),
+    )
 
 
 def of_lane(values, j):

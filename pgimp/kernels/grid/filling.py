@@ -31,6 +31,7 @@ from typing import NamedTuple
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.tuples import read, scaled
+from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.data.frame import Window
 from pgimp.kernels.data.particles import FloatArray, IntArray
@@ -118,22 +119,11 @@ def _filling_share(loads, frame, particles, p):
         V, m, J = particles.V0[p], particles.m[p], determinant(deformation(frame, particles, p))
         most = loads.most[particles.body[p]]
         if not most > 0.0:
-            return pack(V * J, 0.0, 0.0, 0.0), _zeros(frame.origin)
+            return pack(V * J, 0.0, 0.0, 0.0), zeros(frame.origin)
         J = min(J, most)
-        return pack(V * J, m, m * J, 0.0), _zeros(frame.origin)
+        return pack(V * J, m, m * J, 0.0), zeros(frame.origin)
 
     return share
-
-
-def _zeros(like):
-    """Zero vectors, as many as `like` has entries."""
-
-
-@specialise(_zeros)
-def _zeros_of(like):
-    if len(like) == 1:
-        return lambda like: (pack(0.0, 0.0, 0.0, 0.0),)
-    return lambda like: (pack(0.0, 0.0, 0.0, 0.0), *_zeros(like[1:]))
 
 
 def ratio_arms(loads, frame, particles, p):
@@ -144,7 +134,7 @@ def ratio_arms(loads, frame, particles, p):
 def _ratio_arms(loads, frame, particles, p):
     def arms(loads, frame, particles, p):
         if not loads.most[particles.body[p]] > 0.0:
-            return _zeros(frame.origin)
+            return zeros(frame.origin)
         return _in_ratio(scaled(particles.m[p], read(particles.slope, p, 0, frame.origin)))
 
     return arms

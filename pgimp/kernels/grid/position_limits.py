@@ -14,7 +14,7 @@ from pgimp.jit.kernel import inner_kernel, specialise
 #: Columns of `walls`: number of the face or -1, coordinate to which particles are moved, velocity
 #: of the wall, and gravity across it. Then number of the face in any case, whether it holds every
 #: component, and its three velocity components.
-FACE, PLACE, VELOCITY, GRAVITY, NUMBER, HOLDS, MOTION, WALL = 0, 1, 2, 3, 4, 5, 6, 9
+FACE, COORDINATE, VELOCITY, GRAVITY, NUMBER, HOLDS, MOTION, WALL = 0, 1, 2, 3, 4, 5, 6, 9
 
 
 def prescribed_by(constraints, number, d):
@@ -71,8 +71,8 @@ def hold_inside(walls, frame, constraints, particles, p, impulse, work):
         if wall[FACE] < 0.0 or prescribed_by(constraints, number, d):
             continue
         held = 1
-        work[0] += particles.m[p] * wall[GRAVITY] * (wall[PLACE] - particles.x[p, d])
-        particles.x[p, d] = wall[PLACE]
+        work[0] += particles.m[p] * wall[GRAVITY] * (wall[COORDINATE] - particles.x[p, d])
+        particles.x[p, d] = wall[COORDINATE]
         change = wall[VELOCITY] - particles.v[p, d]
         if change < 0.0 if xi > 0.0 else change > 0.0:
             particles.v[p, d] = wall[VELOCITY]

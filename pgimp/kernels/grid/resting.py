@@ -20,7 +20,7 @@ from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import bits, vector, with_lane
 from pgimp.kernels.data.ledger import WALL_LOSS
-from pgimp.kernels.grid.position_limits import HOLDS, MOTION, NUMBER, PLACE
+from pgimp.kernels.grid.position_limits import COORDINATE, HOLDS, MOTION, NUMBER
 from pgimp.kernels.transfer.lane_io import LANES, coordinates
 
 #: The inverse of the distance, in cells, over which the difference falls by a factor of e.
@@ -44,7 +44,7 @@ def _any_near_from(frame, walls, x, d):
         for end in range(2):
             wall = walls[2 * d + end]
             if wall[HOLDS] > 0.0:
-                far = (x[0] - wall[PLACE]) * frame.inverse[d]
+                far = (x[0] - wall[COORDINATE]) * frame.inverse[d]
                 found |= bits(far * far < NEAR * NEAR)
         return found
 
@@ -58,7 +58,7 @@ def _nearest(frame, walls, x):
     for d in range(len(x)):
         for end in range(2):
             wall = walls[2 * d + end]
-            far = abs(x[d] - wall[PLACE]) * frame.inverse[d]
+            far = abs(x[d] - wall[COORDINATE]) * frame.inverse[d]
             if wall[HOLDS] > 0.0 and far < least:
                 found, least = 2 * d + end, far
     return found, least

@@ -65,10 +65,10 @@ def motion_sums(setting, field, particles, order, sums):
             supports(shape, frame, window, particles, rows, number, buffer, ())
             for j in range(min(LANES, start[layer + 1] - first)):
                 p = order.rows[first + j]
-                place = first_offset(buffer, j)
-                inside = place - field_of(window, particles, p)
+                offset = first_offset(buffer, j)
+                inside = offset - field_of(window, particles, p)
                 y0, z0 = inside // window.stride[1], inside % window.stride[1] // RECORD
-                begin = layer * window.stride[0] + place
+                begin = layer * window.stride[0] + offset
                 px, py, pz, ax, ay, az, square = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
                 for a in range(vertices):
                     for b in range(ny):

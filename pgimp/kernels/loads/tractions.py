@@ -18,6 +18,7 @@ the right second moments, within the particle's own box, beyond which there may 
 from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
 from pgimp.kernels.transfer.first_vertex import coordinate, deformation, first_vertex, half_widths
@@ -172,17 +173,6 @@ def _support_of(traction, layout, window, particles, p, layer, F, buffer):
     return (support1, support2, support3)[D - 1]
 
 
-def _nothing(like):
-    """Zero vectors, one a direction."""
-
-
-@specialise(_nothing)
-def _nothing_of(like):
-    if len(like) == 1:
-        return lambda like: (pack(0.0, 0.0, 0.0, 0.0),)
-    return lambda like: (pack(0.0, 0.0, 0.0, 0.0), *_nothing(like[1:]))
-
-
 @inner_kernel
 def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
     """Add the forces on the patches of a layer's particles, in canonical order, to its own planes.
@@ -201,7 +191,7 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
     shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
     buffer = stack(SUPPORT_SIZE)
     zero = pack(0.0, 0.0, 0.0, 0.0)
-    nothing = _nothing(frame.origin)
+    nothing = zeros(frame.origin)
     for k in range(span[0], span[1]):
         p = rows[k]
         for t in range(len(tractions)):

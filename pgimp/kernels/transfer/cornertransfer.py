@@ -15,20 +15,10 @@ on the way. Likewise the velocities U_c at the corners have the mean U, and the 
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled
+from pgimp.jit.vectors.lanes import numbers
 from pgimp.jit.vectors.simd import load, number, pack, store
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.transfer.corners import CELL, CORNER, EDGES, INVERSE
-
-
-def _numbers(buffer, at, like):
-    """Every fourth number from `at` on, as many as `like` has."""
-
-
-@specialise(_numbers)
-def _numbers_of(buffer, at, like):
-    if len(like) == 0:
-        return lambda buffer, at, like: ()
-    return lambda buffer, at, like: (number(buffer, at), *_numbers(buffer, at + 4, like[1:]))
 
 
 def _combined(w, V):
@@ -42,17 +32,20 @@ def _combined_of(w, V):
     return lambda w, V: w[0] * V[0] + _combined(w[1:], V[1:])
 
 
-def _combinations(part, buffer, at, V, rows):
-    """Combinations of the vectors `V`, times `part`, one for each of the rows from `at` on."""
+def _combinations(part, buffer, at, steps, V, rows):
+    """Combinations of the vectors `V`, times `part`, one for each of the rows from `at` on.
+
+    `steps` are the distances in the buffer of a row's numbers, and of the rows.
+    """
 
 
 @specialise(_combinations)
-def _all_combinations(part, buffer, at, V, rows):
+def _all_combinations(part, buffer, at, steps, V, rows):
     if len(rows) == 0 or len(V) == 0:
-        return lambda part, buffer, at, V, rows: ()
-    return lambda part, buffer, at, V, rows: (
-        part * _combined(_numbers(buffer, at, V), V),
-        *_combinations(part, buffer, at + 4 * len(V), V, rows[1:]),
+        return lambda part, buffer, at, steps, V, rows: ()
+    return lambda part, buffer, at, steps, V, rows: (
+        part * _combined(numbers(buffer, at, steps[0], V), V),
+        *_combinations(part, buffer, at + steps[1], steps, V, rows[1:]),
     )
 
 
@@ -63,7 +56,7 @@ def corner(buffer, c, j, like):
 @specialise(corner)
 def _corner(buffer, c, j, like):
     return lambda buffer, c, j, like: (
-        _numbers(buffer, CORNER * c + j, like),
+        numbers(buffer, CORNER * c + j, 4, like),
         int(number(buffer, CORNER * c + CELL + j)),
     )
 
@@ -163,13 +156,13 @@ def scatter_corners(shape, G, support, offset, stride, share):
 @specialise(scatter_corners)
 def _scatter_corners(shape, G, support, offset, stride, share):
     D = len(share.types[2])
-    part, like = 0.5**D, (0.0,) * D
+    part, like, steps = 0.5**D, (0.0,) * D, (4, 4 * D)
 
     def scatter(shape, G, support, offset, stride, share):
         (buffer, j), (A, B, S, C, _) = support, share
-        T = _combinations(part, buffer, INVERSE + j, S, like)
+        T = _combinations(part, buffer, INVERSE + j, steps, S, like)
         C = _over_cells(part, C, shape.cell)
-        K = _combinations(1.0, buffer, EDGES + j, C, like)
+        K = _combinations(1.0, buffer, EDGES + j, steps, C, like)
         middle = (part * A, _part_of(part, B), C)
         _scatter_each((buffer, j), 0, (G, offset, stride), middle, (K, T), like)
 
@@ -214,45 +207,18 @@ def _sums_over_corners(G, buffer, j, c, offset, stride, like, rest):
     return one if len(rest) == 0 else both
 
 
-def _transposed(part, buffer, at, E, like):
-    """For each direction i the sum over j of (A^-1)_ji E_j, times `part`."""
-
-
-@specialise(_transposed)
-def _transposed_along(part, buffer, at, E, like):
-    if len(like) == 0:
-        return lambda part, buffer, at, E, like: ()
-    return lambda part, buffer, at, E, like: (
-        part * _down(buffer, at, 4 * len(E), E),
-        *_transposed(part, buffer, at + 4, E, like[1:]),
-    )
-
-
-def _down(buffer, at, step, E):
-    """The combination of the vectors `E` with the numbers at `at`, `at + step`, ..."""
-
-
-@specialise(_down)
-def _down_a_column(buffer, at, step, E):
-    if len(E) == 1:
-        return lambda buffer, at, step, E: number(buffer, at) * E[0]
-    return lambda buffer, at, step, E: (
-        number(buffer, at) * E[0] + _down(buffer, at + step, step, E[1:])
-    )
-
-
 def gather_corners(shape, G, support, offset, stride, like):
     """See `pgimp.kernels.transfer.gather.gather`; there is no `mean`."""
 
 
 @specialise(gather_corners)
 def _gather_corners(shape, G, support, offset, stride, like):
-    part = 0.5 ** len(like)
+    part, steps = 0.5 ** len(like), (4 * len(like), 4)
 
     def gather(shape, G, support, offset, stride, like):
         buffer, j = support
         U, A, E = _sums(G, buffer, j, 0, offset, stride, like, like)
-        D = _transposed(part, buffer, INVERSE + j, E, like)
+        D = _combinations(part, buffer, INVERSE + j, steps, E, like)
         return part * U, part * A, D, ()
 
     return gather

@@ -1,14 +1,30 @@
 """Gather from the vertices of a particle's support; see `pgimp.kernels.transfer.transfer`."""
 
+from typing import NamedTuple
+
 from pgimp.jit.kernel import specialise
+from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tuples import joined, plus_scaled
+from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import load, vector
 from pgimp.kernels.transfer.cornertransfer import gather_corners
-from pgimp.kernels.transfer.supports import entry, extent, extents
-from pgimp.kernels.transfer.transfer import last_entries, last_step
+from pgimp.kernels.transfer.supports import entry
+from pgimp.kernels.transfer.transfer import last_step, lines, transfer_products
 from pgimp.kernels.update.mean_dilatation import no_rates
 from pgimp.kernels.update.mean_dilatation_weights import factor
 from pgimp.physics.shapes.base import by_corners
+
+
+class Sums(NamedTuple):
+    """Sums over a support.
+
+    Attributes
+    ----------
+    M : float or ()
+        See `Loads.mean`: whether they include the mean dilatation's.
+    """
+
+    M: NumbaObject
 
 
 def _rates(mean, f, u):
@@ -53,66 +69,31 @@ def _gather_vertices(G, offset, step, w, g, f, mean):
     return vertices
 
 
-def _nothing(counts):
-    """Zero vectors, one more than there are counts."""
-
-
-@specialise(_nothing)
-def _nothing_of(counts):
+@specialise(lines)
+def _gather_lines(G, support, d, offset, counts, stride, Z, what):
+    """See `gather` for the sums."""
+    if what.instance_class is not Sums:
+        return None
     if len(counts) == 0:
-        return lambda counts: (vector(0.0),)
-    return lambda counts: (vector(0.0), *_nothing(counts[1:]))
-
-
-def _gather_lines(G, support, d, offset, counts, stride, Z, mean):
-    """Sums over the lines of a support, from direction `d` on; see `gather`, `_scatter_lines`."""
-
-
-@specialise(_gather_lines)
-def _gather_all(G, support, d, offset, counts, stride, Z, mean):
-    if len(counts) == 0:
-        return lambda G, support, d, offset, counts, stride, Z, mean: _gather_line(
-            G, offset, last_step(stride), Z[0], Z[1], Z[3], mean
+        return lambda G, support, d, offset, counts, stride, Z, what: _gather_line(
+            G, offset, last_step(stride), Z[0], Z[1], Z[3], what.M
         )
 
-    def lines(G, support, d, offset, counts, stride, Z, mean):
-        buffer, j = support
-        U, A, D, M = vector(0.0), vector(0.0), _nothing(counts), no_rates(mean)
+    def gather(G, support, d, offset, counts, stride, Z, what):
+        (buffer, j), mean = support, what.M
+        U, A, M = vector(0.0), vector(0.0), no_rates(mean)
+        D = joined(vector(0.0), zeros(counts))
         for i in range(counts[0]):
             w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
-            u, a, b, m = _gather_lines(
-                G, support, d + 1, offset + i * stride[0], counts[1:], stride[1:], Z, mean
+            u, a, b, m = lines(
+                G, support, d + 1, offset + i * stride[0], counts[1:], stride[1:], Z, what
             )
             U, A = w * u + U, w * a + A
             D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
             M = _plus_rates(mean, factor(mean, buffer, d, i, j), m, M)
         return U, A, D, M
 
-    return lines
-
-
-def _gather_some(like, count, G, support, offset, counts, stride, mean):
-    """Sums over the support of a particle with weight on `count` vertices; `_scatter_some`."""
-
-
-@specialise(_gather_some)
-def _gather_number(like, count, G, support, offset, counts, stride, mean):
-    last = len(counts)
-
-    def exactly(like, count, G, support, offset, counts, stride, mean):
-        Z = last_entries(support, last, like, mean)
-        return _gather_lines(G, support, 0, offset, counts, stride, Z, mean)
-
-    if len(like) == 2:
-        return exactly
-
-    def at_most(like, count, G, support, offset, counts, stride, mean):
-        if count < len(like):
-            return _gather_some(like[1:], count, G, support, offset, counts, stride, mean)
-        Z = last_entries(support, last, like, mean)
-        return _gather_lines(G, support, 0, offset, counts, stride, Z, mean)
-
-    return at_most
+    return gather
 
 
 def gather(shape, G, support, offset, stride, like, mean):
@@ -155,12 +136,6 @@ def gather_products(shape, G, support, offset, stride, like, mean):
 
 @specialise(gather_products)
 def _gather_products(shape, G, support, offset, stride, like, mean):
-    outer, last = (0,) * (len(like) - 1), len(like) - 1
-    most = (0.0,) * shape.instance_class.vertices()
-
-    def gather(shape, G, support, offset, stride, like, mean):
-        counts = extents(shape, support.buffer, 0, support.j, outer)
-        count = extent(shape, support.buffer, last, support.j)
-        return _gather_some(most, count, G, support, offset, counts, stride, mean)
-
-    return gather
+    return lambda shape, G, support, offset, stride, like, mean: transfer_products(
+        shape, G, support, offset, stride, like, Sums(mean)
+    )

@@ -9,12 +9,13 @@ not depend on ranks.
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import joined, plus_scaled, scaled
-from pgimp.jit.vectors.simd import bits, vector
+from pgimp.jit.vectors.lanes import zeros
+from pgimp.jit.vectors.simd import vector
 from pgimp.kernels.data.record import ACCELERATION, HELD, RECORD, VELOCITY
 from pgimp.kernels.transfer.first_vertex import is_initial
 from pgimp.kernels.transfer.gather import gather
 from pgimp.kernels.transfer.lane_io import LANES
-from pgimp.kernels.transfer.supports import first_offset, four_entries, share_support
+from pgimp.kernels.transfer.supports import extents, first_offset, four_entries, share_support
 from pgimp.kernels.transfer.transfer import Support
 from pgimp.kernels.transfer.transpose import (
     collected,
@@ -118,17 +119,6 @@ def _numbers_of(G, at, like):
     return lambda G, at, like: (G[at], *_numbers(G, at + 1, like[1:]))
 
 
-def _zeros(like):
-    """Zero vectors, as many as `like` has."""
-
-
-@specialise(_zeros)
-def _zeros_of(like):
-    if len(like) == 1:
-        return lambda like: (vector(0.0),)
-    return lambda like: (vector(0.0), *_zeros(like[1:]))
-
-
 def _zero_gradients(counts, like):
     """Zero derivatives, of as many directions as there are counts."""
 
@@ -136,8 +126,8 @@ def _zero_gradients(counts, like):
 @specialise(_zero_gradients)
 def _zero_gradients_of(counts, like):
     if len(counts) == 1:
-        return lambda counts, like: (_zeros(like),)
-    return lambda counts, like: (_zeros(like), *_zero_gradients(counts[1:], like))
+        return lambda counts, like: (zeros(like),)
+    return lambda counts, like: (zeros(like), *_zero_gradients(counts[1:], like))
 
 
 def _add_gradients(w, ds, Ds):
@@ -209,7 +199,7 @@ def _lines_of(G, buffer, d, offset, counts, stride, like, most):
         )
 
     def lines(G, buffer, d, offset, counts, stride, like, most):
-        U, A, D, held = _zeros(like), _zeros(like), _zero_gradients(counts, like), vector(0.0)
+        U, A, D, held = zeros(like), zeros(like), _zero_gradients(counts, like), vector(0.0)
         for i in range(counts[0]):
             w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
             u, a, b, h = _lines(
@@ -220,38 +210,6 @@ def _lines_of(G, buffer, d, offset, counts, stride, like, most):
         return U, A, D, held
 
     return lines
-
-
-def _reached(shape, buffer, d):
-    """Number of vertices along direction `d` with weight for any of four particles."""
-
-
-@specialise(_reached)
-def _reached_of(shape, buffer, d):
-    vertices = shape.instance_class.vertices()
-    if vertices == 2:
-        return lambda shape, buffer, d: 2
-    if vertices == 3:
-        return lambda shape, buffer, d: 2 if bits(four_entries(buffer, d, 0, 2) == 0.0) == 15 else 3
-    return lambda shape, buffer, d: (
-        4
-        if bits(four_entries(buffer, d, 0, 3) == 0.0) != 15
-        else (3 if bits(four_entries(buffer, d, 0, 2) == 0.0) != 15 else 2)
-    )
-
-
-def _all_reached(shape, buffer, d, like):
-    """Numbers of vertices along the directions from `d` on, as many as `like` has."""
-
-
-@specialise(_all_reached)
-def _all_reached_of(shape, buffer, d, like):
-    if len(like) == 0:
-        return lambda shape, buffer, d, like: ()
-    return lambda shape, buffer, d, like: (
-        _reached(shape, buffer, d),
-        *_all_reached(shape, buffer, d + 1, like[1:]),
-    )
 
 
 def gather_shared(shape, G, buffer, offset, stride, directions, like):
@@ -266,7 +224,7 @@ def _gather_shared_of(shape, G, buffer, offset, stride, directions, like):
     most = (0.0,) * shape.instance_class.vertices()
 
     def gather_shared(shape, G, buffer, offset, stride, directions, like):
-        counts = _all_reached(shape, buffer, 0, directions)
+        counts = extents(shape, buffer, 0, (), directions)
         return _lines(G, buffer, 0, offset, counts, stride, like, most)
 
     return gather_shared

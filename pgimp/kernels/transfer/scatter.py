@@ -7,8 +7,8 @@ from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.simd import load, store
 from pgimp.kernels.transfer.cornertransfer import scatter_corners
-from pgimp.kernels.transfer.supports import entry, extent, extents
-from pgimp.kernels.transfer.transfer import last_entries, last_step
+from pgimp.kernels.transfer.supports import entry
+from pgimp.kernels.transfer.transfer import last_step, lines, transfer_products
 from pgimp.kernels.update.mean_dilatation_weights import factor, factored, plus_factored
 from pgimp.physics.shapes.base import by_corners
 
@@ -98,32 +98,21 @@ def _scatter_vertices(G, offset, step, w, g, e, f, share):
     return vertices
 
 
-def _scatter_lines(G, support, d, offset, counts, stride, Z, share):
-    """Add a particle to the lines of its support, from direction `d` on.
+@specialise(lines)
+def _scatter_lines(G, support, d, offset, counts, stride, Z, what):
+    """A and B include the sums over the previous directions.
 
-    Parameters
-    ----------
-    offset : int
-        Offset of the first vertex.
-    counts : tuple of int
-        Vertices of the current direction and the following ones but the last; `stride` alike.
-    Z : tuple
-        Weights, gradients, arms and `factors` along the last direction.
-    share : Share
-        The remaining share. A and B include the sums over the previous directions. S and C of the
-        current and following directions are times the weights so far, M times the factors.
+    S and C of the current and following ones are times the weights so far, M times the factors.
     """
-
-
-@specialise(_scatter_lines)
-def _scatter_all(G, support, d, offset, counts, stride, Z, share):
+    if what.instance_class is not Share:
+        return None
     if len(counts) == 0:
-        return lambda G, support, d, offset, counts, stride, Z, share: _scatter_line(
-            G, offset, last_step(stride), Z[0], Z[1], Z[2], Z[3], share
+        return lambda G, support, d, offset, counts, stride, Z, what: _scatter_line(
+            G, offset, last_step(stride), Z[0], Z[1], Z[2], Z[3], what
         )
 
-    def lines(G, support, d, offset, counts, stride, Z, share):
-        (buffer, j), (A, B, S, C, M) = support, share
+    def scatter(G, support, d, offset, counts, stride, Z, what):
+        (buffer, j), (A, B, S, C, M) = support, what
         for i in range(counts[0]):
             w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
             e = entry(buffer, d, 2, i, j)
@@ -132,37 +121,9 @@ def _scatter_all(G, support, d, offset, counts, stride, Z, share):
                 _sloped(w, A, e, C), _force(w, B, g, S[0]), scaled(w, S[1:]), scaled(w, C[1:]),
                 factored(factor(M, buffer, d, i, j), M),
             )  # fmt: skip
-            _scatter_lines(G, support, d + 1, at, counts[1:], stride[1:], Z, part)
+            lines(G, support, d + 1, at, counts[1:], stride[1:], Z, part)
 
-    return lines
-
-
-def _scatter_some(like, count, G, support, offset, counts, stride, share):
-    """Add a particle with weight on `count` vertices along the last direction.
-
-    At most as many as `like` has; each number has its own code.
-    """
-
-
-@specialise(_scatter_some)
-def _scatter_number(like, count, G, support, offset, counts, stride, share):
-    last = len(counts)
-
-    def exactly(like, count, G, support, offset, counts, stride, share):
-        Z = last_entries(support, last, like, share.M)
-        _scatter_lines(G, support, 0, offset, counts, stride, Z, share)
-
-    if len(like) == 2:
-        return exactly
-
-    def at_most(like, count, G, support, offset, counts, stride, share):
-        if count < len(like):
-            _scatter_some(like[1:], count, G, support, offset, counts, stride, share)
-        else:
-            Z = last_entries(support, last, like, share.M)
-            _scatter_lines(G, support, 0, offset, counts, stride, Z, share)
-
-    return at_most
+    return scatter
 
 
 def scatter(shape, G, support, offset, stride, share):
@@ -198,13 +159,6 @@ def scatter_products(shape, G, support, offset, stride, share):
 
 @specialise(scatter_products)
 def _scatter_products(shape, G, support, offset, stride, share):
-    last = len(share.types[2]) - 1
-    outer = (0,) * last
-    like = (0.0,) * shape.instance_class.vertices()
-
-    def scatter(shape, G, support, offset, stride, share):
-        counts = extents(shape, support.buffer, 0, support.j, outer)
-        count = extent(shape, support.buffer, last, support.j)
-        _scatter_some(like, count, G, support, offset, counts, stride, share)
-
-    return scatter
+    return lambda shape, G, support, offset, stride, share: transfer_products(
+        shape, G, support, offset, stride, share.S, share
+    )

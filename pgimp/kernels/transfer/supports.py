@@ -6,6 +6,7 @@ take one particle after the other.
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import scaled
+from pgimp.jit.vectors.lanes import numbers
 from pgimp.jit.vectors.simd import bits, load, number, store, vector
 from pgimp.kernels.data.velocity_fields import move_to_fields
 from pgimp.kernels.transfer.corners import keep_corners
@@ -161,11 +162,8 @@ def entries(buffer, d, quantity, i, j, like):
 
 @specialise(entries)
 def _entries(buffer, d, quantity, i, j, like):
-    if len(like) == 1:
-        return lambda buffer, d, quantity, i, j, like: (entry(buffer, d, quantity, i, j),)
-    return lambda buffer, d, quantity, i, j, like: (
-        entry(buffer, d, quantity, i, j),
-        *entries(buffer, d, quantity, i + 1, j, like[1:]),
+    return lambda buffer, d, quantity, i, j, like: numbers(
+        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j, 4, like
     )
 
 
@@ -178,8 +176,20 @@ def _share_support(buffer):
     return lambda buffer: bits(load(buffer, _OFFSET) == number(buffer, _OFFSET)) == 15
 
 
+def _any_weight(buffer, d, i):
+    """Whether any of four particles has weight at vertex `i` along direction `d`."""
+
+
+@specialise(_any_weight)
+def _any_weight_of(buffer, d, i):
+    return lambda buffer, d, i: bits(four_entries(buffer, d, 0, i) == 0.0) != 15
+
+
 def extent(shape, buffer, d, j):
-    """Number of vertices along direction `d` with weight for particle `j`; at least two."""
+    """Number of vertices along direction `d` with weight for particle `j`; at least two.
+
+    With () for `j` it is the number of vertices with weight for any of the four particles.
+    """
 
 
 @specialise(extent)
@@ -187,6 +197,13 @@ def _extent(shape, buffer, d, j):
     vertices = shape.instance_class.vertices()
     if vertices == 2:
         return lambda shape, buffer, d, j: 2
+    if hasattr(j, "count"):  # ()
+        if vertices == 3:
+            return lambda shape, buffer, d, j: 3 if _any_weight(buffer, d, 2) else 2
+        return lambda shape, buffer, d, j: (
+            4 if _any_weight(buffer, d, 3) else (3 if _any_weight(buffer, d, 2) else 2)
+        )
+    # Another function for this comparison would cost 1 % of the instructions in 3D.
     if vertices == 3:
         return lambda shape, buffer, d, j: 3 if entry(buffer, d, 0, 2, j) != 0.0 else 2
     return lambda shape, buffer, d, j: (

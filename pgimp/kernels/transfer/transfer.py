@@ -13,7 +13,7 @@ import numpy as np
 
 from pgimp.jit.kernel import specialise
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.transfer.supports import entries
+from pgimp.kernels.transfer.supports import entries, extent, extents
 from pgimp.kernels.update.mean_dilatation_weights import factors
 
 
@@ -56,3 +56,63 @@ def _last_entries(support, d, like, mean):
         entries(support.buffer, d, 2, 0, support.j, like),
         factors(mean, support.buffer, d, 0, support.j, like),
     )
+
+
+def lines(G, support, d, offset, counts, stride, Z, what):
+    """Transfer between a particle and the lines of its support, from direction `d` on.
+
+    Parameters
+    ----------
+    offset : int
+        Offset of the first vertex.
+    counts : tuple of int
+        Vertices of the current direction and the following ones but the last; `stride` alike.
+    Z : tuple
+        Weights, gradients, arms and `factors` along the last direction.
+    what : Share or Sums
+        Contributions to scatter, or the kind of sums to gather, which are returned.
+    """
+
+
+def _by_number(like, count, G, support, offset, counts, stride, what):
+    """Transfer for a particle with weight on `count` vertices along the last direction.
+
+    At most as many as `like` has; each number has its own code.
+    """
+
+
+@specialise(_by_number)
+def _by_each_number(like, count, G, support, offset, counts, stride, what):
+    last = len(counts)
+
+    def exactly(like, count, G, support, offset, counts, stride, what):
+        Z = last_entries(support, last, like, what.M)
+        return lines(G, support, 0, offset, counts, stride, Z, what)
+
+    if len(like) == 2:
+        return exactly
+
+    def at_most(like, count, G, support, offset, counts, stride, what):
+        if count < len(like):
+            return _by_number(like[1:], count, G, support, offset, counts, stride, what)
+        Z = last_entries(support, last, like, what.M)
+        return lines(G, support, 0, offset, counts, stride, Z, what)
+
+    return at_most
+
+
+def transfer_products(shape, G, support, offset, stride, directions, what):
+    """Transfer for a particle whose weights are products by direction; see `lines`."""
+
+
+@specialise(transfer_products)
+def _transfer_products(shape, G, support, offset, stride, directions, what):
+    last = len(directions) - 1
+    outer, most = (0,) * last, (0.0,) * shape.instance_class.vertices()
+
+    def transfer(shape, G, support, offset, stride, directions, what):
+        counts = extents(shape, support.buffer, 0, support.j, outer)
+        count = extent(shape, support.buffer, last, support.j)
+        return _by_number(most, count, G, support, offset, counts, stride, what)
+
+    return transfer

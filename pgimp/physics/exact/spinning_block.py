@@ -143,12 +143,8 @@ class SpinningBlockParameters(NamedTuple):
         v = turned(
             Q, (w * turn[0] + rate * p[0], w * turn[1] + rate * q[0], w * turn[2] + rate * r[0])
         )
-        place, fly = turned(Q, y), solution.translation
-        u = (
-            t * fly[0] + place[0] - Z[0],
-            t * fly[1] + place[1] - Z[1],
-            t * fly[2] + place[2] - Z[2],
-        )
+        arm, fly = turned(Q, y), solution.translation
+        u = (t * fly[0] + arm[0] - Z[0], t * fly[1] + arm[1] - Z[1], t * fly[2] + arm[2] - Z[2])
         F, G, H = 1.0 + g * p[1], 1.0 + g * q[1], 1.0 + g * r[1]
         f = solution.mu / (F * G * H)
         along = (f * (F * F - 1.0), f * (G * G - 1.0), f * (H * H - 1.0), 0.0, 0.0, 0.0)

@@ -27,9 +27,6 @@ from pgimp.jit.kernel import exact, kernel
 
 Reals = NDArray[np.float64]
 
-#: Kinds of covariance, by its exponent.
-EXPONENTIAL, GAUSSIAN = "exponential", "gaussian"
-
 
 def _sine_series() -> tuple[float, ...]:
     """Coefficients of sin(pi/2 z)/z in z^2, ascending; the remainder is below 2e-18."""
@@ -151,7 +148,7 @@ def waves(kind: str, lengths: tuple[float, ...], seed: int, number: int) -> Wave
     normal = np.empty((number, columns))
     _normals(np.ascontiguousarray(uniform[:, :columns]), normal)
     vectors = normal[:, : len(lengths)].copy()
-    if kind == EXPONENTIAL:  # Student's distribution of one degree of freedom
+    if kind == "exponential":  # Student's distribution of one degree of freedom
         vectors /= np.maximum(np.abs(normal[:, 3]), 1e-12)[:, None]
     else:
         vectors *= sqrt(2.0)

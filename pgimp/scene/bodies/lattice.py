@@ -191,12 +191,12 @@ class Lattice:
                     both = [first.volume_fractions(part)]
                 with self._named(b):
                     both.append(second.volume_fractions(part))
-                place = self._overlap(both, (first, second))
-                if place is not None:
+                position = self._overlap(both, (first, second))
+                if position is not None:
                     message = (
                         f"bodies.{names[1]}.region: '{names[0]}' and '{names[1]}' overlap in the "
-                        f"box of the particle at ({place}), of which they fill more than there is: "
-                        "move or cut one of them (region: {difference: [...]})"
+                        f"box of the particle at ({position}), of which they fill more than there "
+                        "is: move or cut one of them (region: {difference: [...]})"
                     )
                     errors.append(((a, b), message))
                     break
@@ -214,11 +214,11 @@ class Lattice:
         from their surfaces' curvature is an overlap.
         """
         first, second = both
-        places = np.flatnonzero(first.exists & second.exists)
-        if len(places) == 0:
+        indices = np.flatnonzero(first.exists & second.exists)
+        if len(indices) == 0:
             return None
-        points = bodies[0].points(first.ranges, places)
-        over = first.fraction(places) + second.fraction(places) > 1.0 + LEAST_FRACTION
+        points = bodies[0].points(first.ranges, indices)
+        over = first.fraction(indices) + second.fraction(indices) > 1.0 + LEAST_FRACTION
         over |= bodies[0].region.contains(points) & bodies[1].region.contains(points)
         if not over.any():
             return None
@@ -226,11 +226,11 @@ class Lattice:
 
     def _cells(self, volumes: VolumeFractions) -> set[int]:
         """Numbers of the cells in which more than a small part of a body lies."""
-        places = np.flatnonzero(volumes.exists)
-        places = places[volumes.fraction(places) >= LEAST_FRACTION]
+        indices = np.flatnonzero(volumes.exists)
+        indices = indices[volumes.fraction(indices) >= LEAST_FRACTION]
         sizes = tuple(end - begin for begin, end in volumes.ranges)
-        cell = np.zeros(len(places), np.int64)
-        for i, size, n in zip(np.unravel_index(places, sizes), sizes, self.per_cell, strict=True):
+        cell = np.zeros(len(indices), np.int64)
+        for i, size, n in zip(np.unravel_index(indices, sizes), sizes, self.per_cell, strict=True):
             cell = cell * (size // n + 1) + i // n
         return set(np.unique(cell).tolist())
 
@@ -269,9 +269,9 @@ class Lattice:
             for volumes in body.slabs(planes):
                 plane = volumes.ranges[0][0]
                 first = int(ends[number, plane] - counts[number, plane])
-                places = np.flatnonzero(volumes.exists)
-                for begin in range(0, len(places), _BLOCK):
-                    part = places[begin : begin + _BLOCK]
+                indices = np.flatnonzero(volumes.exists)
+                for begin in range(0, len(indices), _BLOCK):
+                    part = indices[begin : begin + _BLOCK]
                     x = body.points(volumes.ranges, part)
                     fractions = volumes.fraction(part)
                     centroids = x + volumes.moment(part) / fractions[:, None]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.measure import measure
 from pgimp.geometry.regions.base import Region
-from pgimp.scene.bodies.volume_fractions import Places, Ranges, Reals, VolumeFractions
+from pgimp.scene.bodies.volume_fractions import Indices, Ranges, Reals, VolumeFractions
 
 #: Points per block that are tested one by one; also boxes per block in slabs of planes.
 _BLOCK = 200_000
@@ -42,9 +42,9 @@ _STEP, _SHARP = 0.25, 0.5
 _BRICK = 512
 
 
-def _points(axes: list[Reals], ranges: Ranges, places: Places) -> NDArray[np.float64]:
+def _points(axes: list[Reals], ranges: Ranges, indices: Indices) -> NDArray[np.float64]:
     """Lattice points, given by their numbers in a part of the lattice, (n, D)."""
-    index = np.unravel_index(places, tuple(end - begin for begin, end in ranges))
+    index = np.unravel_index(indices, tuple(end - begin for begin, end in ranges))
     parts = [x[i + r[0]] for x, i, r in zip(axes, index, ranges, strict=True)]
     return np.stack(parts, axis=1)
 
@@ -96,11 +96,11 @@ class LatticeBody:
             wide = (max(begin - halo, self.box[0][0]), min(end + halo, self.box[0][1]))
             volumes = self._merge(self.volume_fractions([wide, *self.box[1:]]))
             part = slice((begin - wide[0]) * row, (end - wide[0]) * row)
-            at = slice(*np.searchsorted(volumes.places, (part.start, part.stop)))
+            at = slice(*np.searchsorted(volumes.indices, (part.start, part.stop)))
             yield VolumeFractions(
                 [(begin, end), *self.box[1:]],
                 volumes.whole[part],
-                volumes.places[at] - part.start,
+                volumes.indices[at] - part.start,
                 volumes.fractions[at],
                 volumes.moments[at],
             )
@@ -122,18 +122,18 @@ class LatticeBody:
                 cut.append(part[np.abs(distance) <= self.radius])
             else:
                 whole[part] = self.region.contains(points)
-        places = np.concatenate(cut) if cut else np.zeros(0, np.int64)
+        indices = np.concatenate(cut) if cut else np.zeros(0, np.int64)
         key = tuple(ranges)
         if key not in self._measured:
-            fractions, moments = np.zeros(len(places)), np.zeros((len(places), len(ranges)))
-            for begin in range(0, len(places), _BLOCK):
+            fractions, moments = np.zeros(len(indices)), np.zeros((len(indices), len(ranges)))
+            for begin in range(0, len(indices), _BLOCK):
                 few = slice(begin, begin + _BLOCK)
-                fractions[few], moments[few] = self._measure(ranges, shape, places[few])
+                fractions[few], moments[few] = self._measure(ranges, shape, indices[few])
             self._measured[key] = fractions, moments
         fractions, moments = self._measured[key]
-        whole[places] = fractions == 1.0
+        whole[indices] = fractions == 1.0
         keep = (fractions > 0.0) & (fractions != 1.0)
-        return VolumeFractions(ranges, whole, places[keep], fractions[keep], moments[keep])
+        return VolumeFractions(ranges, whole, indices[keep], fractions[keep], moments[keep])
 
     def _fill(self, ranges: Ranges) -> VolumeFractions | None:
         """Volume fractions from a region that measures all boxes itself, else None."""
@@ -142,13 +142,13 @@ class LatticeBody:
             found = self.region.fill(self.edges, ranges)
             if found is None:
                 return None
-            whole, places, fractions, moments = found
+            whole, indices, fractions, moments = found
             fractions, moments = self._rounded(fractions, moments)
-            whole[places] = fractions == 1.0
+            whole[indices] = fractions == 1.0
             keep = (fractions > 0.0) & (fractions != 1.0)
             # Inside boxes are many: kept as bits.
             none = np.zeros(0, bool)
-            volumes = VolumeFractions(ranges, none, places[keep], fractions[keep], moments[keep])
+            volumes = VolumeFractions(ranges, none, indices[keep], fractions[keep], moments[keep])
             self._filled[key] = np.packbits(whole), volumes
         bits, volumes = self._filled[key]
         number = int(np.prod([end - begin for begin, end in ranges]))
@@ -187,10 +187,10 @@ class LatticeBody:
         return found
 
     def _measure(
-        self, ranges: Ranges, shape: tuple[int, ...], places: Places
+        self, ranges: Ranges, shape: tuple[int, ...], indices: Indices
     ) -> tuple[Reals, Reals]:
         """Volume fractions and moments of boxes."""
-        index = [i + r[0] for i, r in zip(np.unravel_index(places, shape), ranges, strict=True)]
+        index = [i + r[0] for i, r in zip(np.unravel_index(indices, shape), ranges, strict=True)]
         low = np.stack([e[i] for e, i in zip(self.edges, index, strict=True)], axis=1)
         high = np.stack([e[i + 1] for e, i in zip(self.edges, index, strict=True)], axis=1)
         volume, moment = np.zeros(len(low)), np.zeros_like(low)
@@ -207,7 +207,7 @@ class LatticeBody:
         volume[np.abs(volume - 1.0) <= self.rounding] = 1.0
         return volume, moment
 
-    def _neighbourhoods(self, index: list[Places]) -> Iterator[tuple[Places, Region]]:
+    def _neighbourhoods(self, index: list[Indices]) -> Iterator[tuple[Indices, Region]]:
         """Boxes by block of the lattice, with the parts of a region that reach the block.
 
         Blocks are defined on the whole lattice, so the bits depend neither on the ranks nor on
@@ -227,9 +227,9 @@ class LatticeBody:
             if (region := self.region.near(low, high)) is not None:
                 yield rows, region
 
-    def points(self, ranges: Ranges, places: Places) -> NDArray[np.float64]:
+    def points(self, ranges: Ranges, indices: Indices) -> NDArray[np.float64]:
         """Box centres, given by box numbers in a part of the lattice, (n, D)."""
-        return _points(self.centres, ranges, places)
+        return _points(self.centres, ranges, indices)
 
     def _bricks(self, ranges: Ranges) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Masks of the boxes in bricks entirely inside, and in bricks that may meet the surface."""
@@ -244,9 +244,9 @@ class LatticeBody:
         shape = tuple(map(len, middles))
         distance = np.empty(int(np.prod(shape)))
         for begin in range(0, len(distance), _BLOCK):
-            places = np.arange(begin, min(begin + _BLOCK, len(distance)))
-            points = _points(middles, [(0, n) for n in shape], places)
-            distance[places] = self.region.distance(points)
+            indices = np.arange(begin, min(begin + _BLOCK, len(distance)))
+            points = _points(middles, [(0, n) for n in shape], indices)
+            distance[indices] = self.region.distance(points)
         masks = []
         for mask in (distance < -radius, np.abs(distance) <= radius):
             boxes = mask.reshape(shape)
@@ -264,7 +264,7 @@ class LatticeBody:
         small = np.flatnonzero(volumes.fractions < LEAST_FRACTION)
         if len(small) == 0:
             return volumes
-        origins = volumes.places[small]
+        origins = volumes.indices[small]
         shape = tuple(end - begin for begin, end in volumes.ranges)
         index = np.unravel_index(origins, shape)
         target = np.full(len(origins), -1)
@@ -277,22 +277,22 @@ class LatticeBody:
             for i, n in zip(there, shape, strict=True):
                 valid &= (0 <= i) & (i < n)
             rows = np.flatnonzero(valid)
-            places = np.ravel_multi_index([i[rows] for i in there], shape)
-            fraction = volumes.fraction(places)
+            indices = np.ravel_multi_index([i[rows] for i in there], shape)
+            fraction = volumes.fraction(indices)
             better = fraction > fullest[rows]
             rows = rows[better]
-            target[rows], fullest[rows] = places[better], fraction[better]
+            target[rows], fullest[rows] = indices[better], fraction[better]
             away[rows] = -step * self.size
         goes = target >= 0
         small, target, away = small[goes], target[goes], away[goes]
-        kept = np.ones(len(volumes.places), bool)
+        kept = np.ones(len(volumes.indices), bool)
         kept[small] = False
-        places = np.union1d(volumes.places[kept], target)
-        fractions, moments = volumes.fraction(places), volumes.moment(places)
+        indices = np.union1d(volumes.indices[kept], target)
+        fractions, moments = volumes.fraction(indices), volumes.moment(indices)
         whole = volumes.whole.copy()
-        whole[places] = False
-        at = np.searchsorted(places, target)
+        whole[indices] = False
+        at = np.searchsorted(indices, target)
         given = volumes.fractions[small]
         np.add.at(fractions, at, given)  # one after the other, in the order of the boxes
         np.add.at(moments, at, volumes.moments[small] + given[:, None] * away)
-        return volumes._replace(whole=whole, places=places, fractions=fractions, moments=moments)
+        return volumes._replace(whole=whole, indices=indices, fractions=fractions, moments=moments)

@@ -59,15 +59,15 @@ def populate(
         p.x[rows] = block.positions
         # A field linear in space has its mean over a part (5) at the part's centroid. An exact
         # solution refers to the particle's position.
-        places = block.positions if scene.settings.moves else block.centroids
+        points = block.positions if scene.settings.moves else block.centroids
         if block.velocities is None:
-            p.v[rows] = velocities(scene, block.body, places)
+            p.v[rows] = velocities(scene, block.body, points)
         else:
             p.v[rows] = block.velocities
         material = scene.materials.body_material[block.body]
         if p.L.shape[1]:
             p.L[rows] = (
-                _velocity_gradients(scene, block.body, places)
+                _velocity_gradients(scene, block.body, points)
                 if block.gradients is None
                 else block.gradients
             )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Ranges = list[tuple[int, int]]
-Places = NDArray[np.int64]
+Indices = NDArray[np.int64]
 Reals = NDArray[np.float64]
 
 
@@ -18,8 +18,8 @@ class VolumeFractions(NamedTuple):
     ranges : list of (int, int)
         The part of the lattice: first box and end by direction; its boxes are numbered in C order.
     whole : bool, one for each box
-        Boxes that lie entirely inside, except the boxes in `places`.
-    places : (n,) int64
+        Boxes that lie entirely inside, except the boxes in `indices`.
+    indices : (n,) int64
         Numbers of boxes with a fraction other than 0 and 1, ascending.
     fractions : (n,) float64
         Volume of their parts inside, over the volume of a box.
@@ -30,7 +30,7 @@ class VolumeFractions(NamedTuple):
 
     ranges: Ranges
     whole: NDArray[np.bool_]
-    places: Places
+    indices: Indices
     fractions: Reals
     moments: Reals
 
@@ -38,21 +38,21 @@ class VolumeFractions(NamedTuple):
     def exists(self) -> NDArray[np.bool_]:
         """Mask of the boxes with a particle."""
         exists = self.whole.copy()
-        exists[self.places] = True
+        exists[self.indices] = True
         return exists
 
-    def fraction(self, places: Places) -> Reals:
+    def fraction(self, indices: Indices) -> Reals:
         """Volume fractions of the boxes with these numbers, (n,)."""
-        return self._take(places, self.whole[places].astype(float), self.fractions)
+        return self._take(indices, self.whole[indices].astype(float), self.fractions)
 
-    def moment(self, places: Places) -> Reals:
+    def moment(self, indices: Indices) -> Reals:
         """Moments of the boxes with these numbers, (n, D)."""
-        return self._take(places, np.zeros((len(places), self.moments.shape[1])), self.moments)
+        return self._take(indices, np.zeros((len(indices), self.moments.shape[1])), self.moments)
 
-    def _take(self, places: Places, values: Reals, special: Reals) -> Reals:
-        """Values of boxes, with special values for the boxes in `places`."""
-        if len(self.places):
-            at = np.minimum(np.searchsorted(self.places, places), len(self.places) - 1)
-            found = self.places[at] == places
+    def _take(self, indices: Indices, values: Reals, special: Reals) -> Reals:
+        """Values of boxes, with special values for the boxes in `indices`."""
+        if len(self.indices):
+            at = np.minimum(np.searchsorted(self.indices, indices), len(self.indices) - 1)
+            found = self.indices[at] == indices
             values[found] = special[at[found]]
         return values

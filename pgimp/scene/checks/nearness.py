@@ -272,6 +272,6 @@ def _marks(
     return cells, vertices
 
 
-def _mark(marks: np.ndarray, places: np.ndarray) -> None:
-    inside = ((places >= 0) & (places < marks.shape)).all(axis=1)
-    marks[tuple(places[inside].T)] = True
+def _mark(marks: np.ndarray, cells: np.ndarray) -> None:
+    inside = ((cells >= 0) & (cells < marks.shape)).all(axis=1)
+    marks[tuple(cells[inside].T)] = True

@@ -67,9 +67,9 @@ def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
     body = LatticeBody(region, edges, centres, cut=True)
     ranges = [(0, int(n)) for n in counts]
     found = body.volume_fractions(ranges)
-    places = np.union1d(np.flatnonzero(found.whole), found.places)
-    part = found.fraction(places)
-    x = body.points(ranges, places) + found.moment(places) / part[:, None]
+    indices = np.union1d(np.flatnonzero(found.whole), found.indices)
+    part = found.fraction(indices)
+    x = body.points(ranges, indices) + found.moment(indices) / part[:, None]
     volume = float(part.sum())
     centre = np.array([(part * x[:, d]).sum() / volume for d in range(D)])
     arm, second = x - centre, np.zeros((3, 3))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.errors import CaseError, EndlessError, UsageError
 from pgimp.kernels.rigid.bodies import distances
 from pgimp.mpi.collective import on_root
@@ -80,18 +80,18 @@ def require_apart(
                 depth = _depths(rigid_bodies, name, regions[number], x[own], distance[own])
                 deepest = int(depth.argmax())
                 if depth[deepest] > 0.0:
-                    place = tuple(x[own[deepest]].tolist())
-                    found.append((-float(depth[deepest]), place, int(number), name))
+                    position = tuple(x[own[deepest]].tolist())
+                    found.append((-float(depth[deepest]), position, int(number), name))
     every = [one for some in comm.allgather(found) for one in some]
     every += on_root(comm, partial(_within_bodies, rigid_bodies))
     if not every:
         return
-    deep, place, inside, name = min(every)
+    deep, position, inside, name = min(every)
     with located(rigid_bodies.case):
         raise CaseError(
             f"bodies.{name}.region: '{list(rigid_bodies.case.bodies)[inside]}' reaches "
             f"{-deep:.3g} into "
-            f"the rigid '{name}' at ({', '.join(f'{c:.6g}' for c in place)}); bodies must not "
+            f"the rigid '{name}' at ({', '.join(f'{c:.6g}' for c in position)}); bodies must not "
             "overlap at the start: move or cut one of them"
         )
 
@@ -243,7 +243,7 @@ def require_clear(
 def _within_bodies(
     rigid_bodies: SceneRigidBodies,
 ) -> list[tuple[float, tuple[float, ...], int, str]]:
-    """Find overlaps of rigid bodies too small to contain particles: depth, place and body."""
+    """Find overlaps of rigid bodies too small to contain particles: depth, position and body."""
     found, D = [], len(rigid_bodies.frame.cell)
     for name, field in zip(rigid_bodies.names, rigid_bodies.fields, strict=True):
         deepest = np.argsort(field.values[:, 0], kind="stable")[:64]

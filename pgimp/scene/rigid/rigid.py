@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.case.places import located
+from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.geometry.distancefield import DistanceField
 from pgimp.geometry.outline import outline

@@ -230,10 +230,10 @@ def put_motion(rank: Rank, keys: np.ndarray, values: np.ndarray) -> bool:
     grid = rank.grid
     mine = grid.by_vertex(grid.kept.values).transpose(0, 2, 3, 1, 4)
     known = _keys(grid, mine.shape[3])
-    place = np.searchsorted(known.reshape(-1), keys)
-    inside = place < known.size
-    if not (inside.all() and (known.reshape(-1)[place] == keys).all()):
+    index = np.searchsorted(known.reshape(-1), keys)
+    inside = index < known.size
+    if not (inside.all() and (known.reshape(-1)[index] == keys).all()):
         return False
-    x, y, z, f = np.unravel_index(place, known.shape)
+    x, y, z, f = np.unravel_index(index, known.shape)
     mine[x, y, z, f, _VELOCITY], mine[x, y, z, f, _DISPLACEMENT] = values[:, :3], values[:, 3:]
     return True

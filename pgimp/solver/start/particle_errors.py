@@ -75,7 +75,7 @@ def collect_errors(rank: Rank, step: Step) -> Failure:
 def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     """Describe the rank's first particle at fault: error, position and time, advice."""
     p, (row, error) = rank.particles, rank.errors[0].tolist()
-    place = ", ".join(f"{x:.6g}" for x in p.x[row])
+    position = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = rank.scene.body_names[p.body[row]]
     advice = _out_of_range(rank, row)[1] if error == OUT_OF_RANGE else _ADVICE[error]
@@ -86,8 +86,8 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     came = origin(rank, row, step.end) if error == OUTSIDE else ""
     return (
         f"particle {p.id[row]} of body '{body}' {explanation(rank, row, error)}{came}",
-        f"in step {step.number} to time {step.end:.6g} (dt {step.dt:.4g}), at ({place}), velocity "
-        f"({velocity}), on rank {rank.comm.rank}",
+        f"in step {step.number} to time {step.end:.6g} (dt {step.dt:.4g}), at ({position}), "
+        f"velocity ({velocity}), on rank {rank.comm.rank}",
         advice,
     )
 

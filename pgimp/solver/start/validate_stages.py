@@ -35,13 +35,13 @@ def look_ahead(scenes: Sequence[Scene]) -> list[str]:
     """
     columns: list[str] = []
     for scene in scenes:
-        place = 0
+        index = 0
         for name in column_names(scene):
             if name in columns:
-                place = columns.index(name) + 1
+                index = columns.index(name) + 1
             else:
-                columns.insert(place, name)
-                place += 1
+                columns.insert(index, name)
+                index += 1
     require_stable_stages(scenes, {})
     return columns
 

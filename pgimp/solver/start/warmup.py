@@ -73,7 +73,7 @@ def _rehearse(scene: Scene) -> None:
     unpack(pack(particles, rows), particles, rows)
     layers_of(
         scene.settings.shape,
-        scene.placing,
+        scene.order_frame,
         scene.setting.identity,
         np.empty(0),
         np.empty(0, np.int64),

@@ -107,11 +107,11 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     i, j, k = np.nonzero(cells)
     corners = [numbers[i + a, j + b, k + c] for a, b, c in _CORNERS[D - 1]]
 
-    found, place = records[vertices], np.nonzero(vertices)
+    found, index = records[vertices], np.nonzero(vertices)
     contact = _contact(rank, time, dt)[vertices] if contacts else np.zeros((len(found), 3))
     position = np.zeros((len(found), 3))
     for d in range(D):
-        number = place[d] + (grid.window.lower[d] - scene.domain.frame.ghost)
+        number = index[d] + (grid.window.lower[d] - scene.domain.frame.ghost)
         position[:, d] = scene.domain.frame.origin[d] + number * scene.domain.frame.cell[d]
     mass = found[:, MASS].copy()
     return ActiveGrid(
@@ -159,11 +159,11 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     marks = np.zeros((grid.planes, *window.extent[1:]), bool)
     for begin, end in blocks(len(order), _BLOCK):
         x = rank.scene.weighed(p, order[begin:end])
-        place = [np.zeros(len(x), np.int64)] * 3
+        index = [np.zeros(len(x), np.int64)] * 3
         for d in range(rank.scene.dimension):
             cell = np.floor((x[:, d] - frame.origin[d]) * frame.inverse[d])
-            place[d] = cell.astype(np.int64) + (frame.ghost - window.lower[d])
-        marks[tuple(place)] = True
+            index[d] = cell.astype(np.int64) + (frame.ghost - window.lower[d])
+        marks[tuple(index)] = True
     # A particle of the last layer may be in the next cell, whose vertex the upper rank has. Other
     # layers do not reach beyond, so that the plane before is complete.
     sent = None

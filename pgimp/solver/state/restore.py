@@ -268,11 +268,13 @@ def _inconsistent(
         if column.above is not None and not (values > column.above).all():
             return f"the {name} of a particle is not above {column.above:g}"
     layer = p._replace(layer=np.empty_like(p.layer), cell=np.empty_like(p.cell))
-    locate(scene.settings.shape, scene.placing, layer, np.arange(n, dtype=np.int32), frame.vertices)
-    place = slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))
-    if (p.layer[:n] != place).any() or (layer.layer[:n] != place).any():
+    locate(
+        scene.settings.shape, scene.order_frame, layer, np.arange(n, dtype=np.int32), frame.vertices
+    )
+    expected = slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))
+    if (p.layer[:n] != expected).any() or (layer.layer[:n] != expected).any():
         return "a particle is not in its layer"
-    same = place[1:] == place[:-1]
+    same = expected[1:] == expected[:-1]
     cell, number = np.diff(p.cell[:n]), np.diff(p.id[:n])
     if (same & ((cell < 0) | ((cell == 0) & (number <= 0)))).any():
         return "its particles are not in canonical order"

@@ -20,6 +20,7 @@ number of ranks.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -87,6 +88,10 @@ class EnergyWatch:
         """Whether the next step is to be checked, too."""
         return bool(self._kept)
 
+    def due(self, step: int) -> bool:
+        """Whether the energy is to be checked after this step."""
+        return self.close or step % EVERY == 0
+
     @property
     def numbers(self) -> list[float]:
         """The state for a checkpoint."""
@@ -115,7 +120,20 @@ class EnergyWatch:
         self._most = max(kinetic + strain, NONE * mass * self.speed * self.speed)
         self._new, self._row = True, 0
 
-    def look(self, rank: Rank, step: int, time: float) -> None:
+    def look(self, rank: Rank, step: int, time: float, clock: FixedClock | CourantClock) -> None:
+        """Look for spurious energy, and shorten the steps; collective.
+
+        Raises
+        ------
+        EndlessError
+            On every rank, if the solution has blown up.
+        """
+        begin = perf_counter()
+        self._compare(rank, step, time)
+        self.shorten(clock)
+        rank.timings["order"] += perf_counter() - begin
+
+    def _compare(self, rank: Rank, step: int, time: float) -> None:
         """Compare the energy with its balance; collective.
 
         Raises

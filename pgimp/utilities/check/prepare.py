@@ -15,7 +15,8 @@ from pgimp.scene.geometry import share
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_slow
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.scene.settings import MOST_CELLS
-from pgimp.solver.start.memory import Estimate, require
+from pgimp.solver.start.memory import Estimate
+from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.validate_stages import look_ahead, require_stable_stages
 from pgimp.solver.time.stability import require_end, require_stable
 

@@ -46,7 +46,11 @@ class RandomCreation(Creation):
             p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
         locate(
-            self.scene.settings.shape, self.scene.placing, p, rows, self.scene.domain.frame.vertices
+            self.scene.settings.shape,
+            self.scene.order_frame,
+            p,
+            rows,
+            self.scene.domain.frame.vertices,
         )
         here = slab.first <= p.layer[:count]
         here &= p.layer[:count] < slab.first + slab.layers

@@ -79,7 +79,7 @@ def layout_of(
     layer = np.empty(len(x), np.int64)
     D = scene.dimension
     identity = tuple(float(i == j) for i in range(D) for j in range(D))
-    layers_of(scene.settings.shape, scene.placing, identity, x, layer)
+    layers_of(scene.settings.shape, scene.order_frame, identity, x, layer)
     of_layers = np.zeros(scene.domain.frame.vertices[0], np.int64)
     np.add.at(of_layers, layer, counts)
     plane, wide = (

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from pgimp.solver.start.memory import MOST_ROWS, size_text
+from pgimp.solver.start.memory import size_text
+from pgimp.solver.start.require_memory import MOST_ROWS
 from pgimp.utilities.model.costs import Costs, Network
 from pgimp.utilities.model.layout import Layout
 from pgimp.utilities.model.predict import EFFICIENT, MOST_RANKS, Step, pays_off, predict

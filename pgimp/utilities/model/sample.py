@@ -1,12 +1,10 @@
-"""Small scenes similar to a case, and simulations of them for timing."""
+"""Simulations of small scenes similar to a case, for timing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from math import prod
+from collections.abc import Callable, Sequence
 from statistics import mean, median
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -20,6 +18,7 @@ from pgimp.scene.bodies.lattice import Lattice
 from pgimp.solver.decomposition import RESORT
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.start.creation import Creation
+from pgimp.utilities.model.sample_cases import ENDLESS, plain, resized
 
 #: Seconds, and least and most steps, of a timed block.
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
@@ -35,9 +34,9 @@ _DRIFT = 0.005
 _LARGER = 4.0
 #: Fraction of its particles that a sample must keep to be representative.
 _KEPT = 0.98
-#: Steps, or multiples of a case's end, that no sample reaches. Enough steps for a sample; too many
-#: would be refused, see `pgimp.solver.time.stability.require_end`.
-_ENDLESS, _MANY = 1_000_000, 1e9
+#: Multiples of a case's end that no sample reaches; more would be refused, see
+#: `pgimp.solver.time.stability.require_end`.
+_MANY = 1e9
 
 
 class ScatteredCreation(Creation):
@@ -62,7 +61,7 @@ class ScatteredCreation(Creation):
         if scene.settings.initial or scene.settings.mixed:
             p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
-        locate(scene.settings.shape, scene.placing, p, rows, scene.domain.frame.vertices)
+        locate(scene.settings.shape, scene.order_frame, p, rows, scene.domain.frame.vertices)
         here = (p.layer[:count] >= slab.first) | (slab.lower is None)
         here &= (p.layer[:count] < end) | (slab.upper is None)
         rows = rows[here]
@@ -197,84 +196,6 @@ class Sample:
         return float(max(self._comm.allgather(mine)))
 
 
-def resized(case: Case, factor: float, longer: float = _ENDLESS) -> Case:
-    """The case with cells `factor` times as long, as far as the domain has whole cells.
-
-    Its end is `longer` times as late, with steps of about the same Courant number.
-
-    Raises
-    ------
-    ValueError, CaseError
-        If the result is no valid case.
-    """
-    grid, time = case.grid, case.time
-    cells = [max(1, round(n / factor)) for n in grid.cells]
-    data = case.model_dump(by_alias=True, exclude={"history", "checkpoint"})
-    data["output"] = {"fields": case.output.fields}
-    data["escape"] = _open(case, case.boundaries)
-    data["boundaries"] = {
-        name: _standing(entry, "xyz".index(name[0])) for name, entry in data["boundaries"].items()
-    }
-    data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
-    if isinstance(time.step, float | int):
-        step = float(time.step) * min(n / m for n, m in zip(grid.cells, cells, strict=True))
-        data["time"] = {"end": step * _ENDLESS, "step": step}
-    else:
-        data["time"]["end"] = time.end * longer
-    return Case.model_validate(data)
-
-
-def _open(case: Case, boundaries: Collection[str]) -> dict[str, str]:
-    """``escape`` of a sample: a few particles at an open face do not end it."""
-    if any(body.configuration == "initial" for body in case.bodies.values()):
-        return {}
-    faces = (f"{axis}-{end}" for axis in "xyz"[: case.dimensions] for end in ("min", "max"))
-    return {face: "remove" for face in faces if face not in boundaries}
-
-
-def _standing(entry: Any, axis: int) -> Any:
-    """A face's condition without normal velocity, which keeps the material in at equal cost."""
-    if not isinstance(entry, dict) or "velocity" not in entry:
-        return entry
-    velocity = list(entry["velocity"])
-    velocity[axis] = 0.0
-    return {**entry, "velocity": velocity}
-
-
-def plain(case: Case, count: int, longer: float = _ENDLESS) -> Case:
-    """A block of about `count` particles of the first body's material, without other features."""
-    D = case.dimensions
-    each = prod(case.method.particles_per_cell)
-    cells = max(2, round((count / each) ** (1.0 / D)))
-    h = min(case.grid.cell)
-    step = case.time.step
-    data: dict[str, Any] = {
-        "format": 1,
-        "dimensions": D,
-        "grid": {"size": [h * (cells + 2)] * D, "cell": [h] * D},
-        "method": case.method.model_dump(),
-        "materials": {
-            name: entry.uniform()
-            for name, entry in case.materials.items()
-            if name == next(iter(case.bodies.values())).material
-        },
-        "boundaries": {"x-min": "fixed"},
-        "escape": _open(case, {"x-min"}),
-    }
-    data["bodies"] = {
-        "sample": {
-            "material": next(iter(data["materials"])),
-            "region": {"box": {"min": [h] * D, "max": [h * (cells + 1)] * D}},
-            "configuration": next(iter(case.bodies.values())).configuration,
-        }
-    }
-    if isinstance(step, float | int):
-        data["time"] = {"end": step * _ENDLESS, "step": step}
-    else:
-        data["time"] = {"end": case.time.end * longer, "step": step.model_dump()}
-    return Case.model_validate(data)
-
-
 def samples_of(
     case: Case, count: int, comm: Communicator, sizes: Sequence[int], steps: float = 1.0
 ) -> list[Sample]:
@@ -282,7 +203,7 @@ def samples_of(
 
     `steps` is the approximate number of its steps, if large.
     """
-    longer = min(max(1.0, _MANY / steps), _ENDLESS)
+    longer = min(max(1.0, _MANY / steps), ENDLESS)
 
     def made(small: Case, any_will_do: bool = False) -> Sample:
         sample = Sample(lambda: Scattered(small, comm), comm)

@@ -121,8 +121,8 @@ class _Cases:
 
     def label(self, path: tuple[str | int, ...]) -> str:
         """Return file, line and key of a part of the study."""
-        place = self.document.place(path)
-        where = f"{self.name}:{place}" if place else self.name
+        location = self.document.location(path)
+        where = f"{self.name}:{location}" if location else self.name
         return f"{where}: {dotted(path)}"
 
     def read(self, path: str) -> Document:
@@ -143,7 +143,7 @@ class _Cases:
         label = self.label((CASE,))
         for one in variant.changes:
             if one.key == CASE:
-                file, label = one.value, self.label(one.place)
+                file, label = one.value, self.label(one.path)
         if not isinstance(file, str):
             self.wrong[f"{label}: {missing_file(file)}"].append(variant.name)
             return "", None
@@ -152,7 +152,7 @@ class _Cases:
             document = self.read(path)
             for one in variant.changes:
                 if one.key != CASE:
-                    change(document, one.key.split("."), one.value, self.label(one.place))
+                    change(document, one.key.split("."), one.value, self.label(one.path))
             return path, validate(Case, document, path)
         except OSError as error:
             text = f"{label}: cannot read the case {path}: {error.strerror or error}"
@@ -228,7 +228,7 @@ class _Cases:
                 one.name,
                 file,
                 tuple(item.option for item in one.changes if item.key != CASE),
-                {item.key: short(item.value) for item in one.changes if item.place[0] != "set"},
+                {item.key: short(item.value) for item in one.changes if item.path[0] != "set"},
                 dump_case(case),
                 x[i],
                 curves[i],
@@ -247,21 +247,21 @@ class _Cases:
         return 0.0
 
     def _text(
-        self, key: str, data: dict[str, object], variant: Variant, place: tuple[str, ...]
+        self, key: str, data: dict[str, object], variant: Variant, path: tuple[str, ...]
     ) -> str:
-        value = self._value(key, data, variant, place)
+        value = self._value(key, data, variant, path)
         if value is _ABSENT:
             return ""
         return value if isinstance(value, str) else f"{key.rpartition('.')[2]} {short(value)}"
 
-    def _value(self, key: str, data: Any, variant: Variant, place: tuple[str, ...]) -> object:
+    def _value(self, key: str, data: Any, variant: Variant, path: tuple[str, ...]) -> object:
         """Return the resolved case's value at a key path."""
         for part in key.split("."):
             try:
                 data = data[int(part) if isinstance(data, list | tuple) else part]
             except (KeyError, IndexError, ValueError, TypeError):
-                swept = dict.fromkeys(one.key for one in variant.changes if one.place[0] != "set")
-                text = f"{self.label(place)}: the case has no {key}; swept are {', '.join(swept)}"
+                swept = dict.fromkeys(one.key for one in variant.changes if one.path[0] != "set")
+                text = f"{self.label(path)}: the case has no {key}; swept are {', '.join(swept)}"
                 self.wrong[text].append(variant.name)
                 return _ABSENT
         return data

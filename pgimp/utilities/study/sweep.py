@@ -23,8 +23,8 @@ class Change(NamedTuple):
     key: str
     """Keys and list indices joined by dots."""
     value: object
-    place: Path
-    """Its place in the study file."""
+    path: Path
+    """Its path in the study file."""
 
     @property
     def option(self) -> str:

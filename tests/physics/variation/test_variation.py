@@ -146,9 +146,9 @@ def test_particles_carry_what_depends_on_what_varies():
         return layout_of(entry, lambda one: one.parameters())
 
     found = layout(hooke(young={"column": "e"}))
-    assert (found.varying, found.places, found.width) == ([0, 1], [2], 3)
+    assert (found.varying, found.indices, found.width) == ([0, 1], [2], 3)
     found = layout(hooke(density={"column": "rho"}))
-    assert (found.varying, found.places, found.width) == ([2], [0], 1)  # the density itself
+    assert (found.varying, found.indices, found.width) == ([2], [0], 1)  # the density itself
     metal = SOLID | {"model": "von-mises", "yield-stress": 1.0}
     metal |= {"saturation": {"stress": {"column": "q"}, "rate": 2.0}}
     found = layout(MATERIALS["von-mises"].model_validate(metal))

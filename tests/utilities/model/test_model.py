@@ -26,7 +26,8 @@ from pgimp.utilities.model.layout import Layout, layout_now, layout_of
 from pgimp.utilities.model.measure import costs_of, run_in_turn
 from pgimp.utilities.model.predict import EFFICIENT, pays_off, predict
 from pgimp.utilities.model.report import lines, rank_counts, scaling
-from pgimp.utilities.model.sample import Sample, resized, samples_of
+from pgimp.utilities.model.sample import Sample, samples_of
+from pgimp.utilities.model.sample_cases import resized
 
 US = 1e-6
 FREE = Messages(0.0, 1e30, 0.0, 0.0)

@@ -10,7 +10,8 @@ from pgimp.errors import RunError
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 from pgimp.utilities.model.measure import costs_of, run_in_turn
-from pgimp.utilities.model.sample import Sample, resized, samples_of
+from pgimp.utilities.model.sample import Sample, samples_of
+from pgimp.utilities.model.sample_cases import resized
 
 
 def test_a_resized_case_is_the_same_case():

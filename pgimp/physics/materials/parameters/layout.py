@@ -51,7 +51,7 @@ class Layout(NamedTuple):
         Indices of the varying parameters, ascending: the first columns of a particle.
     paths : list of tuple of str
         Varying keys of the case.
-    places : list of int
+    indices : list of int
         Column of each key's value.
     width : int
         Number of columns.
@@ -60,15 +60,15 @@ class Layout(NamedTuple):
     base: NamedTuple
     varying: list[int]
     paths: list[tuple[str, ...]]
-    places: list[int]
+    indices: list[int]
     width: int
 
     @property
     def marked(self) -> NamedTuple:
         """The material's parameters with `Own` in place of varying ones."""
         found = leaves(self.base)
-        for place, leaf in enumerate(self.varying):
-            found[leaf] = Own(place)
+        for index, leaf in enumerate(self.varying):
+            found[leaf] = Own(index)
         return _rebuilt(self.base, iter(found))
 
     def packer(self) -> Callable[[NamedTuple, Sequence[float]], list[float] | None]:
@@ -79,7 +79,7 @@ class Layout(NamedTuple):
         """
         kind, base, varying = type(self.base), leaves(self.base), self.varying
         fixed = [(i, leaf) for i, leaf in enumerate(base) if i not in varying]
-        others = [j for j, place in enumerate(self.places) if place >= len(varying)]
+        others = [j for j, index in enumerate(self.indices) if index >= len(varying)]
 
         def pack(parameters: NamedTuple, values: Sequence[float]) -> list[float] | None:
             if type(parameters) is not kind:
@@ -94,7 +94,7 @@ class Layout(NamedTuple):
 
     def values(self, row: np.ndarray) -> list[float]:
         """Return the values of the case in a particle's columns."""
-        return [float(row[place]) for place in self.places]
+        return [float(row[index]) for index in self.indices]
 
 
 def layout_of(entry: V, make: Callable[[V], NamedTuple]) -> Layout:
@@ -122,13 +122,13 @@ def layout_of(entry: V, make: Callable[[V], NamedTuple]) -> Layout:
             for j in range(len(paths)):
                 now = value if j == number else own[j]
                 given[j] &= {i for i, leaf in enumerate(found) if same(leaf, now)}
-    order, places = sorted(varying), []
+    order, indices = sorted(varying), []
     width = len(order)
     for j in range(len(paths)):
         there = [order.index(i) for i in given[j] & varying]
-        places.append(there[0] if there else width)
+        indices.append(there[0] if there else width)
         width += not there
-    return Layout(base, order, paths, places, width)
+    return Layout(base, order, paths, indices, width)
 
 
 def same(a: ArrayLike, b: ArrayLike) -> bool:

@@ -81,11 +81,11 @@ def typical_of(
         raise best
     problems: list[Problem] = []
     for path, each in variations.items():
-        for place, value in _some(each.known()):
+        for tail, value in _some(each.known()):
             try:
                 make(replaced(data, typical | {path: value}))
             except ValidationError as error:
-                problems.append(Problem((*path, *place), first_text(error)))
+                problems.append(Problem((*path, *tail), first_text(error)))
     raise_problems("material", problems, data)
     return entry
 
@@ -185,7 +185,7 @@ class Varying(Model):
         UsageError
             If a parameter is a column of particles, or has no value at the position.
         """
-        place = np.array([x], float)
+        position = np.array([x], float)
         values = {}
         for path, variation in self._variations.items():
             key = ".".join(path)
@@ -194,11 +194,11 @@ class Varying(Model):
                     f"{key} is the column {', '.join(columns)} of particles, and no place "
                     f"has it; give a number, --set materials.NAME.{key}=.."
                 )
-            problem = next(iter(variation.problems(place.shape[1])), None)
+            problem = next(iter(variation.problems(position.shape[1])), None)
             try:
                 if problem:
                     raise UsageError(f"{key}: {problem.text}")
-                values[path] = float(variation.values(Places(place, {}))[0])
+                values[path] = float(variation.values(Places(position, {}))[0])
             except NoValueError as error:
                 raise UsageError(f"{key}: the place {error}") from None
         try:

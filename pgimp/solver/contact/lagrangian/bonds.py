@@ -55,6 +55,10 @@ def bonded(
     Bodies under the law `tied` with common vertices there are one group. Others with common
     vertices have different fields, as few as possible. Bodies in the current configuration (not
     `lagrangian`) move over the grid: tied ones are one group, and each group has its own field.
+
+    `colour_bodies` colours single bodies, whose boxes move: it compares pairs without a matrix of
+    them, and finds the steps for which that holds. Groups keep their vertices and fields until the
+    next stage, and are no boxes: one may surround a body that it does not touch.
     """
     n = len(low)
     apart = np.full((n, n), -np.inf)

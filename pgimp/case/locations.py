@@ -1,4 +1,4 @@
-"""Lines of the parts of a case in its file, for errors found after it was read."""
+"""Locations of the parts of a case in its file, for errors found after it was read."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def remember(case: Case, document: Document, filename: str) -> None:
     """Store with a case the file and the lines of its parts."""
     # The first stage has its keys at the same paths as the case.
     for each in (case, case.stages[0]):
-        each.__dict__["written"] = (filename, Document(None, document.places))
+        each.__dict__["written"] = (filename, Document(None, document.locations))
 
 
 @contextmanager
@@ -36,16 +36,16 @@ def located(case: Case) -> Iterator[None]:
         if type(error) is not CaseError or "written" not in case.__dict__:
             raise
         filename, document = case.__dict__["written"]
-        lines = [_with_place(line, filename, document) for line in str(error).split("\n")]
+        lines = [_with_location(line, filename, document) for line in str(error).split("\n")]
         raise CaseError("\n".join(lines)) from None
 
 
-def _with_place(line: str, filename: str, document: Document) -> str:
+def _with_location(line: str, filename: str, document: Document) -> str:
     match = _KEY.match(line)
     if match is None:
         return line
     path = tuple(int(part) if part.isdecimal() else part for part in match[1].split("."))
-    place = document.place(path)
-    if place is None:
+    location = document.location(path)
+    if location is None:
         return line
-    return f"{filename}:{place}: {line}" if isinstance(place, int) else f"{place}: {line}"
+    return f"{filename}:{location}: {line}" if isinstance(location, int) else f"{location}: {line}"

@@ -1,0 +1,126 @@
+"""Checks of rigid bodies and of contact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from pgimp.case.checks.regions import check_region
+from pgimp.case.grid import Grid
+from pgimp.physics.contact.pairs import ContactEntry
+from pgimp.physics.loads.motion import RigidMotion, check_rotation
+from pgimp.physics.rigid import FREEDOMS, Free, Motion, RigidBody
+from pgimp.schema.messages import unknown
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import Problems, length
+
+
+def check_rigid_bodies(
+    dimensions: int, body_names: Sequence[str], rigid_bodies: Mapping[str, RigidBody]
+) -> Problems:
+    """Check that rigid bodies fit the dimensions and have an end, and that there is another."""
+    if rigid_bodies and not body_names:
+        yield Problem(("bodies",), "all are rigid; a case needs a body of a material")
+    for name, rigid_body in rigid_bodies.items():
+        path: tuple[str | int, ...] = ("bodies", name)
+        if isinstance(rigid_body.rigid, Free):
+            yield from _free(path, dimensions, rigid_body, rigid_body.rigid)
+        else:
+            yield from _motion((*path, "rigid"), dimensions, rigid_body.rigid)
+            if rigid_body.velocity is not None:
+                text = (
+                    "a rigid body without density moves as `rigid` says, {velocity: ..}; one that "
+                    "moves freely has a density: rigid: {density: ..}"
+                )
+                yield Problem((*path, "velocity"), text)
+        wrong = list(check_region((*path, "region"), rigid_body.region, dimensions))
+        yield from wrong
+        for region in () if wrong else rigid_body.region.simple():
+            if region.WHOLE_BODY:
+                yield Problem((*path, "region"), "a rigid body has no particles, also from a file")
+        if wrong or any(region.FROM_FILE for region in rigid_body.region.simple()):
+            continue
+        low, high = rigid_body.region.bounds()
+        if any(a > b for a, b in zip(low, high, strict=True)):
+            yield Problem((*path, "region"), "is empty: no point lies in it")
+        elif not all(map(math.isfinite, (*low, *high))):
+            text = "has no end; let it reach beyond the domain: region: {intersection: [{box: ..}, "
+            yield Problem((*path, "region"), text + "{half-space: ..}]}")
+
+
+def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: Free) -> Problems:
+    """Check that the motion of a free rigid body fits the dimensions."""
+    every = ("x",), ("x", "y", "rotation"), (*FREEDOMS, "rotation")
+    ways: tuple[str, ...] = every[dimensions - 1]
+    for i, way in enumerate(free.fixed):
+        if way not in ways and not (dimensions == 2 and way == "rotation-z"):
+            yield Problem((*path, "rigid", "fixed", i), unknown("way", way, ways))
+    where, may = (*path, "velocity"), free.may(dimensions)
+    along = body.velocity
+    about: tuple[float, ...] = ()
+    if isinstance(along, RigidMotion):
+        rotation, along = along.rotation, along.translation
+        if dimensions == 1:
+            yield Problem((*where, "rotation"), "there is no rotation in one dimension")
+            return
+        yield from check_rotation((*where, "rotation"), rotation, dimensions)
+        about = rotation.rate if isinstance(rotation.rate, tuple) else (0.0, 0.0, rotation.rate)
+    yield from length(where, along or (0.0,) * dimensions, dimensions)
+    for values, moves in ((along or (), may[:3]), (about, may[3:])):
+        if any(v and not way for v, way in zip(values, moves, strict=False)):
+            yield Problem(where, "it moves in a way that `fixed` excludes")
+
+
+def _motion(path: tuple[str | int, ...], dimensions: int, motion: Motion) -> Problems:
+    """Check that the motion of a rigid body fits the dimensions."""
+    if isinstance(motion.velocity, tuple):
+        yield from length((*path, "velocity"), motion.velocity, dimensions)
+    elif motion.velocity is not None:
+        for i, (_, value) in enumerate(motion.velocity.table):
+            yield from length((*path, "velocity", "table", i, 1), value, dimensions)
+    if motion.rotation is None:
+        return
+    if dimensions == 1:
+        yield Problem((*path, "rotation"), "there is no rotation in one dimension")
+        return
+    yield from length((*path, "rotation", "about"), motion.rotation.about, dimensions)
+    if dimensions == 2 and any(motion.rotation.axis[:2]):
+        yield Problem((*path, "rotation", "axis"), "in 2D the axis is z; leave it out")
+
+
+def check_contact(
+    body_names: Sequence[str],
+    rigid_bodies: Mapping[str, RigidBody],
+    contact: Sequence[ContactEntry],
+) -> Problems:
+    """Check that the entries of contact name bodies, and no pair twice."""
+    body_names = [*body_names, *rigid_bodies]
+    earlier: dict[frozenset[str], int] = {}
+    for i, entry in enumerate(contact):
+        path: tuple[str | int, ...] = ("contact", i, "bodies")
+        pairs = {frozenset(pair) for pair in entry.pairs()} or {frozenset(("all",))}
+        if entry.bodies != "all":
+            for k, name in enumerate(entry.bodies):
+                if name not in body_names:
+                    yield Problem((*path, k), unknown("body", name, body_names))
+        elif len(body_names) < 2:
+            yield Problem(path, "there is only one body, which meets no other")
+        if entry.bodies != "all" and set(entry.bodies) <= set(rigid_bodies):
+            text = (
+                "all are rigid, and rigid bodies do not feel each other: leave the entry out, or "
+                "make one of them a body of a material"
+            )
+            yield Problem(path, text)
+        for pair in sorted(pairs & set(earlier), key=sorted)[:1]:
+            names = " and ".join(sorted(pair))
+            yield Problem(path, f"entry {earlier[pair] + 1} has a law for {names} already")
+        earlier |= dict.fromkeys(pairs, i)
+
+
+def check_adhesion(grid: Grid, contact: Sequence[ContactEntry]) -> Problems:
+    """Check that adhesion acts over gaps that a vertex can resolve."""
+    for i, entry in enumerate(contact):
+        cell = min(grid.cell)
+        if entry.adhesion is not None and entry.adhesion.reach > cell:
+            text = f"must be at most the side of a cell, {cell:.15g}: bodies meet at vertices"
+            yield Problem(("contact", i, "adhesion", "reach"), text)

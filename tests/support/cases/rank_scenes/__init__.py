@@ -1,0 +1,84 @@
+"""Scenes whose bodies cross slabs, for whole runs on several ranks."""
+
+from exact_cases import bar, ramp, ring
+from loaded_block import loaded
+
+from rank_scenes.entries import GRID, PAIR
+from rank_scenes.flights import (
+    cut,
+    line_gimp,
+    line_mpm,
+    line_slows,
+    narrow,
+    plane_gimp,
+    plane_mpm,
+    space_gimp,
+    space_mpm,
+)
+from rank_scenes.initial_bodies import both_configurations, initial, initial_contact, initial_stages
+from rank_scenes.laws import VARIED, affine, flowing, metals, varied
+from rank_scenes.leaving import PROBES, line_leaves, plane_leaves
+from rank_scenes.meetings import meeting, staged
+from rank_scenes.squeezed_blocks import SIZED
+
+#: What tests take from here besides.
+__all__ = [
+    "EXACT", "GRID", "PAIR", "PROBES", "SCENES", "SIZED", "VARIED", "line_gimp", "meeting",
+    "plane_leaves", "plane_mpm", "space_gimp",
+]  # fmt: skip
+
+#: Of cases with an exact solution.
+_SHORT = {
+    "shape": "finite-gimp",
+    "output": {"every": 0.1, "fields": ["velocity", "stress", "displacement"]},
+    "history": {"every": {"steps": 5}},
+}
+#: Body forces, initial velocities and the errors of exact solutions.
+EXACT = {
+    "ring": ring(0.125, end=0.2, **_SHORT),
+    "bar": bar(
+        {"compaction": {"dynamic": True}},
+        gravity=ramp((0.0, 0.0), (1.0, -6.0)),
+        end=0.5,
+        step=0.005,
+        **_SHORT,
+    ),
+}
+
+SCENES = (
+    {
+        each.__name__: each()
+        for each in (
+            line_gimp,
+            line_slows,
+            line_mpm,
+            plane_gimp,
+            plane_mpm,
+            space_gimp,
+            space_mpm,
+            narrow,
+            line_leaves,
+            plane_leaves,
+            loaded,
+            meeting,
+            staged,
+            flowing,
+            initial,
+            initial_stages,
+            initial_contact,
+            both_configurations,
+            cut,
+            metals,
+            affine,
+            varied,
+        )
+    }
+    | SIZED
+    | EXACT
+    | {
+        "other_output": plane_gimp(
+            output={"every": {"steps": 7}, "at": [0.77], "fields": ["velocity"]},
+            history={"every": 1.0},
+        )
+    }
+)

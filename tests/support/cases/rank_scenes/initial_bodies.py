@@ -1,0 +1,156 @@
+"""Bodies in the initial configuration."""
+
+from scenes import box, scene
+
+from rank_scenes.entries import EVERYTHING, GRID, PAIR, turning
+
+
+def initial():
+    """In the initial configuration: held, dragged, loaded and turning bodies fly out of the grid.
+
+    Courant control; a rotor far across the slabs, two cut bodies that share vertices, and a frame
+    of the grid between steps. Volumes are means over cells.
+    """
+    held = {"body": "bar", "region": {"box": {"min": [0.0, 1.0], "max": [1.0, 3.0]}}}
+    disk = {"ball": {"centre": [8.3, 5.6], "radius": 1.4}}
+    bodies = {
+        "bar": box([0.0, 1.0], [7.0, 3.0], [0.0, 1.0]),
+        "disk": {"material": "stiff", "region": disk, "velocity": [-3.0, 5.0]},
+        "flap": box([9.8, 5.0], [11.4, 6.0]),
+        "rotor": turning(box([12.5, 5.0], [15.5, 6.0]), [14.0, 5.5], 1.5, [9.0, 4.0]),
+    }
+    load = {"body": "bar", "face": "x-max", "pressure": {"table": [[0.0, 0.0], [1.0, 9.0]]}}
+    return scene(
+        2,
+        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        cells=[16, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"x-min": "fixed"},
+        constraints={"grip": held | {"velocity": [None, {"table": [[0.0, 0.0], [1.0, 3.0]]}]}},
+        tractions={"push": load},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+        probes={
+            "tip": {"body": "rotor", "at": [15.5, 5.5]},
+            "gate": {"place": [15.0, 6.0], "every": {"steps": 3}},
+        },
+    ) | {"method": {"shape": "finite-gimp", "particles_per_cell": [2, 2], "volumetric": "mean"}}
+
+
+def initial_stages():
+    """Bonded bodies in the initial configuration, cut off the grid's lines, in stages.
+
+    A grip begins and ends, bonds become friction and again bonds, one body is removed; a body in
+    the current configuration flies up meanwhile, so that the window grows.
+    """
+    spin = {"rotation": {"about": [9.0, 3.0], "rate": 0.2}, "translation": [0.5, 0.4]}
+    bodies = {
+        "a": box([2.2, 2.3], [7.2, 4.3], spin),
+        "b": box([7.2, 2.3], [12.0, 4.3], spin, "stiff"),
+        "c": box([12.0, 2.3], [17.1, 4.3], spin),
+    }
+    bodies = {name: body | {"configuration": "initial"} for name, body in bodies.items()}
+    bodies["bird"] = box([9.0, 5.0], [11.0, 6.0], [3.0, 9.0])
+    held = {"body": "b", "region": {"box": {"min": [8.0, 2.0], "max": [9.0, 5.0]}}}
+    tied = [{"bodies": ["a", "b"], "law": "tied"}, {"bodies": ["b", "c"], "law": "tied"}]
+    case = scene(
+        2,
+        bodies,
+        cells=[20, 20],
+        shape="finite-gimp",
+        end=0.3,
+        step={"courant": 0.3},
+        materials=PAIR,
+        boundaries={"x-max": "slip"},
+        contact=[{"bodies": "all", "friction": 0.3}, *tied],
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["method"]["volumetric"] = "mean"
+    case["time"]["stages"] = [
+        {"name": "grip", "end": 0.5, "constraints": {"grip": held | {"velocity": [None, 2.0]}}},
+        {"name": "loose", "end": 0.7, "contact": [{"bodies": "all", "friction": 0.1}, tied[1]]},
+        {"name": "bound", "end": 0.9, "constraints": {"grip": None}, "gravity": [0.0, -2.0],
+         "contact": [{"bodies": "all", "friction": 0.1}, *tied]},
+        {"name": "gone", "end": 1.1, "remove": ["c"], "boundaries": {"y-min": "fixed"}},
+    ]  # fmt: skip
+    return case
+
+
+def initial_contact():
+    """Bodies in the initial configuration meet, across slabs: each other, tools, a floor.
+
+    One comes from far, one is held, one lies on another and slides, one is tied to it; a ram comes
+    in, and a turning drum drags what falls onto it. Bodies leave their first slabs on the way.
+    """
+    disk = {"ball": {"centre": [4.3, 5.6], "radius": 1.4}}
+    bodies = {
+        "flies": {"material": "stiff", "region": disk, "velocity": [9.0, -1.0]},
+        "lies": box([8.0, 0.0], [13.0, 2.0]),
+        "slides": box([8.5, 2.0], [10.5, 4.0], [3.0, 0.0]),
+        "glued": box([12.0, 2.0], [13.0, 3.5]),
+        "falls": box([17.0, 4.0], [19.5, 6.0], [0.0, -3.0], "stiff"),
+    }
+    bodies = {name: body | {"configuration": "initial"} for name, body in bodies.items()}
+    rotation = {"about": [18.0, 1.5], "rate": -4.0}
+    bodies["drum"] = {"rigid": {"rotation": rotation},
+                      "region": {"ball": {"centre": [18.0, 1.5], "radius": 1.7}}}  # fmt: skip
+    bodies["ram"] = {"rigid": {"velocity": {"table": [[0.0, [6.0, 0.0]], [1.0, [2.0, 0.0]]]}},
+                     "region": {"box": {"min": [-6.0, 2.0], "max": [2.5, 8.0]}}}  # fmt: skip
+    return scene(
+        2,
+        bodies,
+        cells=[24, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        contact=[
+            {"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}},
+            {"bodies": ["lies", "glued"], "law": "tied"},
+            {"bodies": ["lies", "drum"], "adhesion": {"normal": 1.0, "reach": 0.3}},
+        ],
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+
+
+def both_configurations():
+    """Water falls on a plate in the initial configuration, which a free ball hits and a ram pushes.
+
+    The plate is held, moves over the slabs and slides on a floor; the water leaves the domain.
+    """
+    water = {"model": "newtonian", "density": 1.0, "bulk": 200.0, "shear-viscosity": 0.3}
+    held = {"body": "plate", "region": {"box": {"min": [4.0, 1.0], "max": [5.0, 3.0]}}}
+    bodies = {
+        "plate": box([4.0, 1.0], [16.0, 3.0]) | {"configuration": "initial"},
+        "water": box([8.5, 3.6], [14.5, 6.4], [3.0, -2.0], "water"),
+        "block": box([16.5, 0.0], [19.5, 2.0], [-3.0, 0.0], "stiff"),
+        "ball": {"rigid": {"density": 3.0}, "velocity": [1.0, -4.0],
+                 "region": {"ball": {"centre": [6.2, 5.2], "radius": 1.6}}},
+        "ram": {"rigid": {"velocity": [-2.0, 0.0]},
+                "region": {"box": {"min": [21.0, -1.0], "max": [26.0, 4.0]}}},
+    }  # fmt: skip
+    return scene(
+        2,
+        bodies,
+        cells=[24, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR | {"water": water},
+        gravity=[0.0, -1.0],
+        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-min": "slip"},
+        escape={"x-max": "remove", "y-max": "remove"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        constraints={"grip": held | {"velocity": [None, {"table": [[0.0, 0.0], [1.0, 1.0]]}]}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+        probes={"tip": {"body": "plate", "at": [16.0, 3.0]}, "jet": {"place": [15.0, 4.0]}},
+    ) | {"method": {"shape": "finite-gimp", "particles_per_cell": [2, 2], "volumetric": "mean"}}
