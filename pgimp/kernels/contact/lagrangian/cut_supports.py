@@ -31,12 +31,12 @@ def _narrow_along(shape, frame, half, x, offset, supports, i, d):
 
 
 @kernel
-def narrow_supports(shape, frame, table, whole, supports):
+def narrow_supports(shape, frame, table, motion, whole, supports):
     """Set the supports of cut boxes; uncut particles keep their whole supports.
 
     Parameters
     ----------
-    table : (n,) NEAR_PARTICLE
+    table, motion : (n,) NEAR_PARTICLE, (n,) NEAR_MOTION
         Particles at their current positions.
     whole : Supports
         Supports of their whole boxes.
@@ -51,6 +51,6 @@ def narrow_supports(shape, frame, table, whole, supports):
             for k in range(4):
                 supports.w[i, d, k], supports.g[i, d, k] = whole.w[i, d, k], whole.g[i, d, k]
         if row.cut != 0:
-            half, x = read(table.half_width, i, 0, zero), read(table.position, i, 0, zero)
-            offset = read(table.centroid_offset, i, 0, zero)
+            half, x = read(table.half_width, i, 0, zero), read(motion.position, i, 0, zero)
+            offset = read(motion.centroid_offset, i, 0, zero)
             _narrow(shape, frame, half, x, offset, supports, i, 0)

@@ -66,16 +66,6 @@ def weights_at(supports, i, q):
     return w[0, local[0]], w[1, local[1]], w[2, local[2]]
 
 
-@inner_kernel
-def slope_at(supports, i, q, d):
-    """Derivative of S along direction `d`, times the cell."""
-    w, g, local = supports.w[i], supports.g[i], supports.local[q]
-    slope = g[0, local[0]] if d == 0 else w[0, local[0]]
-    slope *= g[1, local[1]] if d == 1 else w[1, local[1]]
-    slope *= g[2, local[2]] if d == 2 else w[2, local[2]]
-    return slope
-
-
 def keep_values(out, i, values):
     """Set `out[i]`, `out[i + 1]`, ... to a tuple of numbers."""
 
@@ -114,22 +104,19 @@ def _support_along(shape, frame, half, x, supports, i, d, like):
 
 
 @kernel
-def find_supports(shape, frame, table, current, supports):
+def find_supports(shape, frame, half, x, supports):
     """Set the supports of particles, except `at`.
 
     Parameters
     ----------
-    table : (n,) NEAR_PARTICLE
-        The particles.
-    current : bool
-        Whether to use their positions; else the positions of their weights.
+    half, x : (n, D) float64
+        Half-widths of the particles in cells, and their positions.
     supports : Supports
         Set here.
     """
-    for i in range(len(table)):
+    for i in range(len(x)):
         supports.first[i, :] = 0
         supports.w[i, :, :] = 0.0
         supports.g[i, :, :] = 0.0
         supports.w[i, :, 0] = 1.0
-        x = table[i].position if current else table[i].weight_position
-        _support(shape, frame, table[i].half_width, x, supports, i, 0, frame.origin)
+        _support(shape, frame, half[i], x[i], supports, i, 0, frame.origin)

@@ -70,6 +70,8 @@ class BroadPhase:
         Their offsets in the canonical order.
     any : bool
         Whether any rank has such particles.
+    travel : float
+        Greatest distance in cells by which anything moved in the step of the last search.
     """
 
     def __init__(
@@ -77,7 +79,7 @@ class BroadPhase:
     ) -> None:
         self.scene, self.comm, self.pairs, self.walls = scene, comm, pairs, walls
         self.near = self._storage = np.empty(0, np.int64)
-        self.any = False
+        self.any, self.travel = False, 0.0
         self.call = Bound()
         self._pause = 0
         self._regions = no_regions(scene.dimension)
@@ -143,7 +145,7 @@ class BroadPhase:
             np.minimum.at(low, groups, boxes[0])
             np.maximum.at(high, groups, boxes[1])
         speed = max(max(each[1] for each in every), scene.rigid_bodies.rate, rate)
-        travel = speed * t.dt
+        self.travel = travel = speed * t.dt
         self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
         away = reach(scene, scene.follows) + MARGIN
         ends: list[Any] = []

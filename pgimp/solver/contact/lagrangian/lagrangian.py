@@ -14,17 +14,16 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_contacts, book_mirrored
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
-from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling
+from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling, number_rows
 from pgimp.kernels.contact.lagrangian.gauss_seidel import solve_impulses
-from pgimp.kernels.contact.lagrangian.hash_table import empty_table, insert_keys
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
 from pgimp.kernels.contact.lagrangian.reactions import book_held
 from pgimp.kernels.contact.lagrangian.reference_grid import (
+    NUMBERS,
     ReferenceVertices,
     change_velocities,
-    number_reference_vertices,
 )
-from pgimp.kernels.contact.lagrangian.vertices import sum_at_contact_vertices
+from pgimp.kernels.contact.lagrangian.vertices import ContactVertices, sum_at_contact_vertices
 from pgimp.kernels.data.ledger import CONTACT_AREA
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
@@ -33,7 +32,8 @@ from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.lagrangian.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase, reach
-from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles, in_order
+from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles
+from pgimp.solver.contact.lagrangian.selection import Selection, Selector
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
@@ -89,7 +89,10 @@ class LagrangianContact(NoContact):
         self.free = FreeBodies(scene, comm) if scene.rigid_bodies.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
         self._every_face = scene.standing_faces()
-        self._particles = NearParticles(scene, comm, rigid_bodies, self._walls)
+        self._selector = Selector(scene, comm, rigid_bodies, self._walls)
+        self._particles = NearParticles(scene, comm, self._selector.local)
+        self._selection: Selection | None = None
+        self._dt = 0.0
 
     @property
     def rigid_bodies(self) -> Any:
@@ -116,8 +119,8 @@ class LagrangianContact(NoContact):
         low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
         distance = 2.0 * reach(scene)
         self.fields, self.groups = bonded(self.pairs, low, high, distance, scene.lagrangian)
-        self._particles.groups = self.groups
-        self._particles.fields = np.array(self.fields, np.int64)
+        self._selector.groups = self.groups
+        self._selector.fields = np.array(self.fields, np.int64)
         if max(self.fields) > 0 and self.fields != grid.fields:
             grid.fields = self.fields
             grid.store(grid.base)
@@ -137,23 +140,30 @@ class LagrangianContact(NoContact):
             free.begin(rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
         looked = self._broad_phase.update(rank.population, self.groups, rigid_bodies, t, rate)
+        travel, self._dt = max(self.scene.rigid_bodies.rate, rate) * self._dt, t.dt
+        if looked:
+            self._selection = None
         if needed(self._broad_phase.any):
-            self._exchange_near(rank, update, looked)
+            self._exchange_near(rank, update, self._select(rank, looked, travel))
         if free:
             free.end(rigid_bodies, t.dt)
 
-    def _exchange_near(self, rank: RankState, update: VertexUpdate, anew: bool) -> None:
-        """Solve for the impulses; `anew`: divide the vertices among the ranks again."""
+    def _select(self, rank: RankState, looked: bool, travel: float) -> Selection:
+        """The last selection, or another one if that does not hold; collective."""
+        if self._selection is None or not self._selector.lasts(rank.grid, travel):
+            near, speed = self._broad_phase.near, self._broad_phase.travel
+            self._selection = self._selector.select(rank.grid, rank.population, near, speed, looked)
+        return self._selection
+
+    def _exchange_near(self, rank: RankState, update: VertexUpdate, selection: Selection) -> None:
+        """Solve for the impulses."""
         scene, contact, call = self.scene, self._contact, self.call
         t, faces, forcing, ledger = update
-        grid, population = rank.grid, rank.population
+        grid, mirrors = rank.grid, self._selector.mirrors
         holding = Holding(
             faces, scene.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
         )
-        rows = population.order[self._broad_phase.near].astype(np.int64)
-        if population.outdated:
-            population.update(self._broad_phase.near)
-        near = self._particles.gather(grid, population.stored, rows, holding, anew)
+        near = self._particles.gather(grid.field, rank.population, selection, holding)
         contact_pairs, coupling = self._find(near, t)
         vertices = near.vertices
         if self.comm.size > 1:
@@ -162,9 +172,9 @@ class LagrangianContact(NoContact):
         if not needed(len(contact_pairs.ends)):
             return
         values, free = vertices.values, nothing_held(holding)
-        before = values["velocity"].copy()
+        numbers, before = flat(values), values["velocity"].copy()
         self.sweeps = call(
-            solve_impulses, contact, free, contact_pairs, coupling, values, *self._accuracy
+            solve_impulses, contact, free, contact_pairs, coupling, numbers, *self._accuracy
         )
         changes = values["velocity"] - before
         call(
@@ -172,29 +182,20 @@ class LagrangianContact(NoContact):
         )
         call(book_held, holding, grid.field, vertices, ledger)
         if grid.slab.layers and grid.slab.lower is None:
-            if len(self._particles.mirrors):
-                call(book_mirrored, contact_pairs, coupling, self._particles.mirrors, ledger)
-            call(book_contacts, contact, free, contact_pairs, coupling, values, self._walls, ledger)
+            if len(mirrors):
+                call(book_mirrored, contact_pairs, coupling, mirrors, ledger)
+            call(
+                book_contacts, contact, free, contact_pairs, coupling, numbers, self._walls, ledger
+            )
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""
         contact, call, frame = self._contact, self.call, self.scene.frame
-        table, patches, contact_vertices, start, vertices = near
-        now, mirrors = self._particles.supports(table, True), self._particles.mirrors
-        left = self._particles.left(table, now)
-        call(
-            sum_at_contact_vertices,
-            frame,
-            table,
-            now,
-            *left,
-            patches.patch,
-            patches.numbers,
-            contact_vertices,
-        )
-        order = np.argsort(contact_vertices.keys)
+        table, contact_vertices = near.selection.table, near.selection.contact_vertices
+        left = self._particles.left(near)
+        call(sum_at_contact_vertices, frame, table, near.motion, near.now, *left, contact_vertices)
         contact_vertices = contact_vertices._replace(
-            order=order[contact_vertices.sums["mass"][order] > 0.0]
+            order=np.flatnonzero(contact_vertices.sums["mass"] > 0.0)
         )
         capacity = 4 * len(contact_vertices.keys)
         while True:
@@ -207,16 +208,43 @@ class LagrangianContact(NoContact):
                 break
             capacity = pairs
         contact_pairs = contact_pairs.chosen(slice(pairs))
-        if needed(pairs):
-            hashes = empty_table(len(vertices.keys))
-            call(insert_keys, vertices.keys, hashes)
-            fields = 1 + max(self.fields, default=0)
-            call(number_reference_vertices, frame, table, start, mirrors, fields, hashes)
-        coupling = call(
-            find_coupling, frame, table, now, start, mirrors, contact_pairs, contact_vertices.sums,
-            vertices.values,
-        )  # fmt: skip
-        return contact_pairs, coupling
+        return contact_pairs, self._couple(near, contact_vertices, contact_pairs)
+
+    def _couple(
+        self, near: Near, contact_vertices: ContactVertices, contact_pairs: ContactPairs
+    ) -> Coupling:
+        """Find the rows of B for pairs."""
+        call, mirrors, start = self.call, self._selector.mirrors, near.selection.start
+        row_of = np.empty(len(contact_vertices.keys), np.int64)
+        slots = np.empty(2 * len(contact_pairs.ends), np.int64)
+        rows = call(number_rows, contact_pairs, row_of, slots)
+        kept = np.empty((2, len(near.vertices.keys)), np.int64)
+        capacity = 64 * rows + start.at.shape[1]
+        while True:
+            coupling = Coupling(
+                np.empty(rows + 1, np.int64), np.empty(capacity, np.int64),
+                np.empty((capacity, 4 if len(mirrors) else 1)), np.empty((rows, 3)),
+                np.zeros((rows, len(mirrors), 3)),
+            )  # fmt: skip
+            entries = call(
+                find_coupling, self.scene.frame, (near.selection.table, near.motion), start,
+                mirrors, slots[:rows], contact_vertices, near.vertices.values, kept, coupling,
+            )  # fmt: skip
+            if entries <= capacity:
+                break
+            capacity = entries
+        return coupling._replace(column=coupling.column[:entries], entry=coupling.entry[:entries])
+
+
+def flat(values: np.ndarray) -> np.ndarray:
+    """Records of reference vertices as (n, NUMBERS) float64, without a copy."""
+    return values.view(np.float64).reshape(-1, NUMBERS)
+
+
+def in_order(vertices: ReferenceVertices) -> ReferenceVertices:
+    """The vertices in the order of their keys, each once."""
+    keys, first = np.unique(vertices.keys, return_index=True)
+    return ReferenceVertices(keys, vertices.values[first])
 
 
 def unite(

@@ -32,16 +32,16 @@ class Shares(NamedTuple):
         """Axis, least and greatest vertex of a rank, (3,) int64."""
         return np.array([self.axis, self.ends[rank], self.ends[rank + 1] - 1])
 
-    def reached(self, first: np.ndarray, vertices: int, rank: int) -> np.ndarray:
+    def reached(self, first: np.ndarray, last: np.ndarray, rank: int) -> np.ndarray:
         """Whether particles have vertices of a rank, (n,) bool.
 
         Parameters
         ----------
-        first : (n, 3) float64
-            The first vertex of each, with `vertices` in each direction.
+        first, last : (n, 3) float64
+            The first and the last vertex of each by direction.
         """
-        begin = first[:, self.axis]
-        return (begin < self.ends[rank + 1]) & (begin + vertices > self.ends[rank])
+        begin, end = first[:, self.axis], last[:, self.axis]
+        return (begin < self.ends[rank + 1]) & (end >= self.ends[rank])
 
 
 def undivided(ranks: int) -> Shares:
