@@ -9,6 +9,7 @@ from math import floor
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel
 from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, table_size
@@ -30,6 +31,8 @@ class Patches(NamedTuple):
     entry : (patches, k) int64
         Offsets of the group's entries at its vertices in `keys`, the last direction innermost; -1
         where the vertex is no candidate.
+    some : (patches,) bool
+        Whether a patch has candidate vertices.
     keys : (m,) int64
         Keys of the entries, see `pgimp.kernels.contact.lagrangian.vertices.key_of`.
     """
@@ -38,13 +41,14 @@ class Patches(NamedTuple):
     begin: IntArray
     extent: IntArray
     entry: IntArray
+    some: NDArray
     keys: IntArray
 
     @classmethod
     def empty(cls) -> "Patches":
         """No particles."""
         none, flat = np.empty(0, np.int64), np.empty((0, 3), np.int64)
-        return cls(none, flat, flat, np.empty((0, 1), np.int64), none)
+        return cls(none, flat, flat, np.empty((0, 1), np.int64), np.empty(0, np.bool_), none)
 
 
 class Reach(NamedTuple):
@@ -72,7 +76,7 @@ class Reach(NamedTuple):
 
 
 @inner_kernel
-def _range(frame, row, motion, slack, vertices, d):
+def reached_range(frame, row, motion, slack, vertices, d):
     """First and last vertex along `d` that a particle reaches when it moves by up to `slack`."""
     if d >= len(frame.cell):
         return 0, 0
@@ -98,7 +102,7 @@ def _number(begin, extent, o):
 
 
 @inner_kernel
-def _inside(boxes, number):
+def inside(boxes, number):
     """Whether a vertex is in any of some boxes."""
     for n in range(len(boxes)):
         inside = True
@@ -109,9 +113,27 @@ def _inside(boxes, number):
     return False
 
 
+@inner_kernel
+def _table_shape(contact_vertices, count):
+    """Shape of a table for `count` keys: with a row for each key where that is not much longer."""
+    extent, hashed = contact_vertices.extent, table_size(count)
+    every = extent[0] * extent[1] * extent[2] * contact_vertices.groups
+    return (every, 1) if every <= 2 * hashed else (hashed, 2)
+
+
+@inner_kernel
+def _find(known, key, found):
+    """Number of a key in a table of this shape; a new key is inserted with number `found`."""
+    if known.shape[1] == 2:
+        return find_or_insert(known, key, found)
+    if known[key, 0] < 0:
+        known[key, 0] = found
+    return known[key, 0]
+
+
 @allocating_kernel
 def find_candidates(
-    frame, table, motion, slack, vertices, within, boxes, rigid_bodies, contact_vertices
+    frame, table, motion, slacks, vertices, within, boxes, rigid_bodies, contact_vertices
 ) -> Patches:
     """Find the candidate vertices.
 
@@ -121,8 +143,8 @@ def find_candidates(
         Particles.
     motion : (n,) NEAR_MOTION
         Their positions.
-    slack : float
-        Cells by which particles and rigid bodies may move along a direction.
+    slacks : (float, float)
+        Cells by which particles, and rigid bodies, may move along a direction.
     vertices : int
         Vertices of a support along a direction.
     within : (3,) int64
@@ -138,7 +160,7 @@ def find_candidates(
     -------
     Patches
     """
-    axis, least, greatest = within
+    (axis, least, greatest), (slack, rigid_slack) = within, slacks
     patch_of, patches = np.empty(len(table), np.int64), 0
     begin, last = np.empty((len(table), 3), np.int64), np.empty((len(table), 3), np.int64)
     groups = np.empty(len(table), np.int64)
@@ -149,7 +171,7 @@ def find_candidates(
         p = find_or_insert(known, key_of(contact_vertices, cell, table[i].group), patches)
         patch_of[i] = p
         for d in range(3):
-            low, high = _range(frame, table[i], at, slack, vertices, d)
+            low, high = reached_range(frame, table[i], at, slack, vertices, d)
             if p == patches:
                 begin[p, d], last[p, d] = low, high
             else:
@@ -163,7 +185,7 @@ def find_candidates(
         many = extent[p, 0] * extent[p, 1] * extent[p, 2]
         most, every = max(most, many), every + many
     # The group at each vertex, or -1 where there are several.
-    known = np.full((table_size(every), 2), -1, np.int64)
+    known = np.full(_table_shape(contact_vertices, every), -1, np.int64)
     entry, alone = np.full((patches, most), -1, np.int64), np.empty(every, np.int64)
     found = 0
     for p in range(patches):
@@ -171,15 +193,16 @@ def find_candidates(
             number = _number(begin[p], extent[p], o)
             if not least <= number[axis] <= greatest:
                 continue
-            n = find_or_insert(known, key_of(contact_vertices, number, 0), found)
+            n = _find(known, key_of(contact_vertices, number, 0), found)
             entry[p, o] = n
             if n == found:
-                beside = _inside(boxes, number) or may_fill(rigid_bodies, frame, number, slack)
+                beside = inside(boxes, number) or may_fill(rigid_bodies, frame, number, rigid_slack)
                 alone[n] = -1 if beside else groups[p]
                 found += 1
             elif alone[n] != groups[p]:
                 alone[n] = -1
-    known = np.full((table_size(every), 2), -1, np.int64)
+    known = np.full(_table_shape(contact_vertices, every), -1, np.int64)
+    some = np.zeros(patches, np.bool_)
     keys, entries = np.empty(every, np.int64), 0
     for p in range(patches):
         for o in range(extent[p, 0] * extent[p, 1] * extent[p, 2]):
@@ -188,16 +211,16 @@ def find_candidates(
                 entry[p, o] = -1
                 continue
             key = key_of(contact_vertices, _number(begin[p], extent[p], o), groups[p])
-            n = find_or_insert(known, key, entries)
+            n = _find(known, key, entries)
             if n == entries:
                 keys[n] = key
                 entries += 1
-            entry[p, o] = n
-    return Patches(patch_of, begin, extent, entry, keys[:entries].copy())
+            entry[p, o], some[p] = n, True
+    return Patches(patch_of, begin, extent, entry, some, keys[:entries].copy())
 
 
 @allocating_kernel
-def find_reach(frame, table, motion, slack, vertices, patches, rank) -> Reach:
+def find_reach(frame, table, motion, slack, vertices, patches, rank, entries) -> Reach:
     """Find the particles within reach of each entry, when they move by up to `slack`.
 
     Parameters
@@ -207,19 +230,18 @@ def find_reach(frame, table, motion, slack, vertices, patches, rank) -> Reach:
     patches : Patches
         The particles' patches.
     rank : (m,) int64
-        Rank of each entry in the order of their keys.
+        Rank of each entry in the order of their keys; -1 for those that are left out.
+    entries : int
+        Number of the others.
 
     Returns
     -------
     Reach
-        Of the entries in the order of their keys.
+        Of these, in the order of their keys.
     """
     entry, begin, extent = patches.entry, patches.begin, patches.extent
-    some = np.zeros(len(entry), np.bool_)
-    for p in range(len(entry)):
-        for o in range(entry.shape[1]):
-            some[p] = some[p] or entry[p, o] >= 0
-    start, kept = np.zeros(len(rank) + 1, np.int64), np.empty(len(table), np.int64)
+    some, start = patches.some, np.zeros(entries + 1, np.int64)
+    kept = np.empty(len(table), np.int64)
     rows = np.empty(len(table), np.int64)
     particle = np.empty(0, np.int64)
     filled = start
@@ -229,14 +251,14 @@ def find_reach(frame, table, motion, slack, vertices, patches, rank) -> Reach:
             p, any_entry = patches.patch[i], False
             if not some[p]:
                 continue
-            x0, x1 = _range(frame, table[i], motion[i], slack, vertices, 0)
-            y0, y1 = _range(frame, table[i], motion[i], slack, vertices, 1)
-            z0, z1 = _range(frame, table[i], motion[i], slack, vertices, 2)
+            x0, x1 = reached_range(frame, table[i], motion[i], slack, vertices, 0)
+            y0, y1 = reached_range(frame, table[i], motion[i], slack, vertices, 1)
+            z0, z1 = reached_range(frame, table[i], motion[i], slack, vertices, 2)
             for x in range(x0 - begin[p, 0], x1 - begin[p, 0] + 1):
                 for y in range(y0 - begin[p, 1], y1 - begin[p, 1] + 1):
                     for z in range(z0 - begin[p, 2], z1 - begin[p, 2] + 1):
                         e = entry[p, (x * extent[p, 1] + y) * extent[p, 2] + z]
-                        if e < 0:
+                        if e < 0 or rank[e] < 0:
                             continue
                         any_entry = True
                         if fill == 0:
@@ -249,7 +271,7 @@ def find_reach(frame, table, motion, slack, vertices, patches, rank) -> Reach:
                 count += 1
         if fill == 0:
             rows = rows[:count].copy()
-            for e in range(len(rank)):
+            for e in range(entries):
                 start[e + 1] += start[e]
-            particle, filled = np.empty(start[len(rank)], np.int64), start.copy()
+            particle, filled = np.empty(start[entries], np.int64), start.copy()
     return Reach(rows, start, particle)

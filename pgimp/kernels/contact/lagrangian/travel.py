@@ -103,6 +103,15 @@ def track(frame, field, table, local, mirrors) -> Tracked:
 
 
 @kernel
+def track_on(field, tracked):
+    """Count displacements of watched vertices from where they are now."""
+    values = field.motion.values
+    for n in range(len(tracked.records)):
+        for d in range(3):
+            tracked.before[n, d] = values[tracked.records[n] + DISPLACEMENT + d]
+
+
+@kernel
 def greatest_travel(frame, field, tracked):
     """Greatest distance of watched vertices from where they were, in cells along a direction."""
     values, most = field.motion.values, 0.0

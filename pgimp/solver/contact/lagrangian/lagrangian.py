@@ -30,7 +30,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
-from pgimp.solver.contact.lagrangian.bonds import bonded, separating_walls, with_walls
+from pgimp.solver.contact.lagrangian.bonds import bonded, interactions, separating_walls, with_walls
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase, reach
 from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles
 from pgimp.solver.contact.lagrangian.selection import Selection, Selector
@@ -89,7 +89,8 @@ class LagrangianContact(NoContact):
         self.free = FreeBodies(scene, comm) if scene.rigid_bodies.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
         self._every_face = scene.standing_faces()
-        self._selector = Selector(scene, comm, rigid_bodies, self._walls)
+        self._selector = Selector(scene, comm, rigid_bodies, self._walls, self._every_face)
+        self._selector.acts = interactions(self.pairs, self.groups, len(scene.rigid_bodies))
         self._particles = NearParticles(scene, comm, self._selector.local)
         self._selection: Selection | None = None
         self._dt = 0.0
@@ -120,6 +121,7 @@ class LagrangianContact(NoContact):
         distance = 2.0 * reach(scene)
         self.fields, self.groups = bonded(self.pairs, low, high, distance, scene.lagrangian)
         self._selector.groups = self.groups
+        self._selector.acts = interactions(self.pairs, self.groups, len(scene.rigid_bodies))
         self._selector.fields = np.array(self.fields, np.int64)
         if max(self.fields) > 0 and self.fields != grid.fields:
             grid.fields = self.fields
@@ -140,19 +142,24 @@ class LagrangianContact(NoContact):
             free.begin(rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
         looked = self._broad_phase.update(rank.population, self.groups, rigid_bodies, t, rate)
-        travel, self._dt = max(self.scene.rigid_bodies.rate, rate) * self._dt, t.dt
+        rate = max(self.scene.rigid_bodies.rate, rate)
+        travel, self._dt = rate * self._dt, t.dt
         if looked:
             self._selection = None
         if needed(self._broad_phase.any):
-            self._exchange_near(rank, update, self._select(rank, looked, travel))
+            self._exchange_near(rank, update, self._select(rank, looked, travel, rate * t.dt))
         if free:
             free.end(rigid_bodies, t.dt)
 
-    def _select(self, rank: RankState, looked: bool, travel: float) -> Selection:
+    def _select(
+        self, rank: RankState, looked: bool, travel: float, rigid_speed: float
+    ) -> Selection:
         """The last selection, or another one if that does not hold; collective."""
         if self._selection is None or not self._selector.lasts(rank.grid, travel):
-            near, speed = self._broad_phase.near, self._broad_phase.travel
-            self._selection = self._selector.select(rank.grid, rank.population, near, speed, looked)
+            near, speeds = self._broad_phase.near, (self._broad_phase.travel, rigid_speed)
+            self._selection = self._selector.select(
+                rank.grid, rank.population, near, speeds, looked
+            )
         return self._selection
 
     def _exchange_near(self, rank: RankState, update: VertexUpdate, selection: Selection) -> None:

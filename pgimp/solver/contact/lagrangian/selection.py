@@ -9,7 +9,8 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
-from pgimp.kernels.contact.lagrangian.candidates import find_candidates, find_reach
+from pgimp.kernels.contact.lagrangian.candidates import Patches, find_candidates, find_reach
+from pgimp.kernels.contact.lagrangian.filled import bound_filled, keep_possible
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     FACE_PLANE,
@@ -17,7 +18,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     number_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
-from pgimp.kernels.contact.lagrangian.travel import Tracked, greatest_travel, track
+from pgimp.kernels.contact.lagrangian.travel import Tracked, greatest_travel, track, track_on
 from pgimp.kernels.contact.lagrangian.vertices import (
     NEAR_MOTION,
     NEAR_PARTICLE,
@@ -27,6 +28,7 @@ from pgimp.kernels.contact.lagrangian.vertices import (
     copy_near_motion,
     copy_near_particles,
 )
+from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import InitialFrame
 from pgimp.kernels.rigid.bodies import AnyRigidBodies
@@ -37,7 +39,7 @@ from pgimp.solver.contact.lagrangian.shares import FAR, divide, undivided
 
 #: Least and greatest slack, in cells, of particles and rigid bodies until the next selection; the
 #: steps at the greatest speed for which it should last.
-LEAST, MOST, STEPS = 0.05, 0.3, 20
+LEAST, MOST, STEPS = 0.05, 0.3, 8
 
 
 class Given(NamedTuple):
@@ -109,9 +111,13 @@ class Selector:
         The rigid bodies at their positions.
     walls : SeparatingWalls
         The unilateral walls.
+    faces : Faces or ()
+        All walls at rest.
 
     Attributes
     ----------
+    acts : (groups, groups + rigid bodies) int64
+        How groups act on each other and on rigid bodies.
     groups, fields : (bodies,) int64
         Groups of bonded bodies, and their velocity fields on the reference grid.
     local : (k, 3) uint32
@@ -119,16 +125,23 @@ class Selector:
     """
 
     def __init__(
-        self, scene: Scene, comm: Communicator, rigid_bodies: AnyRigidBodies, walls: SeparatingWalls
+        self,
+        scene: Scene,
+        comm: Communicator,
+        rigid_bodies: AnyRigidBodies,
+        walls: SeparatingWalls,
+        faces: Any,
     ) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
+        self.acts, self._faces = np.zeros((1, 1 + len(scene.rigid_bodies)), np.int64), faces
         self._frame, self._plain = InitialFrame(*scene.frame), plain(scene)
         self._rigid_bodies, self._walls = rigid_bodies, walls
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
         self.mirrors = mirrors_of(scene)
         self.local = local_vertices(scene.vertices, scene.dimension)
         self._shares = undivided(comm.size)
-        self._slack = self._travel = 0.0
+        self._slack = self._rigid_slack = self._travel = 0.0
+        self._table = np.empty(0, NEAR_PARTICLE)
         self._window: Any = None
         self._tracked = Tracked.empty()
 
@@ -143,10 +156,17 @@ class Selector:
         most = np.inf
         if self._window is grid.window:
             most = self.call(greatest_travel, self.scene.frame, grid.field, self._tracked)
-        return max(self._travel, greatest(self.comm, most)) <= self._slack
+        if self._travel > self._rigid_slack:
+            most = np.inf
+        return greatest(self.comm, most) <= self._slack
 
     def select(
-        self, grid: Grid, population: Population, near: np.ndarray, speed: float, divides: bool
+        self,
+        grid: Grid,
+        population: Population,
+        near: np.ndarray,
+        speeds: tuple[float, float],
+        looked: bool,
     ) -> Selection:
         """Find the candidate vertices, and the particles within their reach; collective.
 
@@ -154,28 +174,38 @@ class Selector:
         ----------
         near : (n,) int64
             Offsets in the canonical order of particles near contact.
-        speed : float
-            Greatest distance in cells that a particle moves in a step.
-        divides : bool
-            Whether to divide the vertices among the ranks.
+        speeds : (float, float)
+            Greatest distances in cells that particles and rigid bodies move in a step.
+        looked : bool
+            Whether these are other particles than in the last selection.
         """
         scene, call, comm = self.scene, self.call, self.comm
+        speed, rigid_speed = speeds
         self._slack = 0.0 if scene.mixed else max(LEAST, min(MOST, STEPS * speed))
-        self._travel, self._window = 0.0, grid.window
+        self._rigid_slack = 0.0 if scene.mixed else min(MOST, STEPS * rigid_speed)
+        self._travel, anew = 0.0, looked or scene.mixed or self._window is not grid.window
+        self._window = grid.window
         if population.outdated:
             population.update(near)
         rows = population.order[near].astype(np.int64)
-        table, motion = np.empty(len(rows), NEAR_PARTICLE), np.empty(len(rows), NEAR_MOTION)
+        motion = np.empty(len(rows), NEAR_MOTION)
         particles, bodies = population.stored, (self.groups, self.fields, scene.lagrangian)
-        call(copy_near_particles, self._plain, particles, rows, *bodies, table)
         call(copy_near_motion, self._plain, particles, rows, motion)
-        self._tracked = call(track, self._frame, grid.field, table, self.local, self.mirrors)
+        if anew:
+            self._table = np.empty(len(rows), NEAR_PARTICLE)
+            call(copy_near_particles, self._plain, particles, rows, *bodies, self._table)
+            self._tracked = call(
+                track, self._frame, grid.field, self._table, self.local, self.mirrors
+            )
+        else:
+            call(track_on, grid.field, self._tracked)
+        table = self._table
         if comm.size == 1:
             rows, chosen, found = self._choose(table, motion)
             mine, none = near[rows], np.empty(0, np.int64)
             return chosen._replace(given=Given(mine, mine, found.keys, none, none))
         first, last = self._ranges(table, motion)
-        if divides:
+        if looked:
             most = np.array(scene.frame.cells) + 2 * scene.frame.ghost + 1
             self._shares = divide(comm, first, scene.vertices, most)
         parts = [self._shares.reached(first, last, rank) for rank in range(comm.size)]
@@ -238,13 +268,13 @@ class Selector:
         )  # fmt: skip
         within, boxes = self._shares.within(self.comm.rank), self._wall_boxes()
         patches = call(
-            find_candidates, frame, table, motion, slack, vertices, within, boxes,
-            self._rigid_bodies, contact_vertices,
+            find_candidates, frame, table, motion, (slack, self._rigid_slack), vertices, within,
+            boxes, self._rigid_bodies, contact_vertices,
         )  # fmt: skip
-        order = np.argsort(patches.keys)
-        rank = np.empty_like(order)
+        order = self._possible(table, motion, patches, contact_vertices, boxes)
+        rank = np.full(len(patches.keys), -1)
         rank[order] = np.arange(len(order))
-        reach = call(find_reach, frame, table, motion, slack, vertices, patches, rank)
+        reach = call(find_reach, frame, table, motion, slack, vertices, patches, rank, len(order))
         contact_vertices = contact_vertices._replace(
             keys=patches.keys[order], start=reach.start, particle=reach.particle,
             reached=Reached.empty(len(order), len(reach.particle)),
@@ -264,6 +294,28 @@ class Selector:
         keys = found.keys[order]
         chosen = Selection(nothing, table, cut, contact_vertices, start, keys, order, none, none)
         return reach.rows, chosen, found
+
+    def _possible(
+        self,
+        table: np.ndarray,
+        motion: np.ndarray,
+        patches: Patches,
+        contact_vertices: ContactVertices,
+        boxes: np.ndarray,
+    ) -> np.ndarray:
+        """Entries of vertices where there may be contact, in the order of their keys."""
+        order, scene = np.argsort(patches.keys), self.scene
+        if not isinstance(scene.shape, BOXES):
+            return order
+        most, kept = np.empty(len(order)), np.empty(len(order), bool)
+        frame, keys = scene.frame, patches.keys[order]
+        self.call(bound_filled, frame, table, motion, self._slack, scene.vertices, patches, most)
+        self.call(
+            keep_possible, frame, self._faces, boxes, self._rigid_bodies, self._rigid_slack,
+            self.acts, most[order], keys % contact_vertices.groups,
+            contact_vertices._replace(keys=keys), kept,
+        )  # fmt: skip
+        return order[kept]
 
     def _wall_boxes(self) -> np.ndarray:
         """Least and greatest numbers of vertices at unilateral walls, (n, 2, 3) int64."""
