@@ -13,7 +13,7 @@ from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
 from pgimp.jit.memory import structure
 from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, table_size
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
-from pgimp.kernels.data.particles import IntArray
+from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.record import ACCELERATION, MASS, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import held_velocity
@@ -46,6 +46,24 @@ class ReferenceVertices(NamedTuple):
 
     keys: IntArray
     values: NDArray
+
+
+class Changes(NamedTuple):
+    """What impulses change at reference vertices.
+
+    Attributes
+    ----------
+    keys : (m,) int64
+        The vertices.
+    velocities : (m, 3) float64
+        Changes of their velocities.
+    held : (m, 3) float64
+        Impulses that faces and constraints bear.
+    """
+
+    keys: IntArray
+    velocities: FloatArray
+    held: FloatArray
 
 
 class References(NamedTuple):
@@ -232,30 +250,29 @@ def offset_of_key(frame, field, key):
 
 
 @kernel
-def change_velocities(frame, field, keys, changes, forcing, work):
+def change_velocities(frame, field, changes, forcing, work):
     """Change velocities and accelerations of the vertices on a rank.
 
     Parameters
     ----------
-    keys : (m,) int64
-        See `ReferenceVertices`, from all ranks.
-    changes : (m, 3) float64
-        Changes of their velocities.
+    changes : Changes
+        The keys of vertices of all ranks, and the changes of their velocities.
     forcing : Forcing
         Gravity, whose work was booked with the old velocities.
     work : (planes,) float64
         Grows by the changes' share of that work.
     """
     G, dt, gravity = field.G, forcing.dt, forcing.gravity
-    for n in range(len(keys)):
-        r, number = offset_of_key(frame, field, keys[n])
+    for n in range(len(changes.keys)):
+        r, number = offset_of_key(frame, field, changes.keys[n])
         if r < 0:
             continue
         power = 0.0
         for d in range(3):
-            G[r + VELOCITY + d] += changes[n, d]
-            G[r + ACCELERATION + d] += changes[n, d] / dt
-            power += gravity[d] * changes[n, d]
+            change = changes.velocities[n, d]
+            G[r + VELOCITY + d] += change
+            G[r + ACCELERATION + d] += change / dt
+            power += gravity[d] * change
         i = number[0] - field.window.lower[0]
         if i < field.owned:
             work[i] += dt * G[r + MASS] * power

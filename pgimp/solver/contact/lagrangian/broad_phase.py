@@ -18,6 +18,7 @@ from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.bonds import acting
+from pgimp.solver.contact.lagrangian.messages import gathered, greatest, united
 from pgimp.solver.time.clock import Step
 
 #: Cells by which particles may approach a partner before the next search; the most steps until
@@ -139,12 +140,11 @@ class BroadPhase:
         boxes[1] = -np.inf
         self.call(grow_boxes, frame, p, order, boxes)
         speed = float(np.abs(p.v[order] * np.array(frame.inverse)).max(initial=0.0))
-        every = self.comm.allgather((boxes, speed))
         low, high = np.full((2, 1 + int(groups.max()), D), [[[np.inf]], [[-np.inf]]])
-        for boxes, _ in every:
+        for boxes in gathered(self.comm, boxes):
             np.minimum.at(low, groups, boxes[0])
             np.maximum.at(high, groups, boxes[1])
-        speed = max(max(each[1] for each in every), scene.rigid_bodies.rate, rate)
+        speed = max(greatest(self.comm, speed), scene.rigid_bodies.rate, rate)
         self.travel = travel = speed * t.dt
         self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
         away = reach(scene, scene.follows) + MARGIN
@@ -189,7 +189,7 @@ class BroadPhase:
             return regions
         order = population.order
         self.call(mark_blocks, self.scene.frame, population.particles, order, groups, regions)
-        np.bitwise_or.reduce(self.comm.allgather(marks), axis=0, out=marks)
+        marks[:] = united(self.comm, marks)
         far = 2.0 * reach(self.scene, self.scene.follows) + MARGIN
         for r in range(n):
             region = marks[first[r] : first[r + 1]].reshape(blocks[r])
@@ -212,7 +212,7 @@ class BroadPhase:
             self._storage,
         )
         self.near = self._storage[:found]
-        self.any = bool(sum(self.comm.allgather(found)))
+        self.any = greatest(self.comm, found) > 0
 
 
 def _widen(marks: np.ndarray, count: int) -> None:

@@ -18,13 +18,9 @@ from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling, n
 from pgimp.kernels.contact.lagrangian.gauss_seidel import solve_impulses
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
 from pgimp.kernels.contact.lagrangian.reactions import book_held
-from pgimp.kernels.contact.lagrangian.reference_grid import (
-    NUMBERS,
-    ReferenceVertices,
-    change_velocities,
-)
+from pgimp.kernels.contact.lagrangian.reference_grid import NUMBERS, Changes, change_velocities
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices, sum_at_contact_vertices
-from pgimp.kernels.data.ledger import CONTACT_AREA
+from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -32,8 +28,10 @@ from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.lagrangian.bonds import bonded, interactions, separating_walls, with_walls
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase, reach
+from pgimp.solver.contact.lagrangian.joint import Joint, join, share
 from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles
-from pgimp.solver.contact.lagrangian.selection import Selection, Selector
+from pgimp.solver.contact.lagrangian.selected import Selection
+from pgimp.solver.contact.lagrangian.selection import Selector
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
@@ -51,8 +49,8 @@ class LagrangianContact(NoContact):
 
     Particles near contact are copied to the ranks that share out the vertices round their current
     positions, in canonical order, with their reference vertices. These ranks find the candidate
-    pairs and their rows of B. All ranks gather them, solve for the same impulses and apply these to
-    their own vertices: nothing depends on the ranks.
+    pairs and their rows of B. The rank with the first layer solves for the impulses of all, and
+    tells what they change at reference vertices: nothing depends on the ranks.
 
     Parameters
     ----------
@@ -66,8 +64,6 @@ class LagrangianContact(NoContact):
     fields : tuple of int
         Number of each body's velocity field on the reference grid: bodies in initial contact have
         different fields unless they are bonded.
-    sweeps : int
-        Sweeps of the last step.
     free : FreeBodies or None
         The rigid bodies that move freely, if any.
     """
@@ -78,7 +74,6 @@ class LagrangianContact(NoContact):
         self.bodies = len(scene.body_names)
         self.fields = (0,) * self.bodies if scene.pairs else ()
         self.groups = np.zeros(self.bodies, np.int64)
-        self.sweeps = 0
         self._grouped = False
         self.pairs, self._walls = with_walls(scene), separating_walls(scene)
         self._broad_phase = BroadPhase(scene, comm, self.pairs, self._walls)
@@ -166,34 +161,39 @@ class LagrangianContact(NoContact):
         """Solve for the impulses."""
         scene, contact, call = self.scene, self._contact, self.call
         t, faces, forcing, ledger = update
-        grid, mirrors = rank.grid, self._selector.mirrors
+        grid = rank.grid
         holding = Holding(
             faces, scene.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
         )
         near = self._particles.gather(grid.field, rank.population, selection, holding)
-        contact_pairs, coupling = self._find(near, t)
-        vertices = near.vertices
+        joint: Joint | None = Joint(*self._find(near, t), near.vertices)
+        assert joint is not None
+        found = len(joint.pairs.ends)
         if self.comm.size > 1:
-            contact_pairs, coupling, vertices = unite(self.comm, contact_pairs, coupling, vertices)
-        self.sweeps = 0
-        if not needed(len(contact_pairs.ends)):
+            found, joint = join(self.comm, self._selector.root, joint)
+        if not needed(found):
             return
-        values, free = vertices.values, nothing_held(holding)
+        changes = None
+        if joint is not None:
+            changes = self._solve(joint, nothing_held(holding), ledger)
+        if self.comm.size > 1:
+            answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
+            changes = share(self.comm, self._selector.root, changes, answers)
+        assert changes is not None
+        call(change_velocities, scene.frame, grid.field, changes, forcing, ledger.work)
+        call(book_held, holding, grid.field, changes, ledger)
+
+    def _solve(self, joint: Joint, free: Holding, ledger: Ledger) -> Changes:
+        """Solve for the impulses of pairs, and book them."""
+        contact, call, mirrors = self._contact, self.call, self._selector.mirrors
+        pairs, coupling, (keys, values) = joint
         numbers, before = flat(values), values["velocity"].copy()
-        self.sweeps = call(
-            solve_impulses, contact, free, contact_pairs, coupling, numbers, *self._accuracy
-        )
-        changes = values["velocity"] - before
-        call(
-            change_velocities, scene.frame, grid.field, vertices.keys, changes, forcing, ledger.work
-        )
-        call(book_held, holding, grid.field, vertices, ledger)
-        if grid.slab.layers and grid.slab.lower is None:
-            if len(mirrors):
-                call(book_mirrored, contact_pairs, coupling, mirrors, ledger)
-            call(
-                book_contacts, contact, free, contact_pairs, coupling, numbers, self._walls, ledger
-            )
+        call(solve_impulses, contact, free, pairs, coupling, numbers, *self._accuracy)
+        changes = Changes(keys, values["velocity"] - before, values["held_impulse"].copy())
+        if len(mirrors):
+            call(book_mirrored, pairs, coupling, mirrors, ledger)
+        call(book_contacts, contact, free, pairs, coupling, numbers, self._walls, ledger)
+        return changes
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""
@@ -246,51 +246,6 @@ class LagrangianContact(NoContact):
 def flat(values: np.ndarray) -> np.ndarray:
     """Records of reference vertices as (n, NUMBERS) float64, without a copy."""
     return values.view(np.float64).reshape(-1, NUMBERS)
-
-
-def in_order(vertices: ReferenceVertices) -> ReferenceVertices:
-    """The vertices in the order of their keys, each once."""
-    keys, first = np.unique(vertices.keys, return_index=True)
-    return ReferenceVertices(keys, vertices.values[first])
-
-
-def unite(
-    comm: Communicator, contact_pairs: ContactPairs, coupling: Coupling, vertices: ReferenceVertices
-) -> tuple[ContactPairs, Coupling, ReferenceVertices]:
-    """Pairs and rows of B of all ranks, in the order of vertices, with the vertices; collective.
-
-    Columns of B are then numbers of the returned vertices, and rows of the pairs are numbers in
-    the united matrix.
-    """
-    used, new = np.unique(coupling.column, return_inverse=True)
-    mine = ReferenceVertices(vertices.keys[used], vertices.values[used])
-    every = comm.allgather((contact_pairs, coupling._replace(column=new), mine))
-    pairs, answers, known = zip(*every, strict=True)
-    keys = np.concatenate([each.keys for each in known])
-    union = in_order(ReferenceVertices(keys, np.concatenate([each.values for each in known])))
-    rows = entries = 0
-    starts = [np.zeros(1, np.int64)]
-    columns = []
-    for (ends, _, _), answer, own in zip(pairs, answers, known, strict=True):
-        sides = ends["rows"]
-        sides[sides >= 0] += rows
-        starts.append(answer.start[1:] + entries)
-        columns.append(np.searchsorted(union.keys, own.keys)[answer.column])
-        rows, entries = rows + len(answer.answer), entries + len(answer.column)
-    joined = ContactPairs(
-        np.concatenate([each.ends for each in pairs]),
-        np.concatenate([each.states for each in pairs]),
-        np.concatenate([each.rigid for each in pairs]),
-    )
-    order = np.lexsort(joined.ends["vertex"].T[::-1])
-    coupling = Coupling(
-        np.concatenate(starts),
-        np.concatenate(columns),
-        np.concatenate([each.entry for each in answers]),
-        np.concatenate([each.answer for each in answers]),
-        np.concatenate([each.beyond for each in answers]),
-    )
-    return joined.chosen(order), coupling, union
 
 
 def nothing_held(holding: Holding) -> Holding:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -52,6 +53,37 @@ def greatest(comm: Communicator, value: float) -> float:
         return value
     from mpi4py import MPI
 
-    mine, every = np.array([value]), np.empty(1)
-    comm.Allreduce(mine, every, MPI.MAX)
-    return float(every[0])
+    return float(_reduced(comm, np.array([value]), MPI.MAX)[0])
+
+
+def total(comm: Communicator, values: np.ndarray) -> np.ndarray:
+    """Return the sum of all ranks' whole numbers; collective."""
+    if comm.size == 1:
+        return values
+    from mpi4py import MPI
+
+    return _reduced(comm, values, MPI.SUM)
+
+
+def united(comm: Communicator, marks: np.ndarray) -> np.ndarray:
+    """Return the bits set on any rank; collective."""
+    if comm.size == 1:
+        return marks
+    from mpi4py import MPI
+
+    return _reduced(comm, marks, MPI.BOR)
+
+
+def gathered(comm: Communicator, values: np.ndarray) -> np.ndarray:
+    """Return the arrays of all ranks, (ranks, ...), all of one shape; collective."""
+    if comm.size == 1:
+        return values[None]
+    every = np.empty((comm.size, *values.shape), values.dtype)
+    comm.Allgather(np.ascontiguousarray(values), every)
+    return every
+
+
+def _reduced(comm: Communicator, values: np.ndarray, operation: Any) -> np.ndarray:
+    found = np.empty_like(values)
+    comm.Allreduce(values, found, operation)
+    return found

@@ -23,7 +23,7 @@ from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.messages import swap
-from pgimp.solver.contact.lagrangian.selection import Selection, plain
+from pgimp.solver.contact.lagrangian.selected import Selection, plain
 
 
 class Near(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +12,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.lagrangian.candidates import Patches, find_candidates, find_reach
 from pgimp.kernels.contact.lagrangian.filled import bound_filled, keep_possible
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
-from pgimp.kernels.contact.lagrangian.reference_grid import (
-    FACE_PLANE,
-    References,
-    number_reference_vertices,
-)
+from pgimp.kernels.contact.lagrangian.reference_grid import References, number_reference_vertices
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
 from pgimp.kernels.contact.lagrangian.travel import Tracked, greatest_travel, track, track_on
 from pgimp.kernels.contact.lagrangian.vertices import (
@@ -29,73 +25,17 @@ from pgimp.kernels.contact.lagrangian.vertices import (
     copy_near_particles,
 )
 from pgimp.kernels.contact.volumes import BOXES
-from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import InitialFrame
 from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.messages import greatest, swap, swap_parts
+from pgimp.solver.contact.lagrangian.selected import Given, Selection, mirrors_of, plain
 from pgimp.solver.contact.lagrangian.shares import FAR, divide, undivided
 
 #: Least and greatest slack, in cells, of particles and rigid bodies until the next selection; the
 #: steps at the greatest speed for which it should last.
 LEAST, MOST, STEPS = 0.05, 0.3, 8
-
-
-class Given(NamedTuple):
-    """What a rank has of the selections of all ranks, one after the other.
-
-    Attributes
-    ----------
-    every : (m,) int64
-        Offsets of all its selected particles in the canonical order.
-    offsets : (n,) int64
-        Offsets by rank.
-    keys : (k,) int64
-        Keys of reference vertices by rank.
-    particles, vertices : (ranks,) int64
-        How many there are for each rank.
-    """
-
-    every: np.ndarray
-    offsets: np.ndarray
-    keys: np.ndarray
-    particles: np.ndarray
-    vertices: np.ndarray
-
-
-class Selection(NamedTuple):
-    """Particles near contact round a rank's share of the vertices.
-
-    Attributes
-    ----------
-    given : Given
-        What this rank has of all selections.
-    table : (n,) NEAR_PARTICLE
-        The particles, in canonical order.
-    cut : bool
-        Whether any is cut.
-    contact_vertices : ContactVertices
-        The candidate vertices, with room for sums.
-    start : Supports
-        The particles' initial supports, with the numbers of their vertices in `keys`.
-    keys : (k,) int64
-        Keys of these vertices, ascending.
-    order : (k,) int64
-        Their offsets among the vertices that other ranks send.
-    particles, vertices : (ranks,) int64
-        How many particles and vertices each rank sends.
-    """
-
-    given: Given
-    table: np.ndarray
-    cut: bool
-    contact_vertices: ContactVertices
-    start: Supports
-    keys: np.ndarray
-    order: np.ndarray
-    particles: np.ndarray
-    vertices: np.ndarray
 
 
 class Selector:
@@ -122,6 +62,8 @@ class Selector:
         Groups of bonded bodies, and their velocity fields on the reference grid.
     local : (k, 3) uint32
         See `Supports`.
+    root : int
+        The rank with the first layer.
     """
 
     def __init__(
@@ -139,7 +81,7 @@ class Selector:
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
         self.mirrors = mirrors_of(scene)
         self.local = local_vertices(scene.vertices, scene.dimension)
-        self._shares = undivided(comm.size)
+        self._shares, self.root = undivided(comm.size), 0
         self._slack = self._rigid_slack = self._travel = 0.0
         self._table = np.empty(0, NEAR_PARTICLE)
         self._window: Any = None
@@ -206,6 +148,8 @@ class Selector:
             return chosen._replace(given=Given(mine, mine, found.keys, none, none))
         first, last = self._ranges(table, motion)
         if looked:
+            first_layer = grid.slab.layers and grid.slab.lower is None
+            self.root = -int(greatest(comm, -comm.rank if first_layer else -comm.size))
             most = np.array(scene.frame.cells) + 2 * scene.frame.ghost + 1
             self._shares = divide(comm, first, scene.vertices, most)
         parts = [self._shares.reached(first, last, rank) for rank in range(comm.size)]
@@ -323,18 +267,3 @@ class Selector:
         for n, (axis, side, place, *_) in enumerate(self._walls.planes.tolist()):
             boxes[n, int(side < 0), axis] = place
         return boxes
-
-
-def plain(scene: Scene) -> KernelScene:
-    """Kernel scene with current positions, without materials."""
-    return scene.setting.without_materials()._replace(frame=scene.frame)
-
-
-def mirrors_of(scene: Scene) -> np.ndarray:
-    """The mirrors, (n,) FACE_PLANE."""
-    frame = scene.frame
-    rows = []
-    for each in scene.mirrors:
-        vertex = frame.ghost + (each.side > 0) * frame.cells[each.axis]
-        rows.append((each.axis, each.side, vertex, each.number, each.sticks))
-    return np.array(rows, FACE_PLANE)
