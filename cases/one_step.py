@@ -22,11 +22,12 @@ CASE = {
 
 # %% Scene, grid, particles and their order, as a rank of the solver has them before its first step.
 hand = pgimp.Simulation(CASE)
-rank, scene = hand.core.rank, hand.core.scene
+rank, scene, domain = hand.core.rank, hand.core.scene, hand.core.scene.domain
 grid, population, p, ledger = rank.grid, rank.population, rank.particles, rank.ledger
 setting, layers, vertices = scene.setting, np.arange(population.layers), grid.G.reshape(-1, RECORD)
-faces, walls, loads = scene.face_parameters(0.0, DT), scene.walls(0.0, DT), scene.loads.at(0.0)
-forcing = Forcing(DT, scene.gravity(0.0), rank.mass_cutoff, loads, (), (), walls, False)
+faces, walls = domain.face_parameters(0.0, DT), domain.walls(0.0, DT)
+loads = scene.interaction.loads.at(0.0)
+forcing = Forcing(DT, domain.gravity(0.0), rank.mass_cutoff, loads, (), (), walls, False)
 
 
 # %% P2G: masses (21), momenta (22) and internal forces (16) of the vertices.
@@ -42,7 +43,7 @@ heavy = vertices[:, MASS] > rank.mass_cutoff
 print(f"P2G: {heavy.sum()} vertices have {vertices[heavy, MASS].sum():.3f} kg")
 
 # %% Momentum update: accelerations and velocities (14, 17), and what the floor holds.
-update_momentum(scene.frame, grid.field, faces, forcing, ledger, (), WHOLE)
+update_momentum(domain.frame, grid.field, faces, forcing, ledger, (), WHOLE)
 print(f"Momentum update: {(vertices[heavy, ACCELERATION + 1] == 0.0).sum()} vertices are held")
 
 
@@ -53,8 +54,7 @@ def g2p():
     report = Report(rank.vertex_bounds, moved, np.zeros((8, 2), np.int64))
     counts = grid_to_particles(setting, grid.field, p, order, layers, forcing, report, ledger)
     assert counts[0] == 0, "particles are at fault"
-    places = moved[: counts[2]].copy()  # of particles that are in another layer now
-    population.restore_order(places, order.rows[places])
+    population.restore_order(moved[: counts[2]].copy(), order.rows[moved[: counts[2]]])
 
 
 g2p()
@@ -69,7 +69,7 @@ print(f"{sum(same)} of {len(same)} fields have the solver's bits")
 # %% A change: in each step particles take a twentieth of their velocities from the grid.
 for _ in range(1999):
     p2g()
-    update_momentum(scene.frame, grid.field, faces, forcing, ledger, (), WHOLE)
+    update_momentum(domain.frame, grid.field, faces, forcing, ledger, (), WHOLE)
     x = p.x.copy()
     g2p()
     p.v[:] += 0.05 * ((p.x - x) / DT - p.v)

@@ -176,7 +176,7 @@ def _examine(args: argparse.Namespace) -> list[str]:
     scene = scenes[0]
     share(scene.case, Serial())
     _, _, notes = count_particles(scene, Serial())
-    layers = scene.frame.vertices[0] // (scene.vertices - 1)
+    layers = scene.domain.frame.vertices[0] // (scene.settings.vertices - 1)
     if args.ranks > layers:
         notes.append(f"the grid has layers for {layers} ranks; the others stand idle")
     return notes

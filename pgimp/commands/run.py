@@ -241,7 +241,7 @@ def _run(
         step = None if resumed is None else sim.step
         texts = {"case.yaml": dump_case(case).encode()} | ({"input.yaml": text} if text else {})
         about = describe_start(comm, sim.count, step)
-        if materials := digests(sim.scene.materials):
+        if materials := digests(sim.scene.materials.parameters):
             about["materials"] = materials
         if step is not None:
             _warn_of_edited(materials, directory, log)

@@ -84,7 +84,7 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
     chosen, radius = _around(sim, found)
     # The same on any number of ranks.
     fields = [name for name in scene.fields if name not in BY_RANKS]
-    if not scene.origins:
+    if not scene.settings.origins:
         fields.remove("displacement")
     file = ParticleFile(sim.case, scene, fields)
     shown = file.rows(comm, sim.particles.id[chosen], chosen, sim.count, complete=False)
@@ -154,14 +154,14 @@ def _places(sim: Simulation, rows: Array) -> tuple[Array, Array]:
     The others are the middle of the particle's layer, and in the other directions the middle of
     its cell at the last re-sort. In the initial configuration they are initial positions.
     """
-    p, frame = sim.particles, sim.scene.frame
+    p, frame = sim.particles, sim.scene.domain.frame
     xi = (p.x[rows] - frame.origin) * frame.inverse
-    begun = sim.scene.lagrangian[p.body[rows]]
+    begun = sim.scene.settings.lagrangian[p.body[rows]]
     drawable = ((xi >= -1.0) & (xi <= np.array(frame.cells) + 1.0)).all(axis=1)
     drawable |= begun & np.isfinite(xi).all(axis=1)
     first = vertices_of(p.cell[rows], frame.vertices)
     first[:, 0] = p.layer[rows]
-    before = first - frame.ghost + 0.5 + np.array(sim.scene.shape.half)
+    before = first - frame.ghost + 0.5 + np.array(sim.scene.settings.shape.half)
     if begun.any():
         before[begun] = (p.origin[rows[begun]] - frame.origin) * frame.inverse
     return np.where(drawable[:, None], xi, before), drawable
@@ -169,7 +169,7 @@ def _places(sim: Simulation, rows: Array) -> tuple[Array, Array]:
 
 def _around(sim: Simulation, found: _Found) -> tuple[Array, float]:
     """Rows of the shown particles, and the radius of the neighbourhoods in cells; collective."""
-    comm, frame = sim.comm, sim.scene.frame
+    comm, frame = sim.comm, sim.scene.domain.frame
     every = comm.allgather(found.places)
     before = sum(len(places) for places in every[: comm.rank])
     centres = np.concatenate(every)[:_MOST_CENTRES]
@@ -190,11 +190,11 @@ def _drawable(sim: Simulation, found: _Found, rows: Array) -> dict[str, Array]:
     p, scene = sim.particles, sim.scene
     places, drawable = _places(sim, rows)
     position = np.zeros((len(rows), 3))
-    position[:, : scene.dimension] = places * scene.frame.cell + scene.frame.origin
+    position[:, : scene.dimension] = places * scene.domain.frame.cell + scene.domain.frame.origin
     position[drawable, : scene.dimension] = p.x[rows[drawable]]
     radius = FIELDS["radius"].values
-    now = radius(Source(p, rows, scene.dimension, scene.body_material))
-    then = radius(Source(p._replace(V=p.V0), rows, scene.dimension, scene.body_material))
+    now = radius(Source(p, rows, scene.dimension, scene.materials.body_material))
+    then = radius(Source(p._replace(V=p.V0), rows, scene.dimension, scene.materials.body_material))
     kinds = dict(zip(found.rows.tolist(), found.kinds.tolist(), strict=True))
     return {
         "position": position,
@@ -208,7 +208,7 @@ def _courant(sim: Simulation, found: _Found) -> float:
     scene, p, order = sim.scene, sim.particles, sim.population.order
     sound = np.isfinite(p.v[order]).all(axis=1) & np.isfinite(p.F[order]).all(axis=1)
     order = order[sound & ~np.isin(order, found.rows)]
-    rate = fastest(scene, p, order, scene.controlled or True)
+    rate = fastest(scene, p, order, scene.settings.controlled or True)
     assert sim.failure is not None
     return max(sim.comm.allgather(rate)) * sim.failure.dt
 

@@ -58,7 +58,7 @@ class Frames(Series):
         path = self.folder / f"particles-{self.written:06d}.h5"
         storage = sim.live()
         rows = self._file.rows(
-            self.comm, sim.particles.id[storage], storage, sim.count, not sim.scene.loses
+            self.comm, sim.particles.id[storage], storage, sim.count, not sim.scene.settings.loses
         )
         time, step = float(sim.time), int(sim.step)
         what = f"write the frame {path} at step {step}"

@@ -62,7 +62,7 @@ class RigidFrames(Series):
             On every rank, if there is no space for it, or if the previous frame could not be
             written completely.
         """
-        rigid_bodies = sim.scene.rigid_bodies
+        rigid_bodies = sim.scene.interaction.rigid_bodies
         if not rigid_bodies:
             return
         self.finish()

@@ -211,7 +211,7 @@ def _say_done(
         f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
         f"look at them with: paraview {collection}"
     )
-    left = sim.count - sim.present() if sim.scene.loses else 0
+    left = sim.count - sim.present() if sim.scene.settings.loses else 0
     if left:
         faces = dict.fromkeys(
             face for case in sim.cases for face, way in case.escape.items() if way == "remove"

@@ -22,7 +22,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first
 from pgimp.physics.variation import TableVariation
-from pgimp.scene.scene import LEAST, MOST
+from pgimp.scene.materials import LEAST, MOST
 from pgimp.scene.variations import tables
 from pgimp.schema.messages import dotted
 

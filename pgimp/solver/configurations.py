@@ -42,7 +42,7 @@ class ConfigurationGroup(NamedTuple):
 
     def bounded(self, scene: Scene, field: Field) -> Field:
         """The field with bounds on the coordinates of these particles."""
-        bounds = scene.bounds if self.lagrangian else None
+        bounds = scene.domain.bounds if self.lagrangian else None
         return field if bounds is None else field._replace(bounds=bounds)
 
     def loaded(self, loads: Loads) -> Loads:
@@ -62,11 +62,11 @@ class ConfigurationGroup(NamedTuple):
 def groups_by_configuration(scene: Scene, population: Population) -> tuple[ConfigurationGroup, ...]:
     """Return the groups of a rank's particles, one or two; valid until their order changes."""
     order = population.ordered
-    if not scene.mixed:
+    if not scene.settings.mixed:
         return (ConfigurationGroup(scene.setting, order),)
     rank_in_order = np.empty((2, len(order.rows)), np.int32)
     ends = np.empty((2, len(order.start)), np.int64)
-    split_order(scene.lagrangian, population.particles.body, *order, rank_in_order, ends)
+    split_order(scene.settings.lagrangian, population.particles.body, *order, rank_in_order, ends)
     found = [rank_in_order[i, : ends[i, -1]] for i in range(2)]
     orders = [Order(order.rows[found[i]], ends[i]) for i in range(2)]
     return (
@@ -88,9 +88,9 @@ def fastest(
 def _by_setting(
     scene: Scene, particles: Particles, rows: np.ndarray
 ) -> Iterator[tuple[KernelScene, np.ndarray]]:
-    if not scene.mixed:
+    if not scene.settings.mixed:
         yield scene.setting.without_shape(), rows
         return
-    lagrangian = scene.lagrangian[particles.body[rows]]
+    lagrangian = scene.settings.lagrangian[particles.body[rows]]
     yield scene.setting.without_shape(), rows[~lagrangian]
     yield scene.setting_lagrangian.without_shape(), rows[lagrangian]

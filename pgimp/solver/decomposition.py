@@ -42,7 +42,7 @@ def partition(
     list of str
         Notes for the user.
     """
-    vertices = scene.vertices
+    vertices = scene.settings.vertices
     ends = scene.ends
     cuts = cut(counts, comm.size, vertices - 1, ends)
     notes = []
@@ -62,7 +62,7 @@ def slab_predicate(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarra
 
     def own(x: np.ndarray) -> np.ndarray:
         layers = np.empty(len(x), np.int64)
-        layers_of(scene.shape, scene.placing, scene.identity, x, layers)
+        layers_of(scene.settings.shape, scene.placing, scene.setting.identity, x, layers)
         return (slab.first <= layers) & (layers < slab.first + slab.layers)
 
     return own
@@ -87,7 +87,7 @@ def rebalance(rank: Rank, balance: Balance, step: int) -> None:
 def resort(rank: Rank, balance: Balance, reduction: StepReduction, step: int) -> None:
     """Sort the rows, report the load, and shrink a window that is far too wide; collective."""
     begin = perf_counter()
-    if not rank.scene.initial or rank.moved:
+    if not rank.scene.settings.initial or rank.moved:
         rank.sort()
     rank.timings["sort"] += perf_counter() - begin
     if rank.comm.size > 1:

@@ -209,7 +209,7 @@ class Particles(Mapping[str, np.ndarray]):
         rows = core.live()
         rows = rows[np.argsort(core.particles.id[rows])]
         scene = core.scene
-        source = fields.Source(core.particles, rows, scene.dimension, scene.body_material)
+        source = fields.Source(core.particles, rows, scene.dimension, scene.materials.body_material)
         return scene.fields[name].values(source)
 
     def to_pandas(self, *names: str) -> pandas.DataFrame:

@@ -49,9 +49,9 @@ class Flows:
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
-        assert scene.flows is not None
+        assert scene.interaction.flows is not None
         self.scene, self.comm, self.call = scene, comm, Bound()
-        self.flows: SceneFlows = scene.flows
+        self.flows: SceneFlows = scene.interaction.flows
         self.sums = sums_of(self.flows)
         self._sums = VertexSums(scene, comm, self.sums)
         self._idle = idle(self.flows)
@@ -76,7 +76,7 @@ class Flows:
         flows = self.flows
         self._sums.fit(grid, flows.fields)
         self._sums.add(particles, order, np.arange(grid.planes))
-        own, frame = self._sums.grid, self.scene.frame
+        own, frame = self._sums.grid, self.scene.domain.frame
         for wall in flows.walls:
             self.call(fold_filling, frame, own.field, wall)
         rigid_bodies, calming = rank.contact.rigid_bodies, self.sums.calming

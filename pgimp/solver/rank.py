@@ -18,8 +18,6 @@ from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.lagrangian.displace import displace_particles
-from pgimp.kernels.sums.sums import layer_sums
-from pgimp.kernels.update.checks import OUTFLOW
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
@@ -29,7 +27,6 @@ from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
-from pgimp.solver.transfers import RangeReport
 
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
@@ -101,17 +98,19 @@ class Rank:
     ) -> None:
         self.scene, self.comm = scene, comm
         self.mass_cutoff = 0.0
-        self.calls = tuple(Bound() for _ in range(1 + scene.mixed))
-        self.population = Population(particles, count, scene.shape, scene.placing, slab, start)
+        self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
+        self.population = Population(
+            particles, count, scene.settings.shape, scene.placing, slab, start
+        )
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
         self.particle_steps = self.clamped = self.held = 0
-        self.error_buffer = np.zeros((2 * (1 + scene.mixed), MOST_LISTED, 2), np.int64)
+        self.error_buffer = np.zeros((2 * (1 + scene.settings.mixed), MOST_LISTED, 2), np.int64)
         self.errors, self.failed = self.error_buffer[0, :0], 0
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self.contact = contact_kind(scene)(scene, comm)
         self.clearances = Clearances(scene)
-        self.flows = Flows(scene, comm) if scene.flows else None
+        self.flows = Flows(scene, comm) if scene.interaction.flows else None
         self._lattice: LatticeCells | None = None
         self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
@@ -122,22 +121,24 @@ class Rank:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
         scene, comm = self.scene, self.comm
         self.slab, self._lattice = slab, None
-        lag = LAG if comm.size > 1 and not scene.initial else 0
-        bounds = scene.bounds if scene.initial else None
+        lag = LAG if comm.size > 1 and not scene.settings.initial else 0
+        bounds = scene.domain.bounds if scene.settings.initial else None
         self.grid = Grid(
-            scene.frame, scene.vertices, slab, lag, self.contact.fields, bounds,
-            scene.lagrangian_bodies,
+            scene.domain.frame, scene.settings.vertices, slab, lag, self.contact.fields, bounds,
+            scene.settings.lagrangian_bodies,
         )  # fmt: skip
-        self.halo = Halo(comm, slab, scene.vertices - 1)
+        self.halo = Halo(comm, slab, scene.settings.vertices - 1)
         self.migration = Migration(comm, slab, self.particles)
         self.keeping = Keeping(scene, comm, self.free, slab.layers)
-        outflow = (len(scene.body_names), scene.sums) if scene.escapes else (0, 0)
-        constraints = len(scene.loads.constraints)
-        contacts = len(scene.pairs.way) if scene.pairs else 0
+        outflow = (
+            (len(scene.body_names), scene.materials.sums) if scene.settings.escapes else (0, 0)
+        )
+        constraints = len(scene.interaction.loads.constraints)
+        contacts = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
         self.ledger = Ledger.empty(
-            self.grid.planes, len(scene.faces), constraints, outflow, contacts,
-            len(scene.rigid_bodies),
-            len(scene.body_names) if scene.flows else 0,
+            self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
+            len(scene.interaction.rigid_bodies),
+            len(scene.body_names) if scene.interaction.flows else 0,
         )  # fmt: skip
 
     @property
@@ -160,7 +161,7 @@ class Rank:
             inside = self.lattice.is_inside[rows]
             order = Order(rows[inside], np.searchsorted(near[inside], self.population.start))
         self.call(
-            displace_particles, setting, self.scene.frame, self.grid.motion_field,
+            displace_particles, setting, self.scene.domain.frame, self.grid.motion_field,
             self.population.stored, order,
         )  # fmt: skip
 
@@ -182,7 +183,7 @@ class Rank:
     @property
     def migrates(self) -> bool:
         """Whether particles may migrate to or from other ranks in a step."""
-        return self.slab.neighbours and not self.scene.initial
+        return self.slab.neighbours and not self.scene.settings.initial
 
     @property
     def free(self) -> FreeBodies | None:
@@ -191,7 +192,7 @@ class Rank:
 
     def fastest(self, rate: float) -> float:
         """Cells crossed in a unit of time by waves and particles, `rate`, or by rigid bodies."""
-        rate, free = max(rate, self.scene.rigid_bodies.rate), self.free
+        rate, free = max(rate, self.scene.interaction.rigid_bodies.rate), self.free
         return max(rate, free.rate) if free else rate
 
     def live(self) -> np.ndarray:
@@ -212,7 +213,7 @@ class Rank:
         old, new : list of int
             As from `pgimp.decomposition.slabs.cut`, equal on every rank.
         """
-        window, extra = self.grid.base, self.scene.vertices - 1
+        window, extra = self.grid.base, self.scene.settings.vertices - 1
         owned = (*self.booked(), *self.grid.owned_motion())
         sums = redistribute(self.comm, old, new, extra, self.population, owned)
         self.moved = True
@@ -254,11 +255,11 @@ class Rank:
             The particles, with the columns of the scene.
         """
         window, self.scene = self.grid.base, scene
-        self.calls = tuple(Bound() for _ in range(1 + scene.mixed))
+        self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
         self.population.particles = particles
         self.contact = contact_kind(scene)(scene, self.comm)
         self.clearances = Clearances(scene)
-        self.flows = Flows(scene, self.comm) if scene.flows else None
+        self.flows = Flows(scene, self.comm) if scene.interaction.flows else None
         self._allocate(self.slab)
         self.grid.store(window)
 
@@ -279,78 +280,3 @@ class Rank:
                 last_own = own
 
         return lap
-
-    def send(self, report: RangeReport) -> None:
-        """Send the particles of a range of layers that have left the slab; see `Migration`."""
-        if len(report.changed) or self.migrates:
-            self.migration.proceed(self.population, report.changed)
-
-    def settle(self, reports: list[RangeReport], lap: Callable[[str], None]) -> None:
-        """Complete a step: counts, outflow, arrivals, and the canonical order.
-
-        Parameters
-        ----------
-        reports : list of RangeReport
-            Reports of all layers.
-        lap : callable
-            From `stopwatch`.
-        """
-        population = self.population
-        self.keeping.finish(self.ledger, int(self.grid.window.lower[0]))
-        self.particle_steps += self.count
-        found, outflow, failed = 0, 0, list[int]()
-        for report in reports:
-            self.clamped += report.clamped
-            self.held += report.held
-            failed += report.failed
-            found, outflow = found + len(report.changed), outflow + report.outflow
-        if sum(failed):
-            self._list_errors(failed)
-        changed = population.changed[:found]
-        if len(reports) > 1:
-            changed.sort()
-        if outflow:
-            self._remove_outflow(changed)
-        arrived = changed
-        if found or self.migrates:
-            arrived = self.migration.receive(population)
-        lap("migrate")
-        if found or len(arrived):
-            population.restore_order(changed, arrived)
-        lap("order")
-
-    def _remove_outflow(self, left: np.ndarray) -> None:
-        """Book the particles that have left the domain, and free their rows.
-
-        Their mass, momentum and energy are added to the sums of their last layer, in canonical
-        order. So the ledger has the same bits on any number of ranks.
-
-        Parameters
-        ----------
-        left : (k,) int32
-            Offsets in the order of the particles that left or changed their layer, ascending.
-        """
-        scene, population = self.scene, self.population
-        rows = population.order[left]
-        gone = self.particles.layer[rows] == OUTFLOW
-        leaving = rows[gone]
-        order = Order(leaving, np.searchsorted(left[gone], population.start))
-        escaped = self.ledger.escaped[: self.slab.layers]
-        layer_sums(scene.setting.without_shape(), self.particles, order, escaped)
-        population.free_later(leaving)
-
-    def _list_errors(self, numbers: list[int]) -> None:
-        """List the particles at fault in this step in canonical order, at most `MOST_LISTED`.
-
-        Parameters
-        ----------
-        numbers : list of int
-            Number found by each call; the first ones are in `error_buffer`.
-        """
-        found = np.concatenate(
-            [buffer[:n] for buffer, n in zip(self.error_buffer, numbers, strict=False)]
-        )
-        rank_in_order = np.empty(self.particles.capacity, np.int64)
-        rank_in_order[self.population.order] = np.arange(self.count)
-        self.failed = sum(numbers)
-        self.errors = found[np.argsort(rank_in_order[found[:, 0]])][:MOST_LISTED]

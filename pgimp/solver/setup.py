@@ -79,25 +79,36 @@ def begin(
     start = Start(scene, comm, reduction)
     share(start.case, comm)
     require(scene, comm)
-    scene.rigid_bodies.measure(comm)
+    scene.interaction.rigid_bodies.measure(comm)
     lattice, counts, notes = count_particles(scene, comm)
     start.notes += notes
     start.count = int(counts.sum())
     require(scene, comm, start.count)
     layer = np.empty(len(lattice.coordinates[0]), np.int64)
-    layers_of(scene.shape, scene.placing, scene.identity, lattice.coordinates[0], layer)
-    on_lattice = np.bincount(layer, counts.sum(axis=0), scene.frame.vertices[0])
+    layers_of(
+        scene.settings.shape, scene.placing, scene.setting.identity, lattice.coordinates[0], layer
+    )
+    on_lattice = np.bincount(layer, counts.sum(axis=0), scene.domain.frame.vertices[0])
     slab = _decompose(start, creation.layer_counts(on_lattice))
     particles, count = all_or_none(
         comm, lambda: creation.create(slab, lattice, counts, layer), CaseError
     )
-    scene.loads.require_all_hold(particles, count, comm)
+    scene.interaction.loads.require_all_hold(particles, count, comm)
     if later := later_constraints([each.case for each in scenes]):
         mine = held(later, particles.body[:count], particles.x[:count])
         start.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
-    if scene.rigid_bodies:
-        require_apart(scene.rigid_bodies, [(particles.x[:count], particles.body[:count])], comm)
-        require_clear(scene.rigid_bodies, scene.faces, scene.rigid_bodies.first, 0, 0.0, comm)
+    if scene.interaction.rigid_bodies:
+        require_apart(
+            scene.interaction.rigid_bodies, [(particles.x[:count], particles.body[:count])], comm
+        )
+        require_clear(
+            scene.interaction.rigid_bodies,
+            scene.domain.faces,
+            scene.interaction.rigid_bodies.first,
+            0,
+            0.0,
+            comm,
+        )
     _compile(start, scenes[1:], 0)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
@@ -105,7 +116,7 @@ def begin(
     start.warnings += overstress.measure(scene, particles, count, comm)
     put_in_order(start, slab, particles, count)
     begin_motion(start.rank)
-    if len(scenes) > 1 and scene.variations:
+    if len(scenes) > 1 and scene.materials.variations:
         require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
     start.warnings += locking(start.case)
     start.notes += stripes(start.case)
@@ -113,12 +124,12 @@ def begin(
     release(start.case)
     if start.watch:
         start.watch.begin(start.rank)
-    rate = max(start.rate, scene.rigid_bodies.first_rate)
+    rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)
     with located(start.case):
         require_end(scene, rate)
         dt = start.clock.next(start.done, rate).dt
         start.warnings += check_first_step(scene, dt, start.rate)
-    require_slow(scene.rigid_bodies, dt)
+    require_slow(scene.interaction.rigid_bodies, dt)
     start.warnings += motion_warnings(scenes)
     return start
 
@@ -154,13 +165,13 @@ def resume(
     start = Start(scene, comm, reduction, stage=now.stage)
     take_as_empty(start.case, comm)
     require(scene, comm, source.count)
-    scene.rigid_bodies.measure(comm)
+    scene.interaction.rigid_bodies.measure(comm)
     _compile(start, scenes[now.stage + 1 :], now.counted)
     state, layers = outline(scene, source, comm)
-    require_same(scene.rigid_bodies, state.rigid_bodies)
+    require_same(scene.interaction.rigid_bodies, state.rigid_bodies)
     start.count = state.count
     if state.densest is not None:
-        scene.weigh(state.densest)
+        scene.materials.weigh(state.densest)
     slab = _decompose(start, layers)
     put_in_order(start, slab, *read_particles(scene, slab, source, state, layers, comm))
     read_books(start.rank, source, state, start.diagnostic_sums)
@@ -191,11 +202,11 @@ def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
     warm_up(scene, comm)
     for each in later:  # none waits for the compiler then, or fails in it
         take_as_empty(each.case, comm)
-        each.rigid_bodies.borrow(scene.rigid_bodies)
+        each.interaction.rigid_bodies.borrow(scene.interaction.rigid_bodies)
         warm_up(each, comm)
     rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
     start.clock = clock_of(start.case, rate, counted)
-    start.watch = EnergyWatch(rate * min(scene.frame.cell)) if start.case.watched else None
+    start.watch = EnergyWatch(rate * min(scene.domain.frame.cell)) if start.case.watched else None
     # Messages of the ranks about the cache on their nodes, each once.
     said = comm.allgather((problems(), FOLDER.warning))
     start.notes[:0] = messages(found for found, _ in said)
@@ -225,27 +236,32 @@ def put_in_order(
     """
     scene, comm = start.scene, start.comm
     mine = particles.m[:count]
-    dense = float((mine / particles.V0[:count]).max(initial=0.0)) if scene.variations else 0.0
+    dense = (
+        float((mine / particles.V0[:count]).max(initial=0.0)) if scene.materials.variations else 0.0
+    )
     masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum()), dense))
     total = sum(mass for _, mass, _ in masses)
-    if scene.variations and scene.densest is None:
-        scene.weigh(max(dense for _, _, dense in masses))
-    if total > 2.0 * scene.most_mass:  # only particles from a file can
+    if scene.materials.variations and scene.materials.densest is None:
+        scene.materials.weigh(max(dense for _, _, dense in masses))
+    if total > 2.0 * scene.materials.most_mass:  # only particles from a file can
         with located(start.case):
             raise CaseError(
                 f"bodies: the particles weigh {total:.6g}, and the whole domain, filled with "
-                f"the densest material, {scene.most_mass:.6g}; look at the volumes of points"
+                f"the densest material, {scene.materials.most_mass:.6g}; "
+                "look at the volumes of points"
             )
     start.rank = rank = Rank(scene, comm, slab, particles, count, layers)
     rank.mass_cutoff = LIGHT * min(least for least, _, _ in masses)
     start.balance.watch(count)
     open_window(rank, start.reduction)
     if layers is None:
-        scene.loads.scale_patches(rank.population, comm)
-    order, controlled = rank.population.order, scene.controlled or True
+        scene.interaction.loads.scale_patches(rank.population, comm)
+    order, controlled = rank.population.order, scene.settings.controlled or True
     start.rate = max(comm.allgather(fastest(scene, rank.particles, order, controlled)))
-    if scene.variations:  # waves at rest are the particles', far from which typical ones may be
+    if (
+        scene.materials.variations
+    ):  # waves at rest are the particles', far from which typical ones may be
         if isinstance(start.clock, CourantClock):
             start.clock.rest_rate = start.rate or np.inf
         if start.watch:
-            start.watch.speed = start.rate * min(scene.frame.cell)
+            start.watch.speed = start.rate * min(scene.domain.frame.cell)

@@ -261,7 +261,7 @@ class Simulation:
     @property
     def controlled(self) -> bool | float:
         """Whether the next step's length follows the fastest wave, and how."""
-        return self.scene.controlled if self.clock.controlled else False
+        return self.scene.settings.controlled if self.clock.controlled else False
 
     def _next(self) -> Step:
         """Complete the last step's reduction; its top speed sets the next dt."""

@@ -53,10 +53,10 @@ def enter(now: Start, case: Case) -> Start:
     """
     rank, comm, records = now.rank, now.comm, now.diagnostic_sums
     old, new = now.scene, Scene(case)
-    if old.densest is not None:
-        new.weigh(old.densest)
+    if old.materials.densest is not None:
+        new.materials.weigh(old.materials.densest)
     take_as_empty(case, comm)
-    new.rigid_bodies.measure(comm)
+    new.interaction.rigid_bodies.measure(comm)
     warm_up(new, comm)
 
     gone = set(case.staged.removed) - set(old.case.staged.removed)
@@ -67,7 +67,7 @@ def enter(now: Start, case: Case) -> Start:
         order = rank.population.ordered
         before, after = (sums_of_bodies(rank, scene, order).sum(axis=0) for scene in (old, new))
         records.changed += float(after[STRAIN] - before[STRAIN])
-        records.told[: new.sums - SUMS] += after[SUMS:] - before[SUMS:]
+        records.told[: new.materials.sums - SUMS] += after[SUMS:] - before[SUMS:]
     particles = _carried(rank, old, new)
     if records.last:
         time, *parts = records.last
@@ -89,14 +89,14 @@ def enter(now: Start, case: Case) -> Start:
     enter_motion(rank, before)
 
     now.stage, now.scene, now.balance = now.stage + 1, new, balance
-    rate = fastest(new, particles, rank.population.order, new.controlled or True)
+    rate = fastest(new, particles, rank.population.order, new.settings.controlled or True)
     now.rate = max(now.rate, *comm.allgather(rate))
     rate = max(rest_rate(new, body) for body in range(len(new.body_names)))
-    if new.variations:  # as in `Simulation`
+    if new.materials.variations:  # as in `Simulation`
         rate = now.rate
     same = isinstance(case.time.step, float | int) and case.time.step == old.case.time.step
     now.clock = clock_of(case, rate, now.clock.before if same else now.done.number)
-    _watch(now, rate * min(new.frame.cell))
+    _watch(now, rate * min(new.domain.frame.cell))
     try:
         now.warnings += check_first_step(
             new, now.clock.next(now.done, rank.fastest(now.rate)).dt, now.rate
@@ -185,9 +185,9 @@ def _forces(scene: Scene) -> list[Hashable]:
 def _booked(scene: Scene) -> tuple[list[str], ...]:
     """Names of the faces, constraints, entries of contact and rigid bodies in the ledger."""
     # The last law of contact is for pairs without an entry.
-    contact = [*(entry.name for entry in scene.case.contact), ""] if scene.pairs else []
-    faces = [face.name for face in scene.faces]
-    return faces, list(scene.case.constraints), contact, list(scene.rigid_bodies.names)
+    contact = [*(entry.name for entry in scene.case.contact), ""] if scene.interaction.pairs else []
+    faces = [face.name for face in scene.domain.faces]
+    return faces, list(scene.case.constraints), contact, list(scene.interaction.rigid_bodies.names)
 
 
 def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) -> np.ndarray:
@@ -219,7 +219,10 @@ def _free(rank: Rank) -> list[tuple[str, State]]:
     """The free rigid bodies, by name, and their states."""
     if rank.free is None:
         return []
-    names = [rank.scene.rigid_bodies.names[number] for number in rank.scene.rigid_bodies.free]
+    names = [
+        rank.scene.interaction.rigid_bodies.names[number]
+        for number in rank.scene.interaction.rigid_bodies.free
+    ]
     return list(zip(names, rank.free.states, strict=True))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from pgimp.solver.completion import send_particles, settle
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
@@ -55,17 +56,20 @@ def step(
         On every rank, as from `begin`. The particles are unchanged.
     """
     scene, contact, lap = rank.scene, rank.contact, rank.stopwatch()
-    loads, groups = scene.loads.at(start), groups_by_configuration(scene, rank.population)
+    loads, groups = (
+        scene.interaction.loads.at(start),
+        groups_by_configuration(scene, rank.population),
+    )
     contact.assign_fields(rank)
     lap("contact")
-    marked = bool(scene.loads.constraints)
+    marked = bool(scene.interaction.loads.constraints)
     sum_particles(rank, groups, loads, marked, by_cells=True)  # (16, 17, 18, 21, 22)
     lap("P2G")
     finish_sums(rank)
     t = begin()
     lap("exchange")
 
-    faces = scene.face_parameters(t.start, t.end)
+    faces = scene.domain.face_parameters(t.start, t.end)
     update = VertexUpdate(t, faces, vertex_forcing(rank, t, loads), rank.ledger)
     contact.detect(rank, t, rank.ledger)
     lap("contact")
@@ -85,7 +89,7 @@ def step(
     for layers in rank.halo.halves(rank.population.start):  # first the layers neighbours wait for
         reports.append(update_particles(rank, groups, forcing, layers, reports))
         lap("G2P")  # (26, 27, 29, 30)
-        rank.send(reports[-1])
+        send_particles(rank, reports[-1])
         lap("migrate")
-    rank.settle(reports, lap)
+    settle(rank, reports, lap)
     return t, max(report.rate for report in reports)

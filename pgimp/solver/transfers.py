@@ -107,7 +107,10 @@ def particle_forcing(
     controlled: bool | float,
 ) -> Forcing:
     """Forcing of the particles in a step, without vertex-only loads; see `vertex_forcing`."""
-    t, constraints = update.t, rank.scene.loads.constraints_at(update.t.start, update.t.end)
+    t, constraints = (
+        update.t,
+        rank.scene.interaction.loads.constraints_at(update.t.start, update.t.end),
+    )
     if loads.approached:
         loads = loads._replace(approached=())
     return Forcing(

@@ -56,7 +56,9 @@ class VertexSums:
             halo.close()
         self._halos.clear()
         self._known, self._planes = grid.field, np.empty(0, np.int64)
-        self.grid = Grid(self.scene.frame, self.scene.vertices, grid.slab, grid.lag, fields)
+        self.grid = Grid(
+            self.scene.domain.frame, self.scene.settings.vertices, grid.slab, grid.lag, fields
+        )
         self.grid.store(grid.base)
         return True
 

@@ -42,23 +42,30 @@ def vertex_forcing(rank: RankState, t: Step, loads: Loads) -> Forcing:
     Kernels that work on vertices are then compiled once for all kinds of loads.
     """
     scene, grid = rank.scene, rank.grid
-    constraints = scene.loads.constraints_at(t.start, t.end)
+    constraints = scene.interaction.loads.constraints_at(t.start, t.end)
     marked = (constraints, grid.marks) if constraints else ()
     return Forcing(
-        t.dt, scene.gravity(t.start), rank.mass_cutoff, Loads(relaxation=loads.relaxation), (),
-        marked, scene.walls(t.start, t.end), False, rank.clearances.stored(grid),
-    )  # fmt: skip
+        t.dt,
+        scene.domain.gravity(t.start),
+        rank.mass_cutoff,
+        Loads(relaxation=loads.relaxation),
+        (),
+        marked,
+        scene.domain.walls(t.start, t.end),
+        False,
+        rank.clearances.stored(grid),
+    )
 
 
 def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Fold the sums beyond reflecting faces; find the clearances of unilateral ones."""
     scene, field, call, contact = rank.scene, rank.grid.field, rank.call, rank.contact.data
     for releases in (False, True):  # unilateral ones last: they include the sums of both
-        for mirror in scene.mirrors:
+        for mirror in scene.domain.mirrors:
             if mirror.releases == releases:
-                call(fold, scene.frame, field, mirror, update.forcing, update.ledger)
+                call(fold, scene.domain.frame, field, mirror, update.forcing, update.ledger)
                 if contact:
-                    call(fold_volumes, scene.frame, field, contact.volumes, mirror)
+                    call(fold_volumes, scene.domain.frame, field, contact.volumes, mirror)
         if not releases:
             rank.clearances.find(rank.grid)
 
@@ -79,5 +86,5 @@ def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Set the vertices beyond reflecting faces to the images of vertices inside."""
     scene, field = rank.scene, rank.grid.field
-    for mirror in reversed(scene.mirrors):
-        rank.call(reflect, scene.frame, field, mirror, update.forcing, update.ledger)
+    for mirror in reversed(scene.domain.mirrors):
+        rank.call(reflect, scene.domain.frame, field, mirror, update.forcing, update.ledger)

@@ -16,7 +16,7 @@ def shrink_window(rank: Rank, reduction: StepReduction) -> None:
 
     In the initial configuration it is as narrow as possible from the start.
     """
-    if rank.scene.initial:
+    if rank.scene.settings.initial:
         return
     bounds = _bounds_of_all(rank)
     needed = np.prod(np.maximum(bounds[1] - bounds[0], 0) + 4.0)
@@ -26,7 +26,7 @@ def shrink_window(rank: Rank, reduction: StepReduction) -> None:
 
 
 def _cover(rank: Rank, reduction: StepReduction, bounds: np.ndarray) -> None:
-    if rank.scene.initial:
+    if rank.scene.settings.initial:
         rank.grid.store(bounds)
     else:
         rank.grid.cover(bounds)

@@ -90,8 +90,8 @@ def shake(sim):
     Along x they stay in their layer, across it in their cell; points (mpm) in the middle half of
     it, because a vertex that is almost out of a point's reach makes any solid unstable.
     """
-    p, frame, rows = sim.particles, sim.scene.frame, sim.live()
-    half = sim.scene.shape.half[0]
+    p, frame, rows = sim.particles, sim.scene.domain.frame, sim.live()
+    half = sim.scene.settings.shape.half[0]
     cell, origin = np.array(frame.cell), np.array(frame.origin)
     corner = np.floor((p.x[rows] - origin) / cell)
     corner[:, 0] = p.layer[rows] - frame.ghost + half

@@ -64,10 +64,9 @@ def test_steps_by_hand_have_the_bits_of_the_solver():
     for number in range(2, 201):
         layer = p.layer.copy()
         script["p2g"]()
-        script["update_momentum"](
-            script["scene"].frame, script["grid"].field, script["faces"], script["forcing"],
-            script["ledger"], (), script["WHOLE"],
-        )  # fmt: skip
+        field, ledger = script["grid"].field, script["ledger"]
+        arguments = script["domain"].frame, field, script["faces"], script["forcing"], ledger
+        script["update_momentum"](*arguments, (), script["WHOLE"])
         script["g2p"]()
         changes += int((p.layer != layer).sum())
         if number % RESORT == 0:

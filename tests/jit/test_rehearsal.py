@@ -51,7 +51,7 @@ def test_what_is_needed_in_a_rehearsal_alone():
 def noted(case):
     """Kernels of a stage's rehearsal, which are not compiled."""
     scene = Scene(case)
-    scene.rigid_bodies.measure(Serial())
+    scene.interaction.rigid_bodies.measure(Serial())
     with rehearsal():
         return note_calls(lambda: _rehearse(scene))
 
@@ -69,9 +69,9 @@ def test_shipped_cases_are_rehearsed(path):
 def test_a_rehearsal_leaves_the_scene_as_it_was(name):
     """Free rigid bodies too: their first states are the run's."""
     scene = Scene(load(rank_scenes.SCENES[name]).stages[0])
-    scene.rigid_bodies.measure(Serial())
-    before = [repr(state) for state in scene.rigid_bodies.first]
+    scene.interaction.rigid_bodies.measure(Serial())
+    before = [repr(state) for state in scene.interaction.rigid_bodies.first]
     with rehearsal():
         first, second = (note_calls(lambda: _rehearse(scene)) for _ in range(2))
     assert first == second
-    assert [repr(state) for state in scene.rigid_bodies.first] == before
+    assert [repr(state) for state in scene.interaction.rigid_bodies.first] == before

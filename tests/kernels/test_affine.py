@@ -22,16 +22,21 @@ def vertices(sim):
     grid, population, scene_ = sim.rank.grid, sim.population, sim.scene
     grid.active.fill(0)
     particles_to_grid(
-        scene_.setting.without_materials(), grid.field, population.particles,
-        scene_.loads.at(0.0), population.ordered, *sim.rank.halo.parts(population.start), (),
-    )  # fmt: skip
+        scene_.setting.without_materials(),
+        grid.field,
+        population.particles,
+        scene_.interaction.loads.at(0.0),
+        population.ordered,
+        *sim.rank.halo.parts(population.start),
+        (),
+    )
     planes = grid.G.reshape(*grid.window.extent, 8).copy()
     planes[grid.active == 0] = 0.0
     index = np.stack(np.nonzero(planes[..., 0] > 1e-9), axis=1)
     D = scene_.dimension
     records = planes[tuple(index.T)]
-    number = index[:, :D] + np.array(grid.window.lower[:D]) - scene_.frame.ghost
-    place = np.array(scene_.frame.origin) + number * np.array(scene_.frame.cell)
+    number = index[:, :D] + np.array(grid.window.lower[:D]) - scene_.domain.frame.ghost
+    place = np.array(scene_.domain.frame.origin) + number * np.array(scene_.domain.frame.cell)
     return records[:, 0], records[:, 1 : 1 + D], place
 
 

@@ -129,11 +129,11 @@ def test_viscous_pressure_acts_through_the_cells():
         p.q[rows, 0] = q
         p.alone[rows] = 0.0
         parts = groups_by_configuration(sim.scene, sim.population)
-        sum_particles(sim.rank, parts, sim.scene.loads.at(0.0), False)
+        sum_particles(sim.rank, parts, sim.scene.interaction.loads.at(0.0), False)
         G = grid.G.reshape(*grid.window.extent, RECORD).copy()
         G[grid.active == 0] = 0.0
         forces.append(G[..., FORCE : FORCE + 2].sum(axis=2))
-    reference = Reference("finite-gimp", (2, 2), sim.scene.frame, mean=True)
+    reference = Reference("finite-gimp", (2, 2), sim.scene.domain.frame, mean=True)
     expected = np.zeros((*reference.shape, 2))
     for row, pressure in zip(rows, q, strict=True):
         expected += p.V[row] * pressure * reference.dilatation_of(p.x[row], p.F[row])

@@ -45,13 +45,13 @@ def rigid_body_of(D, region, cell, motion=None):
     case = scene(D, bodies, cells=[12] * D, cell=cell)
     case["grid"]["size"] = size
     made = Scene(Case.model_validate(case))
-    made.rigid_bodies.measure(Serial())
-    return made, made.rigid_bodies.at(0.5, 0.75)
+    made.interaction.rigid_bodies.measure(Serial())
+    return made, made.interaction.rigid_bodies.at(0.5, 0.75)
 
 
 def expected(scene_, region, place, sides):
     """Part of the tent round a place that lies in a region, by sums over many points."""
-    h = np.array(scene_.frame.cell)
+    h = np.array(scene_.domain.frame.cell)
     n = (4000, 200, 40)[len(h) - 1]
     t = (np.arange(2 * n) + 0.5) / n - 1.0
     grid = np.stack(np.meshgrid(*[t] * len(h), indexing="ij"), axis=-1).reshape(-1, len(h))
@@ -80,17 +80,17 @@ def test_parts_below_planes_at_any_angle(D, walls):
             "intersection": [whole, {"half-space": {"point": list(middle), "normal": list(n)}}]
         }
         scene_, rigid_bodies = rigid_body_of(D, region, cell)
-        exact = scene_.rigid_bodies.entries[0].region
-        ghost, near = scene_.frame.ghost, rng.integers(5, 8, size=(8, 3))
+        exact = scene_.interaction.rigid_bodies.entries[0].region
+        ghost, near = scene_.domain.frame.ghost, rng.integers(5, 8, size=(8, 3))
         sides = np.zeros(3, np.int64)
         if walls and D > 1:  # on which the plane stands, else what is beyond them counts
             n[-1], sides[D - 1] = 0.0, -1
             n /= np.linalg.norm(n)
             region["intersection"][1]["half-space"]["normal"] = list(n)
             scene_, rigid_bodies = rigid_body_of(D, region, cell)
-            exact = scene_.rigid_bodies.entries[0].region
+            exact = scene_.interaction.rigid_bodies.entries[0].region
         out = np.zeros((len(near), 4))
-        filled(rigid_bodies, scene_.frame, near + ghost, sides, out)
+        filled(rigid_bodies, scene_.domain.frame, near + ghost, sides, out)
         for number, found in zip(near, out, strict=True):
             place = number[:D] * np.array(cell)
             part = expected(scene_, exact, place, sides)
@@ -108,10 +108,16 @@ def test_round_bodies_and_edges():
         ({"box": {"min": [2.3, 2.6], "max": [6.3, 6.1]}}, 0.125),
     ):
         scene_, rigid_bodies = rigid_body_of(2, entry, cell)
-        region = scene_.rigid_bodies.entries[0].region
+        region = scene_.interaction.rigid_bodies.entries[0].region
         numbers = np.array([[i, j, 0] for i in range(13) for j in range(13)])
         out = np.zeros((len(numbers), 4))
-        filled(rigid_bodies, scene_.frame, numbers + scene_.frame.ghost, np.zeros(3, np.int64), out)
+        filled(
+            rigid_bodies,
+            scene_.domain.frame,
+            numbers + scene_.domain.frame.ghost,
+            np.zeros(3, np.int64),
+            out,
+        )
         for number, found in zip(numbers, out, strict=True):
             part = expected(scene_, region, number[:2] * 1.0, (0, 0))
             assert found[0] == pytest.approx(part, abs=near)
@@ -131,11 +137,17 @@ def test_a_body_that_moves_is_where_its_motion_says():
     motion = {"velocity": [0.8, -0.4], "rotation": {"about": [6.0, 6.0], "rate": 0.6}}
     region = {"box": {"min": [3.0, 4.0], "max": [8.0, 7.0]}}
     scene_, rigid_bodies = rigid_body_of(2, region, [1.0, 1.0], motion)
-    pose = scene_.rigid_bodies.entries[0].rigid.pose(0.5)
+    pose = scene_.interaction.rigid_bodies.entries[0].rigid.pose(0.5)
     turn = np.array(pose.turn).reshape(3, 3)[:2, :2]
     numbers = np.array([[i, j, 0] for i in range(2, 11) for j in range(2, 11)])
     out = np.zeros((len(numbers), 4))
-    filled(rigid_bodies, scene_.frame, numbers + scene_.frame.ghost, np.zeros(3, np.int64), out)
+    filled(
+        rigid_bodies,
+        scene_.domain.frame,
+        numbers + scene_.domain.frame.ghost,
+        np.zeros(3, np.int64),
+        out,
+    )
 
     class Moved:
         @staticmethod
@@ -180,7 +192,7 @@ def test_curvature_of_balls_and_hollows(D, radius, hollow):
     near = np.abs(away - radius) < 1.0
     numbers = np.pad(numbers[near], ((0, 0), (0, 3 - D)))
     out = np.zeros(len(numbers))
-    bends(rigid_bodies, scene_.frame, numbers + scene_.frame.ghost, out)
+    bends(rigid_bodies, scene_.domain.frame, numbers + scene_.domain.frame.ghost, out)
     exact = (1.0 / 12.0 + 1.0 / 16.0) * (D - 1) / away[near] * (-1.0 if hollow else 1.0)
     assert len(out) > 4
     assert out == pytest.approx(exact, rel=0.1)
@@ -192,5 +204,5 @@ def test_edges_and_flat_faces_have_no_curvature():
     )
     numbers = np.array([[3, 5, 0], [8, 6, 0], [5, 8, 0], [6, 3, 0], [3, 3, 0], [8, 8, 0]])
     out = np.ones(len(numbers))
-    bends(rigid_bodies, scene_.frame, numbers + scene_.frame.ghost, out)
+    bends(rigid_bodies, scene_.domain.frame, numbers + scene_.domain.frame.ghost, out)
     assert np.abs(out).max() < 1e-9

@@ -89,7 +89,7 @@ def test_it_enters_the_internal_force_of_the_next_step_only(dimension):
     for name in ("x", "v", "F", "sigma"):  # the first step knows no pressure yet
         np.testing.assert_array_equal(field(sim, name), field(bare, name))
     assert field(sim, "q").max() > 0.1
-    reference = Reference("gimp", [2] * dimension, sim.scene.frame)
+    reference = Reference("gimp", [2] * dimension, sim.scene.domain.frame)
     p, rows = sim.particles, sim.live()
     total = type(p)(*(array[rows] for array in p))
     total.sigma[:, :3] -= total.q

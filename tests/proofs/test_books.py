@@ -73,7 +73,7 @@ def test_momentum_comes_from_what_the_history_names(kind):
                 if not sim.finished:
                     before = sim.time
                     sim.advance()
-                    gravity = np.array(sim.scene.gravity(before)[: len(axes)])
+                    gravity = np.array(sim.scene.domain.gravity(before)[: len(axes)])
                     weight += line["mass"] * gravity * (sim.time - before)
             last, line = line, sim.diagnostics()
             for i, axis in enumerate(axes):

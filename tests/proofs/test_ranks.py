@@ -147,7 +147,7 @@ def test_the_scenes_cross_slabs(runs, name, body):
 def slabs(name):
     """Layers and particles of the slabs of 5 ranks at the start of a scene."""
     sim = simulation(SCENES[name])
-    counts, vertices = np.diff(sim.population.start), sim.scene.vertices
+    counts, vertices = np.diff(sim.population.start), sim.scene.settings.vertices
     cuts = cut(counts, 5, vertices - 1, sim.scene.ends)
     return np.diff(cuts), np.add.reduceat(counts, cuts[:-1])
 

@@ -78,7 +78,7 @@ def test_momentum_comes_from_gravity_and_walls_alone(floor, shape):
     while not sim.finished:
         before = sim.time
         sim.advance()
-        impulse += 0.005 * line["mass"] * np.array(sim.scene.gravity(before)[:2])
+        impulse += 0.005 * line["mass"] * np.array(sim.scene.domain.gravity(before)[:2])
         if sim.step % 7 == 0 or sim.finished:
             last, line = line, sim.diagnostics()
             for i, axis in enumerate("xy"):

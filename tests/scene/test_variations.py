@@ -128,7 +128,7 @@ def test_fields_show_parameters():
 
     bodies = {"a": box([1.0, 1.0], [3.0, 3.0]), "b": box([4.0, 1.0], [6.0, 3.0], material="stiff")}
     made, p, n = particles(scene(2, bodies, cells=[20, 8], materials=VARIED))
-    source = Source(p, np.arange(n), 2, made.body_material)
+    source = Source(p, np.arange(n), 2, made.materials.body_material)
     shown = {name: made.fields[f"parameter-{name}"].values(source)
              for name in ("young", "poisson", "density")}  # fmt: skip
     a = p.body[:n] == 0
@@ -187,10 +187,10 @@ def test_facts_are_those_of_all_particles():
     soft, stiff = examine(made, lattice, counts).bodies
     p = populate(made, lattice, counts, (0, lattice.planes))
     a = p.body == 0
-    young, rho = made.variations.fields["parameter-young"], p.m / p.V0
+    young, rho = made.materials.variations.fields["parameter-young"], p.m / p.V0
     from pgimp.physics.fields import Source
 
-    E = young.values(Source(p, np.flatnonzero(a), 2, made.body_material))
+    E = young.values(Source(p, np.flatnonzero(a), 2, made.materials.body_material))
     c = np.sqrt(E * 0.7 / (1.3 * 0.4) / rho[a])
     assert soft.wave_speed == pytest.approx(c.max(), rel=1e-12)
     assert soft.density == 1.7
@@ -203,8 +203,11 @@ def test_samples_carry_as_much():
     from pgimp.utilities.model.sample import plain
 
     made, sample = (Scene(pgimp.load(crash(VARIED))), Scene(plain(pgimp.load(crash(VARIED)), 100)))
-    assert sample.variations.layouts[0].varying == made.variations.layouts[0].varying
-    assert sample.variations.width == made.variations.layouts[0].width
+    assert (
+        sample.materials.variations.layouts[0].varying
+        == made.materials.variations.layouts[0].varying
+    )
+    assert sample.materials.variations.width == made.materials.variations.layouts[0].width
 
 
 def test_files_are_read_once_and_forgotten(tmp_path):

@@ -166,7 +166,7 @@ def test_who_is_calmed():
     def calms(material, relaxation="auto", **parts):
         case = blocks(relaxation, {"one": block([2, 2], [6, 6], material, **parts)})
         case["materials"] = {material: case["materials"][material]}
-        flows = start(case).scene.flows
+        flows = start(case).scene.interaction.flows
         return bool(flows and flows.calms.any())
 
     assert calms("sand") and calms("grains")
@@ -206,6 +206,6 @@ def test_many_bodies_that_meet_are_not_calmed(count):
     """Each would need a field: numbers of fields that bodies share change when a run is resumed."""
     bodies = {f"g{n}": block([0.25 * n, 0.0], [0.25 * n + 0.25, 0.5]) for n in range(count)}
     case = blocks(bodies=bodies, contact=[{"bodies": "all"}])
-    flows = start(case).scene.flows
+    flows = start(case).scene.interaction.flows
     assert flows.calms.any() == (count == 16)
     assert len(set(flows.fields)) == (16 if count == 16 else 1)

@@ -80,7 +80,7 @@ def test_the_ledger_is_the_sum_of_what_left(dimension):
 
 def test_who_lets_nothing_go_pays_nothing():
     sim = leaving(2, {"x-max": "stop"})
-    assert sim.rank.ledger.escaped.size == 0 and sim.scene.exits == 0
+    assert sim.rank.ledger.escaped.size == 0 and sim.scene.domain.exits == 0
     assert not [name for name in sim.diagnostics() if name.startswith("escaped")]
 
 

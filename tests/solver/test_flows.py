@@ -44,7 +44,7 @@ def filling(sim):
     found = rank.flows.find(rank, order, Step(EVERY, 0.0, 0.01, 0.01))
     (i, j, _), extent = rank.grid.window.lower, rank.grid.window.extent
     G = found.G.reshape(rank.grid.planes, extent[1], RECORD)
-    ghost = rank.scene.frame.ghost
+    ghost = rank.scene.domain.frame.ghost
     return {
         (x + i - ghost, y + j - ghost): (G[x, y, EXCESS], G[x, y, FIELD])
         for x in range(rank.grid.planes)
@@ -272,11 +272,13 @@ def test_soil_that_holds_together_does_not_flow():
         "model": "mohr-coulomb", "young": 1.0e3, "poisson": 0.25, "density": 1.0,
         "friction-angle": 30.0,
     }  # fmt: skip
-    assert tank(materials={"water": soil | {"cohesion": 0.0}}).scene.flows
-    assert not tank(materials={"water": soil | {"cohesion": 1.0}}).scene.flows
+    assert tank(materials={"water": soil | {"cohesion": 0.0}}).scene.interaction.flows
+    assert not tank(materials={"water": soil | {"cohesion": 1.0}}).scene.interaction.flows
     held = deepcopy(TANK["bodies"])
     held["water"]["configuration"] = "initial"
-    assert not tank(materials={"water": soil | {"cohesion": 0.0}}, bodies=held).scene.flows
+    assert not tank(
+        materials={"water": soil | {"cohesion": 0.0}}, bodies=held
+    ).scene.interaction.flows
 
 
 def test_a_column_of_sand_collapses_and_keeps_its_volume():

@@ -124,8 +124,11 @@ def test_the_last_rank_has_the_wall():
     """Those beyond a wall share the clearance of the vertex on it, so the cut leaves both there."""
     case = scene(2, box([5.0, 2.0], [7.7, 5.0]), boundaries={"x-max": "separating"})
     made = start(case).scene
-    layers, wall = made.frame.vertices[0], made.frame.ghost + made.frame.cells[0]
+    layers, wall = (
+        made.domain.frame.vertices[0],
+        made.domain.frame.ghost + made.domain.frame.cells[0],
+    )
     counts = np.zeros(layers, int)
     counts[-4:] = 1000
-    assert cut(counts, 3, made.vertices - 1, made.ends)[-2] <= wall
-    assert cut(counts, 3, made.vertices - 1)[-2] > wall
+    assert cut(counts, 3, made.settings.vertices - 1, made.ends)[-2] <= wall
+    assert cut(counts, 3, made.settings.vertices - 1)[-2] > wall

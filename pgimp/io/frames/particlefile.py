@@ -73,7 +73,7 @@ class ParticleFile:
         self._layout, self._count = Layout({}, {}, 0), -1
         self._scene = scene
         self._compressed = compressed
-        names = {"body": list(scene.body_names), "material": list(scene.material_names)}
+        names = {"body": list(scene.body_names), "material": list(scene.materials.names)}
         self._datasets = [CONNECTIVITY] + [
             Dataset(
                 name,
@@ -144,7 +144,7 @@ class ParticleFile:
         with removed_on_error(part, comm):
             # HDF5 cannot chunk an empty dataset.
             way = self._in_chunks if self._compressed and rows.count else self._in_place
-            materials = tuple(scene.body_material)
+            materials = tuple(scene.materials.body_material)
             source = Source(particles, rows.storage, scene.dimension, materials, comm.rank)
             values = Values(self.types, self.kinds, source, instead)
             file = way(part, rows, attributes, values, what)

@@ -123,9 +123,11 @@ def _with_gains(calming, v, scratch, offset):
 
     def gained(calming, v, scratch, offset):
         gain = transpose(
-            load(scratch, offset), load(scratch, offset + 4), load(scratch, offset + 8),
+            load(scratch, offset),
+            load(scratch, offset + 4),
+            load(scratch, offset + 8),
             load(scratch, offset + 12),
-        )  # fmt: skip
+        )
         return plus_first(v, gain)
 
     return gained

@@ -214,9 +214,7 @@ def reflect(frame, field, mirror, forcing, ledger):
             for d in range(3):
                 if i < owned and _turns(mirror, d):
                     v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
-                    impulse[i, mirror.number, d] -= given(
-                        rate, twice, dt, 0.0, 0.0, v, a
-                    )  # fmt: skip
+                    impulse[i, mirror.number, d] -= given(rate, twice, dt, 0.0, 0.0, v, a)
                     work[i] -= twice * dt * gravity[d] * v
             G[r + HELD] = also_held(G[r + HELD], axis)
             G[g + HELD] = G[r + HELD]

@@ -157,7 +157,7 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
                         held = also_held(held, d)
                 work[i] += done - book_losses(
                     holding, number, r, (u, b), last, mass, ledger.wall_energy[i]
-                )  # fmt: skip
+                )
                 G[r + HELD] = held
                 for d in range(3):
                     G[r + VELOCITY + d] = v[d]

@@ -161,8 +161,9 @@ def _contribution(loads, frame, particles, p, forces, j):
             mx = moment(wall(loads.approached, 0), particles, p, 0)
             my = moment(wall(loads.approached, 1), particles, p, 1)
             return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
-                pack(mx, V * (s[p, 0] - q), xy, 0.0), pack(my, xy, V * (s[p, 1] - q), 0.0),
-            )  # fmt: skip
+                pack(mx, V * (s[p, 0] - q), xy, 0.0),
+                pack(my, xy, V * (s[p, 1] - q), 0.0),
+            )
 
         return contribution2
 

@@ -100,14 +100,14 @@ def grid_to_particles(
             power = add_force_power(loads.force, frame, particles, four, u, power)
             u, v = update_velocity(frame, forcing, particles, four, u, a, ledger)  # (27)
             x = update_position(forcing, particles, four, u)  # (26)
-            moved = when_moved(loads.affine, frame, dt, grad)
+            moved = when_moved(loads.affine, dt, grad)
             keep_gradients(loads.affine, particles, rows, moved, codes)
             grad = with_means(  # the cells' rates of dilatation
                 loads.mean, frame, particles, rows, buffer, sums, count, grad
             )
             cells = take_mean_lagrangian(
                 loads.mean_lagrangian, (shape, frame), field, four, buffer, weights, sums
-            )  # fmt: skip
+            )
             m = materials_of(setting.material_of, particles.body, rows)
             L, F = deform(cells, setting, forcing, particles, four, m, grad)  # (29)
             x, F, v = refill(

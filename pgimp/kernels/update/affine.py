@@ -18,7 +18,6 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import scaled, squared
 from pgimp.jit.vectors.simd import pack, where
 from pgimp.kernels.grid.constraint_flags import held_codes
-from pgimp.kernels.transfer.first_vertex import is_initial
 from pgimp.kernels.transfer.lane_io import put_row
 
 
@@ -54,12 +53,11 @@ def _affine_momentum(affine, frame, particles, p):
     return (affine_momentum1, affine_momentum2, affine_momentum3)[D - 1]
 
 
-def when_moved(affine, frame, dt, L):
+def when_moved(affine, dt, L):
     """Gradients L of four particles at the end of the step, L (1 + dt L)^-1, but no greater.
 
     The field moves with its own velocity. The gradient is by the material's positions at the end,
-    dx' = (1 + dt L) dx, as for the next step's vertices. In the initial configuration these do not
-    move.
+    dx' = (1 + dt L) dx, as for the next step's vertices.
 
     Compression alone makes the gradient greater, as if nothing resisted it. That increase is not
     followed, for the resistance is at work only in the next step. A particle that vibrates freely
@@ -68,11 +66,11 @@ def when_moved(affine, frame, dt, L):
 
 
 @specialise(when_moved)
-def _when_moved(affine, frame, dt, L):
-    if hasattr(affine, "count") or is_initial(frame):
-        return lambda affine, frame, dt, L: L
+def _when_moved(affine, dt, L):
+    if hasattr(affine, "count"):
+        return lambda affine, dt, L: L
 
-    def moved(affine, frame, dt, L):
+    def moved(affine, dt, L):
         after = multiply(L, inverse(one_plus(dt, L)))
         most, found = squared(L), squared(after)
         return scaled(where(found > most, sqrt(most / found), 1.0), after)

@@ -59,12 +59,12 @@ def populate(
         p.x[rows] = block.positions
         # A field linear in space has its mean over a part (5) at the part's centroid. An exact
         # solution refers to the particle's position.
-        places = block.positions if scene.moves else block.centroids
+        places = block.positions if scene.settings.moves else block.centroids
         if block.velocities is None:
             p.v[rows] = velocities(scene, block.body, places)
         else:
             p.v[rows] = block.velocities
-        material = scene.body_material[block.body]
+        material = scene.materials.body_material[block.body]
         if p.L.shape[1]:
             p.L[rows] = (
                 _velocity_gradients(scene, block.body, places)
@@ -77,26 +77,26 @@ def populate(
         if scene.carried.surfaces:
             p.offset[rows] = block.centroids - block.positions
             p.excess[rows, 0] = lattice.excess(block)
-        p.m[rows] = p.V0[rows] * scene.materials[material].density  # (4)
+        p.m[rows] = p.V0[rows] * scene.materials.parameters[material].density  # (4)
         set_stress(scene, p, rows, block)
         row += len(block.ids)
     if p.origin.shape[1]:
         p.origin[:] = p.x
-    scene.loads.initialise(p, row)
+    scene.interaction.loads.initialise(p, row)
     return p
 
 
 def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:
     """Set stress, state, varying parameters and mass of a block's particles."""
-    material = scene.body_material[block.body]
+    material = scene.materials.body_material[block.body]
     if block.stresses is not None:
         p.sigma[rows] = block.stresses[:, : p.sigma.shape[1]]
-    elif pressure := scene.initial_pressures[material]:
+    elif pressure := scene.materials.initial_pressures[material]:
         p.sigma[rows, :3] = -pressure
-    p.state[rows] = scene.states.initial[material]
+    p.state[rows] = scene.materials.states.initial[material]
     _vary(scene, p, rows, block)
     for name, values in block.states.items():
-        first = scene.states.first(name, material)
+        first = scene.materials.states.first(name, material)
         if first >= 0:  # else a varying parameter
             p.state[rows, first : first + values.shape[1]] = values
 
@@ -109,15 +109,17 @@ def prestressed(scene: Scene) -> list[int]:
         if isinstance(body.region, Points)
         and body.region.summary.stress
         and scene.case.materials[body.material].states
-        and has(type(scene.materials[scene.body_material[number]]), "initial_state")
+        and has(
+            type(scene.materials.parameters[scene.materials.body_material[number]]), "initial_state"
+        )
     ]
 
 
 def velocities(scene: Scene, body: int, positions: np.ndarray) -> np.ndarray:
     """Initial velocity of a body's particles, (n, D): exact, or v0 + omega x (x - about)."""
-    if scene.moves:
+    if scene.settings.moves:
         v = np.zeros_like(positions)
-        initial_velocities(scene.exact, scene.frame, positions, v)
+        initial_velocities(scene.settings.exact, scene.domain.frame, positions, v)
         return v
     motion = list(scene.case.bodies.values())[body].velocity
     D = scene.dimension
@@ -146,7 +148,7 @@ def _velocity_gradients(scene: Scene, body: int, positions: np.ndarray) -> np.nd
     L = np.empty((len(positions), scene.dimension, scene.dimension))
     for d in range(scene.dimension):
         step = np.zeros(scene.dimension)
-        step[d] = 0.25 * scene.frame.cell[d]
+        step[d] = 0.25 * scene.domain.frame.cell[d]
         ends = (velocities(scene, body, positions + side * step) for side in (1.0, -1.0))
         L[:, :, d] = np.subtract(*ends) / (2.0 * step[d])
     return L.reshape(len(positions), -1)
@@ -154,7 +156,7 @@ def _velocity_gradients(scene: Scene, body: int, positions: np.ndarray) -> np.nd
 
 def _vary(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:
     """Set spatially varying parameters, and the mass, state and stress that follow."""
-    own = scene.variations.of(block, scene.body_material[block.body])
+    own = scene.materials.variations.of(block, scene.materials.body_material[block.body])
     if own is None:
         return
     p.own[rows], p.state[rows] = own.columns, own.state

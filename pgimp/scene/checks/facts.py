@@ -114,14 +114,14 @@ def examine(
     later = later_constraints(stages)
     found = Findings(
         [],
-        np.zeros(len(scene.loads.constraints) + 1, np.int64),
+        np.zeros(len(scene.interaction.loads.constraints) + 1, np.int64),
         dict.fromkeys(scene.case.probes, np.inf),
         later,
         np.zeros(len(later), np.int64),
     )
     for body in range(len(scene.body_names)):
         found.bodies.append(_examine(scene, lattice, counts, body, found))
-    scene.loads.require_held(found.held)
+    scene.interaction.loads.require_held(found.held)
     return found
 
 
@@ -135,7 +135,7 @@ def _examine(
     for block in lattice.make((0, lattice.planes), counts, body):
         if block.velocities is not None:
             speeds.add(block.velocities, block.fractions)
-        elif scene.moves or not isinstance(motion, tuple):
+        elif scene.settings.moves or not isinstance(motion, tuple):
             speeds.add(velocities(scene, body, block.centroids), block.fractions)
         elif not speeds.mass:  # one for all
             speeds.add(np.array([motion], float), np.ones(1))
@@ -148,7 +148,7 @@ def _examine(
             found.held_later += held(found.later, bodies, block.positions)
         _measure_probes(scene, block, ends, found)
     # Boxes around the particles, unless the region itself is smaller.
-    half = 0.5 * np.array(scene.frame.cell) / lattice.per_cell
+    half = 0.5 * np.array(scene.domain.frame.cell) / lattice.per_cell
     low, high = low - half, high + half
     region = scene.case.bodies[scene.body_names[body]].region
     if not isinstance(region, Points):
@@ -191,17 +191,19 @@ class _Varied:
 
     def __init__(self, scene: Scene, body: int) -> None:
         self._scene, self._body = scene, body
-        number = scene.body_material[body]
-        self._layout = scene.variations.layouts[number]
+        number = scene.materials.body_material[body]
+        self._layout = scene.materials.variations.layouts[number]
         self.wave_speed = self.rest_rate = self.density = 0.0
         self._count, self._sums, self._least, self._most = 0, 0.0, np.inf, -np.inf
         if self._layout is None:
             self.wave_speed, self.rest_rate = wave_speed(scene, body), rest_rate(scene, body)
-            self.density = scene.materials[number].density
+            self.density = scene.materials.parameters[number].density
 
     def add(self, block: ParticleBlock) -> None:
         """Add some particles."""
-        own = self._scene.variations.of(block, self._scene.body_material[self._body])
+        own = self._scene.materials.variations.of(
+            block, self._scene.materials.body_material[self._body]
+        )
         if own is None:
             return
         _, first = np.unique(own.columns, axis=0, return_index=True)
@@ -244,9 +246,12 @@ def rest_rate(
     points : ((n, own), (n, k)) float64, optional
         Columns `own` and `state` of particles whose material varies; by default typical ones.
     """
-    number = scene.body_material[body]
+    number = scene.materials.body_material[body]
     if points is None:
-        points = scene.variations.typical[number][None], scene.states.initial[number][None]
+        points = (
+            scene.materials.variations.typical[number][None],
+            scene.materials.states.initial[number][None],
+        )
     point = Particles.empty(len(points[0]), scene.carried)
     point.body[:] = body
     point.own[:], point.state[:] = points
@@ -264,17 +269,17 @@ def _gap(ends: tuple[_Reals, _Reals], low: Any, high: Any) -> _Reals:
 def _count_held(
     scene: Scene, block: ParticleBlock, ends: tuple[_Reals, _Reals], found: Findings
 ) -> None:
-    entries = scene.loads.constraints
+    entries = scene.interaction.loads.constraints
     name = scene.body_names[block.body]
     if any(c.body == name and not _gap(ends, *c.region.bounds()).any() for c in entries):
-        numbers = scene.loads.held(block.body, block.positions)
+        numbers = scene.interaction.loads.held(block.body, block.positions)
         found.held += np.bincount(numbers, minlength=len(found.held))
 
 
 def _measure_probes(
     scene: Scene, block: ParticleBlock, ends: tuple[_Reals, _Reals], found: Findings
 ) -> None:
-    cell, name_of_body = np.array(scene.frame.cell), scene.body_names[block.body]
+    cell, name_of_body = np.array(scene.domain.frame.cell), scene.body_names[block.body]
     for name, probe in scene.case.probes.items():
         place = isinstance(probe, PlaceProbe)
         at = np.array(probe.place if place else probe.at, float)

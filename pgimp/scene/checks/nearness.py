@@ -204,7 +204,7 @@ def bonded(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Iterator[str]:
     """
     case = scene.case
     boxes = moving_boxes(case, np.array([0.0, case.time.end]))
-    cell, origin = np.array(scene.frame.cell), np.array(scene.frame.origin)
+    cell, origin = np.array(scene.domain.frame.cell), np.array(scene.domain.frame.origin)
     # A cut particle reaches farther, by half a particle at most.
     near = reach(case) + 1.0 / np.array(lattice.per_cell)
     lows, highs = (np.array([getattr(box, end)[0] for box in boxes]) for end in ("low", "high"))
@@ -255,7 +255,11 @@ def _marks(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Cells from `first` on with centres of a body's particles, and vertices in their supports."""
     cells, vertices = np.zeros(shape, bool), np.zeros(shape, bool)
-    cell, origin, half = scene.frame.cell, scene.frame.origin, np.array(scene.shape.half)
+    cell, origin, half = (
+        scene.domain.frame.cell,
+        scene.domain.frame.origin,
+        np.array(scene.settings.shape.half),
+    )
     n = lattice.per_cell[0]
     planes = max(0, int(first[0]) * n), min(lattice.planes, int(first[0] + shape[0]) * n)
     for block in lattice.make(planes, counts, body):

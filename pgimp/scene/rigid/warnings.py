@@ -39,27 +39,29 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
     """
     found: list[str] = []
     scene = scenes[0]
-    if not scene.rigid_bodies:
+    if not scene.interaction.rigid_bodies:
         return found
-    if scene.rigid_bodies.free and any(each.case.body_force for each in scenes):
-        names = ", ".join(f"'{body.name}'" for body in scene.rigid_bodies.free.values())
+    if scene.interaction.rigid_bodies.free and any(each.case.body_force for each in scenes):
+        names = ", ".join(f"'{body.name}'" for body in scene.interaction.rigid_bodies.free.values())
         found.append(
             f"body_force: it acts on bodies of a material only, not on {names}, which moves freely "
             "by gravity and contact alone"
         )
     first = len(scene.body_names)
     waves = [wave_speed(scene, body) for body in range(first)]
-    for number, speed in scene.rigid_bodies.speeds().items():
+    for number, speed in scene.interaction.rigid_bodies.speeds().items():
         met = [
             (waves[body], scene.body_names[body])
             for body in range(first)
-            if scene.pairs is None or scene.pairs.entry[body, first + number] != 0
+            if scene.interaction.pairs is None
+            or scene.interaction.pairs.entry[body, first + number] != 0
         ]
         slowest, name = min(met, default=(inf, ""))
         if speed > _FAST * slowest > 0.0:
             found.append(
-                f"bodies.{scene.rigid_bodies.names[number]}.rigid: it moves at up to {speed:.3g}, "
-                f"{speed / slowest:.2g} times as fast as waves in '{name}' ({slowest:.3g}); above "
+                f"bodies.{scene.interaction.rigid_bodies.names[number]}.rigid: "
+                f"it moves at up to {speed:.3g}, {speed / slowest:.2g} times as fast as "
+                f"waves in '{name}' ({slowest:.3g}); above "
                 f"{_FAST:g} what it hits gets too little momentum, beyond 1 half of it or less: "
                 "smaller cells (grid.cell), or a body that moves freely (rigid: {density: ..}); "
                 "are the units of velocity, young and density one set?"
@@ -69,15 +71,17 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
 
 def _through_planes(scenes: Sequence[Scene]) -> list[str]:
     """Warnings of prescribed bodies that turn on `slip` walls, or move through them."""
-    rigid_bodies = scenes[0].rigid_bodies
+    rigid_bodies = scenes[0].interaction.rigid_bodies
     found: dict[tuple[str, str], str] = {}
     for scene in scenes:
         times = np.linspace(scene.case.staged.start, scene.case.time.end, _INSTANTS)
-        for face in scene.faces:
+        for face in scene.domain.faces:
             for number, name in enumerate(rigid_bodies.names):
                 motion = rigid_bodies.entries[number].rigid
                 moves = (
-                    isinstance(motion, Motion) and motion.moves and name in scene.rigid_bodies.names
+                    isinstance(motion, Motion)
+                    and motion.moves
+                    and name in scene.interaction.rigid_bodies.names
                 )
                 if moves and isinstance(face.condition, Slip) and (name, face.name) not in found:
                     if text := _conflict(rigid_bodies, number, face, times):

@@ -16,18 +16,22 @@ class Clearances:
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.call = scene, Bound()
-        self.joint = scene.pairs is not None and scene.pairs.ties(len(scene.body_names))
-        self.values: Any = np.empty((0, 0)) if scene.approached else ()
+        self.joint = scene.interaction.pairs is not None and scene.interaction.pairs.ties(
+            len(scene.body_names)
+        )
+        self.values: Any = np.empty((0, 0)) if scene.domain.approached else ()
 
     def stored(self, grid: Grid) -> Any:
         """Return storage for `Forcing.clearances` in the grid's size, still to be filled."""
-        shape = (len(self.scene.faces), len(grid.G) // RECORD)
-        if self.scene.approached and self.values.shape != shape:
+        shape = (len(self.scene.domain.faces), len(grid.G) // RECORD)
+        if self.scene.domain.approached and self.values.shape != shape:
             self.values = np.empty(shape)
         return self.values
 
     def find(self, grid: Grid) -> None:
         """Compute them, after the halo exchange and the reflection at faces that hold."""
         scene = self.scene
-        for wall in scene.approached:
-            self.call(find_clearances, scene.frame, grid.field, wall, self.joint, self.values)
+        for wall in scene.domain.approached:
+            self.call(
+                find_clearances, scene.domain.frame, grid.field, wall, self.joint, self.values
+            )

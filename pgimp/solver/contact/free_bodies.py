@@ -56,12 +56,12 @@ class FreeBodies:
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
-        self.scene, self.comm, self.rigid_bodies = scene, comm, scene.rigid_bodies
+        self.scene, self.comm, self.rigid_bodies = scene, comm, scene.interaction.rigid_bodies
         self.numbers, self.bodies = (
-            list(scene.rigid_bodies.free),
-            list(scene.rigid_bodies.free.values()),
+            list(scene.interaction.rigid_bodies.free),
+            list(scene.interaction.rigid_bodies.free.values()),
         )
-        self.states = scene.rigid_bodies.first
+        self.states = scene.interaction.rigid_bodies.first
         self._inertia: list[Matrix] = []
         self._free_momenta: list[list[float]] = []
         self._touched = False
@@ -84,7 +84,7 @@ class FreeBodies:
         """
         travel = max(self.rate, self.rigid_bodies.rate) * dt
         pause = max(1, min(LOOKS, int(TRAVEL / travel))) if travel > 0.0 else LOOKS
-        faces, states = self.scene.faces, self.states
+        faces, states = self.scene.domain.faces, self.states
         if (
             done.number
             and done.number % pause == 0
@@ -200,7 +200,7 @@ class FreeBodies:
 
     def _require_found(self, sums: np.ndarray, tried: list[list[float]], t: Step) -> None:
         """Refuse velocities that have not converged; on every rank."""
-        inverse = max(self.scene.frame.inverse)
+        inverse = max(self.scene.domain.frame.inverse)
         for number, (body, v) in enumerate(zip(self.bodies, tried, strict=True)):
             M = body.mass_matrix(self._inertia[number])
             off = solve(M, self._rest(number, sums[number], v))

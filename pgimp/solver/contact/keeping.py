@@ -56,11 +56,11 @@ class Keeping:
         self, scene: Scene, comm: Communicator, free: FreeBodies | None, layers: int
     ) -> None:
         self.scene, self.comm, self.free = scene, comm, free
-        self._impulses = np.zeros((layers, len(scene.rigid_bodies), 6))
-        self._yields = np.zeros((len(scene.rigid_bodies), 6, 6))
+        self._impulses = np.zeros((layers, len(scene.interaction.rigid_bodies), 6))
+        self._yields = np.zeros((len(scene.interaction.rigid_bodies), 6, 6))
         self._kept: Any = ()
         self._call = Bound()
-        self._moves = any(entry.moves for entry in scene.rigid_bodies.entries)
+        self._moves = any(entry.moves for entry in scene.interaction.rigid_bodies.entries)
 
     def at(self, t: Step, particles: Particles, rows: np.ndarray) -> Any:
         """Return the data to hold particles out at the end of a step, or (); collective.
@@ -73,13 +73,21 @@ class Keeping:
             The rank's particles, before they move.
         """
         scene, free = self.scene, self.free
-        if not scene.rigid_bodies or not scene.pairs or (scene.initial and not scene.mixed):
+        if (
+            not scene.interaction.rigid_bodies
+            or not scene.interaction.pairs
+            or (scene.settings.initial and not scene.settings.mixed)
+        ):
             return ()
         if not self._kept or self._moves:
-            rigid_bodies = placed(scene.rigid_bodies, t.end, free.states if free else None)
+            rigid_bodies = placed(
+                scene.interaction.rigid_bodies, t.end, free.states if free else None
+            )
             if free:
                 self._set_yields(free, self._near(rigid_bodies, particles, rows))
-            self._kept = Keepers(rigid_bodies, scene.pairs, self._yields, self._impulses)
+            self._kept = Keepers(
+                rigid_bodies, scene.interaction.pairs, self._yields, self._impulses
+            )
         return self._kept
 
     def _set_yields(self, free: FreeBodies, mass: np.ndarray) -> None:
@@ -99,7 +107,7 @@ class Keeping:
             np.zeros(len(rigid_bodies.motion), np.int64),
             np.zeros(len(rigid_bodies.motion)),
         )
-        cell = max(self.scene.frame.cell)
+        cell = max(self.scene.domain.frame.cell)
         self._call(count_near, rigid_bodies, particles, rows, 2.0 * cell, counts, most)
         if self.comm.size > 1:
             every = np.array(self.comm.allgather((counts, most)))
@@ -122,11 +130,13 @@ class Keeping:
         -------
         (rigid bodies,) int64
         """
-        scene, counts = self.scene, np.zeros(len(self.scene.rigid_bodies), np.int64)
-        if len(counts) and scene.pairs:
-            rigid_bodies = placed(scene.rigid_bodies, time, self.free.states if self.free else None)
-            deep = depth * min(scene.frame.cell)
-            count_inside(rigid_bodies, scene.pairs, particles, rows, deep, counts)
+        scene, counts = self.scene, np.zeros(len(self.scene.interaction.rigid_bodies), np.int64)
+        if len(counts) and scene.interaction.pairs:
+            rigid_bodies = placed(
+                scene.interaction.rigid_bodies, time, self.free.states if self.free else None
+            )
+            deep = depth * min(scene.domain.frame.cell)
+            count_inside(rigid_bodies, scene.interaction.pairs, particles, rows, deep, counts)
         return counts
 
     def finish(self, ledger: Ledger, first: int) -> None:
@@ -142,7 +152,7 @@ class Keeping:
         if not self.free or not self._kept:
             return
         numbers = self.free.numbers
-        planes = self.scene.frame.vertices[0]
+        planes = self.scene.domain.frame.vertices[0]
         every = np.zeros((planes, len(numbers), 6))
         every[first : first + len(self._impulses)] = self._impulses[:, numbers]
         self._impulses.fill(0.0)

@@ -8,6 +8,8 @@ from pgimp.solver.contact.multifield import MultifieldContact
 
 def contact_kind(scene: Scene) -> type[NoContact]:
     """Return the class of a scene's contact."""
-    if scene.mixed or (scene.initial and (scene.pairs or scene.unilateral_walls)):
+    if scene.settings.mixed or (
+        scene.settings.initial and (scene.interaction.pairs or scene.domain.unilateral_walls)
+    ):
         return LagrangianContact
-    return MultifieldContact if scene.pairs else NoContact
+    return MultifieldContact if scene.interaction.pairs else NoContact

@@ -61,16 +61,16 @@ class MultifieldContact(NoContact):
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)
-        assert scene.pairs is not None
-        self.pairs, self.call = scene.pairs, Bound()
+        assert scene.interaction.pairs is not None
+        self.pairs, self.call = scene.interaction.pairs, Bound()
         self.fields = (0,) * len(scene.body_names)
-        self.free = FreeBodies(scene, comm) if scene.rigid_bodies.free else None
+        self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
         self._reach = reach(scene)
         self._steps = 0
         self._intervals = np.empty((0, 2))
         self._where: Any = None
         self._rows = np.empty(0, np.int32)
-        self._volumes = VertexSums(scene, comm, volume_sums(scene.shape))
+        self._volumes = VertexSums(scene, comm, volume_sums(scene.settings.shape))
 
     @property
     def rigid_bodies(self) -> Any:
@@ -95,7 +95,7 @@ class MultifieldContact(NoContact):
 
     def _boxes(self, rank: RankState) -> np.ndarray:
         """Boxes of the bodies; collective."""
-        population, frame = rank.population, self.scene.frame
+        population, frame = rank.population, self.scene.domain.frame
         count = len(self.fields)
         return body_boxes(frame, population.particles, population.order, count, self.comm)
 
@@ -117,7 +117,7 @@ class MultifieldContact(NoContact):
             self._connect(grid)
         contact = self.data
         ledger.contact[:, :, CONTACT_AREA] = 0.0
-        scene, rigid_bodies = self.scene, self.scene.rigid_bodies
+        scene, rigid_bodies = self.scene, self.scene.interaction.rigid_bodies
         if not needed(max(self.fields) or rigid_bodies):
             return
         if self._where is None:
@@ -135,7 +135,7 @@ class MultifieldContact(NoContact):
                 contact.rigid_bodies.responses.fill(0.0)
             self.call(
                 find_rigid_vertices,
-                scene.frame,
+                scene.domain.frame,
                 grid.field,
                 placed,
                 contact.vertex_counts,
@@ -166,7 +166,7 @@ class MultifieldContact(NoContact):
         if self.free is None:
             return
         respond = partial(
-            rank.call, find_rigid_impulses, self.data, update.faces, self.scene.frame,
+            rank.call, find_rigid_impulses, self.data, update.faces, self.scene.domain.frame,
             rank.grid.field, update.forcing,
         )  # fmt: skip
         gravity = update.forcing.gravity
@@ -175,9 +175,14 @@ class MultifieldContact(NoContact):
     def forces(self, rank: RankState, update: VertexUpdate, out: np.ndarray) -> None:
         """See `NoContact.forces`."""
         forces = partial(
-            rank.call, contact_forces, self.data, update.faces, self.scene.frame, rank.grid.field,
+            rank.call,
+            contact_forces,
+            self.data,
+            update.faces,
+            self.scene.domain.frame,
+            rank.grid.field,
             update.forcing,
-        )  # fmt: skip
+        )
         if update.forcing.loads.relaxation != ():
             forces(False, out)
         self.advance(rank, update, BEGINNING)
@@ -186,7 +191,7 @@ class MultifieldContact(NoContact):
 
     def _find_planes(self, grid: Grid) -> np.ndarray:
         """Find the planes of possible contact between different fields until they are regrouped."""
-        first = int(grid.window.lower[0]) - self.scene.frame.ghost
+        first = int(grid.window.lower[0]) - self.scene.domain.frame.ghost
         place = np.arange(first, first + grid.planes, dtype=float)
         low, high = self._intervals.T
         # Each begins behind as many ends as lie before the plane.
@@ -197,10 +202,11 @@ class MultifieldContact(NoContact):
         """Allocate the data of kernels for the planes of `grid`."""
         self._where, scene = None, self.scene
         most = 1 + max(self.fields)
+        rigid = scene.interaction.rigid_bodies
+        placed = rigid.in_planes(grid.planes) if rigid else ()
         self.data = Contact.empty(
-            self.pairs, self._volumes.grid.G, grid.planes, most, len(scene.faces),
-            scene.rigid_bodies.in_planes(grid.planes) if scene.rigid_bodies else (),
-        )  # fmt: skip
+            self.pairs, self._volumes.grid.G, grid.planes, most, len(scene.domain.faces), placed
+        )
 
     def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
         """Find the particles that may have weight on contact vertices, in some of the planes."""
@@ -213,7 +219,7 @@ class MultifieldContact(NoContact):
             self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)
         start = np.empty_like(order.start)
         self.call(
-            select_near, self.scene.frame, grid.window, population.particles, order,
+            select_near, self.scene.domain.frame, grid.window, population.particles, order,
             self.data.vertex_ranges, shared, self._rows, start,
         )  # fmt: skip
         return Order(self._rows[: start[-1]], start)

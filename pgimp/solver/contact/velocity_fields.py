@@ -47,7 +47,9 @@ def body_boxes(
 
 def reach(scene: Scene) -> float:
     """Distance in cells from which two particles have no common vertex along a direction."""
-    half = scene.vertices - 2.0 if scene.follows else max(scene.shape.half)
+    half = (
+        scene.settings.vertices - 2.0 if scene.settings.follows else max(scene.settings.shape.half)
+    )
     return 2.0 * (1.0 + half) + 1e-6
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def _faces(scene: Scene) -> list[str]:
-    return [face.name for face in scene.faces]
+    return [face.name for face in scene.domain.faces]
 
 
 def _constraints(scene: Scene) -> list[str]:
@@ -28,7 +28,7 @@ def _constraints(scene: Scene) -> list[str]:
 def _loss(name: str, meaning: str) -> Group:
     """The column of one of `LOSSES`, in scenes with materials that report it."""
     return Group(
-        lambda scene: [""] if name in scene.losses else [],
+        lambda scene: [""] if name in scene.materials.losses else [],
         (Column(name, "energy", meaning, lambda s, _: s.lost(name)),),
     )
 
@@ -129,7 +129,7 @@ HISTORY = (
     _loss("heat", "energy that became heat in materials with a temperature: a part of the others"),
     _gone(
         "escaped",
-        lambda scene: scene.escapes,
+        lambda scene: scene.settings.escapes,
         lambda s: s.escaped,
         "only where `escape` removes particles, as all columns of this name: mass of those "
         "that were removed since the start, so that with `mass` it is constant",
@@ -203,7 +203,7 @@ HISTORY = (
                 "constraint.NAME-AXIS",
                 "force",
                 "mean force of each constraint on the material since the last line",
-                lambda s, k: s.along(s.force[len(s.scene.faces) + k], 0),
+                lambda s, k: s.along(s.force[len(s.scene.domain.faces) + k], 0),
             ),
         ),
     ),
@@ -217,7 +217,7 @@ HISTORY = (
                 "of its `velocity` since the start; its particles move in steps by the velocity at "
                 "each step's end, so that theirs differs from it by an error of first order in the "
                 "step",
-                lambda s, k: s.scene.loads.displacement(k, s.done.end),
+                lambda s, k: s.scene.interaction.loads.displacement(k, s.done.end),
             ),
         ),
     ),
@@ -237,7 +237,7 @@ HISTORY = (
     *WALLS,
     *MEETING,
     Group(
-        lambda scene: [""] if scene.exact else [],
+        lambda scene: [""] if scene.settings.exact else [],
         (
             Column(
                 "error",

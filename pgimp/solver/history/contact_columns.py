@@ -26,18 +26,20 @@ _SIX: Six = (0.0,) * 6
 
 def _letting(scene: Scene) -> list[int]:
     """Numbers of the unilateral faces."""
-    return [n for n, face in enumerate(scene.faces) if face.condition.approaches]
+    return [n for n, face in enumerate(scene.domain.faces) if face.condition.approaches]
 
 
 def _taking(scene: Scene) -> list[int]:
     """Numbers of the faces that may take energy: unilateral, or holding every component."""
-    holding = [n for n, face in enumerate(scene.faces) if face.condition.motion(0.0) is not None]
+    holding = [
+        n for n, face in enumerate(scene.domain.faces) if face.condition.motion(0.0) is not None
+    ]
     return sorted(_letting(scene) + holding)
 
 
 WALLS = (
     Group(
-        lambda scene: [scene.faces[n].name for n in _letting(scene)],
+        lambda scene: [scene.domain.faces[n].name for n in _letting(scene)],
         (
             Column(
                 "wall.FACE.friction-heat",
@@ -49,7 +51,7 @@ WALLS = (
         ),
     ),
     Group(
-        lambda scene: [scene.faces[n].name for n in _taking(scene)],
+        lambda scene: [scene.domain.faces[n].name for n in _taking(scene)],
         (
             Column(
                 "wall.FACE.impact-loss",
@@ -113,7 +115,7 @@ MEETING = (
         ),
     ),
     Group(
-        lambda scene: scene.rigid_bodies.names,
+        lambda scene: scene.interaction.rigid_bodies.names,
         (
             Column(
                 "tool.NAME.force-AXIS",

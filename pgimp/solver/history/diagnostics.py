@@ -43,11 +43,11 @@ def _mass(sums: np.ndarray, unit: float) -> float:
 def _own_sums(rank: Rank, scene: Scene, order: Order) -> tuple[np.ndarray, np.ndarray, float]:
     """Sums by layer and body of some particles of a rank, their masses, and the masses' unit."""
     particles = rank.particles
-    sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
+    sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))
     layer_sums(scene.setting.without_shape(), particles, order, sums)
     complete_sums(rank, scene, order, sums)
     masses = np.zeros((len(scene.body_names), 2), np.int64)
-    unit = 2.0 ** (HIGH - 2 - frexp(scene.most_mass)[1])  # see `put_in_order`
+    unit = 2.0 ** (HIGH - 2 - frexp(scene.materials.most_mass)[1])  # see `put_in_order`
     exact_masses(particles, order.rows, unit, masses)
     return sums, masses, unit
 
@@ -82,7 +82,7 @@ def sums_of_bodies(rank: Rank, scene: Scene, order: Order) -> np.ndarray:
     sums, masses, unit = _own_sums(rank, scene, order)
     parts = rank.comm.gather((sums, masses))
     if parts is None:
-        return np.zeros((len(scene.body_names), scene.sums))
+        return np.zeros((len(scene.body_names), scene.materials.sums))
     return _reduced([part[0] for part in parts], [part[1] for part in parts], unit)[0]
 
 
@@ -94,13 +94,16 @@ def column_names(scene: Scene) -> list[str]:
     scene : Scene
         The scene of the run.
     """
-    faces = len(scene.faces)
-    contact = np.zeros((len(scene.pairs.way) if scene.pairs else 0, BOOKED))
-    rigid_bodies = np.zeros((len(scene.rigid_bodies), TOOLED))
+    faces = len(scene.domain.faces)
+    contact = np.zeros((len(scene.interaction.pairs.way) if scene.interaction.pairs else 0, BOOKED))
+    rigid_bodies = np.zeros((len(scene.interaction.rigid_bodies), TOOLED))
     force = np.zeros(
-        (faces + len(scene.loads.constraints) + len(contact) + 2 * len(rigid_bodies), 3)
+        (faces + len(scene.interaction.loads.constraints) + len(contact) + 2 * len(rigid_bodies), 3)
     )
-    bodies, none = np.zeros((len(scene.body_names), scene.sums)), np.zeros(scene.sums)
+    bodies, none = (
+        np.zeros((len(scene.body_names), scene.materials.sums)),
+        np.zeros(scene.materials.sums),
+    )
     errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
     return list(
         line_of(
@@ -150,7 +153,7 @@ class Diagnostics:
 
     def removed_so_far(self, scene: Scene) -> np.ndarray:
         """Sums of the bodies that stages have removed."""
-        return np.zeros(scene.sums) if self.removed is None else self.removed
+        return np.zeros(scene.materials.sums) if self.removed is None else self.removed
 
     def line(self, rank: Rank, done: Step) -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
@@ -196,13 +199,13 @@ class Diagnostics:
             self.first_energy = float(total[KINETIC] + total[STRAIN])
             if not done.number:
                 self.told[: len(total) - SUMS] = total[SUMS:]
-        escaped, added, most = np.zeros(scene.sums), np.zeros(ERRORS), np.zeros(ERRORS)
-        if scene.escapes:
+        escaped, added, most = np.zeros(scene.materials.sums), np.zeros(ERRORS), np.zeros(ERRORS)
+        if scene.settings.escapes:
             escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
-        if scene.exact:
+        if scene.settings.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
-        for face, mass in zip(scene.faces, outside_mass, strict=True):
+        for face, mass in zip(scene.domain.faces, outside_mass, strict=True):
             if total[MASS]:
                 share = (float(mass / total[MASS]), done.end, face.name)
                 self.most_outside = max(self.most_outside, share)
@@ -223,7 +226,7 @@ class Diagnostics:
         self.warned = True
         each = [
             f"{n} in '{name}'"
-            for name, n in zip(scene.rigid_bodies.names, inside, strict=True)
+            for name, n in zip(scene.interaction.rigid_bodies.names, inside, strict=True)
             if n
         ]
         self.said.append(
@@ -248,11 +251,11 @@ class Diagnostics:
     def _own_errors(rank: Rank, time: float) -> tuple[np.ndarray, ...]:
         """Sums and maxima of the errors by layer, of this rank's particles; () without any."""
         scene, population = rank.scene, rank.population
-        if not scene.exact:
+        if not scene.settings.exact:
             return ()
         sums, most = np.zeros((2, rank.slab.layers, ERRORS))
         layer_errors(
-            scene.exact, time, scene.follows, scene.setting, population.particles,
+            scene.settings.exact, time, scene.settings.follows, scene.setting, population.particles,
             population.ordered, sums, most,
         )  # fmt: skip
         return sums, most

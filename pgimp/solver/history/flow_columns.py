@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 def _flows(scene: Scene) -> list[tuple[int, str]]:
     """Numbers and names of the flowing bodies."""
-    if not scene.flows:
+    if not scene.interaction.flows:
         return []
     names = enumerate(scene.body_names)
-    return [(body, name) for body, name in names if scene.flows.rates[body] > 0.0]
+    return [(body, name) for body, name in names if scene.interaction.flows.rates[body] > 0.0]
 
 
 def _volume(totals: Totals, k: int, column: int) -> float:

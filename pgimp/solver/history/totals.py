@@ -113,7 +113,7 @@ class Totals(NamedTuple):
         """Return the force of an entry of contact, nothing for an entry of more than two bodies."""
         if len(self.scene.case.contact[k].bodies) != 2:
             return ()
-        others = len(self.scene.faces) + len(self.scene.case.constraints)
+        others = len(self.scene.domain.faces) + len(self.scene.case.constraints)
         return self.along(self.force[others + k], 0)
 
     def on_tool(self, k: int) -> np.ndarray:
@@ -130,7 +130,7 @@ class Totals(NamedTuple):
             body, state = self.free[k]
             displacement = tuple(x - y for x, y in zip(state.centre, body.bulk.centre, strict=True))
         else:
-            motion = self.scene.rigid_bodies.entries[k].rigid
+            motion = self.scene.interaction.rigid_bodies.entries[k].rigid
             displacement = (
                 (0.0,) * 3 if isinstance(motion, Free) else motion.displacement(self.done.end)
             )
@@ -147,7 +147,7 @@ class Totals(NamedTuple):
 
     def reference_stress(self) -> float:
         """Reference stress of (47); 1 before loading, when the error is zero."""
-        return self.scene.exact.scale(self.done.end) or 1.0
+        return self.scene.settings.exact.scale(self.done.end) or 1.0
 
 
 class Column(NamedTuple):

@@ -61,11 +61,13 @@ def find_cells(rank: RankState) -> LatticeCells:
     p, order, D = population.stored, population.ordered, scene.dimension
     rows = order.rows.astype(np.int64)
     per_cell = np.array(scene.case.method.particles_per_cell)
-    xi = (p.origin[rows] - np.array(scene.frame.origin)) * np.array(scene.frame.inverse)
+    xi = (p.origin[rows] - np.array(scene.domain.frame.origin)) * np.array(
+        scene.domain.frame.inverse
+    )
     number = np.floor(xi).astype(np.int64)
     within = (xi - number) * per_cell - 0.5
     place = np.rint(within).astype(np.int64)
-    number += scene.frame.ghost
+    number += scene.domain.frame.ghost
     fits = (np.abs(within - place) < _NEAR * per_cell).all(axis=1)
     fits &= (number[:, 0] == p.layer[rows]) & ((0 <= place) & (place < per_cell)).all(axis=1)
     mine = np.flatnonzero(fits)
@@ -85,7 +87,7 @@ def find_cells(rank: RankState) -> LatticeCells:
     if D == 3:
         slot += place[mine, 0] * size
     slot += cell.reshape(-1) * (size * slices)
-    material = scene.material_of[found[2]]
+    material = scene.setting.material_of[found[2]]
     cells = _cells(scene, start, found[1], material, len(found[1]) * size * slices)
     taken = np.full(len(cells.volumes), -1, np.int64)
     taken[slot] = rows[mine]
@@ -101,10 +103,10 @@ def find_cells(rank: RankState) -> LatticeCells:
 
 def find_beyond(rank: RankState) -> bool:
     """Whether a vertex has moved past a wall that holds bodies."""
-    bounds = np.array(rank.scene.bounds)
+    bounds = np.array(rank.scene.domain.bounds)
     if not np.isfinite(bounds).any():
         return False
-    return bool(rank.call(beyond_bounds, rank.scene.frame, rank.grid.field, bounds))
+    return bool(rank.call(beyond_bounds, rank.scene.domain.frame, rank.grid.field, bounds))
 
 
 def report_cells(rank: RankState, errors: np.ndarray, wrong: int, rate: float) -> tuple[int, float]:
@@ -126,7 +128,7 @@ def report_cells(rank: RankState, errors: np.ndarray, wrong: int, rate: float) -
     rows = lattice.rows[lattice.cells.wrong[1 : 1 + min(count, _LISTED)]]
     kind = INVERTED
     if find_beyond(rank):
-        bounds = np.array(scene.bounds)
+        bounds = np.array(scene.domain.bounds)
         x = rank.population.particles.x[lattice.inside.rows]
         gone = ~((bounds[:, 0] <= x) & (x <= bounds[:, 1])).all(axis=1)
         if gone.any() and not count:
@@ -147,10 +149,10 @@ def _cells(
     for d, count in enumerate(per_cell):
         at = (np.arange(count) + 0.5) / count
         weights[d, :count] = np.stack([1.0 - at, at], axis=1)
-        gradients[d, :count] = np.array([-1.0, 1.0]) * scene.frame.inverse[d]
+        gradients[d, :count] = np.array([-1.0, 1.0]) * scene.domain.frame.inverse[d]
     return Cells(
         scene.setting, start.astype(np.int64), np.ascontiguousarray(place), material,
         aligned(slots), weights.reshape(-1), gradients.reshape(-1),
-        tuple((0.0,) * count for count in per_cell), bool(scene.controlled), np.zeros(1),
+        tuple((0.0,) * count for count in per_cell), bool(scene.settings.controlled), np.zeros(1),
         np.zeros(_LISTED + 1, np.int64),
     )  # fmt: skip

@@ -46,7 +46,7 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
         Velocity gradients L, in place of the particles' column.
     """
     scene, grid = rank.scene, rank.grid
-    if scene.lagrangian_bodies is None:
+    if scene.settings.lagrangian_bodies is None:
         return
     rank.contact.assign_fields(rank)
     particles, D = rank.particles, scene.dimension
@@ -55,7 +55,10 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
         L = gradients
     elif particles.L.shape[1]:
         L = particles.L.reshape(L.shape)
-    centre = np.array(scene.frame.origin) + 0.5 * np.array(scene.frame.cells) * scene.frame.cell
+    centre = (
+        np.array(scene.domain.frame.origin)
+        + 0.5 * np.array(scene.domain.frame.cells) * scene.domain.frame.cell
+    )
     particles.v[:] -= np.einsum("pij,pj->pi", L, particles.origin - centre)
     mass, momentum = _sums(rank)
     grid.by_vertex(grid.kept.values)[..., KEPT_MASS] = mass
@@ -67,7 +70,7 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     particles.v[:] = v
     m = mass[..., None]
     velocity = np.divide(momentum, m, out=np.zeros_like(momentum), where=m > 0.0)
-    if scene.moves:
+    if scene.settings.moves:
         velocity = np.where(m > 0.0, _exact(rank), 0.0)
     kept = grid.kept.fields
     grid.by_vertex(grid.kept.values)[:, kept, ..., _VELOCITY] = velocity[:, kept]
@@ -79,7 +82,9 @@ def _sums(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
     """Mass and momentum at a rank's vertices, zero without particles, by plane, field, y, z."""
     scene, grid = rank.scene, rank.grid
     groups = groups_by_configuration(scene, rank.population)
-    sum_particles(rank, groups, scene.loads.at(0.0), bool(scene.loads.constraints))
+    sum_particles(
+        rank, groups, scene.interaction.loads.at(0.0), bool(scene.interaction.loads.constraints)
+    )
     rank.halo.finish(grid)
     records, defined = grid.by_vertex(grid.G), grid.active[:, None] != 0
     if grid.fields:
@@ -109,7 +114,7 @@ def _exact(rank: Rank) -> np.ndarray:
     scene, x = rank.scene, np.stack(_coordinates(rank.grid), axis=-1)
     v = np.zeros((*x.shape[:-1], 3))
     flat = np.zeros((x[..., 0].size, scene.dimension))
-    initial_velocities(scene.exact, scene.frame, x.reshape(flat.shape), flat)
+    initial_velocities(scene.settings.exact, scene.domain.frame, x.reshape(flat.shape), flat)
     v[..., : scene.dimension] = flat.reshape(x.shape)
     return v
 
@@ -128,13 +133,16 @@ def enter_motion(rank: Rank, before: Grid) -> None:
         The grid of the stage before, with the same planes.
     """
     scene = rank.scene
-    if scene.lagrangian_bodies is None:
+    if scene.settings.lagrangian_bodies is None:
         return
     rank.contact.assign_fields(rank)
     grid = rank.grid
     was, now = before.by_vertex(before.kept.values), grid.by_vertex(grid.kept.values)
-    bodies = [b for b, name in enumerate(scene.body_names) if scene.lagrangian[b]
-              and name not in scene.case.staged.removed]  # fmt: skip
+    bodies = [
+        b
+        for b, name in enumerate(scene.body_names)
+        if scene.settings.lagrangian[b] and name not in scene.case.staged.removed
+    ]
     pairs = {(_field(grid, b), _field(before, b)) for b in bodies}
     if len({new for new, _ in pairs}) == len(pairs):
         for new, old_field in pairs:
@@ -184,11 +192,11 @@ def complete_sums(rank: Rank, scene: Scene, order: Order, sums: np.ndarray) -> N
         The particles, by layer.
     sums : (layers, bodies, columns) float64
     """
-    if scene.lagrangian_bodies is None or not rank.grid.motion:
+    if scene.settings.lagrangian_bodies is None or not rank.grid.motion:
         return
     setting = scene.setting
-    if scene.mixed:
-        mine = scene.lagrangian[rank.particles.body[order.rows]]
+    if scene.settings.mixed:
+        mine = scene.settings.lagrangian[rank.particles.body[order.rows]]
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         order, setting = Order(order.rows[mine], edges), scene.setting_lagrangian
     motion_sums(setting.without_materials(), rank.grid.field, rank.particles, order, sums)

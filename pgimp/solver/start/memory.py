@@ -104,30 +104,32 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
     kept = columns * (1.0 if ranks == 1 else 1.125) + widest + 8
     # Volume, row and order of particles in cells; gradients from which vertices start.
     kept += 25 * scene.by_cells
-    start = 8 * scene.dimension * (scene.dimension + 3) * bool(scene.lagrangian.any())
+    start = 8 * scene.dimension * (scene.dimension + 3) * bool(scene.settings.lagrangian.any())
     return columns, int(kept), int(kept + max(frame, start))
 
 
 def window(scene: Scene, bodies: list[Extent], ranks: int) -> list[int]:
     """Vertices along each direction around the particles at the beginning, and a margin."""
-    s, per_cell = scene.vertices, scene.case.method.particles_per_cell
+    s, per_cell = scene.settings.vertices, scene.case.method.particles_per_cell
     margin = 2 * (MARGIN + (LAG if ranks > 1 else 0))
     extent = []
     for d in range(scene.dimension):
         low = min(body.low[d] for body in bodies) // per_cell[d]
         high = -(-max(body.high[d] for body in bodies) // per_cell[d])
-        extent.append(min(scene.frame.vertices[d], high - low + s + 1 + (margin if d else 0)))
+        extent.append(
+            min(scene.domain.frame.vertices[d], high - low + s + 1 + (margin if d else 0))
+        )
     return extent
 
 
 def _fields(scene: Scene, bodies: list[Extent]) -> float:
     """Velocity fields at the beginning, with the sums of volumes if bodies are in contact."""
-    if not scene.pairs:
+    if not scene.interaction.pairs:
         return 1
     per_cell = np.array(scene.case.method.particles_per_cell)
     ends = [np.array([getattr(body, end) for body in bodies]) / per_cell for end in ("low", "high")]
     fields = 1 + max(assign(np.stack(ends), reach(scene))[0])
-    return fields * (2 if fields > 1 or scene.rigid_bodies else 1)
+    return fields * (2 if fields > 1 or scene.interaction.rigid_bodies else 1)
 
 
 def estimate(
@@ -159,8 +161,8 @@ def estimate(
     lattice, per_cell = points(case), case.method.particles_per_cell
     if count is None:
         count = sum(body.least + 0.25 * (body.most - body.least) for body in bodies)
-    s = scene.vertices
-    layers = scene.frame.vertices[0]
+    s = scene.settings.vertices
+    layers = scene.domain.frame.vertices[0]
     if share is None:
         share = 1.0 / max(1, min(ranks, layers // (s - 1)))
 
@@ -175,10 +177,12 @@ def estimate(
 
     extent = window(scene, bodies, ranks)
     fields = _fields(scene, bodies)
-    vertex = 64 * (1 + bool(scene.lagrangian.any())) + (8 if scene.loads.constraints else 0)
+    vertex = 64 * (1 + bool(scene.settings.lagrangian.any())) + (
+        8 if scene.interaction.loads.constraints else 0
+    )
     plane = prod(extent[1:]) * fields * vertex
-    if scene.approached:
-        plane += prod(extent[1:]) * fields * 8 * len(scene.faces)
+    if scene.domain.approached:
+        plane += prod(extent[1:]) * fields * 8 * len(scene.domain.faces)
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
     # A layer's own planes; deferred sums at both ends, and received ones.
     beside = s + (1.5 * s * (s - 1) if ranks > 1 else 0)
@@ -188,11 +192,16 @@ def estimate(
         "larger cells (grid.cell), or bodies that lie closer together across x",
     )
 
-    names, faces = len(scene.body_names), len(scene.faces)
-    line = 8 * scene.sums * names
-    plane_sums = 40 + 32 * faces + 24 * len(scene.loads.constraints) + line * bool(scene.escapes)
-    plane_sums += 8 * BOOKED * len(scene.pairs.way) if scene.pairs else 0
-    plane_sums += 8 * TOOLED * len(scene.rigid_bodies)
+    names, faces = len(scene.body_names), len(scene.domain.faces)
+    line = 8 * scene.materials.sums * names
+    plane_sums = (
+        40
+        + 32 * faces
+        + 24 * len(scene.interaction.loads.constraints)
+        + line * bool(scene.settings.escapes)
+    )
+    plane_sums += 8 * BOOKED * len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
+    plane_sums += 8 * TOOLED * len(scene.interaction.rigid_bodies)
     # For free bodies; their sums are over all planes, twice where ranks add them up.
     answers = RESPONSE.itemsize * sum(
         bool(rigid_body.free) for rigid_body in case.rigid_bodies.values()
@@ -224,8 +233,8 @@ def estimate(
     )  # fmt: skip
 
     rigid = Part(
-        f"the distances from {len(scene.rigid_bodies)} rigid bodies",
-        40.0 * scene.rigid_bodies.points(),
+        f"the distances from {len(scene.interaction.rigid_bodies)} rigid bodies",
+        40.0 * scene.interaction.rigid_bodies.points(),
         "smaller rigid bodies, without what meets nothing, or larger cells (grid.cell)",
         shared=False,
     )

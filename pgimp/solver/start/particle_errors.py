@@ -79,7 +79,7 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = rank.scene.body_names[p.body[row]]
     advice = _out_of_range(rank, row)[1] if error == OUT_OF_RANGE else _ADVICE[error]
-    if error == OUTSIDE and rank.scene.lagrangian[p.body[row]]:
+    if error == OUTSIDE and rank.scene.settings.lagrangian[p.body[row]]:
         advice = _MET
     elif error == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
         advice = _DRAWN_OUT
@@ -102,30 +102,35 @@ def explanation(rank: Rank, row: int, error: int) -> str:
 def origin(rank: Rank, row: int, time: float) -> str:
     """Name the rigid body from which a particle left the domain; nothing for none."""
     inside = rank.keeping.inside(rank.particles, np.array([row], np.int32), time, 0.0)
-    names = [name for name, n in zip(rank.scene.rigid_bodies.names, inside, strict=True) if n]
+    names = [
+        name for name, n in zip(rank.scene.interaction.rigid_bodies.names, inside, strict=True) if n
+    ]
     return f", from inside the rigid body '{names[0]}'" if names else ""
 
 
 def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
     """Explanation and advice of a particle's material; see `Material.out_of_range`."""
     scene, p = rank.scene, rank.particles
-    number = scene.body_material[p.body[row]]
-    entry = scene.variations.entry(number, p.own[row])
+    number = scene.materials.body_material[p.body[row]]
+    entry = scene.materials.variations.entry(number, p.own[row])
     D = scene.dimension
     J = float(np.linalg.det(p.F[row].reshape(D, D)))
     what, advice = entry.out_of_range(J, tuple(p.state[row].tolist()))
-    return f"{what} (material '{scene.material_names[number]}', {entry.model})", advice
+    return f"{what} (material '{scene.materials.names[number]}', {entry.model})", advice
 
 
 def _face(rank: Rank, row: int) -> str:
     """Name of the closed face that a particle has passed."""
-    frame = rank.scene.frame
-    if rank.scene.lagrangian[rank.particles.body[row]]:
-        for d, (low, high) in enumerate(rank.scene.bounds or ()):
+    frame = rank.scene.domain.frame
+    if rank.scene.settings.lagrangian[rank.particles.body[row]]:
+        for d, (low, high) in enumerate(rank.scene.domain.bounds or ()):
             if not low <= rank.particles.x[row, d] <= high:
                 return f"{'xyz'[d]}-{'max' if rank.particles.x[row, d] > high else 'min'}"
     for d, x in enumerate(rank.particles.x[row]):
         xi = (x - frame.origin[d]) * frame.inverse[d]
-        if not 0.0 <= xi <= frame.cells[d] and not rank.scene.exits >> (2 * d + (xi > 0.0)) & 1:
+        if (
+            not 0.0 <= xi <= frame.cells[d]
+            and not rank.scene.domain.exits >> (2 * d + (xi > 0.0)) & 1
+        ):
             return f"{'xyz'[d]}-{'max' if xi > 0.0 else 'min'}"
     return "a face"

@@ -64,7 +64,9 @@ def stage_rate(scene: Scene, rates: Mapping[str, float]) -> float:
     """
     found = [0.0]
     for body, name in enumerate(scene.body_names):
-        found.append(rates.get(name, 0.0) if scene.varies(body) else rest_rate(scene, body))
+        found.append(
+            rates.get(name, 0.0) if scene.materials.varies(body) else rest_rate(scene, body)
+        )
     return max(found)
 
 
@@ -73,7 +75,7 @@ def rates_at_rest(rank: Rank, scene: Scene, comm: Communicator) -> dict[str, flo
     still = rank.particles._replace(v=np.zeros_like(rank.particles.v))
     order, found = rank.population.order, {}
     for body, name in enumerate(scene.body_names):
-        if scene.varies(body):
+        if scene.materials.varies(body):
             rows = order[still.body[order] == body]
             found[name] = max(comm.allgather(fastest(scene, still, rows, True)))
     return found

@@ -47,9 +47,11 @@ def warm_up(scene: Scene, comm: Communicator) -> None:
             noted = note_calls(lambda: _rehearse(scene))
             shared_out(
                 comm,
-                [(len(str(types)) + LONG.get(each, 0), partial(each.compile, types))
-                 for each, types in noted],
-            )  # fmt: skip
+                [
+                    (len(str(types)) + LONG.get(each, 0), partial(each.compile, types))
+                    for each, types in noted
+                ],
+            )
         _rehearse(scene)
 
 
@@ -59,24 +61,32 @@ def _rehearse(scene: Scene) -> None:
     rank = Rank(scene, Serial(), Slab(0, 1, None, None), particles, 0)
     open_window(rank, StepReduction(Serial()))
     begin_motion(rank)
-    step(rank, STEP.start, lambda: STEP, scene.controlled)
+    step(rank, STEP.start, lambda: STEP, scene.settings.controlled)
     rehearse_motion(rank)
     rank.population.restore_order(rows, rows)
-    fastest(scene, particles, rows, scene.controlled)
+    fastest(scene, particles, rows, scene.settings.controlled)
     Diagnostics().line(rank, STEP)
     if rank.contact.at_vertices and "contact" in scene.case.output.grid:
         active_grid(rank, STEP.start, STEP.dt)
     complete(rank.grid.field, 0, 1, False, np.empty(0))
     partition_migrants(particles.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
     unpack(pack(particles, rows), particles, rows)
-    layers_of(scene.shape, scene.placing, scene.identity, np.empty(0), np.empty(0, np.int64))
+    layers_of(
+        scene.settings.shape,
+        scene.placing,
+        scene.setting.identity,
+        np.empty(0),
+        np.empty(0, np.int64),
+    )
     material, chosen = scene.setting.without_shape(), rows.astype(np.int64)
-    if scene.rigid_bodies:  # looked at now and then, also by runs that go on
-        placed = scene.rigid_bodies.at(STEP.start, STEP.start)
-        distances(placed, 0, scene.rigid_bodies.frame, particles.x[:0], np.empty(0))
+    if scene.interaction.rigid_bodies:  # looked at now and then, also by runs that go on
+        placed = scene.interaction.rigid_bodies.at(STEP.start, STEP.start)
+        distances(placed, 0, scene.interaction.rigid_bodies.frame, particles.x[:0], np.empty(0))
     if prestressed(scene):
         remember_stress(material, particles, chosen)
     if stressed(scene):
         bearable_stress(material, particles, chosen, particles.sigma[:0])
-    if scene.moves:
-        initial_velocities(scene.exact, scene.frame, particles.x[:0], particles.v[:0])
+    if scene.settings.moves:
+        initial_velocities(
+            scene.settings.exact, scene.domain.frame, particles.x[:0], particles.v[:0]
+        )

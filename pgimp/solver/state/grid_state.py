@@ -76,8 +76,8 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     if contacts:  # before the first step all bodies share a field
         rank.contact.assign_fields(rank)
     groups = groups_by_configuration(scene, rank.population)
-    marked = contacts and bool(scene.loads.constraints)
-    sum_particles(rank, groups, scene.loads.at(time), marked)
+    marked = contacts and bool(scene.interaction.loads.constraints)
+    sum_particles(rank, groups, scene.interaction.loads.at(time), marked)
     rank.halo.finish(grid)
     own, D = grid.owned, scene.dimension
     extent = grid.window.extent
@@ -111,14 +111,14 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     contact = _contact(rank, time, dt)[vertices] if contacts else np.zeros((len(found), 3))
     position = np.zeros((len(found), 3))
     for d in range(D):
-        number = place[d] + (grid.window.lower[d] - scene.frame.ghost)
-        position[:, d] = scene.frame.origin[d] + number * scene.frame.cell[d]
+        number = place[d] + (grid.window.lower[d] - scene.domain.frame.ghost)
+        position[:, d] = scene.domain.frame.origin[d] + number * scene.domain.frame.cell[d]
     mass = found[:, MASS].copy()
     return ActiveGrid(
         position,
         mass,
         found[:, MOMENTUM : MOMENTUM + 3].copy(),
-        found[:, FORCE : FORCE + 3] + mass[:, None] * np.array(scene.gravity(time)),
+        found[:, FORCE : FORCE + 3] + mass[:, None] * np.array(scene.domain.gravity(time)),
         contact,
         np.stack(corners, axis=1),
         (int(first[0]), int(first[1])),
@@ -135,8 +135,8 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     t = Step(1, time, dt, time + dt)
     scratch = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
     rank.contact.detect(rank, t, scratch)
-    forcing = vertex_forcing(rank, t, scene.loads.at(time))
-    update = VertexUpdate(t, scene.face_parameters(t.start, t.end), forcing, scratch)
+    forcing = vertex_forcing(rank, t, scene.interaction.loads.at(time))
+    update = VertexUpdate(t, scene.domain.face_parameters(t.start, t.end), forcing, scratch)
     fold_mirrors(rank, update)
     extent = grid.window.extent
     found = np.zeros((grid.owned * extent[1] * extent[2], 3))
@@ -155,7 +155,7 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
         Cells of the last plane of the lower rank.
     """
     grid, slab, own, window = rank.grid, rank.slab, rank.grid.owned, rank.grid.window
-    p, order, frame = rank.particles, rank.population.order, rank.scene.frame
+    p, order, frame = rank.particles, rank.population.order, rank.scene.domain.frame
     marks = np.zeros((grid.planes, *window.extent[1:]), bool)
     for begin, end in blocks(len(order), _BLOCK):
         x = rank.scene.weighed(p, order[begin:end])

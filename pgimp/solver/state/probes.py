@@ -81,7 +81,10 @@ class Point:
             return None
         scene = sim.scene
         source = Source(
-            sim.particles, np.array([self._row]), scene.dimension, tuple(scene.body_material)
+            sim.particles,
+            np.array([self._row]),
+            scene.dimension,
+            tuple(scene.materials.body_material),
         )
         found = []
         for name, components in _followed(scene):
@@ -106,7 +109,7 @@ def _followed(scene: Scene) -> list[tuple[str, Sequence[int]]]:
     """Quantities of a material point, and their components in the case."""
     D = scene.dimension
     found: list[tuple[str, Sequence[int]]] = []
-    for name in (*FOLLOWED, *scene.states.fields, *scene.variations.fields):
+    for name in (*FOLLOWED, *scene.materials.states.fields, *scene.materials.variations.fields):
         columns = scene.fields[name].columns
         tensor = _STRAINS[D - 1] if name == "strain" else _COMPONENTS[D - 1]
         found.append((name, tensor if columns == 6 else range(min(D, columns) or 1)))
@@ -131,12 +134,12 @@ class Place:
 
     def own(self, sim: Simulation) -> list[np.ndarray]:
         """Sums of the layers of this rank whose particles may reach the position, in order."""
-        population, frame, sums = sim.population, sim.scene.frame, []
+        population, frame, sums = sim.population, sim.scene.domain.frame, []
         p = population.particles
         cell = floor((self.place[0] - frame.origin[0]) * frame.inverse[0]) + frame.ghost
         # A particle is up to two cells beyond the first vertex of its support, now or initially.
         near = range(cell - 3, cell + 3)
-        if sim.scene.initial or sim.scene.mixed:
+        if sim.scene.settings.initial or sim.scene.settings.mixed:
             near = range(population.first, population.first + population.layers)
         for number in near:
             layer = number - population.first
@@ -164,7 +167,7 @@ class Place:
             names += [f"{stem}-{part}" for part in ends[end]] if end in ends else [name]
         sums = [layer for part in parts for layer in part]
         total = np.add.reduce(np.array([np.zeros(2 + D + S), *sums]), axis=0)
-        fraction = total[0] / prod(sim.scene.frame.cell)
+        fraction = total[0] / prod(sim.scene.domain.frame.cell)
         if fraction < FILLED:
             return _line(sim, names, np.array([fraction]))
         around = Around(fraction, total[0], total[1], total[2 : 2 + D], total[2 + D :])

@@ -48,7 +48,7 @@ def outline(scene: Scene, source: CheckpointFile, comm: Communicator) -> tuple[S
 
     def read() -> tuple[State, np.ndarray]:
         state = State.of(source)
-        layers = _whole(source, "layers", (scene.frame.vertices[0],))
+        layers = _whole(source, "layers", (scene.domain.frame.vertices[0],))
         if (layers < 0).any() or (layers > source.count).any() or layers.sum() != source.count:
             raise DamagedError("its particles by layer do not add up")
         if source.count > state.count:
@@ -115,12 +115,15 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         On every rank, if they are not of this scene.
     """
     scene, own = rank.scene, rank.booked()
-    planes = scene.frame.vertices[0] + scene.vertices - 1
+    planes = scene.domain.frame.vertices[0] + scene.settings.vertices - 1
     first = rank.slab.first
 
     def read() -> dict[str, np.ndarray]:
         gone = bool(scene.case.staged.removed)
-        if gone != (state.removed is not None) or len(state.removed or ()) != gone * scene.sums:
+        if (
+            gone != (state.removed is not None)
+            or len(state.removed or ()) != gone * scene.materials.sums
+        ):
             raise DamagedError("what it has of removed bodies is not of its stage")
         found = {}
         for name, mine in own.datasets().items():
@@ -128,8 +131,10 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
                 continue
             whole = _whole(source, name, (planes, *mine.shape[1:]))
             found[name] = whole[first : first + len(mine)]
-        if scene.rigid_bodies.free:
-            states = _whole(source, "free-bodies", (len(scene.rigid_bodies.free), STATE))
+        if scene.interaction.rigid_bodies.free:
+            states = _whole(
+                source, "free-bodies", (len(scene.interaction.rigid_bodies.free), STATE)
+            )
             if (abs((states[:, 3:7] ** 2).sum(axis=1) - 1.0) > 1e-9).any():
                 raise DamagedError("the rotation of a rigid body is none")
             found["free-bodies"] = states
@@ -141,8 +146,10 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
                 raise DamagedError("the velocity fields of its bodies are none")
             found["velocity-fields"] = assignment
         if state.last_line is not None:
-            rows = (len(scene.pairs.way) if scene.pairs else 0) + 2 * len(scene.rigid_bodies)
-            shape = (len(scene.faces) + len(scene.loads.constraints) + rows, 3)
+            rows = (len(scene.interaction.pairs.way) if scene.interaction.pairs else 0) + 2 * len(
+                scene.interaction.rigid_bodies
+            )
+            shape = (len(scene.domain.faces) + len(scene.interaction.loads.constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)
         return found
@@ -178,13 +185,15 @@ def read_motion(rank: Rank, source: CheckpointFile) -> None:
         On every rank, if it is not of this scene.
     """
     scene, slab = rank.scene, rank.slab
-    if scene.lagrangian_bodies is None:
+    if scene.settings.lagrangian_bodies is None:
         return
     rank.contact.assign_fields(rank)
     grid = rank.grid
 
     def read() -> None:
-        counts = _whole(source, MOTION_PLANES, (scene.frame.vertices[0] + scene.vertices - 1,))
+        counts = _whole(
+            source, MOTION_PLANES, (scene.domain.frame.vertices[0] + scene.settings.vertices - 1,)
+        )
         edges = np.concatenate([[0], np.cumsum(counts)])
         total = int(edges[-1])
         if (counts < 0).any() or any(
@@ -240,7 +249,7 @@ def _inconsistent(
     scene: Scene, slab: Slab, p: Particles, start: np.ndarray, n: int, count: int
 ) -> str:
     """Return the inconsistency of particles with this scene, as a step requires; else empty."""
-    frame = scene.frame
+    frame = scene.domain.frame
     x = (scene.weighed(p, np.arange(n)) - frame.origin) * frame.inverse
     if ((x < 0.0) | (x > np.array(frame.cells, float))).any():
         return "the x of a particle is out of range"
@@ -248,7 +257,7 @@ def _inconsistent(
         "bodies": len(scene.body_names) - 1,
         "particles": count - 1,
         "cells": cell_numbers(frame.vertices) - 1,
-        "constraints": len(scene.loads.constraints),
+        "constraints": len(scene.interaction.loads.constraints),
     }
     for name, column in COLUMNS.items():
         values = getattr(p, name)[:n]
@@ -259,7 +268,7 @@ def _inconsistent(
         if column.above is not None and not (values > column.above).all():
             return f"the {name} of a particle is not above {column.above:g}"
     layer = p._replace(layer=np.empty_like(p.layer), cell=np.empty_like(p.cell))
-    locate(scene.shape, scene.placing, layer, np.arange(n, dtype=np.int32), frame.vertices)
+    locate(scene.settings.shape, scene.placing, layer, np.arange(n, dtype=np.int32), frame.vertices)
     place = slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))
     if (p.layer[:n] != place).any() or (layer.layer[:n] != place).any():
         return "a particle is not in its layer"

@@ -161,13 +161,20 @@ class EnergyWatch:
     def _sums(rank: Rank) -> tuple[float, float, float, float]:
         """Kinetic energy, strain energy, external work and mass, with particles that have left."""
         scene, population, own = rank.scene, rank.population, rank.booked()
-        sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.sums))
+        sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))
         setting = scene.setting.without_shape()
         layer_sums(setting, population.particles, population.ordered, sums)
         complete_sums(rank, scene, population.ordered, sums)
-        escaped = own.escaped if scene.escapes else np.zeros((len(own.work), 1, scene.sums))
-        rows = [found[:, :, which].sum(axis=1) for found in (sums, escaped)
-                for which in (KINETIC, STRAIN, MASS)]  # fmt: skip
+        escaped = (
+            own.escaped
+            if scene.settings.escapes
+            else np.zeros((len(own.work), 1, scene.materials.sums))
+        )
+        rows = [
+            found[:, :, which].sum(axis=1)
+            for found in (sums, escaped)
+            for which in (KINETIC, STRAIN, MASS)
+        ]
         # Energy taken by unilateral walls cannot come from nothing.
         parts = rank.comm.allgather((own.work - own.wall_energy.sum(axis=(1, 2)), *rows))
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))

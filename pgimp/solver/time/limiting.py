@@ -43,11 +43,11 @@ def limiting(scene: Scene, rate: float) -> Limit:
 
 def _of_bodies(scene: Scene) -> list[Limit]:
     """Waves in each body, and its motion."""
-    found, inverse = [], max(scene.frame.inverse)
+    found, inverse = [], max(scene.domain.frame.inverse)
     for number, (name, body) in enumerate(scene.case.bodies.items()):
         waves = rest_rate(scene, number)
         found.append(Limit(waves, f"materials.{body.material}", f"a wave in '{name}'"))
-        if not isinstance(body.region, Points) and not scene.lagrangian[number]:
+        if not isinstance(body.region, Points) and not scene.settings.lagrangian[number]:
             corners = np.array(list(product(*zip(*body.region.bounds(), strict=True))), float)
             with np.errstate(over="ignore"):
                 v = velocities(scene, number, corners)
@@ -58,10 +58,10 @@ def _of_bodies(scene: Scene) -> list[Limit]:
 
 def _of_rigid(scene: Scene) -> list[Limit]:
     """The greatest motion of each rigid body, of free ones the initial motion."""
-    rigid_bodies = scene.rigid_bodies
+    rigid_bodies = scene.interaction.rigid_bodies
     if not rigid_bodies:
         return []
-    inverse = max(scene.frame.inverse)
+    inverse = max(scene.domain.frame.inverse)
     speeds = {
         rigid_bodies.names[number]: speed * inverse
         for number, speed in rigid_bodies.speeds().items()

@@ -105,8 +105,8 @@ def require_end(scene: Scene, rate: float) -> None:
         If there is no step, or if a controlled step is too short for the end.
     """
     time = scene.case.time
-    speed = rate * max(scene.frame.cell)
-    if not (0.0 < rate and scene.most_mass * speed * speed < _MOST_ENERGY):
+    speed = rate * max(scene.domain.frame.cell)
+    if not (0.0 < rate and scene.materials.most_mass * speed * speed < _MOST_ENERGY):
         limit = limiting(scene, rate)
         raise CaseError(
             f"{limit.key}: {limit.what} would cross {rate:g} cells in a unit of time; are "
@@ -153,7 +153,9 @@ def require_stable(scene: Scene, dt: float, rate: float) -> None:
             text += f". {limit.what} is what is fast ({limit.key})"
         diffusive = [
             name
-            for name, material in zip(scene.material_names, scene.materials, strict=True)
+            for name, material in zip(
+                scene.materials.names, scene.materials.parameters, strict=True
+            )
             if has(type(material), "diffusivity")
         ]
         if diffusive:

@@ -45,7 +45,9 @@ def report_materials(case: Case) -> None:
 
 def report_rigid(scene: Scene, verbose: bool) -> None:
     """Print the motions of rigid bodies."""
-    for name, field in zip(scene.rigid_bodies.names, scene.rigid_bodies.fields, strict=True):
+    for name, field in zip(
+        scene.interaction.rigid_bodies.names, scene.interaction.rigid_bodies.fields, strict=True
+    ):
         entry = scene.case.rigid_bodies[name]
         moves = "moves freely" if entry.free else "moves" if entry.moves else "stands"
         more = f"; {len(field.values):,} distances on its lattice" if verbose else ""

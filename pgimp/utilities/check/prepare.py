@@ -13,7 +13,8 @@ from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.checks.facts import BodyFacts, Findings, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_slow
-from pgimp.scene.scene import MOST_CELLS, Scene, count_particles
+from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.settings import MOST_CELLS
 from pgimp.solver.start.memory import Estimate, require
 from pgimp.solver.start.validate_stages import look_ahead, require_stable_stages
 from pgimp.solver.time.stability import require_end, require_stable
@@ -71,17 +72,17 @@ def prepare(whole: Case) -> Prepared:
     require(scene, Serial())
     lattice, counts, notes = count_particles(scene, Serial())
     memory = require(scene, Serial(), int(counts.sum()))
-    if scene.rigid_bodies:
+    if scene.interaction.rigid_bodies:
         _look_at_rigid(scene, lattice, counts)
     found = examine(scene, lattice, counts, whole.stages)
     varied = {body.name: body.rest_rate for body in found.bodies if body.varies}
     of_stages = require_stable_stages(scenes, varied)
     # A grid of the initial configuration moves with its bodies.
-    crossing = 0.0 if scene.initial else max(scene.frame.inverse)
+    crossing = 0.0 if scene.settings.initial else max(scene.domain.frame.inverse)
     rate = _rate(case, found.bodies, crossing)
-    require_end(scene, max(rate, scene.rigid_bodies.first_rate))
+    require_end(scene, max(rate, scene.interaction.rigid_bodies.first_rate))
     dt = _step(scene, rate)
-    require_slow(scene.rigid_bodies, dt)
+    require_slow(scene.interaction.rigid_bodies, dt)
     return Prepared(
         scenes, lattice, counts, notes, memory, found, varied, of_stages, crossing, rate, dt
     )
@@ -96,21 +97,28 @@ def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:
 
 
 def pace_of(courant: float, bodies: Sequence[BodyFacts], inverse: float) -> float:
-    """Reference rate of a Courant number chosen by pgimp, see `Scene.controlled`."""
+    """Reference rate of a Courant number chosen by pgimp, see `Settings.controlled`."""
     part = courant / MOST_CELLS * inverse
     return max(max(body.rest_rate, part * body.top_speed) for body in bodies)
 
 
 def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
     """Refuse rigid bodies that are too thin or overlap others, as in a run."""
-    scene.rigid_bodies.measure(Serial())
+    scene.interaction.rigid_bodies.measure(Serial())
     blocks = (
         (block.positions, np.full(len(block.ids), body, np.int32))
         for body in range(len(lattice.bodies))
         for block in lattice.make((0, lattice.planes), counts, body)
     )
-    require_apart(scene.rigid_bodies, blocks, Serial())
-    require_clear(scene.rigid_bodies, scene.faces, scene.rigid_bodies.first, 0, 0.0, Serial())
+    require_apart(scene.interaction.rigid_bodies, blocks, Serial())
+    require_clear(
+        scene.interaction.rigid_bodies,
+        scene.domain.faces,
+        scene.interaction.rigid_bodies.first,
+        0,
+        0.0,
+        Serial(),
+    )
 
 
 def _step(scene: Scene, rate: float) -> float:
@@ -118,6 +126,8 @@ def _step(scene: Scene, rate: float) -> float:
     case = scene.case
     if not isinstance(case.time.step, float | int):
         assert case.courant is not None
-        return min(case.courant / max(rate, scene.rigid_bodies.first_rate), case.time.end)
+        return min(
+            case.courant / max(rate, scene.interaction.rigid_bodies.first_rate), case.time.end
+        )
     require_stable(scene, float(case.time.step), rate)
     return float(case.time.step)

@@ -27,7 +27,7 @@ class RandomCreation(Creation):
 
     def layer_counts(self, counts: np.ndarray) -> np.ndarray:
         """See `Creation.layer_counts`."""
-        return _spread(counts, self.scene.shape.half[0])
+        return _spread(counts, self.scene.settings.shape.half[0])
 
     def create(
         self, slab: Slab, lattice: Lattice, counts: np.ndarray, layer: np.ndarray
@@ -39,13 +39,15 @@ class RandomCreation(Creation):
         begin, end = max(0, int(own[0]) - reach), min(lattice.planes, int(own[1]) + reach)
         p = populate(self.scene, lattice, counts, (begin, end))
         count = int(counts[:, begin:end].sum())
-        cell = np.array(self.scene.frame.cell)
+        cell = np.array(self.scene.domain.frame.cell)
         corner = np.floor(p.x[:count] / cell) * cell
         p.x[:count] = corner + _uniform(p.id[:count])[:, : len(cell)] * cell
         if p.origin.shape[1]:
             p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
-        locate(self.scene.shape, self.scene.placing, p, rows, self.scene.frame.vertices)
+        locate(
+            self.scene.settings.shape, self.scene.placing, p, rows, self.scene.domain.frame.vertices
+        )
         here = slab.first <= p.layer[:count]
         here &= p.layer[:count] < slab.first + slab.layers
         arrays: list[np.ndarray] = list(p)
@@ -121,13 +123,13 @@ def block_layout(cells: int, length: int, random: bool) -> tuple[Scene, list[Ext
     """
     case = Case.model_validate(block_case(cells, 1, length))
     scene, bodies = Scene(case), extents(case)
-    planes, h = scene.frame.cells[0] * 2, scene.frame.cell[0]
+    planes, h = scene.domain.frame.cells[0] * 2, scene.domain.frame.cell[0]
     counts = np.zeros(planes, np.int64)
     counts[bodies[0].low[0] : bodies[0].high[0]] = (2 * cells) ** 2
     # Equal to the `Lattice`'s, to the bit: they lie between layers.
     layout = layout_of(scene, bodies, np.arange(0.5, planes) / 2 * h, counts)
     if random:
-        layout = layout._replace(counts=_spread(layout.counts, scene.shape.half[0]))
+        layout = layout._replace(counts=_spread(layout.counts, scene.settings.shape.half[0]))
     return scene, bodies, layout._replace(crossing=SPEED * case.time.end / h)
 
 

@@ -79,13 +79,13 @@ def layout_of(
     layer = np.empty(len(x), np.int64)
     D = scene.dimension
     identity = tuple(float(i == j) for i in range(D) for j in range(D))
-    layers_of(scene.shape, scene.placing, identity, x, layer)
-    of_layers = np.zeros(scene.frame.vertices[0], np.int64)
+    layers_of(scene.settings.shape, scene.placing, identity, x, layer)
+    of_layers = np.zeros(scene.domain.frame.vertices[0], np.int64)
     np.add.at(of_layers, layer, counts)
     plane, wide = (
         int(np.prod(window(scene, bodies, ranks)[1:], dtype=np.int64)) for ranks in (1, 2)
     )
-    return Layout(of_layers, plane, scene.vertices, scene.ends, wide=wide)
+    return Layout(of_layers, plane, scene.settings.vertices, scene.ends, wide=wide)
 
 
 def layout_now(sim: Simulation) -> Layout:
@@ -93,7 +93,7 @@ def layout_now(sim: Simulation) -> Layout:
     scene, rows = sim.scene, sim.live()
     speed = float(np.abs(sim.particles.v[rows, 0]).sum())
     mine = (sim.rank.slab.first, np.diff(sim.population.start), speed)
-    counts = np.zeros(scene.frame.vertices[0], np.int64)
+    counts = np.zeros(scene.domain.frame.vertices[0], np.int64)
     travel = 0.0
     for first, some, speeds in sim.comm.allgather(mine):
         counts[first : first + len(some)] = some
@@ -101,7 +101,7 @@ def layout_now(sim: Simulation) -> Layout:
     return Layout(
         counts,
         int(np.prod(sim.rank.grid.window.extent[1:], dtype=np.int64)),
-        scene.vertices,
+        scene.settings.vertices,
         scene.ends,
-        min(1.0, travel * scene.frame.inverse[0] / max(int(counts.sum()), 1)),
+        min(1.0, travel * scene.domain.frame.inverse[0] / max(int(counts.sum()), 1)),
     )

@@ -179,7 +179,7 @@ class _OwnSteps:
 
 def _run(sim: Simulation, case: Case) -> Pilot:
     begin, failure = perf_counter(), ""
-    longer = max(1.0 / cell for cell in case.grid.cell) / max(sim.scene.frame.inverse)
+    longer = max(1.0 / cell for cell in case.grid.cell) / max(sim.scene.domain.frame.inverse)
     own = _OwnSteps(case.courant or inf)
     most = rate = 0.0
     try:

@@ -54,15 +54,15 @@ class ScatteredCreation(Creation):
         wider = slab._replace(first=slab.first - 1, layers=slab.layers + 2)
         p, count = super().create(wider, lattice, counts, layer)
         scene, D = self.scene, self.scene.dimension
-        cell = np.array(scene.frame.cell)
+        cell = np.array(scene.domain.frame.cell)
         # Neighbours have similar offsets, as in a body that moves and deforms.
         phase = (p.x[:count] / cell).sum(axis=1)[:, None] * _WAVE
         p.x[:count] += 0.49 * cell / lattice.per_cell * np.sin(phase + np.arange(D))
         p.F[:count] += _STRAIN * np.sin(phase + np.arange(D * D))
-        if scene.initial or scene.mixed:
+        if scene.settings.initial or scene.settings.mixed:
             p.origin[:] = p.x
         rows = np.arange(count, dtype=np.int32)
-        locate(scene.shape, scene.placing, p, rows, scene.frame.vertices)
+        locate(scene.settings.shape, scene.placing, p, rows, scene.domain.frame.vertices)
         here = (p.layer[:count] >= slab.first) | (slab.lower is None)
         here &= (p.layer[:count] < end) | (slab.upper is None)
         rows = rows[here]
@@ -78,7 +78,7 @@ class Scattered(Simulation):
     def __init__(self, case: Case, comm: Communicator) -> None:
         super().__init__(case, comm)
         dt = self.clock.next(self.done, self.rate).dt
-        v, cell = self.particles.v, self.scene.frame.cell[0]
+        v, cell = self.particles.v, self.scene.domain.frame.cell[0]
         rows = self.live()
         crossings = dt / cell * float(np.abs(v[rows, 0]).sum())
         total, count = np.sum(comm.allgather((crossings, len(rows))), axis=0)

@@ -86,7 +86,7 @@ def observe(sim, run, time):
     """Errors at an instant, and the profile."""
     rows = sim.live()
     x, stress = sim.particles.x[rows, 0], sim.particles.sigma[rows, 0]
-    size = (sim.particles.V if sim.scene.follows else sim.particles.V0)[rows]
+    size = (sim.particles.V if sim.scene.settings.follows else sim.particles.V0)[rows]
     dynamic = sim.diagnostics()["error"]
     if run.problem == "column":
         scale = RATE * time * run.speed * LENGTH

@@ -59,7 +59,7 @@ def patch_forces(sim):
     """Force of all tractions, from the particles' deformation and areas by Nanson's formula."""
     D, rows, p = sim.scene.dimension, sim.live(), sim.particles
     total = np.zeros(3)
-    loads = sim.scene.loads.at(sim.time)
+    loads = sim.scene.interaction.loads.at(sim.time)
     for load in loads.tractions:
         area = p.patch[rows, load.column]
         F = np.tile(np.eye(3), (len(rows), 1, 1))
@@ -113,7 +113,7 @@ class Books:
             sim.next_stage()
             self.case, self._line = sim.case, sim.diagnostics()
         rows, start, last = sim.live(), sim.time, self._line
-        gravity = np.array(sim.scene.gravity(start)[:D])
+        gravity = np.array(sim.scene.domain.gravity(start)[:D])
         impulse = last["mass"] * gravity + patch_forces(sim)
         ids, p = sim.particles.id[rows].tolist(), sim.particles
         before, mass = (dict(zip(ids, of[rows], strict=True)) for of in (p.x, p.m))

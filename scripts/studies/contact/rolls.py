@@ -96,15 +96,15 @@ def at_vertices(simulation, dt):
     t = Step(1, simulation.time, dt, simulation.time + dt)
     rank.contact.assign_fields(rank)
     parts = groups_by_configuration(scene, rank.population)
-    sum_particles(rank, parts, scene.loads.at(t.start), marked=False)
+    sum_particles(rank, parts, scene.interaction.loads.at(t.start), marked=False)
     rank.halo.finish(grid)
     scratch = Ledger(*map(np.zeros_like, rank.ledger))
     rank.contact.detect(rank, t, scratch)
-    forcing = vertex_forcing(rank, t, scene.loads.at(t.start))
-    faces = scene.face_parameters(t.start, t.end)
+    forcing = vertex_forcing(rank, t, scene.interaction.loads.at(t.start))
+    faces = scene.domain.face_parameters(t.start, t.end)
     update = VertexUpdate(t, faces, forcing, scratch)
     fold_mirrors(rank, update)
-    window, frame, D = grid.window, scene.frame, scene.dimension
+    window, frame, D = grid.window, scene.domain.frame, scene.dimension
     fields = 1 + max(grid.fields, default=0)
     shape = (grid.planes, fields, *window.extent[1:], RECORD)
     active = grid.active > 0

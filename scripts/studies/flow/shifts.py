@@ -29,7 +29,7 @@ def simulation(cell, shifts):
     still = SimpleNamespace(rates=np.zeros(0))
     with patch("pgimp.scene.scene.SceneFlows", lambda *words: still):
         sim = pgimp.Simulation(entry)
-    assert not sim.core.scene.flows
+    assert not sim.core.scene.interaction.flows
     return sim
 
 

@@ -80,11 +80,11 @@ def gradients(case, scene, x, F):
     """
     shape, cell = case.method.parameters(case.grid.cell), np.array(case.grid.cell)
     half = np.broadcast_to(np.array(shape.half), (len(x), 2))
-    if scene.follows:
+    if scene.settings.follows:
         half = np.minimum(np.sqrt(((F * (half[0] * cell)) ** 2).sum(axis=2)) / cell, 1.0)
     local = local_vertices(shape.vertices(), 2)
     supports = Supports.empty(len(x), local)
-    find_supports(shape, scene.frame, np.ascontiguousarray(half), x, supports)
+    find_supports(shape, scene.domain.frame, np.ascontiguousarray(half), x, supports)
     one, two, _ = local.T
     w, g = supports.w, supports.g
     slopes = [g[:, 0, one] * w[:, 1, two] / cell[0], w[:, 0, one] * g[:, 1, two] / cell[1]]

@@ -55,7 +55,7 @@ def scene(cells, shape, per_cell):
 
 def pressures(sim):
     """Coordinates along the wall, from the middle of the body, and the pressure there."""
-    h = sim.scene.frame.cell[0]
+    h = sim.scene.domain.frame.cell[0]
     found = active_grid(sim.rank, sim.time)
     wall = found.position[:, 1] < 0.5 * h
     columns, index = np.unique(found.position[wall, 0], return_inverse=True)
@@ -67,7 +67,7 @@ def pressed(cells, shape, per_cell):
     """Row of the table for a half-width of `cells`."""
     began = perf_counter()
     sim = core(scene(cells, shape, per_cell))
-    h = sim.scene.frame.cell[0]
+    h = sim.scene.domain.frame.cell[0]
     x, p = pressures(sim)
     while p.sum() * h < FORCE:
         for _ in range(LOOK):

@@ -188,7 +188,7 @@ def grazing(method, depth, per_cell=2, courant=0.3, steps=3000):
     """
     sim = free_bodies({"shape": method}, 1, per_cell, 1)
     p, rows = sim.particles, sim.live()
-    reach = sim.scene.shape.half[0]
+    reach = sim.scene.settings.shape.half[0]
     random = np.random.default_rng(1)
     p.x[rows, 0] += np.mod(reach - 0.5 / per_cell, 1.0) - depth
     p.v[rows, 0] = 0.1 * depth * random.standard_normal(len(rows))

@@ -26,7 +26,7 @@ def _job(folder, problem, n):
     sim, X = problem.begin(Method("gimp", affine=True), n)
     p, rows, D = sim.particles, sim.live(), problem.D
     rows = rows[np.argsort(p.id[rows])]
-    case, frame = sim.scene.case, sim.scene.frame
+    case, frame = sim.scene.case, sim.scene.domain.frame
     origin, h = np.array(frame.origin)[:D], frame.cell[0]
     arrays = {
         "X": X - origin, "v": p.v[rows], "L": p.L[rows].reshape(-1, D, D), "m": p.m[rows],

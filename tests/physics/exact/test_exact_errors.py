@@ -86,7 +86,7 @@ def test_no_solution_no_columns():
     case = bar("compaction", gravity=ramp((0.0, 0.0), (1.0, -1.0)))
     sim = start({key: value for key, value in case.items() if key != "exact"})
     assert not any(name.startswith("error") for name in sim.diagnostics())
-    assert sim.particles.origin.shape[1] == 0 and sim.scene.exact == ()
+    assert sim.particles.origin.shape[1] == 0 and sim.scene.settings.exact == ()
 
 
 def worst(case, name="error.displacement-l2"):

@@ -31,7 +31,8 @@ def settled(case):
     """Particles of a scene before any step, without a simulation, and its tractions."""
     scene = Scene(Case.model_validate(case))
     lattice, counts, _ = count_particles(scene, Serial())
-    return populate(scene, lattice, counts, (0, lattice.planes)), scene.loads.at(0.0).tractions
+    tractions = scene.interaction.loads.at(0.0).tractions
+    return populate(scene, lattice, counts, (0, lattice.planes)), tractions
 
 
 @settings(max_examples=40, deadline=None)
@@ -108,7 +109,7 @@ def test_a_free_body_gains_the_momentum_of_its_tractions(dimension, shape, per_c
     for _ in range(3):
         before, t = free(sim), sim.time
         every = field(sim, "F").reshape(-1, dimension, dimension)
-        tractions = sim.scene.loads.at(t).tractions
+        tractions = sim.scene.interaction.loads.at(t).tractions
         force = sum(nanson(sim, n, traction, every) for n, traction in enumerate(tractions))
         if t == 0.0:
             # By hand, of the whole faces.

@@ -12,7 +12,7 @@ from pgimp.solver.contact import base
 
 def sums(sim, vectors, active):
     """Sum of vectors at the vertices of all fields, and of their moments about the origin."""
-    grid, frame = sim.rank.grid, sim.scene.frame
+    grid, frame = sim.rank.grid, sim.scene.domain.frame
     window = grid.window
     index = np.stack(np.indices(vectors.shape[:-1]), axis=-1)[..., [0, 2, 3]]
     place = (index + np.array(window.lower) - frame.ghost) * np.array(frame.cell)

@@ -40,7 +40,7 @@ def test_vertices_see_an_affine_motion_where_they_are(shape, monkeypatch):
     A body that has moved by u and is not strained was at x - u at the start.
     """
     sim, bodies, near, time, contact_pairs, coupling = first_contact(monkeypatch, shape=shape)
-    frame = sim.scene.frame
+    frame = sim.scene.domain.frame
     rest, field = np.divmod(near.vertices.keys, 2)
     number = np.transpose(np.divmod(rest, frame.cells[1] + 1 + 2 * frame.ghost))
     assert set(field) == {0, 1}

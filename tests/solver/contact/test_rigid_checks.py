@@ -67,10 +67,15 @@ def test_a_run_goes_on_with_the_same_rigid_bodies_only():
     sim = start(struck(2, {"friction": 0.1}))
     other = struck(2, {"friction": 0.1})
     other["bodies"]["ram"]["region"]["box"]["min"][0] = 1.0
-    assert sim.scene.rigid_bodies.checksum != start(other).scene.rigid_bodies.checksum
-    require_same(sim.scene.rigid_bodies, sim.scene.rigid_bodies.checksum)
+    assert (
+        sim.scene.interaction.rigid_bodies.checksum
+        != start(other).scene.interaction.rigid_bodies.checksum
+    )
+    require_same(sim.scene.interaction.rigid_bodies, sim.scene.interaction.rigid_bodies.checksum)
     with pytest.raises(UsageError, match="has the file of a mesh changed"):
-        require_same(sim.scene.rigid_bodies, start(other).scene.rigid_bodies.checksum)
+        require_same(
+            sim.scene.interaction.rigid_bodies, start(other).scene.interaction.rigid_bodies.checksum
+        )
 
 
 def test_nothing_but_contact_may_name_a_rigid_body():

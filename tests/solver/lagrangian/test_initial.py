@@ -31,7 +31,9 @@ def disturbed(case):
     p.v[rows] = rng.normal(size=p.v[rows].shape)
     p.sigma[rows] = rng.normal(size=p.sigma[rows].shape)
     p.F[rows] += 0.25 * rng.uniform(-1.0, 1.0, p.F[rows].shape)
-    p.x[rows] += rng.normal(size=p.x[rows].shape) + (100.0 if sim.scene.bounds[0][1] > 1e9 else 0.0)
+    p.x[rows] += rng.normal(size=p.x[rows].shape) + (
+        100.0 if sim.scene.domain.bounds[0][1] > 1e9 else 0.0
+    )
     if p.around.shape[1]:
         p.around[rows] += 0.25 * rng.uniform(-1.0, 1.0, p.around[rows].shape)
         p.ratio[rows] = rng.uniform(0.9, 1.1, p.ratio[rows].shape)
@@ -87,16 +89,16 @@ def test_a_step_is_that_of_the_equations(name, monkeypatch):
     scene, rows = sim.scene, sim.live()
     p = type(sim.particles)(*(column[rows].copy() for column in sim.particles))
     shape = case["method"]["shape"]
-    grid = Lagrangian(shape, case["method"]["particles_per_cell"], scene.frame)
+    grid = Lagrangian(shape, case["method"]["particles_per_cell"], scene.domain.frame)
     grid.particles_to_grid(p)
     faces = []
-    for face in scene.faces:
+    for face in scene.domain.faces:
         kind = case["boundaries"][face.name]
         given = kind["velocity"] if isinstance(kind, dict) else None
         kind = "velocity" if given else kind
         faces.append((kind, face.axis, face.side, given, [0.0] * scene.dimension))
     grid.update_momentum(0.004, case.get("gravity", [0.0] * 3), faces, sim.rank.mass_cutoff)
-    grid.grid_to_particles(p, scene.materials, scene.material_of, 0.004)
+    grid.grid_to_particles(p, scene.materials.parameters, scene.setting.material_of, 0.004)
     sim.diagnostics()  # what reactions count from
     sim.advance()
     # Rounding of sums of up to a hundred terms of size 1, of stresses of size 1e3.
@@ -104,7 +106,7 @@ def test_a_step_is_that_of_the_equations(name, monkeypatch):
         mine, theirs = getattr(sim.particles, column)[rows], getattr(p, column)
         np.testing.assert_allclose(mine, theirs, rtol=1e-11, atol=1e-11, err_msg=column)
     reactions = sim.diagnostics()
-    for face, impulse in zip(scene.faces, grid.impulse, strict=True):
+    for face, impulse in zip(scene.domain.faces, grid.impulse, strict=True):
         found = [reactions[f"reaction.{face.name}-{a}"] for a in "xyz"[: scene.dimension]]
         np.testing.assert_allclose(found, impulse / 0.004, rtol=1e-9, atol=1e-9)
 
@@ -120,11 +122,11 @@ def test_forces_with_mean_dilatation_have_a_potential(D):
     case = mean(scene(D, bodies, cells=[5] * D, shape=shape))
     sim = start(case)
     sim.advance()  # so that it is known who is alone
-    p, rows, frame = sim.particles, sim.live(), sim.scene.frame
+    p, rows, frame = sim.particles, sim.live(), sim.scene.domain.frame
     assert 0 < p.alone[rows].sum() < len(rows)
     grid = Lagrangian(shape, [2] * D, frame)
     slopes = [(grid.weights_of(p, k)[1], grid.dilatations_of(p, k)) for k in rows]
-    (soft,) = sim.scene.materials
+    (soft,) = sim.scene.materials.parameters
     rng = np.random.default_rng(SEED)
 
     def deformed(u):
@@ -148,7 +150,7 @@ def test_forces_with_mean_dilatation_have_a_potential(D):
     u = 0.15 * rng.uniform(-1.0, 1.0, (*grid.shape, D))
     deformed(u)
     parts = groups_by_configuration(sim.scene, sim.population)
-    sum_particles(sim.rank, parts, sim.scene.loads.at(0.0), False)
+    sum_particles(sim.rank, parts, sim.scene.interaction.loads.at(0.0), False)
     window, G = sim.rank.grid.window, sim.rank.grid.G.reshape(*sim.rank.grid.window.extent, RECORD)
     G[sim.rank.grid.active == 0] = 0.0
     cut = tuple(slice(a, a + n) for a, n in zip(window.lower, window.extent, strict=True))[:D]

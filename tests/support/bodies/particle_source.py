@@ -51,9 +51,8 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
     scene = SimpleNamespace(
         dimension=dimension,
         body_names=("left", "right"),
-        material_names=("soft", "hard"),
-        body_material=(1, 0),
-        loses=len(gone) > 0,
+        materials=SimpleNamespace(names=("soft", "hard"), body_material=(1, 0)),
+        settings=SimpleNamespace(loses=len(gone) > 0),
         fields=EVERY,
     )
     sim = SimpleNamespace(

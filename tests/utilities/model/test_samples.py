@@ -87,7 +87,7 @@ def test_a_sample_at_rest_drifts_and_loses_nobody_to_an_error():
     for size in (20, 72):
         (sample,) = samples_of(case, 72, Serial(), [size])
         sim = sample.sim
-        way = sim.dt * sim.particles.v[sim.live(), 0].mean() / sim.scene.frame.cell[0]
+        way = sim.dt * sim.particles.v[sim.live(), 0].mean() / sim.scene.domain.frame.cell[0]
         assert way == pytest.approx(0.005, rel=0.1)
         for _ in range(300):
             sim.advance()

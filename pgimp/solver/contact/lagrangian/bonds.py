@@ -15,9 +15,9 @@ from pgimp.scene.scene import Scene
 
 def with_walls(scene: Scene) -> Pairs:
     """The law of each pair; unilateral walls are numbered after all bodies."""
-    letting = [face for face in scene.faces if face.condition.approaches]
-    names = [*scene.body_names, *scene.rigid_bodies.names]
-    pairs = scene.pairs or Pairs.of((), names)
+    letting = [face for face in scene.domain.faces if face.condition.approaches]
+    names = [*scene.body_names, *scene.interaction.rigid_bodies.names]
+    pairs = scene.interaction.pairs or Pairs.of((), names)
     n, m, known = len(scene.body_names), len(names), len(pairs.way)
     entry = np.zeros((m + len(letting),) * 2, np.int64)
     entry[:m, :m] = pairs.entry
@@ -38,13 +38,13 @@ def with_walls(scene: Scene) -> Pairs:
 
 def separating_walls(scene: Scene) -> SeparatingWalls:
     """Unilateral walls, numbered after all bodies; see `with_walls`."""
-    frame = scene.frame
-    letting = [(n, face) for n, face in enumerate(scene.faces) if face.condition.approaches]
+    frame = scene.domain.frame
+    letting = [(n, face) for n, face in enumerate(scene.domain.faces) if face.condition.approaches]
     planes = [
         (face.axis, face.side, frame.ghost + (face.side > 0) * frame.cells[face.axis], n, False)
         for n, face in letting
     ]
-    first = len(scene.body_names) + len(scene.rigid_bodies)
+    first = len(scene.body_names) + len(scene.interaction.rigid_bodies)
     return SeparatingWalls(first, np.array(planes, FACE_PLANE))
 
 

@@ -34,7 +34,7 @@ def reach(scene: Scene, largest: bool = False) -> np.ndarray:
 
     Initially, or for a particle as `largest` as it can become.
     """
-    half = np.array(scene.shape.half)
+    half = np.array(scene.settings.shape.half)
     return 1.0 + (np.maximum(half, LARGEST) if largest else half)
 
 
@@ -121,7 +121,7 @@ class BroadPhase:
         if looked:
             self._look(population, groups, rigid_bodies, t, rate)
         self._pause -= 1
-        if looked or self.scene.mixed:  # other particles keep their offsets
+        if looked or self.scene.settings.mixed:  # other particles keep their offsets
             self._select(population, groups)
         return looked
 
@@ -134,7 +134,7 @@ class BroadPhase:
         rate: float,
     ) -> None:
         """Find the regions of possible contact, and the steps for which they hold; collective."""
-        scene, frame, p = self.scene, self.scene.frame, population.particles
+        scene, frame, p = self.scene, self.scene.domain.frame, population.particles
         order, D = population.order, self.scene.dimension
         boxes = np.full((2, len(groups), D), np.inf)
         boxes[1] = -np.inf
@@ -144,10 +144,10 @@ class BroadPhase:
         for boxes in gathered(self.comm, boxes):
             np.minimum.at(low, groups, boxes[0])
             np.maximum.at(high, groups, boxes[1])
-        speed = max(greatest(self.comm, speed), scene.rigid_bodies.rate, rate)
+        speed = max(greatest(self.comm, speed), scene.interaction.rigid_bodies.rate, rate)
         self.travel = travel = speed * t.dt
         self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
-        away = reach(scene, scene.follows) + MARGIN
+        away = reach(scene, scene.settings.follows) + MARGIN
         ends: list[Any] = []
         meeting: list[tuple[int, int]] = []
         for a, b in sorted(acting(self.pairs, groups, len(groups))):
@@ -188,9 +188,11 @@ class BroadPhase:
         if not needed(n):
             return regions
         order = population.order
-        self.call(mark_blocks, self.scene.frame, population.particles, order, groups, regions)
+        self.call(
+            mark_blocks, self.scene.domain.frame, population.particles, order, groups, regions
+        )
         marks[:] = united(self.comm, marks)
-        far = 2.0 * reach(self.scene, self.scene.follows) + MARGIN
+        far = 2.0 * reach(self.scene, self.scene.settings.follows) + MARGIN
         for r in range(n):
             region = marks[first[r] : first[r + 1]].reshape(blocks[r])
             for axis, distance in enumerate(far):
@@ -204,7 +206,7 @@ class BroadPhase:
             self._storage = np.empty(len(order), np.int64)
         found = self.call(
             find_near,
-            self.scene.frame,
+            self.scene.domain.frame,
             population.particles,
             order,
             groups,

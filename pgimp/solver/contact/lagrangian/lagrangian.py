@@ -72,20 +72,24 @@ class LagrangianContact(NoContact):
         super().__init__(scene, comm)
         self.call = Bound()
         self.bodies = len(scene.body_names)
-        self.fields = (0,) * self.bodies if scene.pairs else ()
+        self.fields = (0,) * self.bodies if scene.interaction.pairs else ()
         self.groups = np.zeros(self.bodies, np.int64)
         self._grouped = False
         self.pairs, self._walls = with_walls(scene), separating_walls(scene)
         self._broad_phase = BroadPhase(scene, comm, self.pairs, self._walls)
-        rigid_bodies: Any = scene.rigid_bodies.in_planes(1) if scene.rigid_bodies else ()
-        self._contact = Contact.empty(
-            self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.faces), rigid_bodies
+        rigid_bodies: Any = (
+            scene.interaction.rigid_bodies.in_planes(1) if scene.interaction.rigid_bodies else ()
         )
-        self.free = FreeBodies(scene, comm) if scene.rigid_bodies.free else None
+        self._contact = Contact.empty(
+            self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.domain.faces), rigid_bodies
+        )
+        self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
-        self._every_face = scene.standing_faces()
+        self._every_face = scene.domain.standing_faces()
         self._selector = Selector(scene, comm, rigid_bodies, self._walls, self._every_face)
-        self._selector.acts = interactions(self.pairs, self.groups, len(scene.rigid_bodies))
+        self._selector.acts = interactions(
+            self.pairs, self.groups, len(scene.interaction.rigid_bodies)
+        )
         self._particles = NearParticles(scene, comm, self._selector.local)
         self._selection: Selection | None = None
         self._dt = 0.0
@@ -110,13 +114,17 @@ class LagrangianContact(NoContact):
         p, order = population.particles, population.order
         boxes = np.full((2, self.bodies, scene.dimension), np.inf)
         boxes[1] = -np.inf
-        grow_boxes(scene.frame, p._replace(x=p.origin), order, boxes)
+        grow_boxes(scene.domain.frame, p._replace(x=p.origin), order, boxes)
         every = np.array(self.comm.allgather(boxes))
         low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
         distance = 2.0 * reach(scene)
-        self.fields, self.groups = bonded(self.pairs, low, high, distance, scene.lagrangian)
+        self.fields, self.groups = bonded(
+            self.pairs, low, high, distance, scene.settings.lagrangian
+        )
         self._selector.groups = self.groups
-        self._selector.acts = interactions(self.pairs, self.groups, len(scene.rigid_bodies))
+        self._selector.acts = interactions(
+            self.pairs, self.groups, len(scene.interaction.rigid_bodies)
+        )
         self._selector.fields = np.array(self.fields, np.int64)
         if max(self.fields) > 0 and self.fields != grid.fields:
             grid.fields = self.fields
@@ -131,13 +139,15 @@ class LagrangianContact(NoContact):
         rigid_bodies, free = self.rigid_bodies, self.free
         t, _, forcing, ledger = update
         ledger.contact[:, :, CONTACT_AREA] = 0.0
-        if self.scene.rigid_bodies:
-            self.scene.rigid_bodies.at(t.start, t.end, free.states if free else None)  # in place
+        if self.scene.interaction.rigid_bodies:
+            self.scene.interaction.rigid_bodies.at(
+                t.start, t.end, free.states if free else None
+            )  # in place
         if free:
             free.begin(rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
         looked = self._broad_phase.update(rank.population, self.groups, rigid_bodies, t, rate)
-        rate = max(self.scene.rigid_bodies.rate, rate)
+        rate = max(self.scene.interaction.rigid_bodies.rate, rate)
         travel, self._dt = rate * self._dt, t.dt
         if looked:
             self._selection = None
@@ -163,7 +173,7 @@ class LagrangianContact(NoContact):
         t, faces, forcing, ledger = update
         grid = rank.grid
         holding = Holding(
-            faces, scene.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
+            faces, scene.domain.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
         )
         near = self._particles.gather(grid.field, rank.population, selection, holding)
         joint: Joint | None = Joint(*self._find(near, t), near.vertices)
@@ -180,7 +190,7 @@ class LagrangianContact(NoContact):
             answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
             changes = share(self.comm, self._selector.root, changes, answers)
         assert changes is not None
-        call(change_velocities, scene.frame, grid.field, changes, forcing, ledger.work)
+        call(change_velocities, scene.domain.frame, grid.field, changes, forcing, ledger.work)
         call(book_held, holding, grid.field, changes, ledger)
 
     def _solve(self, joint: Joint, free: Holding, ledger: Ledger) -> Changes:
@@ -197,7 +207,7 @@ class LagrangianContact(NoContact):
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""
-        contact, call, frame = self._contact, self.call, self.scene.frame
+        contact, call, frame = self._contact, self.call, self.scene.domain.frame
         table, contact_vertices = near.selection.table, near.selection.contact_vertices
         left = self._particles.left(near)
         call(sum_at_contact_vertices, frame, table, near.motion, near.now, *left, contact_vertices)
@@ -234,7 +244,7 @@ class LagrangianContact(NoContact):
                 np.zeros((rows, len(mirrors), 3)),
             )  # fmt: skip
             entries = call(
-                find_coupling, self.scene.frame, (near.selection.table, near.motion), start,
+                find_coupling, self.scene.domain.frame, (near.selection.table, near.motion), start,
                 mirrors, slots[:rows], contact_vertices, near.vertices.values, kept, coupling,
             )  # fmt: skip
             if entries <= capacity:

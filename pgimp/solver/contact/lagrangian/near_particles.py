@@ -102,18 +102,28 @@ class NearParticles:
         """Supports of particles at their current positions; they hold until the next ones."""
         supports = self._room(len(table), "current")
         half, x = table["half_width"], motion["position"]
-        self.call(find_supports, self.scene.shape, self.scene.frame, half, x, supports)
+        self.call(
+            find_supports, self.scene.settings.shape, self.scene.domain.frame, half, x, supports
+        )
         return supports
 
     def left(self, near: Near) -> tuple[Supports, float]:
         """Supports for the sums of volumes, and whether their gradient counts."""
         table = near.selection.table
-        if not isinstance(self.scene.shape, BOXES):
+        if not isinstance(self.scene.settings.shape, BOXES):
             return near.now, 1.0
         if not needed(near.selection.cut):
             return near.now, 0.0
         left, scene = self._room(len(table), "left"), self.scene
-        self.call(narrow_supports, scene.shape, scene.frame, table, near.motion, near.now, left)
+        self.call(
+            narrow_supports,
+            scene.settings.shape,
+            scene.domain.frame,
+            table,
+            near.motion,
+            near.now,
+            left,
+        )
         return left, 0.0
 
     def _storage(self, name: str, count: int, kind: np.dtype) -> np.ndarray:

@@ -71,14 +71,14 @@ class Selection(NamedTuple):
 
 def plain(scene: Scene) -> KernelScene:
     """Kernel scene with current positions, without materials."""
-    return scene.setting.without_materials()._replace(frame=scene.frame)
+    return scene.setting.without_materials()._replace(frame=scene.domain.frame)
 
 
 def mirrors_of(scene: Scene) -> np.ndarray:
     """The mirrors, (n,) FACE_PLANE."""
-    frame = scene.frame
+    frame = scene.domain.frame
     rows = []
-    for each in scene.mirrors:
+    for each in scene.domain.mirrors:
         vertex = frame.ghost + (each.side > 0) * frame.cells[each.axis]
         rows.append((each.axis, each.side, vertex, each.number, each.sticks))
     return np.array(rows, FACE_PLANE)

@@ -75,12 +75,15 @@ class Selector:
         faces: Any,
     ) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
-        self.acts, self._faces = np.zeros((1, 1 + len(scene.rigid_bodies)), np.int64), faces
-        self._frame, self._plain = InitialFrame(*scene.frame), plain(scene)
+        self.acts, self._faces = (
+            np.zeros((1, 1 + len(scene.interaction.rigid_bodies)), np.int64),
+            faces,
+        )
+        self._frame, self._plain = InitialFrame(*scene.domain.frame), plain(scene)
         self._rigid_bodies, self._walls = rigid_bodies, walls
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
         self.mirrors = mirrors_of(scene)
-        self.local = local_vertices(scene.vertices, scene.dimension)
+        self.local = local_vertices(scene.settings.vertices, scene.dimension)
         self._shares, self.root = undivided(comm.size), 0
         self._slack = self._rigid_slack = self._travel = 0.0
         self._table = np.empty(0, NEAR_PARTICLE)
@@ -93,11 +96,11 @@ class Selector:
         `travel` is the distance of rigid bodies since the step before, in cells.
         """
         self._travel += travel
-        if self.scene.mixed:
+        if self.scene.settings.mixed:
             return False
         most = np.inf
         if self._window is grid.window:
-            most = self.call(greatest_travel, self.scene.frame, grid.field, self._tracked)
+            most = self.call(greatest_travel, self.scene.domain.frame, grid.field, self._tracked)
         if self._travel > self._rigid_slack:
             most = np.inf
         return greatest(self.comm, most) <= self._slack
@@ -123,15 +126,15 @@ class Selector:
         """
         scene, call, comm = self.scene, self.call, self.comm
         speed, rigid_speed = speeds
-        self._slack = 0.0 if scene.mixed else max(LEAST, min(MOST, STEPS * speed))
-        self._rigid_slack = 0.0 if scene.mixed else min(MOST, STEPS * rigid_speed)
-        self._travel, anew = 0.0, looked or scene.mixed or self._window is not grid.window
+        self._slack = 0.0 if scene.settings.mixed else max(LEAST, min(MOST, STEPS * speed))
+        self._rigid_slack = 0.0 if scene.settings.mixed else min(MOST, STEPS * rigid_speed)
+        self._travel, anew = 0.0, looked or scene.settings.mixed or self._window is not grid.window
         self._window = grid.window
         if population.outdated:
             population.update(near)
         rows = population.order[near].astype(np.int64)
         motion = np.empty(len(rows), NEAR_MOTION)
-        particles, bodies = population.stored, (self.groups, self.fields, scene.lagrangian)
+        particles, bodies = population.stored, (self.groups, self.fields, scene.settings.lagrangian)
         call(copy_near_motion, self._plain, particles, rows, motion)
         if anew:
             self._table = np.empty(len(rows), NEAR_PARTICLE)
@@ -150,8 +153,8 @@ class Selector:
         if looked:
             first_layer = grid.slab.layers and grid.slab.lower is None
             self.root = -int(greatest(comm, -comm.rank if first_layer else -comm.size))
-            most = np.array(scene.frame.cells) + 2 * scene.frame.ghost + 1
-            self._shares = divide(comm, first, scene.vertices, most)
+            most = np.array(scene.domain.frame.cells) + 2 * scene.domain.frame.ghost + 1
+            self._shares = divide(comm, first, scene.settings.vertices, most)
         parts = [self._shares.reached(first, last, rank) for rank in range(comm.size)]
         table, sent, received = swap_parts(comm, [table[part] for part in parts])
         motion = swap(comm, np.concatenate([motion[part] for part in parts]), sent, received)
@@ -181,13 +184,13 @@ class Selector:
 
     def _ranges(self, table: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First and last vertices that particles may reach, each (n, 3) float64."""
-        frame, D = self.scene.frame, self.scene.dimension
+        frame, D = self.scene.domain.frame, self.scene.dimension
         away = table["half_width"][:, :D] + (self._slack + 1e-6)
         at = (motion["position"][:, :D] - np.array(frame.origin)) * np.array(frame.inverse)
         first, last = np.zeros((2, len(table), 3))
         first[:, :D] = np.floor(at - away) + frame.ghost
         last[:, :D] = np.floor(at - table["half_width"][:, :D] + self._slack + 1e-6)
-        last[:, :D] += frame.ghost + self.scene.vertices - 1
+        last[:, :D] += frame.ghost + self.scene.settings.vertices - 1
         return first, last
 
     def _choose(
@@ -199,7 +202,7 @@ class Selector:
         vertices in the order in which the particles have them.
         """
         scene, call = self.scene, self.call
-        frame, slack, vertices = scene.frame, self._slack, scene.vertices
+        frame, slack, vertices = scene.domain.frame, self._slack, scene.settings.vertices
         groups, none = 1 + int(self.groups.max()), np.empty(0, np.int64)
         low, extent = np.zeros(3, np.int64), np.ones(3, np.int64)
         if len(table):
@@ -227,7 +230,7 @@ class Selector:
         table = table[reach.rows]
         start, fields = Supports.empty(len(table), self.local), 1 + int(self.fields.max())
         half, x = table["half_width"], table["weight_position"]
-        call(find_supports, scene.shape, self._frame, half, x, start)
+        call(find_supports, scene.settings.shape, self._frame, half, x, start)
         found = call(number_reference_vertices, frame, table, start, self.mirrors, fields)
         order = np.argsort(found.keys)
         rank = np.full(len(order) + 1, -1)
@@ -249,11 +252,13 @@ class Selector:
     ) -> np.ndarray:
         """Entries of vertices where there may be contact, in the order of their keys."""
         order, scene = np.argsort(patches.keys), self.scene
-        if not isinstance(scene.shape, BOXES):
+        if not isinstance(scene.settings.shape, BOXES):
             return order
         most, kept = np.empty(len(order)), np.empty(len(order), bool)
-        frame, keys = scene.frame, patches.keys[order]
-        self.call(bound_filled, frame, table, motion, self._slack, scene.vertices, patches, most)
+        frame, keys = scene.domain.frame, patches.keys[order]
+        self.call(
+            bound_filled, frame, table, motion, self._slack, scene.settings.vertices, patches, most
+        )
         self.call(
             keep_possible, frame, self._faces, boxes, self._rigid_bodies, self._rigid_slack,
             self.acts, most[order], keys % contact_vertices.groups,

@@ -84,7 +84,7 @@ def test_sums_are_those_of_all_particles_of_a_group(monkeypatch):
         weight = S[mine, at[mine, 0], at[mine, 1]]
         sums = contact_vertices.sums[n]
         assert sums["mass"] == pytest.approx((table["mass"][mine] * weight).sum(), abs=1e-14)
-        offset = motion["position"][mine, :2] - (number[:2] - sim.scene.frame.ghost)
+        offset = motion["position"][mine, :2] - (number[:2] - sim.scene.domain.frame.ghost)
         moment = ((table["mass"][mine] * weight)[:, None] * offset).sum(axis=0)
         assert sums["mass_offset"][:2] == pytest.approx(moment, abs=1e-13)
 
@@ -99,7 +99,7 @@ def test_travel_is_the_greatest_displacement_of_the_vertices():
         at = tracked.records[n] + DISPLACEMENT
         tracked.before[n] = values[at : at + 3]
     assert len(np.unique(tracked.records)) == len(tracked.records) > 50
-    assert greatest_travel(sim.scene.frame, grid.field, tracked) == 0.0
+    assert greatest_travel(sim.scene.domain.frame, grid.field, tracked) == 0.0
     values[tracked.records[7] + DISPLACEMENT + 1] -= 0.25
-    assert greatest_travel(sim.scene.frame, grid.field, tracked) == pytest.approx(0.25)
+    assert greatest_travel(sim.scene.domain.frame, grid.field, tracked) == pytest.approx(0.25)
     assert selector.lasts(grid, 0.0) == (selector._slack >= 0.25)

@@ -1,0 +1,133 @@
+"""The domain of a scene: grid, conditions on its faces, and gravity."""
+
+import numpy as np
+
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.grid.faces import Faces
+from pgimp.kernels.grid.mirror import Mirror
+from pgimp.kernels.grid.position_limits import GRAVITY
+from pgimp.kernels.grid.wall_gap import Sides
+from pgimp.kernels.order.order import cell_numbers
+from pgimp.scene.faces import (
+    AXES,
+    Face,
+    FaceTable,
+    position_bounds,
+    sides_approached,
+    walls,
+    walls_approached,
+)
+from pgimp.scene.settings import Settings
+from pgimp.schema.tables import VectorTable
+
+
+class Domain:
+    """Grid, faces and gravity.
+
+    Attributes
+    ----------
+    frame : Frame
+        Position and size of the grid.
+    faces : list of Face
+        Faces with a condition, x-min to z-max. Unilateral walls come last where bodies in the
+        initial configuration meet them.
+    mirrors : list of Mirror
+        Faces that reflect the part of supports beyond them.
+    approached : list of Wall
+        Faces that bodies approach; `sides_approached` is their sides for loads.
+    unilateral_walls : bool
+        Whether bodies in the initial configuration meet unilateral walls: at their current
+        position, not on their own grid.
+    exits : int
+        Faces through which particles may leave, by bit; see `KernelScene`.
+    bounds : tuple of (float, float) or None
+        Coordinate limits of particles that the grid does not limit.
+    """
+
+    def __init__(self, case: Case, settings: Settings) -> None:
+        grid, method, remote = case.grid, case.method, settings.by_vertex
+        self.frame = Frame(
+            origin=tuple(float(x) for x in grid.origin),
+            cell=tuple(float(x) for x in grid.cell),
+            inverse=tuple(1.0 / x for x in grid.cell),
+            cells=tuple(
+                round(size / cell) for size, cell in zip(grid.size, grid.cell, strict=True)
+            ),
+            ghost=settings.vertices - 1,
+        )
+        if cell_numbers(self.frame.vertices) >= 2**62:
+            raise CaseError("grid.cell: more cells than can be numbered; use larger ones")
+        named = case.boundaries
+        order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
+        self.faces = [Face(name, named[name]) for name in order if name in named]
+        self.unilateral_walls = remote and any(face.condition.approaches for face in self.faces)
+        if self.unilateral_walls:
+            self.faces.sort(key=lambda face: face.condition.approaches)
+        self.exits = sum(
+            1 << order.index(face) for face, way in case.escape.items() if way == "remove"
+        )
+        # Unilateral walls come last: where they meet other walls, they use the sums of both.
+        self.mirrors = sorted(
+            (
+                Mirror(face.axis, face.side, number, face.condition.releases, face.condition.sticks)
+                for number, face in enumerate(self.faces)
+                if method.mirrors
+                and face.condition.mirrors
+                and not (remote and face.condition.approaches)
+            ),
+            key=lambda mirror: mirror.releases,
+        )
+        # Point particles give no gap: it would jump by half a cell as they move.
+        near = [] if method.chi == "point" or remote else self.faces
+        self.approached = walls_approached(near)
+        self.sides_approached: tuple[Sides, ...] = sides_approached(near, self.frame)
+        self.bounds = position_bounds(self.faces, self.frame) if remote else None
+        self._face_table = FaceTable(
+            [
+                face
+                for face in self.faces
+                if not (self.unilateral_walls and face.condition.approaches)
+            ]
+        )
+        self._pull = case.gravity
+        self._gravity = self._gravity_at(0.0)
+        # Faces that bodies approach vary by the length of the step alone.
+        moves = any(each.condition.varies and not each.condition.approaches for each in self.faces)
+        self._walls = None if moves else walls(self.faces, self.frame, 0.0)
+        if self._walls is not None:
+            self._walls[:, GRAVITY] = np.repeat(self._gravity, 2)
+
+    def gravity(self, t: float) -> tuple[float, float, float]:
+        """Gravity at a time, force per mass; zero in directions that the scene does not have."""
+        return self._gravity_at(t) if isinstance(self._pull, VectorTable) else self._gravity
+
+    def _gravity_at(self, t: float) -> tuple[float, float, float]:
+        b = self._pull
+        if b is None:
+            return (0.0, 0.0, 0.0)
+        value = b.value(t) if isinstance(b, VectorTable) else b
+        x, y, z = (*(float(c) for c in value), 0.0, 0.0)[:3]
+        return (x, y, z)
+
+    def face_parameters(self, start: float, end: float) -> Faces | tuple[()]:
+        """Conditions of the faces in a step, `Faces` or (); valid until the next call."""
+        return self._face_table.at(start, end)
+
+    def standing_faces(self) -> Faces | tuple[()]:
+        """All faces with a condition, for kernels that only need their positions."""
+        return FaceTable(self.faces).at(0.0, 1.0)
+
+    def walls(self, start: float, end: float) -> np.ndarray:
+        """Faces that hold particles in during a step; valid until the next call.
+
+        See `pgimp.kernels.grid.position_limits`.
+        """
+        found = self._walls
+        if found is None:
+            found = walls(self.faces, self.frame, end)
+        elif not isinstance(self._pull, VectorTable):
+            return found
+        found[:, GRAVITY] = np.repeat(self.gravity(start), 2)
+        return found

@@ -1,0 +1,46 @@
+"""Interaction of the bodies of a scene: loads, rigid bodies, contact pairs, flowing bodies."""
+
+import numpy as np
+
+from pgimp.case.schema import Case
+from pgimp.physics.contact.pairs import Pairs
+from pgimp.scene.domain import Domain
+from pgimp.scene.flows import SceneFlows
+from pgimp.scene.loads import SceneLoads
+from pgimp.scene.materials import MaterialTable
+from pgimp.scene.rigid.rigid import SceneRigidBodies
+from pgimp.scene.settings import Settings
+
+
+class Interaction:
+    """Forces on bodies and between them.
+
+    Attributes
+    ----------
+    loads : SceneLoads
+        Viscosity, tractions, constraints and the body force.
+    rigid_bodies : SceneRigidBodies
+        The rigid bodies; false if there are none.
+    pairs : Pairs or None
+        Contact laws; None where all bodies share one velocity field.
+    flows : SceneFlows or None
+        The flowing bodies, if there are any.
+    """
+
+    def __init__(
+        self, case: Case, settings: Settings, domain: Domain, materials: MaterialTable
+    ) -> None:
+        force = settings.exact if case.exact and case.exact.forced else ()
+        if case.body_force:
+            force = case.body_force.parameters()
+        current = ~settings.lagrangian
+        self.loads = SceneLoads(
+            case, materials.names, force, domain.sides_approached, case.method.follows & current
+        )
+        self.rigid_bodies = SceneRigidBodies(case, domain.frame)
+        self.pairs: Pairs | None = None
+        if case.contact or self.rigid_bodies or settings.mixed:
+            self.pairs = Pairs.of(case.contact, [*case.bodies, *self.rigid_bodies.names])
+        of_body = np.array(materials.body_material, np.int64)
+        flows = SceneFlows(case, materials.entries, of_body, current, domain.faces, self.pairs)
+        self.flows = flows if flows.rates.any() else None

@@ -1,0 +1,68 @@
+"""Settings of a scene: configurations of its bodies, shape of its particles, exact solution."""
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.case.schema import Case
+
+#: Most cells that a particle crosses in a step whose length pgimp chooses.
+MOST_CELLS = 0.5
+
+
+class Settings:
+    """What the case says of the method.
+
+    Attributes
+    ----------
+    lagrangian : (bodies,) bool
+        Which bodies are in the initial configuration, where particles keep their layers and
+        initial weights. `initial`: all are; `mixed`: some are.
+    shape : NamedTuple
+        Parameters of the shape; its support has `vertices` per direction.
+    follows : bool
+        Whether supports follow the deformation.
+    exact : NamedTuple or ()
+        Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
+    escapes : bool
+        Whether particles may leave, in this stage or a previous one.
+    loses : bool
+        Whether there may be fewer particles than at the start.
+    origins : bool
+        Whether particles store their initial position.
+    controlled : bool or float
+        How steps follow the fastest wave, if at all; see `pgimp.kernels.update.pace`.
+    """
+
+    def __init__(self, case: Case) -> None:
+        self.lagrangian = np.array(
+            [b.configuration == "initial" for b in case.bodies.values()], bool
+        )
+        self.initial = bool(self.lagrangian.all())
+        self.mixed = bool(self.lagrangian.any()) and not self.initial
+        method = case.method
+        self.shape = (method.fixed if self.initial else method.parameters)(tuple(case.grid.cell))
+        self.vertices: int = self.shape.vertices()
+        self.follows = method.follows and not self.initial
+        self.exact: Any = case.exact.parameters(case) if case.exact else ()
+        self.moves = bool(case.exact) and case.exact.moves
+        self.escapes = "remove" in case.escape.values() or case.staged.escapes
+        self.loses = self.escapes or bool(case.staged.removed)
+        fields = case.output.fields
+        self.origins = self.by_vertex or bool(case.exact) or "displacement" in fields
+        self.controlled: bool | float = case.courant is not None
+        if case.courant is not None and case.watched:
+            self.controlled = case.courant / MOST_CELLS
+
+    @property
+    def by_vertex(self) -> bool:
+        """Whether there are bodies whose vertices keep their motion: in the initial configuration.
+
+        They are in contact at current positions, not on their own grids.
+        """
+        return self.initial or self.mixed
+
+    @property
+    def lagrangian_bodies(self) -> np.ndarray | None:
+        """Mask of the bodies whose vertices keep their motion; None without any."""
+        return self.lagrangian if self.by_vertex else None

@@ -1,0 +1,92 @@
+"""Completion of a step: particles sent and received, outflow, faults, and the canonical order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.sums.sums import layer_sums
+from pgimp.kernels.update.checks import OUTFLOW
+from pgimp.solver.rank import MOST_LISTED, Rank
+from pgimp.solver.transfers import RangeReport
+
+
+def send_particles(rank: Rank, report: RangeReport) -> None:
+    """Send the particles of a range of layers that have left the slab; see `Migration`."""
+    if len(report.changed) or rank.migrates:
+        rank.migration.proceed(rank.population, report.changed)
+
+
+def settle(rank: Rank, reports: list[RangeReport], lap: Callable[[str], None]) -> None:
+    """Complete a step: counts, outflow, arrivals, and the canonical order.
+
+    Parameters
+    ----------
+    reports : list of RangeReport
+        Reports of all layers.
+    lap : callable
+        From `stopwatch`.
+    """
+    population = rank.population
+    rank.keeping.finish(rank.ledger, int(rank.grid.window.lower[0]))
+    rank.particle_steps += rank.count
+    found, outflow, failed = 0, 0, list[int]()
+    for report in reports:
+        rank.clamped += report.clamped
+        rank.held += report.held
+        failed += report.failed
+        found, outflow = found + len(report.changed), outflow + report.outflow
+    if sum(failed):
+        _list_errors(rank, failed)
+    changed = population.changed[:found]
+    if len(reports) > 1:
+        changed.sort()
+    if outflow:
+        _remove_outflow(rank, changed)
+    arrived = changed
+    if found or rank.migrates:
+        arrived = rank.migration.receive(population)
+    lap("migrate")
+    if found or len(arrived):
+        population.restore_order(changed, arrived)
+    lap("order")
+
+
+def _remove_outflow(rank: Rank, left: np.ndarray) -> None:
+    """Book the particles that have left the domain, and free their rows.
+
+    Their mass, momentum and energy are added to the sums of their last layer, in canonical
+    order. So the ledger has the same bits on any number of ranks.
+
+    Parameters
+    ----------
+    left : (k,) int32
+        Offsets in the order of the particles that left or changed their layer, ascending.
+    """
+    scene, population = rank.scene, rank.population
+    rows = population.order[left]
+    gone = rank.particles.layer[rows] == OUTFLOW
+    leaving = rows[gone]
+    order = Order(leaving, np.searchsorted(left[gone], population.start))
+    escaped = rank.ledger.escaped[: rank.slab.layers]
+    layer_sums(scene.setting.without_shape(), rank.particles, order, escaped)
+    population.free_later(leaving)
+
+
+def _list_errors(rank: Rank, numbers: list[int]) -> None:
+    """List the particles at fault in this step in canonical order, at most `MOST_LISTED`.
+
+    Parameters
+    ----------
+    numbers : list of int
+        Number found by each call; the first ones are in `error_buffer`.
+    """
+    found = np.concatenate(
+        [buffer[:n] for buffer, n in zip(rank.error_buffer, numbers, strict=False)]
+    )
+    rank_in_order = np.empty(rank.particles.capacity, np.int64)
+    rank_in_order[rank.population.order] = np.arange(rank.count)
+    rank.failed = sum(numbers)
+    rank.errors = found[np.argsort(rank_in_order[found[:, 0]])][:MOST_LISTED]
