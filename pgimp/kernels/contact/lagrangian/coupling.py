@@ -13,7 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.contact.lagrangian.reference_grid import is_turned, reflection
+from pgimp.jit.vectors.rows import load_row
+from pgimp.jit.vectors.simd import lane, vector, where
+from pgimp.kernels.contact.lagrangian.reference_grid import OF_INVERSE_MASS, is_turned, reflection
 from pgimp.kernels.contact.lagrangian.supports import vertex_at
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
@@ -56,16 +58,22 @@ class Coupling(NamedTuple):
 
 
 @inner_kernel
-def _answer(column, entry, first, last, values, part):
-    """Inverse mass of a contact vertex, sum_j B_ij^2/m_j; 0 if nearly all of the row is held."""
-    found, gives, every, e = 0.0, 0.0, 0.0, min(part, entry.shape[1] - 1)
-    for k in range(first, last):
-        square = entry[k, e] ** 2
-        found += square * values[column[k]].inverse_mass[part]
-        every += square
-        if values[column[k]].inverse_mass[part] != 0.0:
-            gives += square
-    return found if gives >= LEAST_FREE * every else 0.0
+def _answer(coupling, r, numbers):
+    """Set the inverse mass of a contact vertex, sum_j B_ij^2/m_j; 0 if nearly all is held."""
+    column, entry, start = coupling.column, coupling.entry, coupling.start
+    found, gives, every = vector(0.0), vector(0.0), vector(0.0)
+    for k in range(start[r], start[r + 1]):
+        if entry.shape[1] == 1:
+            square = vector(entry[k, 0] ** 2)
+        else:
+            square = load_row(entry, k, 0) * load_row(entry, k, 0)
+        mobility = load_row(numbers, column[k], OF_INVERSE_MASS)
+        found = square * mobility + found
+        every = every + square
+        gives = gives + where(mobility == 0.0, vector(0.0), square)
+    for d in range(3):
+        free = lane(gives, d) >= LEAST_FREE * lane(every, d)
+        coupling.answer[r, d] = lane(found, d) if free else 0.0
 
 
 @inner_kernel
@@ -112,7 +120,7 @@ def number_rows(contact_pairs, row_of, slots):
 
 @kernel
 def find_coupling(
-    frame, particles, before, mirrors, slots, contact_vertices, values, kept, coupling
+    frame, particles, before, references, mirrors, slots, contact_vertices, numbers, kept, coupling
 ):
     """Find the rows of B for the contact pairs.
 
@@ -122,14 +130,16 @@ def find_coupling(
         The particles.
     before : Supports
         Supports of the particles at their initial positions.
+    references : Numbers
+        Their reference vertices.
     mirrors
         See `number_reference_vertices`.
     slots : (rows,) int64
         The entry of each row in `contact_vertices`.
     contact_vertices : ContactVertices
         The entries, with their sums.
-    values : (k,) REFERENCE_VERTEX
-        See `ReferenceVertices`.
+    numbers : (k, NUMBERS) float64
+        The records of `ReferenceVertices`.
     kept : (2, k) int64
         Scratch.
     coupling : Coupling
@@ -141,12 +151,8 @@ def find_coupling(
         Number of entries of all rows: if there are more than `coupling` has room for, it is not
         filled.
     """
-    (table, motion), at0, sums, reached = (
-        particles,
-        before.at,
-        contact_vertices.sums,
-        contact_vertices.reached,
-    )
+    (table, motion), (count, vertex_of, local) = particles, references
+    sums, reached, most = contact_vertices.sums, contact_vertices.reached, vertex_of.shape[1]
     column, entry, start, beyond = coupling.column, coupling.entry, coupling.start, coupling.beyond
     used, plain, (seen, entry_of) = 0, len(mirrors) == 0, (kept[0], kept[1])
     seen[:] = -1
@@ -156,14 +162,14 @@ def find_coupling(
         vertex = number_of(contact_vertices, contact_vertices.keys[s] // contact_vertices.groups)
         for k in range(contact_vertices.start[s], reached.end[s]):
             i = reached.particle[k]
-            if used + at0.shape[1] > len(column):
-                return 2 * len(column) + at0.shape[1]
+            if used + most > len(column):
+                return 2 * len(column) + most
             part = table[i].mass * reached.weight[k] / sums[s].mass
             moves = table[i].lagrangian == 0  # its own grid is the current one
             way = _way(frame, motion[i], vertex)
-            for q in range(at0.shape[1]):
-                j = at0[i, q]
-                if j < 0 or (moves and q != reached.local[k]):
+            for o in range(count[i]):
+                j, q = vertex_of[i, o], local[i, o]
+                if moves and q != reached.local[k]:
                     continue
                 if seen[j] != r:
                     seen[j], entry_of[j] = r, used
@@ -180,7 +186,6 @@ def find_coupling(
                     if is_turned(mirrors, n, number):
                         for d in range(3):
                             beyond[r, n, d] += share * reflection(mirrors, number, d, n)
-        for d in range(3):
-            coupling.answer[r, d] = _answer(column, entry, start[r], used, values, d)
         start[r + 1] = used
+        _answer(coupling, r, numbers)
     return used

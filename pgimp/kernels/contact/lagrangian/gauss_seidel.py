@@ -154,7 +154,8 @@ def solve_impulses(contact, free, contact_pairs, coupling, numbers, sweeps, enou
                 impulse_of(row, 1) - before[1],
                 impulse_of(row, 2) - before[2],
             )
-            _give_both(contact, free.frame, end, J, coupling, numbers)
+            if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
+                _give_both(contact, free.frame, end, J, coupling, numbers)
             for d in range(3):
                 change = max(change, abs(J[d]))
                 most = max(most, abs(impulse_of(row, d)))

@@ -6,13 +6,10 @@ ranks.
 
 from typing import NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
+from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.memory import structure
-from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, table_size
-from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.record import ACCELERATION, MASS, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size
@@ -66,28 +63,8 @@ class Changes(NamedTuple):
     held: FloatArray
 
 
-class References(NamedTuple):
-    """The reference vertices of particles, in the order in which these have them.
-
-    Attributes
-    ----------
-    keys : (m,) int64
-    particle : (m,) int64
-        The first particle of each.
-    """
-
-    keys: IntArray
-    particle: IntArray
-
-    @classmethod
-    def empty(cls) -> "References":
-        """No vertices."""
-        none = np.empty(0, np.int64)
-        return cls(none, none)
-
-
 @inner_kernel
-def _across(frame):
+def across(frame):
     """Number of vertices along y and z."""
     y, z, more = 1, 1, 1 + 2 * frame.ghost
     for d in range(len(frame.cell)):
@@ -96,9 +73,9 @@ def _across(frame):
 
 
 @inner_kernel
-def _key(across, number, fields, field):
+def key_of_vertex(ny_nz, number, fields, field):
     """Key of a vertex, given by its numbers, for one of `fields` velocity fields."""
-    return ((number[0] * across[0] + number[1]) * across[1] + number[2]) * fields + field
+    return ((number[0] * ny_nz[0] + number[1]) * ny_nz[1] + number[2]) * fields + field
 
 
 @inner_kernel
@@ -139,58 +116,6 @@ def reflection(mirrors, number, d, count):
         if turns(mirrors, n, d) and is_turned(mirrors, n, number):
             sign = -sign
     return sign
-
-
-@inner_kernel
-def _has_weight(supports, i, q):
-    """Whether vertex `q` belongs to support `i`."""
-    x, y, z = weights_at(supports, i, q)
-    return x != 0.0 and y != 0.0 and z != 0.0
-
-
-@allocating_kernel
-def number_reference_vertices(frame, table, supports, mirrors, fields) -> References:
-    """Find the reference vertices on which particles have weight; number them in `supports.at`.
-
-    Particles with one first vertex share all vertices: their numbers are found once.
-
-    Parameters
-    ----------
-    table, supports
-        The particles, of `fields` velocity fields, and their supports in the initial configuration.
-    mirrors : (n,) FACE_PLANE
-        The reflecting walls, see `Mirror`; a vertex beyond one has its image's sums.
-    """
-    across, patches, many = _across(frame), 0, len(supports.local)
-    patch_of = np.empty(len(table), np.int64)
-    known = np.full((table_size(len(table)), 2), -1, np.int64)
-    for i in range(len(table)):
-        first = supports.first[i]
-        key = _key(across, (first[0], first[1], first[2]), fields, table[i].field)
-        patch_of[i] = find_or_insert(known, key, patches)
-        patches = max(patches, patch_of[i] + 1)
-    numbers = np.full((patches, many), -1, np.int64)
-    known = np.full((table_size(patches * many), 2), -1, np.int64)
-    keys, particle, found = (
-        np.empty(patches * many, np.int64),
-        np.empty(patches * many, np.int64),
-        0,
-    )
-    for i in range(len(table)):
-        patch = patch_of[i]
-        for q in range(many):
-            supports.at[i, q] = -1
-            if _has_weight(supports, i, q):
-                if numbers[patch, q] < 0:
-                    number = image_of(mirrors, vertex_at(supports, i, q))
-                    key = _key(across, number, fields, table[i].field)
-                    n = find_or_insert(known, key, found)
-                    if n == found:
-                        keys[n], particle[n] = key, i
-                        found += 1
-                    numbers[patch, q] = n
-                supports.at[i, q] = numbers[patch, q]
-    return References(keys[:found].copy(), particle[:found].copy())
 
 
 @kernel
@@ -238,7 +163,7 @@ def offset_of_key(frame, field, key):
     """Offset of a vertex's record on a rank, -1 without one, and the vertex's numbers."""
     window = field.window
     size, count = field_size(window), field_count(window)
-    ny, nz = _across(frame)
+    ny, nz = across(frame)
     rest, one = key // count, key % count
     number = (rest // (nz * ny), rest // nz % ny, rest % nz)
     x, y, z = number[0] - window.lower[0], number[1] - window.lower[1], number[2] - window.lower[2]

@@ -1,7 +1,8 @@
 """Supports of single particles, in memory: for the few particles near contact.
 
 Other supports are computed for four particles at once, on the stack, see
-`pgimp.kernels.transfer.supports`.
+`pgimp.kernels.transfer.supports`. Those of cut boxes are as `pgimp.kernels.contact.volumes` has
+them in the current configuration.
 """
 
 from typing import NamedTuple, Self
@@ -10,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.tuples import read
+from pgimp.kernels.contact.volumes import LEAST, cut_weights
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.transfer.first_vertex import first_vertex
 from pgimp.physics.shapes.base import weights
@@ -27,22 +30,18 @@ class Supports(NamedTuple):
         scene does not have.
     local : (k, 3) uint32
         Vertices of any support, counted from the first one, the last direction innermost.
-    at : (n, k) int64
-        The vertices' numbers in another table, or -1.
     """
 
     first: IntArray
     w: FloatArray
     g: FloatArray
     local: NDArray[np.uint32]
-    at: IntArray
 
     @classmethod
     def empty(cls, count: int, local: NDArray[np.uint32]) -> Self:
         """Allocate the supports of `count` particles; `local` is from `local_vertices`."""
         return cls(
-            np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)),
-            local, np.empty((count, len(local)), np.int64),
+            np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)), local
         )  # fmt: skip
 
 
@@ -105,7 +104,7 @@ def _support_along(shape, frame, half, x, supports, i, d, like):
 
 @kernel
 def find_supports(shape, frame, half, x, supports):
-    """Set the supports of particles, except `at`.
+    """Set the supports of particles.
 
     Parameters
     ----------
@@ -120,3 +119,49 @@ def find_supports(shape, frame, half, x, supports):
         supports.g[i, :, :] = 0.0
         supports.w[i, :, 0] = 1.0
         _support(shape, frame, half[i], x[i], supports, i, 0, frame.origin)
+
+
+def _narrow(shape, frame, half, x, offset, supports, i, d):
+    """Set the weights of a cut box in support `i`, along the directions from `d` on."""
+
+
+@specialise(_narrow)
+def _narrow_along(shape, frame, half, x, offset, supports, i, d):
+    def last(shape, frame, half, x, offset, supports, i, d):
+        inverse, first = frame.inverse[d], supports.first[i, d]
+        f = (x[0] + offset[0] - frame.origin[d]) * inverse - (first - frame.ghost)
+        values, slopes = cut_weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
+        keep_values(supports.w[i, d], 0, values)
+        keep_values(supports.g[i, d], 0, slopes)
+
+    def more(shape, frame, half, x, offset, supports, i, d):
+        _narrow(shape, frame, half[:1], x[:1], offset[:1], supports, i, d)
+        _narrow(shape, frame, half[1:], x[1:], offset[1:], supports, i, d + 1)
+
+    return last if len(x) == 1 else more
+
+
+@kernel
+def narrow_supports(shape, frame, table, motion, whole, supports):
+    """Set the supports of cut boxes; uncut particles keep their whole supports.
+
+    Parameters
+    ----------
+    table, motion : (n,) NEAR_PARTICLE, (n,) NEAR_MOTION
+        Particles at their current positions.
+    whole : Supports
+        Supports of their whole boxes.
+    supports : Supports
+        Set here.
+    """
+    zero = frame.origin
+    for i in range(len(table)):
+        row = table[i]
+        for d in range(3):
+            supports.first[i, d] = whole.first[i, d]
+            for k in range(4):
+                supports.w[i, d, k], supports.g[i, d, k] = whole.w[i, d, k], whole.g[i, d, k]
+        if row.cut != 0:
+            half, x = read(table.half_width, i, 0, zero), read(motion.position, i, 0, zero)
+            offset = read(motion.centroid_offset, i, 0, zero)
+            _narrow(shape, frame, half, x, offset, supports, i, 0)

@@ -10,7 +10,12 @@ from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
-from pgimp.kernels.contact.lagrangian.broad_phase import Regions, find_near, mark_blocks
+from pgimp.kernels.contact.lagrangian.broad_phase import (
+    Regions,
+    find_near,
+    greatest_speed,
+    mark_blocks,
+)
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
@@ -139,7 +144,7 @@ class BroadPhase:
         boxes = np.full((2, len(groups), D), np.inf)
         boxes[1] = -np.inf
         self.call(grow_boxes, frame, p, order, boxes)
-        speed = float(np.abs(p.v[order] * np.array(frame.inverse)).max(initial=0.0))
+        speed = float(self.call(greatest_speed, frame, p, order))
         low, high = np.full((2, 1 + int(groups.max()), D), [[[np.inf]], [[-np.inf]]])
         for boxes in gathered(self.comm, boxes):
             np.minimum.at(low, groups, boxes[0])

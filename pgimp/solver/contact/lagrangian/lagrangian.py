@@ -231,12 +231,12 @@ class LagrangianContact(NoContact):
         self, near: Near, contact_vertices: ContactVertices, contact_pairs: ContactPairs
     ) -> Coupling:
         """Find the rows of B for pairs."""
-        call, mirrors, start = self.call, self._selector.mirrors, near.selection.start
+        call, mirrors, selection = self.call, self._selector.mirrors, near.selection
         row_of = np.empty(len(contact_vertices.keys), np.int64)
         slots = np.empty(2 * len(contact_pairs.ends), np.int64)
         rows = call(number_rows, contact_pairs, row_of, slots)
         kept = np.empty((2, len(near.vertices.keys)), np.int64)
-        capacity = 64 * rows + start.at.shape[1]
+        capacity = 64 * rows + len(selection.start.local)
         while True:
             coupling = Coupling(
                 np.empty(rows + 1, np.int64), np.empty(capacity, np.int64),
@@ -244,8 +244,9 @@ class LagrangianContact(NoContact):
                 np.zeros((rows, len(mirrors), 3)),
             )  # fmt: skip
             entries = call(
-                find_coupling, self.scene.domain.frame, (near.selection.table, near.motion), start,
-                mirrors, slots[:rows], contact_vertices, near.vertices.values, kept, coupling,
+                find_coupling, self.scene.domain.frame, (selection.table, near.motion),
+                selection.start, selection.numbers, mirrors, slots[:rows], contact_vertices,
+                flat(near.vertices.values), kept, coupling,
             )  # fmt: skip
             if entries <= capacity:
                 break

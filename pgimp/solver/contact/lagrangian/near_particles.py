@@ -9,13 +9,12 @@ import numpy as np
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.cut_supports import narrow_supports
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     REFERENCE_VERTEX,
     ReferenceVertices,
     read_reference_vertices,
 )
-from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports
+from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, narrow_supports
 from pgimp.kernels.contact.lagrangian.vertices import NEAR_MOTION, copy_near_motion
 from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import Field
@@ -136,8 +135,6 @@ class NearParticles:
     def _room(self, count: int, kind: str) -> Supports:
         """Storage for the supports of a kind."""
         kept = self._supports.get(kind)
-        if kept is None or len(kept.at) < count:
+        if kept is None or len(kept.first) < count:
             kept = self._supports[kind] = Supports.empty(count + count // 8, self._local)
-        return kept._replace(
-            first=kept.first[:count], w=kept.w[:count], g=kept.g[:count], at=kept.at[:count]
-        )
+        return kept._replace(first=kept.first[:count], w=kept.w[:count], g=kept.g[:count])

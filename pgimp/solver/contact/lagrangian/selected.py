@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
+from pgimp.kernels.contact.lagrangian.reference_numbers import Numbers
 from pgimp.kernels.contact.lagrangian.supports import Supports
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices
 from pgimp.kernels.data.arguments import KernelScene
@@ -49,7 +50,9 @@ class Selection(NamedTuple):
     contact_vertices : ContactVertices
         The candidate vertices, with room for sums.
     start : Supports
-        The particles' initial supports, with the numbers of their vertices in `keys`.
+        The particles' initial supports.
+    numbers : Numbers
+        Their reference vertices, as offsets in `keys`.
     keys : (k,) int64
         Keys of these vertices, ascending.
     order : (k,) int64
@@ -63,6 +66,7 @@ class Selection(NamedTuple):
     cut: bool
     contact_vertices: ContactVertices
     start: Supports
+    numbers: Numbers
     keys: np.ndarray
     order: np.ndarray
     particles: np.ndarray

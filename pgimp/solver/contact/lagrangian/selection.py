@@ -12,7 +12,12 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.lagrangian.candidates import Patches, find_candidates, find_reach
 from pgimp.kernels.contact.lagrangian.filled import bound_filled, keep_possible
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
-from pgimp.kernels.contact.lagrangian.reference_grid import References, number_reference_vertices
+from pgimp.kernels.contact.lagrangian.reference_numbers import (
+    Numbers,
+    References,
+    number_reference_vertices,
+    renumber,
+)
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
 from pgimp.kernels.contact.lagrangian.travel import Tracked, greatest_travel, track, track_on
 from pgimp.kernels.contact.lagrangian.vertices import (
@@ -231,15 +236,16 @@ class Selector:
         start, fields = Supports.empty(len(table), self.local), 1 + int(self.fields.max())
         half, x = table["half_width"], table["weight_position"]
         call(find_supports, scene.settings.shape, self._frame, half, x, start)
-        found = call(number_reference_vertices, frame, table, start, self.mirrors, fields)
+        numbers = Numbers.empty(len(table), len(self.local))
+        found = call(number_reference_vertices, frame, table, start, self.mirrors, fields, numbers)
         order = np.argsort(found.keys)
-        rank = np.full(len(order) + 1, -1)
-        rank[order] = np.arange(len(order))
-        np.take(rank, start.at, out=start.at)
+        call(renumber, numbers, order)
         nothing = Given(none, none, none, none, none)
         cut = bool(table["cut"].any())
         keys = found.keys[order]
-        chosen = Selection(nothing, table, cut, contact_vertices, start, keys, order, none, none)
+        chosen = Selection(
+            nothing, table, cut, contact_vertices, start, numbers, keys, order, none, none
+        )
         return reach.rows, chosen, found
 
     def _possible(
