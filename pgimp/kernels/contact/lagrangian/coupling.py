@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, vector, where
 from pgimp.kernels.contact.lagrangian.reference_grid import OF_INVERSE_MASS, is_turned, reflection
@@ -90,13 +90,21 @@ def _way(frame, moved, number):
     return u, v, w * frame.inverse[min(2, D - 1)]
 
 
-@inner_kernel
-def _value(before, i, q, way):
-    """Weight of vertex `q` of a support at a vector from its particle, by the weight's gradient."""
-    w, g, local = before.w[i], before.g[i], before.local[q]
-    x, y, z = w[0, local[0]], w[1, local[1]], w[2, local[2]]
-    flat = x * y + g[0, local[0]] * way[0] * y + x * g[1, local[1]] * way[1]
-    return flat * z + x * y * g[2, local[2]] * way[2]
+def _value(w, g, local, way):
+    """Weight of a vertex of a support at a vector from its particle, by the weight's gradient.
+
+    `w` and `g` are the particle's, `local` is the vertex, see `Supports`.
+    """
+
+
+@specialise(_value)  # passing all arrays of the supports to a function would cost more than it does
+def _value_at(w, g, local, way):
+    def value(w, g, local, way):
+        x, y, z = w[0, local[0]], w[1, local[1]], w[2, local[2]]
+        flat = x * y + g[0, local[0]] * way[0] * y + x * g[1, local[1]] * way[1]
+        return flat * z + x * y * g[2, local[2]] * way[2]
+
+    return value
 
 
 @kernel
@@ -152,6 +160,7 @@ def find_coupling(
         filled.
     """
     (table, motion), (count, vertex_of, local) = particles, references
+    places = before.local
     sums, reached, most = contact_vertices.sums, contact_vertices.reached, vertex_of.shape[1]
     column, entry, start, beyond = coupling.column, coupling.entry, coupling.start, coupling.beyond
     used, plain, (seen, entry_of) = 0, len(mirrors) == 0, (kept[0], kept[1])
@@ -173,9 +182,11 @@ def find_coupling(
                     continue
                 if seen[j] != r:
                     seen[j], entry_of[j] = r, used
-                    column[used], entry[used, :] = j, 0.0
+                    column[used] = j
+                    for d in range(entry.shape[1]):
+                        entry[used, d] = 0.0
                     used += 1
-                share = part if moves else part * _value(before, i, q, way)
+                share = part if moves else part * _value(before.w[i], before.g[i], places[q], way)
                 if plain:
                     entry[entry_of[j], 0] += share
                     continue

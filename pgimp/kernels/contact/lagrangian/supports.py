@@ -114,10 +114,11 @@ def find_supports(shape, frame, half, x, supports):
         Set here.
     """
     for i in range(len(x)):
-        supports.first[i, :] = 0
-        supports.w[i, :, :] = 0.0
-        supports.g[i, :, :] = 0.0
-        supports.w[i, :, 0] = 1.0
+        for d in range(3):
+            supports.first[i, d] = 0
+            for k in range(4):
+                supports.w[i, d, k] = 1.0 if k == 0 else 0.0
+                supports.g[i, d, k] = 0.0
         _support(shape, frame, half[i], x[i], supports, i, 0, frame.origin)
 
 
