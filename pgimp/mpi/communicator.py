@@ -45,6 +45,7 @@ class Communicator(Protocol):
     Allgather: Message
     Alltoall: Message
     Alltoallv: Message
+    Bcast: Message
     Dup: Message
     Split_type: Message
     Get_attr: Message

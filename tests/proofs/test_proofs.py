@@ -149,9 +149,12 @@ import sys
 sys.path.insert(0, sys.argv[1])
 from proofs import bounds
 import numpy as np
-from pgimp.kernels.contact.lagrangian.hash_table import insert_keys, empty_table
+from pgimp.kernels.contact.lagrangian.coupling import number_rows
+from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
 
-insert_keys(np.arange(1, 3), empty_table(4)[:, :1])
+pairs = ContactPairs.empty(1)
+pairs.ends["rows"] = 5
+number_rows(pairs, np.empty(1, np.int64), np.empty(2, np.int64))
 """
 
 

@@ -36,7 +36,7 @@ BEND, SHARP = (1.0 / 12.0 + 1.0 / 16.0) * 16.0, 0.5 / 16.0
 
 
 @inner_kernel
-def _halves(rigid_bodies, frame, part):
+def halves(rigid_bodies, frame, part):
     """Half sides of a tent, `part` of a cell, times the last normal; the greatest first."""
     a, b, c = 0.0, 0.0, 0.0
     for d in range(len(frame.cell)):
@@ -47,7 +47,7 @@ def _halves(rigid_bodies, frame, part):
 
 
 @inner_kernel
-def _tangent(frame, point):
+def tangent(frame, point):
     """Side of a cell along the surface with the last normal, over which it may be curved."""
     square, D = 0.0, len(frame.cell)
     for d in range(D):
@@ -99,7 +99,7 @@ def _is_near(rigid_bodies, t, frame, number):
     find_distance(rigid_bodies, t, D, x, y, z)
     for d in range(D):
         along += abs(point.normal[d]) * frame.cell[d]
-    if abs(point.mean_distance - point.distance) < FLAT * _tangent(frame, point):
+    if abs(point.mean_distance - point.distance) < FLAT * tangent(frame, point):
         return point.mean_distance < along
     return point.distance <= sqrt(square)
 
@@ -125,7 +125,7 @@ def fill(rigid_bodies, t, frame, number, sides):
         volume *= frame.cell[d] * (1.0 if sides[d] == 0 else 0.5)
     reach = sqrt(reach)
     bent = point.mean_distance - point.distance
-    wide = _tangent(frame, point)
+    wide = tangent(frame, point)
     point.curvature_gap = BEND * bent if abs(bent) < SHARP * wide else 0.0
     x, y, z = position_of(frame, number)
     n0, n1, n2 = point.normal[0], point.normal[1], point.normal[2]
@@ -137,7 +137,7 @@ def fill(rigid_bodies, t, frame, number, sides):
     for d in range(D):
         halved = halved and (sides[d] == 0 or abs(point.normal[d]) < SQUARE)
     if halved and abs(bent) < FLAT * wide:
-        a, b, c = _halves(rigid_bodies, frame, 1.0)
+        a, b, c = halves(rigid_bodies, frame, 1.0)
         filled, slope = cut(a, b, c, -point.mean_distance)
         point.filled, scale = filled, volume * max(slope, 1e-3 / reach)
         point.surface[0], point.surface[1], point.surface[2] = scale * n0, scale * n1, scale * n2
@@ -167,7 +167,7 @@ def fill(rigid_bodies, t, frame, number, sides):
         find_distance(rigid_bodies, t, D, px, py, pz)
         if point.distance > reach:
             continue
-        a, b, c = _halves(rigid_bodies, frame, 0.5)
+        a, b, c = halves(rigid_bodies, frame, 0.5)
         if not a > 0.0:
             filled += weight if point.distance < 0.0 else 0.0
             continue

@@ -84,7 +84,7 @@ def gradients(case, scene, x, F):
         half = np.minimum(np.sqrt(((F * (half[0] * cell)) ** 2).sum(axis=2)) / cell, 1.0)
     local = local_vertices(shape.vertices(), 2)
     supports = Supports.empty(len(x), local)
-    find_supports(shape, scene.domain.frame, 0, np.hstack([half, x]), 2, supports)
+    find_supports(shape, scene.domain.frame, np.ascontiguousarray(half), x, supports)
     one, two, _ = local.T
     w, g = supports.w, supports.g
     slopes = [g[:, 0, one] * w[:, 1, two] / cell[0], w[:, 0, one] * g[:, 1, two] / cell[1]]

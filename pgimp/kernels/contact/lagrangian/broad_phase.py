@@ -39,6 +39,16 @@ class Regions(NamedTuple):
     marks: NDArray
 
 
+@kernel
+def greatest_speed(frame, particles, rows):
+    """Greatest speed along a direction of the particles in `rows`, in cells per unit of time."""
+    fastest = 0.0
+    for p in rows:
+        for d in range(len(frame.origin)):
+            fastest = max(fastest, abs(particles.v[p, d] * frame.inverse[d]))
+    return fastest
+
+
 @inner_kernel
 def _block_of(frame, particles, p, regions, r):
     """Number of a particle's block in a region, 0 without blocks; -1 for a particle outside."""

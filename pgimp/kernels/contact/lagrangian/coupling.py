@@ -12,9 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import allocating_kernel, inner_kernel
-from pgimp.kernels.contact.lagrangian.reference_grid import is_turned, reflection
-from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.vectors.rows import load_row
+from pgimp.jit.vectors.simd import lane, vector, where
+from pgimp.kernels.contact.lagrangian.reference_grid import OF_INVERSE_MASS, is_turned, reflection
+from pgimp.kernels.contact.lagrangian.supports import vertex_at
+from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free vertices would
@@ -31,8 +34,8 @@ class Coupling(NamedTuple):
         First entry of each row.
     column : (k,) int64
         Numbers of reference vertices.
-    entry : (k, 3) float64
-        The entries of B, by component: a mirror reverses the component across it.
+    entry : (k, 1) or (k, 4) float64
+        The entries of B, with mirrors by component: they reverse the component across them.
     answer : (rows, 3) float64
         Inverse mass sum_j B_ij^2/m_j, by component, without held vertices, see `LEAST_FREE`.
     beyond : (rows, mirrors, 3) float64
@@ -49,72 +52,69 @@ class Coupling(NamedTuple):
     def empty(cls) -> "Coupling":
         """No rows."""
         none = np.empty((0, 3))
-        return cls(np.zeros(1, np.int64), np.empty(0, np.int64), none, none, none[:, :, None])
+        return cls(
+            np.zeros(1, np.int64), np.empty(0, np.int64), np.empty((0, 1)), none, none[:, :, None]
+        )
 
 
 @inner_kernel
-def _answer(column, entry, first, last, values, part):
-    """Inverse mass of a contact vertex, sum_j B_ij^2/m_j; 0 if nearly all of the row is held."""
-    found, gives, every = 0.0, 0.0, 0.0
-    for k in range(first, last):
-        square = entry[k, part] ** 2
-        found += square * values[column[k]].inverse_mass[part]
-        every += square
-        if values[column[k]].inverse_mass[part] != 0.0:
-            gives += square
-    return found if gives >= LEAST_FREE * every else 0.0
+def _answer(coupling, r, numbers):
+    """Set the inverse mass of a contact vertex, sum_j B_ij^2/m_j; 0 if nearly all is held."""
+    column, entry, start = coupling.column, coupling.entry, coupling.start
+    found, gives, every = vector(0.0), vector(0.0), vector(0.0)
+    for k in range(start[r], start[r + 1]):
+        if entry.shape[1] == 1:
+            square = vector(entry[k, 0] ** 2)
+        else:
+            square = load_row(entry, k, 0) * load_row(entry, k, 0)
+        mobility = load_row(numbers, column[k], OF_INVERSE_MASS)
+        found = square * mobility + found
+        every = every + square
+        gives = gives + where(mobility == 0.0, vector(0.0), square)
+    for d in range(3):
+        free = lane(gives, d) >= LEAST_FREE * lane(every, d)
+        coupling.answer[r, d] = lane(found, d) if free else 0.0
 
 
 @inner_kernel
-def _way(frame, row, number):
+def _way(frame, moved, number):
     """Vector from a particle to a vertex, pulled back to the initial configuration, in cells."""
     u, v, w = 0.0, 0.0, 0.0
     for d in range(len(frame.cell)):
-        x = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d] - row.position[d]
-        u += row.inverse_F[0, d] * x
-        v += row.inverse_F[1, d] * x
-        w += row.inverse_F[2, d] * x
+        x = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d] - moved.position[d]
+        u += moved.inverse_F[0, d] * x
+        v += moved.inverse_F[1, d] * x
+        w += moved.inverse_F[2, d] * x
     D = len(frame.cell)
     u, v = u * frame.inverse[0], v * frame.inverse[min(1, D - 1)]
     return u, v, w * frame.inverse[min(2, D - 1)]
 
 
-@inner_kernel
-def _value(before, i, q, way):
-    """Weight of vertex `q` of a support at a vector from its particle, by the weight's gradient."""
-    w, g, local = before.w[i], before.g[i], before.local[q]
-    x, y, z = w[0, local[0]], w[1, local[1]], w[2, local[2]]
-    flat = x * y + g[0, local[0]] * way[0] * y + x * g[1, local[1]] * way[1]
-    return flat * z + x * y * g[2, local[2]] * way[2]
+def _value(w, g, local, way):
+    """Weight of a vertex of a support at a vector from its particle, by the weight's gradient.
 
-
-@allocating_kernel
-def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, values) -> Coupling:
-    """Find the rows of B for the contact pairs.
-
-    Parameters
-    ----------
-    table : (n,) NEAR_PARTICLE
-        The particles.
-    now, before : Supports
-        Supports of the particles at their current and at their initial positions.
-    mirrors
-        See `copy_reference_vertices`.
-    contact_pairs : ContactPairs
-        The pairs. Numbers of rows replace the entries of `sums` in them.
-    sums : (m,) VERTEX_SUMS
-        See `ContactVertices`.
-    values : (k,) REFERENCE_VERTEX
-        See `ReferenceVertices`.
-
-    Returns
-    -------
-    Coupling
+    `w` and `g` are the particle's, `local` is the vertex, see `Supports`.
     """
-    ends, at, at0 = contact_pairs.ends, now.at, before.at
-    row_of = np.full(len(sums), -1, np.int64)
-    slots = np.empty(2 * len(ends), np.int64)
-    rows = 0
+
+
+@specialise(_value)  # passing all arrays of the supports to a function would cost more than it does
+def _value_at(w, g, local, way):
+    def value(w, g, local, way):
+        x, y, z = w[0, local[0]], w[1, local[1]], w[2, local[2]]
+        flat = x * y + g[0, local[0]] * way[0] * y + x * g[1, local[1]] * way[1]
+        return flat * z + x * y * g[2, local[2]] * way[2]
+
+    return value
+
+
+@kernel
+def number_rows(contact_pairs, row_of, slots):
+    """Replace the entries of `VERTEX_SUMS` in pairs by numbers of rows; returns their number.
+
+    `row_of` gets the row of each entry, -1 without one, and `slots` the entry of each row.
+    """
+    row_of[:] = -1
+    rows, ends = 0, contact_pairs.ends
     for k in range(len(ends)):
         for side in range(2):
             s = ends[k].rows[side]
@@ -123,64 +123,80 @@ def find_coupling(frame, table, now, before, mirrors, contact_pairs, sums, value
                     row_of[s], slots[rows] = rows, s
                     rows += 1
                 ends[k].rows[side] = row_of[s]
-    # The particles of each row, in canonical order.
-    many = np.zeros(rows + 1, np.int64)
-    for i in range(len(table)):
-        for q in range(at.shape[1]):
-            if at[i, q] >= 0 and row_of[at[i, q]] >= 0:
-                many[row_of[at[i, q]] + 1] += 1
-    for r in range(rows):
-        many[r + 1] += many[r]
-    who, vertex_in = np.empty(many[rows], np.int64), np.empty(many[rows], np.int64)
-    filled = many[:rows].copy()
-    for i in range(len(table)):
-        for q in range(at.shape[1]):
-            if at[i, q] >= 0 and row_of[at[i, q]] >= 0:
-                r = row_of[at[i, q]]
-                who[filled[r]], vertex_in[filled[r]] = i, q
-                filled[r] += 1
-    capacity, plain = 64 * rows + at0.shape[1], len(mirrors) == 0
-    start = np.zeros(rows + 1, np.int64)
-    column, entry = np.empty(capacity, np.int64), np.empty((capacity, 3))
-    answer, beyond = np.zeros((rows, 3)), np.zeros((rows, len(mirrors), 3))
-    seen, entry_of = np.full(len(values), -1, np.int64), np.empty(len(values), np.int64)
-    used = 0
-    for r in range(rows):
-        for k in range(many[r], many[r + 1]):
-            i = who[k]
-            if used + at0.shape[1] > capacity:
-                capacity *= 2
-                longer, more = np.empty(capacity, np.int64), np.empty((capacity, 3))
-                longer[:used], more[:used] = column[:used], entry[:used]
-                column, entry = longer, more
-            x, y, z = weights_at(now, i, vertex_in[k])
-            part = table[i].mass * (x * y * z) / sums[slots[r]].mass
+    return rows
+
+
+@kernel
+def find_coupling(
+    frame, particles, before, references, mirrors, slots, contact_vertices, numbers, kept, coupling
+):
+    """Find the rows of B for the contact pairs.
+
+    Parameters
+    ----------
+    particles : (NEAR_PARTICLE, NEAR_MOTION), each (n,)
+        The particles.
+    before : Supports
+        Supports of the particles at their initial positions.
+    references : Numbers
+        Their reference vertices.
+    mirrors
+        See `number_reference_vertices`.
+    slots : (rows,) int64
+        The entry of each row in `contact_vertices`.
+    contact_vertices : ContactVertices
+        The entries, with their sums.
+    numbers : (k, NUMBERS) float64
+        The records of `ReferenceVertices`.
+    kept : (2, k) int64
+        Scratch.
+    coupling : Coupling
+        Filled; `beyond` is zero before.
+
+    Returns
+    -------
+    int
+        Number of entries of all rows: if there are more than `coupling` has room for, it is not
+        filled.
+    """
+    (table, motion), (count, vertex_of, local) = particles, references
+    places = before.local
+    sums, reached, most = contact_vertices.sums, contact_vertices.reached, vertex_of.shape[1]
+    column, entry, start, beyond = coupling.column, coupling.entry, coupling.start, coupling.beyond
+    used, plain, (seen, entry_of) = 0, len(mirrors) == 0, (kept[0], kept[1])
+    seen[:] = -1
+    start[0] = 0
+    for r in range(len(slots)):
+        s = slots[r]
+        vertex = number_of(contact_vertices, contact_vertices.keys[s] // contact_vertices.groups)
+        for k in range(contact_vertices.start[s], reached.end[s]):
+            i = reached.particle[k]
+            if used + most > len(column):
+                return 2 * len(column) + most
+            part = table[i].mass * reached.weight[k] / sums[s].mass
             moves = table[i].lagrangian == 0  # its own grid is the current one
-            u, v, w = _way(frame, table[i], vertex_at(now, i, vertex_in[k]))
-            for q in range(at0.shape[1]):
-                j = at0[i, q]
-                if j < 0 or (moves and q != vertex_in[k]):
+            way = _way(frame, motion[i], vertex)
+            for o in range(count[i]):
+                j, q = vertex_of[i, o], local[i, o]
+                if moves and q != reached.local[k]:
                     continue
                 if seen[j] != r:
                     seen[j], entry_of[j] = r, used
-                    column[used], entry[used, :] = j, 0.0
+                    column[used] = j
+                    for d in range(entry.shape[1]):
+                        entry[used, d] = 0.0
                     used += 1
-                share = part if moves else part * _value(before, i, q, (u, v, w))
+                share = part if moves else part * _value(before.w[i], before.g[i], places[q], way)
                 if plain:
                     entry[entry_of[j], 0] += share
-                else:
-                    number = vertex_at(before, i, q)
-                    n = len(mirrors)
-                    for d in range(3):
-                        entry[entry_of[j], d] += share * reflection(mirrors, number, d, n)
-                    for n in range(len(mirrors)):
-                        if is_turned(mirrors, n, number):
-                            for d in range(3):
-                                beyond[r, n, d] += share * reflection(mirrors, number, d, n)
-        if plain:
-            for k in range(start[r], used):
-                entry[k, 1] = entry[k, 2] = entry[k, 0]
+                    continue
+                number = vertex_at(before, i, q)
+                for d in range(3):
+                    entry[entry_of[j], d] += share * reflection(mirrors, number, d, len(mirrors))
+                for n in range(len(mirrors)):
+                    if is_turned(mirrors, n, number):
+                        for d in range(3):
+                            beyond[r, n, d] += share * reflection(mirrors, number, d, n)
         start[r + 1] = used
-        for d in range(3):
-            answer[r, d] = _answer(column, entry, start[r], used, values, d)
-    return Coupling(start, column[:used], entry[:used], answer, beyond)
+        _answer(coupling, r, numbers)
+    return used

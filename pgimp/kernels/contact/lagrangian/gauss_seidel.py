@@ -16,36 +16,50 @@ bits.
 """
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.vectors.rows import load_row, store_row
+from pgimp.jit.vectors.simd import bits, lane, pack, vector, where
 from pgimp.kernels.contact.data import impulse_of
+from pgimp.kernels.contact.lagrangian.reference_grid import (
+    OF_HELD_IMPULSE,
+    OF_INVERSE_MASS,
+    OF_VELOCITY,
+)
 from pgimp.kernels.contact.lagrangian.rigid_ends import load_rigid, push_rigid
 from pgimp.kernels.contact.law import exchange
 
 
 @inner_kernel
-def _see(contact, a, r, coupling, values):
+def _velocity(r, coupling, numbers):
+    """Velocity at a contact vertex by row `r` of B, in lanes."""
+    start, column, entry, v = coupling.start, coupling.column, coupling.entry, vector(0.0)
+    if entry.shape[1] == 1:
+        for k in range(start[r], start[r + 1]):
+            v = entry[k, 0] * load_row(numbers, column[k], OF_VELOCITY) + v
+    else:
+        for k in range(start[r], start[r + 1]):
+            v = load_row(entry, k, 0) * load_row(numbers, column[k], OF_VELOCITY) + v
+    return v
+
+
+@inner_kernel
+def _see(contact, a, r, coupling, numbers):
     """Load velocity, mass and inverse mass of an end of a pair, with row `r`, as field `a`."""
-    row = contact.fields[a]
-    start, entry = coupling.start, coupling.entry
-    u, v, w, most = 0.0, 0.0, 0.0, 0.0
-    for k in range(start[r], start[r + 1]):
-        one = values[coupling.column[k]]
-        u += entry[k, 0] * one.velocity[0]
-        v += entry[k, 1] * one.velocity[1]
-        w += entry[k, 2] * one.velocity[2]
-    row.velocity[0], row.velocity[1], row.velocity[2] = u, v, w
+    row, most = contact.fields[a], 0.0
+    v = _velocity(r, coupling, numbers)
+    row.velocity[0], row.velocity[1], row.velocity[2] = lane(v, 0), lane(v, 1), lane(v, 2)
     for d in range(3):
         row.inverse_mass[d] = row.bilateral_inverse_mass[d] = coupling.answer[r, d]
         most = max(most, coupling.answer[r, d])
     row.mass = 1.0 / most if most > 0.0 else 1e300
 
 
-def load_pair(contact, frame, contact_pairs, k, coupling, values):
+def load_pair(contact, frame, contact_pairs, k, coupling, numbers):
     """Load pair `k` as the first pair at a vertex."""
 
 
 @specialise(load_pair)
-def _load_pair(contact, frame, contact_pairs, k, coupling, values):
-    def load_pair(contact, frame, contact_pairs, k, coupling, values):
+def _load_pair(contact, frame, contact_pairs, k, coupling, numbers):
+    def load_pair(contact, frame, contact_pairs, k, coupling, numbers):
         end, rigid = contact_pairs.ends[k], contact_pairs.rigid[k]
         number = (end.vertex[0], end.vertex[1], end.vertex[2])
         for a in range(2):
@@ -53,7 +67,7 @@ def _load_pair(contact, frame, contact_pairs, k, coupling, values):
             if s < 0:
                 load_rigid(contact, contact.rigid_bodies, frame, a, s, number, rigid)
             else:
-                _see(contact, a, s, coupling, values)
+                _see(contact, a, s, coupling, numbers)
             contact.bodies[a], contact.ends[0].fields[a] = end.bodies[a], a
         contact.ends[0].law = end.law
         contact.pair_states[0] = contact_pairs.states[k]
@@ -62,37 +76,45 @@ def _load_pair(contact, frame, contact_pairs, k, coupling, values):
 
 
 @inner_kernel
-def _give(r, J, sign, coupling, values):
+def _give(r, J, sign, coupling, numbers):
     """Apply an impulse to the reference vertices of an end of a pair, with row `r`."""
-    start, entry = coupling.start, coupling.entry
+    start, column, entry = coupling.start, coupling.column, coupling.entry
+    every = pack(J[0], J[1], J[2], 0.0)
     for k in range(start[r], start[r + 1]):
-        one = values[coupling.column[k]]
-        for d in range(3):
-            one.velocity[d] += sign * entry[k, d] * J[d] * one.inverse_mass[d]
-            if one.inverse_mass[d] == 0.0:
-                one.held_impulse[d] += sign * entry[k, d] * J[d]
+        j = column[k]
+        if entry.shape[1] == 1:
+            given = (sign * entry[k, 0]) * every
+        else:
+            given = (sign * load_row(entry, k, 0)) * every
+        mobility = load_row(numbers, j, OF_INVERSE_MASS)
+        v = given * mobility + load_row(numbers, j, OF_VELOCITY)
+        store_row(numbers, j, OF_VELOCITY, v)
+        held = mobility == 0.0
+        if bits(held) & 7 != 0:
+            lost = load_row(numbers, j, OF_HELD_IMPULSE)
+            store_row(numbers, j, OF_HELD_IMPULSE, where(held, given + lost, lost))
 
 
-def _give_both(contact, frame, end, J, coupling, values):
+def _give_both(contact, frame, end, J, coupling, numbers):
     """Apply an impulse to both ends of a pair, with opposite signs."""
 
 
 @specialise(_give_both)
-def _give_to_both(contact, frame, end, J, coupling, values):
-    def give(contact, frame, end, J, coupling, values):
+def _give_to_both(contact, frame, end, J, coupling, numbers):
+    def give(contact, frame, end, J, coupling, numbers):
         number = (end.vertex[0], end.vertex[1], end.vertex[2])
         for side in range(2):
             s, sign = end.rows[side], 2.0 * side - 1.0
             if s < 0:
                 push_rigid(contact.rigid_bodies, frame, s, number, J, sign)
             else:
-                _give(s, J, sign, coupling, values)
+                _give(s, J, sign, coupling, numbers)
 
     return give
 
 
 @kernel
-def solve_impulses(contact, free, contact_pairs, coupling, values, sweeps, enough):
+def solve_impulses(contact, free, contact_pairs, coupling, numbers, sweeps, enough):
     """Exchange impulses in all pairs until the law holds for all of them.
 
     Parameters
@@ -105,7 +127,7 @@ def solve_impulses(contact, free, contact_pairs, coupling, values, sweeps, enoug
         The pairs; `states` accumulates their impulses.
     coupling : Coupling
         The response to impulses.
-    values : (m,) REFERENCE_VERTEX
+    numbers : (m, NUMBERS) float64
         The reference vertices; their velocities are changed here.
     sweeps : int
         Maximum number of sweeps over all pairs, alternately forwards and backwards.
@@ -123,7 +145,7 @@ def solve_impulses(contact, free, contact_pairs, coupling, values, sweeps, enoug
         for n in range(pairs):
             k = n if sweep % 2 == 0 else pairs - 1 - n
             end, row = contact_pairs.ends[k], contact_pairs.states[k]
-            load_pair(contact, free.frame, contact_pairs, k, coupling, values)
+            load_pair(contact, free.frame, contact_pairs, k, coupling, numbers)
             before = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
             exchange(contact, free, number, False, 0, True)
             contact_pairs.states[k] = contact.pair_states[0]
@@ -132,7 +154,8 @@ def solve_impulses(contact, free, contact_pairs, coupling, values, sweeps, enoug
                 impulse_of(row, 1) - before[1],
                 impulse_of(row, 2) - before[2],
             )
-            _give_both(contact, free.frame, end, J, coupling, values)
+            if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
+                _give_both(contact, free.frame, end, J, coupling, numbers)
             for d in range(3):
                 change = max(change, abs(J[d]))
                 most = max(most, abs(impulse_of(row, d)))

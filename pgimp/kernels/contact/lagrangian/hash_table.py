@@ -1,6 +1,4 @@
-"""Hash table from keys to their numbers."""
-
-import numpy as np
+"""Hash table from keys to their numbers: (a power of two, 2) int64, key and number, -1 at first."""
 
 from pgimp.jit.kernel import inner_kernel, kernel
 
@@ -14,13 +12,8 @@ def table_size(count):
     return size
 
 
-def empty_table(count: int) -> np.ndarray:
-    """Make an empty table for `count` keys: (a power of two, 2) int64, key and number."""
-    return np.full((table_size(count), 2), -1, np.int64)
-
-
 @inner_kernel
-def slot(hashes, key):
+def _slot(hashes, key):
     """Slot of a key in a table, or the free slot for it."""
     mask, mixed = len(hashes) - 1, key * 0x9E3779B97F4A7C1
     at = (mixed ^ (mixed >> 31)) & mask
@@ -29,19 +22,10 @@ def slot(hashes, key):
     return at
 
 
-@kernel
-def insert_keys(keys, hashes):
-    """Insert the offsets of `keys` into a table; duplicates keep the first offset."""
-    for i in range(len(keys)):
-        at = slot(hashes, keys[i])
-        if hashes[at, 0] < 0:
-            hashes[at, 0], hashes[at, 1] = keys[i], i
-
-
 @inner_kernel
 def find_or_insert(hashes, key, found):
     """Number of a key; a new key is inserted with number `found`."""
-    at = slot(hashes, key)
+    at = _slot(hashes, key)
     if hashes[at, 0] < 0:
         hashes[at, 0], hashes[at, 1] = key, found
     return hashes[at, 1]

@@ -45,7 +45,7 @@ def _book_each_constraint(marked, r, rest, impulse):
 
 
 @kernel
-def book_held(holding, field, vertices, ledger):
+def book_held(holding, field, changes, ledger):
     """Book the impulses on held components at the reference vertices that a rank owns.
 
     Parameters
@@ -54,18 +54,17 @@ def book_held(holding, field, vertices, ledger):
         Faces and constraints.
     field : Field
         After `change_velocities`: held components move as prescribed.
-    vertices : ReferenceVertices
-        The vertices of all ranks.
+    changes : Changes
+        The keys of vertices of all ranks, and the impulses on held components.
     ledger : Ledger
         Impulses grow by the shares, and work by the shares times the velocities there.
     """
     G, forcing = field.G, holding.forcing
-    for n in range(len(vertices.keys)):
-        row = vertices.values[n]
-        lost = (row.held_impulse[0], row.held_impulse[1], row.held_impulse[2])
+    for n in range(len(changes.keys)):
+        lost = (changes.held[n, 0], changes.held[n, 1], changes.held[n, 2])
         if lost[0] == 0.0 and lost[1] == 0.0 and lost[2] == 0.0:
             continue
-        r, number = offset_of_key(holding.frame, field, vertices.keys[n])
+        r, number = offset_of_key(holding.frame, field, changes.keys[n])
         i = number[0] - field.window.lower[0]
         if r < 0 or i >= field.owned or not G[r + MASS] > forcing.mass_cutoff:
             continue

@@ -6,15 +6,12 @@ ranks.
 
 from typing import NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
+from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.memory import structure
-from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, slot, table_size
-from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
-from pgimp.kernels.data.particles import IntArray
-from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
+from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.data.record import ACCELERATION, MASS, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import held_velocity
 
@@ -24,11 +21,15 @@ FACE_PLANE = structure(
     ("axis", "i8"), ("side", "i8"), ("vertex", "i8"), ("face", "i8"), ("sticks", "i8")
 )
 
-#: A reference vertex: mass, velocity, inverse mass by component (0 if held by a face or a
-#: constraint), and the contact impulse that these bear.
+#: A reference vertex: velocity and mass, inverse mass by component (0 if held by a face or a
+#: constraint), and the contact impulse that these bear. Vectors of four numbers, see `NUMBERS`.
 REFERENCE_VERTEX = structure(
-    ("mass", "f8"), ("velocity", "f8", 3), ("inverse_mass", "f8", 3), ("held_impulse", "f8", 3)
-)
+    ("velocity", "f8", 3), ("mass", "f8"), ("inverse_mass", "f8", 3), ("_", "f8"),
+    ("held_impulse", "f8", 3), ("__", "f8"),
+)  # fmt: skip
+
+#: Numbers in a reference vertex, and the first one of each vector.
+NUMBERS, OF_VELOCITY, OF_INVERSE_MASS, OF_HELD_IMPULSE = 12, 0, 4, 8
 
 
 class ReferenceVertices(NamedTuple):
@@ -44,23 +45,26 @@ class ReferenceVertices(NamedTuple):
     values: NDArray
 
 
-class Seen(NamedTuple):
-    """Marks of the copied vertices.
+class Changes(NamedTuple):
+    """What impulses change at reference vertices.
 
     Attributes
     ----------
-    last : (planes * plane / 8,) int64
-        The step of each vertex's last copy.
-    step : int
-        The current step.
+    keys : (m,) int64
+        The vertices.
+    velocities : (m, 3) float64
+        Changes of their velocities.
+    held : (m, 3) float64
+        Impulses that faces and constraints bear.
     """
 
-    last: IntArray
-    step: int
+    keys: IntArray
+    velocities: FloatArray
+    held: FloatArray
 
 
 @inner_kernel
-def _across(frame):
+def across(frame):
     """Number of vertices along y and z."""
     y, z, more = 1, 1, 1 + 2 * frame.ghost
     for d in range(len(frame.cell)):
@@ -69,9 +73,9 @@ def _across(frame):
 
 
 @inner_kernel
-def _key(across, number, fields, field):
+def key_of_vertex(ny_nz, number, fields, field):
     """Key of a vertex, given by its numbers, for one of `fields` velocity fields."""
-    return ((number[0] * across[0] + number[1]) * across[1] + number[2]) * fields + field
+    return ((number[0] * ny_nz[0] + number[1]) * ny_nz[1] + number[2]) * fields + field
 
 
 @inner_kernel
@@ -114,16 +118,9 @@ def reflection(mirrors, number, d, count):
     return sign
 
 
-@inner_kernel
-def _has_weight(supports, i, q):
-    """Whether vertex `q` belongs to support `i`."""
-    x, y, z = weights_at(supports, i, q)
-    return x != 0.0 and y != 0.0 and z != 0.0
-
-
 @kernel
-def copy_reference_vertices(holding, field, table, supports, mirrors, seen, vertices):
-    """Copy the reference vertices on which particles have weight.
+def read_reference_vertices(holding, field, keys, values):
+    """Copy reference vertices.
 
     Parameters
     ----------
@@ -131,86 +128,34 @@ def copy_reference_vertices(holding, field, table, supports, mirrors, seen, vert
         Faces and constraints.
     field : Field
         After the update of momentum.
-    table, supports
-        The particles, and their supports in the initial configuration.
-    mirrors : (n,) FACE_PLANE
-        The reflecting walls, see `Mirror`; a vertex beyond one has its image's sums.
-    seen : Seen
-        Marks of the copied vertices, set here.
-    vertices : ReferenceVertices
-        Filled; it must be large enough.
-
-    Returns
-    -------
-    int
-        Number of vertices copied.
+    keys : (m,) int64
+        Their keys.
+    values : (m,) REFERENCE_VERTEX
+        Set here.
     """
-    frame, forcing, window, G = holding.frame, holding.forcing, field.window, field.G
-    across, fields, found, D = _across(frame), field_count(window), 0, len(frame.origin)
-    for i in range(len(table)):
-        one = table[i].field
-        for q in range(len(supports.local)):
-            if not _has_weight(supports, i, q):
-                continue
-            number = image_of(mirrors, vertex_at(supports, i, q))
-            r = one * field_size(window) + (number[0] - window.lower[0]) * window.stride[0]
-            r += (number[1] - window.lower[1]) * window.stride[1]
-            r += (number[2] - window.lower[2]) * window.stride[2]
-            if seen.last[r // RECORD] == seen.step:
-                continue
-            seen.last[r // RECORD] = seen.step
-            m, row = G[r + MASS], vertices.values[found]
-            vertices.keys[found] = _key(across, number, fields, one)
-            v = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
-            row.mass = m
-            u = held_velocity(holding, number, r, v, True)
-            for d in range(3):
-                row.velocity[d], row.inverse_mass[d], row.held_impulse[d] = v[d], 0.0, 0.0
-                if d < D and m > forcing.mass_cutoff:
-                    pushed = (
-                        v[0] + (1.0 if d == 0 else 0.0),
-                        v[1] + (1.0 if d == 1 else 0.0),
-                        v[2] + (1.0 if d == 2 else 0.0),
-                    )
-                    s = held_velocity(holding, number, r, pushed, True)
-                    row.inverse_mass[d] = 0.0 if s[d] == u[d] else 1.0 / m
-            found += 1
-    return found
-
-
-@allocating_kernel
-def number_reference_vertices(frame, table, supports, mirrors, fields, hashes):
-    """Set the numbers of the vertices of supports in the initial configuration.
-
-    Particles with one first vertex share all vertices: their numbers are found once.
-
-    Parameters
-    ----------
-    table, supports
-        The particles, of `fields` velocity fields, and their supports.
-    mirrors
-        See `copy_reference_vertices`.
-    hashes
-        Hash table of the vertices' keys.
-    """
-    across, patch_of, patches = _across(frame), np.empty(len(table), np.int64), 0
-    known = np.full((table_size(len(table)), 2), -1, np.int64)
-    for i in range(len(table)):
-        first = supports.first[i]
-        key = _key(across, (first[0], first[1], first[2]), fields, table[i].field)
-        patch_of[i] = find_or_insert(known, key, patches)
-        patches = max(patches, patch_of[i] + 1)
-    numbers = np.full((patches, len(supports.local)), -1, np.int64)
-    for i in range(len(table)):
-        patch = patch_of[i]
-        for q in range(len(supports.local)):
-            supports.at[i, q] = -1
-            if _has_weight(supports, i, q):
-                if numbers[patch, q] < 0:
-                    number = image_of(mirrors, vertex_at(supports, i, q))
-                    key = _key(across, number, fields, table[i].field)
-                    numbers[patch, q] = hashes[slot(hashes, key), 1]
-                supports.at[i, q] = numbers[patch, q]
+    frame, forcing, G = holding.frame, holding.forcing, field.G
+    D = len(frame.origin)
+    for n in range(len(keys)):
+        row = values[n]
+        row.mass = row._ = row.__ = 0.0
+        for d in range(3):
+            row.velocity[d] = row.inverse_mass[d] = row.held_impulse[d] = 0.0
+        r, number = offset_of_key(frame, field, keys[n])
+        if r < 0:  # rounding gives it weight, but no mass
+            continue
+        m, v = G[r + MASS], (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
+        row.mass = m
+        u = held_velocity(holding, number, r, v, True)
+        for d in range(3):
+            row.velocity[d] = v[d]
+            if d < D and m > forcing.mass_cutoff:
+                pushed = (
+                    v[0] + (1.0 if d == 0 else 0.0),
+                    v[1] + (1.0 if d == 1 else 0.0),
+                    v[2] + (1.0 if d == 2 else 0.0),
+                )
+                s = held_velocity(holding, number, r, pushed, True)
+                row.inverse_mass[d] = 0.0 if s[d] == u[d] else 1.0 / m
 
 
 @inner_kernel
@@ -218,7 +163,7 @@ def offset_of_key(frame, field, key):
     """Offset of a vertex's record on a rank, -1 without one, and the vertex's numbers."""
     window = field.window
     size, count = field_size(window), field_count(window)
-    ny, nz = _across(frame)
+    ny, nz = across(frame)
     rest, one = key // count, key % count
     number = (rest // (nz * ny), rest // nz % ny, rest % nz)
     x, y, z = number[0] - window.lower[0], number[1] - window.lower[1], number[2] - window.lower[2]
@@ -230,30 +175,29 @@ def offset_of_key(frame, field, key):
 
 
 @kernel
-def change_velocities(frame, field, keys, changes, forcing, work):
+def change_velocities(frame, field, changes, forcing, work):
     """Change velocities and accelerations of the vertices on a rank.
 
     Parameters
     ----------
-    keys : (m,) int64
-        See `copy_reference_vertices`, from all ranks.
-    changes : (m, 3) float64
-        Changes of their velocities.
+    changes : Changes
+        The keys of vertices of all ranks, and the changes of their velocities.
     forcing : Forcing
         Gravity, whose work was booked with the old velocities.
     work : (planes,) float64
         Grows by the changes' share of that work.
     """
     G, dt, gravity = field.G, forcing.dt, forcing.gravity
-    for n in range(len(keys)):
-        r, number = offset_of_key(frame, field, keys[n])
+    for n in range(len(changes.keys)):
+        r, number = offset_of_key(frame, field, changes.keys[n])
         if r < 0:
             continue
         power = 0.0
         for d in range(3):
-            G[r + VELOCITY + d] += changes[n, d]
-            G[r + ACCELERATION + d] += changes[n, d] / dt
-            power += gravity[d] * changes[n, d]
+            change = changes.velocities[n, d]
+            G[r + VELOCITY + d] += change
+            G[r + ACCELERATION + d] += change / dt
+            power += gravity[d] * change
         i = number[0] - field.window.lower[0]
         if i < field.owned:
             work[i] += dt * G[r + MASS] * power

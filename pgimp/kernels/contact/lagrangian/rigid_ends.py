@@ -5,10 +5,11 @@ velocity and angular velocity, by C T^t J; C is the inverse of its mass matrix. 
 same impulses, so that V and the accumulated impulses agree on all ranks.
 """
 
-from math import inf
+from math import inf, sqrt
 
+from pgimp.geometry.distancefield import MARGIN
 from pgimp.jit.kernel import inner_kernel, specialise
-from pgimp.kernels.rigid.bodies import lever, move_freely, position_of
+from pgimp.kernels.rigid.bodies import find_distance, lever, move_freely, position_of
 
 
 @inner_kernel
@@ -104,3 +105,36 @@ def _push_rigid(rigid_bodies, frame, s, number, J, sign):
     return (
         push if move_freely(rigid_bodies) else lambda rigid_bodies, frame, s, number, J, sign: None
     )
+
+
+def may_fill(rigid_bodies, frame, number, slack):
+    """Whether a rigid body that moves by up to `slack` cells may fill part of a vertex's reach."""
+
+
+@specialise(may_fill)
+def _may_fill(rigid_bodies, frame, number, slack):
+    if not hasattr(rigid_bodies, "instance_class"):
+        return lambda rigid_bodies, frame, number, slack: False
+
+    def may_fill(rigid_bodies, frame, number, slack):
+        square, least, D = 0.0, inf, len(frame.cell)
+        for d in range(D):
+            square += frame.cell[d] ** 2
+            least = min(least, frame.cell[d])
+        reach = (1.0 + slack) * sqrt(square)
+        x, y, z = position_of(frame, number)
+        for t in range(len(rigid_bodies.motion)):
+            lattice, inside = rigid_bodies.lattice[t], True
+            for d in range(D):
+                near = lattice.least[d] - 1 <= number[d] <= lattice.most[d] + 1
+                inside = inside and near
+            if not inside:
+                continue
+            if reach > MARGIN * least:  # the lattice of distances may end before
+                return True
+            find_distance(rigid_bodies, t, D, x, y, z)
+            if rigid_bodies.point[0].distance <= reach:
+                return True
+        return False
+
+    return may_fill

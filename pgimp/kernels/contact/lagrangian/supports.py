@@ -1,7 +1,8 @@
 """Supports of single particles, in memory: for the few particles near contact.
 
 Other supports are computed for four particles at once, on the stack, see
-`pgimp.kernels.transfer.supports`.
+`pgimp.kernels.transfer.supports`. Those of cut boxes are as `pgimp.kernels.contact.volumes` has
+them in the current configuration.
 """
 
 from typing import NamedTuple, Self
@@ -10,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.tuples import read
+from pgimp.kernels.contact.volumes import LEAST, cut_weights
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.transfer.first_vertex import first_vertex
 from pgimp.physics.shapes.base import weights
@@ -27,22 +30,18 @@ class Supports(NamedTuple):
         scene does not have.
     local : (k, 3) uint32
         Vertices of any support, counted from the first one, the last direction innermost.
-    at : (n, k) int64
-        The vertices' numbers in another table, or -1.
     """
 
     first: IntArray
     w: FloatArray
     g: FloatArray
     local: NDArray[np.uint32]
-    at: IntArray
 
     @classmethod
     def empty(cls, count: int, local: NDArray[np.uint32]) -> Self:
         """Allocate the supports of `count` particles; `local` is from `local_vertices`."""
         return cls(
-            np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)),
-            local, np.empty((count, len(local)), np.int64),
+            np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)), local
         )  # fmt: skip
 
 
@@ -64,16 +63,6 @@ def weights_at(supports, i, q):
     """Factors, one a direction, of the weight S of vertex `q` of support `i`."""
     w, local = supports.w[i], supports.local[q]
     return w[0, local[0]], w[1, local[1]], w[2, local[2]]
-
-
-@inner_kernel
-def slope_at(supports, i, q, d):
-    """Derivative of S along direction `d`, times the cell."""
-    w, g, local = supports.w[i], supports.g[i], supports.local[q]
-    slope = g[0, local[0]] if d == 0 else w[0, local[0]]
-    slope *= g[1, local[1]] if d == 1 else w[1, local[1]]
-    slope *= g[2, local[2]] if d == 2 else w[2, local[2]]
-    return slope
 
 
 def keep_values(out, i, values):
@@ -114,22 +103,66 @@ def _support_along(shape, frame, half, x, supports, i, d, like):
 
 
 @kernel
-def find_supports(shape, frame, table, current, supports):
-    """Set the supports of particles, except `at`.
+def find_supports(shape, frame, half, x, supports):
+    """Set the supports of particles.
 
     Parameters
     ----------
-    table : (n,) NEAR_PARTICLE
-        The particles.
-    current : bool
-        Whether to use their positions; else the positions of their weights.
+    half, x : (n, D) float64
+        Half-widths of the particles in cells, and their positions.
     supports : Supports
         Set here.
     """
+    for i in range(len(x)):
+        for d in range(3):
+            supports.first[i, d] = 0
+            for k in range(4):
+                supports.w[i, d, k] = 1.0 if k == 0 else 0.0
+                supports.g[i, d, k] = 0.0
+        _support(shape, frame, half[i], x[i], supports, i, 0, frame.origin)
+
+
+def _narrow(shape, frame, half, x, offset, supports, i, d):
+    """Set the weights of a cut box in support `i`, along the directions from `d` on."""
+
+
+@specialise(_narrow)
+def _narrow_along(shape, frame, half, x, offset, supports, i, d):
+    def last(shape, frame, half, x, offset, supports, i, d):
+        inverse, first = frame.inverse[d], supports.first[i, d]
+        f = (x[0] + offset[0] - frame.origin[d]) * inverse - (first - frame.ghost)
+        values, slopes = cut_weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
+        keep_values(supports.w[i, d], 0, values)
+        keep_values(supports.g[i, d], 0, slopes)
+
+    def more(shape, frame, half, x, offset, supports, i, d):
+        _narrow(shape, frame, half[:1], x[:1], offset[:1], supports, i, d)
+        _narrow(shape, frame, half[1:], x[1:], offset[1:], supports, i, d + 1)
+
+    return last if len(x) == 1 else more
+
+
+@kernel
+def narrow_supports(shape, frame, table, motion, whole, supports):
+    """Set the supports of cut boxes; uncut particles keep their whole supports.
+
+    Parameters
+    ----------
+    table, motion : (n,) NEAR_PARTICLE, (n,) NEAR_MOTION
+        Particles at their current positions.
+    whole : Supports
+        Supports of their whole boxes.
+    supports : Supports
+        Set here.
+    """
+    zero = frame.origin
     for i in range(len(table)):
-        supports.first[i, :] = 0
-        supports.w[i, :, :] = 0.0
-        supports.g[i, :, :] = 0.0
-        supports.w[i, :, 0] = 1.0
-        x = table[i].position if current else table[i].weight_position
-        _support(shape, frame, table[i].half_width, x, supports, i, 0, frame.origin)
+        row = table[i]
+        for d in range(3):
+            supports.first[i, d] = whole.first[i, d]
+            for k in range(4):
+                supports.w[i, d, k], supports.g[i, d, k] = whole.w[i, d, k], whole.g[i, d, k]
+        if row.cut != 0:
+            half, x = read(table.half_width, i, 0, zero), read(motion.position, i, 0, zero)
+            offset = read(motion.centroid_offset, i, 0, zero)
+            _narrow(shape, frame, half, x, offset, supports, i, 0)

@@ -7,33 +7,28 @@ pairs are in `pgimp.kernels.contact.lagrangian.pairs`, the impulses in
 `pgimp.kernels.contact.lagrangian.gauss_seidel`.
 
 A vertex has an entry for each *group* of bonded bodies. Hash tables number the entries of shared
-vertices (`pgimp.kernels.contact.lagrangian.shared_vertices`), so that memory does not grow with
+vertices (`pgimp.kernels.contact.lagrangian.candidates`), so that memory does not grow with
 distances.
 """
 
 from typing import NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.algebra import determinant, inverse
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.memory import structure
 from pgimp.jit.tuples import read
-from pgimp.kernels.contact.lagrangian.supports import slope_at, vertex_at, weights_at
-from pgimp.kernels.data.particles import IntArray
-from pgimp.kernels.transfer.first_vertex import deformation, first_vertex
+from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.transfer.first_vertex import deformation
 from pgimp.physics.shapes.base import size
 
-#: A particle near contact: position and position of its weights, mass, volume, vector to the
-#: centroid of its remaining part, curvature's share of the gap. Whether it is cut; its body, group
-#: and field; whether it has reference weights. Half-widths in cells, inverse of the deformation
-#: gradient, and first vertex of the current support.
+#: A particle near contact: position of its weights, mass, curvature's share of the gap. Whether it
+#: is cut; its body, group and field; whether it has reference weights. Half-widths in cells.
 NEAR_PARTICLE = structure(
-    ("position", "f8", 3),
     ("weight_position", "f8", 3),
     ("mass", "f8"),
-    ("volume", "f8"),
-    ("centroid_offset", "f8", 3),
     ("curvature_gap", "f8"),
     ("cut", "i8"),
     ("body", "i8"),
@@ -41,8 +36,15 @@ NEAR_PARTICLE = structure(
     ("field", "i8"),
     ("lagrangian", "i8"),
     ("half_width", "f8", 3),
+)
+
+#: What changes of it in a step: position, volume, vector to the centroid of its remaining part,
+#: inverse of the deformation gradient.
+NEAR_MOTION = structure(
+    ("position", "f8", 3),
+    ("volume", "f8"),
+    ("centroid_offset", "f8", 3),
     ("inverse_F", "f8", (3, 3)),
-    ("first_vertex", "i8", 3),
 )
 
 #: Sums of a group at a vertex: mass, volume, surface, the offset's correction of the volume. The
@@ -60,6 +62,33 @@ VERTEX_SUMS = structure(
 )
 
 
+class Reached(NamedTuple):
+    """The particles with weight at each entry in a step.
+
+    Attributes
+    ----------
+    end : (m,) int64
+        End of those of each entry, which begin where the particles within its reach do.
+    particle : (k,) int64
+        Their offsets, in canonical order.
+    local : (k,) int64
+        Offset of the vertex in the particle's support.
+    weight : (k,) float64
+        S of the particle there.
+    """
+
+    end: IntArray
+    particle: IntArray
+    local: IntArray
+    weight: FloatArray
+
+    @classmethod
+    def empty(cls, entries: int, count: int) -> "Reached":
+        """Allocate for so many entries and particles within reach of them."""
+        one, other, third = np.empty((3, count), np.int64)
+        return cls(np.empty(entries, np.int64), one, other, third.view(np.float64))
+
+
 class ContactVertices(NamedTuple):
     """Sums of groups at the vertices of the domain's grid, one entry for each group and vertex.
 
@@ -70,7 +99,13 @@ class ContactVertices(NamedTuple):
     groups : int
         Number of groups.
     keys : (m,) int64
-        Keys of the entries; in the order x, y, z, group if sorted.
+        Keys of the entries, ascending: in the order x, y, z, group.
+    start : (m + 1,) int64
+        First item of each entry in `particle`.
+    particle : (k,) int64
+        Offsets of the particles within reach of each entry, in canonical order.
+    reached : Reached
+        Those with weight in this step.
     sums : (m,) VERTEX_SUMS
         The sums.
     order : (n,) int64
@@ -81,6 +116,9 @@ class ContactVertices(NamedTuple):
     extent: IntArray
     groups: int
     keys: IntArray
+    start: IntArray
+    particle: IntArray
+    reached: Reached
     sums: NDArray
     order: IntArray
 
@@ -102,18 +140,7 @@ def number_of(contact_vertices, vertex):
 
 
 @inner_kernel
-def _clear_particle(row):
-    """Set accumulated fields, and fields with fewer than three directions, to zero."""
-    row.cut = 0
-    for d in range(3):
-        row.position[d] = row.weight_position[d] = row.centroid_offset[d] = row.half_width[d] = 0.0
-        row.first_vertex[d] = 0
-        for e in range(3):
-            row.inverse_F[d, e] = 0.0
-
-
-@inner_kernel
-def _clear_sums(row):
+def clear_sums(row):
     """Set the sums of a group at a vertex to zero."""
     row.mass = row.volume = row.volume_correction = row.curvature_gap = row.cut_weight = 0.0
     row.body = 0
@@ -130,71 +157,98 @@ def copy_near_particles(setting, particles, rows, groups, fields, lagrangian, ta
     frame = setting.frame
     for i in range(len(rows)):
         p, row = rows[i], table[i]
-        _clear_particle(row)
-        F = deformation(frame, particles, p)
-        own, x = read(particles.offset, p, 0, frame.origin), read(particles.x, p, 0, frame.origin)
-        X, D = read(particles.origin, p, 0, frame.origin), len(frame.origin)
-        row.lagrangian = 1 if lagrangian[particles.body[p]] else 0
-        kept = setting.identity if lagrangian[particles.body[p]] else F
+        F, body = deformation(frame, particles, p), particles.body[p]
+        x, X = read(particles.x, p, 0, frame.origin), read(particles.origin, p, 0, frame.origin)
+        own = read(particles.offset, p, 0, frame.origin)
+        row.lagrangian, row.cut = 1 if lagrangian[body] else 0, 0
+        kept = setting.identity if lagrangian[body] else F
         half = size(setting.shape, frame.cell, kept)[0]
-        for d in range(D):
-            row.position[d], row.weight_position[d] = x[d], X[d] if row.lagrangian else x[d]
+        for d in range(3):
+            row.weight_position[d] = row.half_width[d] = 0.0
+        for d in range(len(frame.origin)):
+            row.weight_position[d] = X[d] if row.lagrangian else x[d]
             row.half_width[d] = half[d]
-            row.first_vertex[d] = first_vertex(frame, d, half[d], x[d])
-            for e in range(D):
-                row.centroid_offset[d] += F[D * d + e] * own[e]
             if own[d] != 0.0:
                 row.cut = 1
-        back = inverse(F)
-        for d in range(D):
-            for e in range(D):
-                row.inverse_F[d, e] = back[D * d + e]
-        body = particles.body[p]
-        row.mass, row.volume = particles.m[p], particles.V0[p] * determinant(F)
-        row.curvature_gap, row.body = particles.excess[p, 0], body
+        row.mass, row.curvature_gap, row.body = particles.m[p], particles.excess[p, 0], body
         row.group, row.field = groups[body], fields[body]
 
 
 @kernel
-def sum_at_contact_vertices(frame, table, supports, left, linear, patch, numbers, contact_vertices):
+def copy_near_motion(setting, particles, rows, motion):
+    """Copy what changes in a step of the particles near contact, (n,) NEAR_MOTION."""
+    frame = setting.frame
+    D = len(frame.origin)
+    for i in range(len(rows)):
+        p, row = rows[i], motion[i]
+        F = deformation(frame, particles, p)
+        own, x = read(particles.offset, p, 0, frame.origin), read(particles.x, p, 0, frame.origin)
+        for d in range(3):
+            row.position[d] = row.centroid_offset[d] = 0.0
+            for e in range(3):
+                row.inverse_F[d, e] = 0.0
+        for d in range(D):
+            row.position[d] = x[d]
+            for e in range(D):
+                row.centroid_offset[d] += F[D * d + e] * own[e]
+        back = inverse(F)
+        for d in range(D):
+            for e in range(D):
+                row.inverse_F[d, e] = back[D * d + e]
+        row.volume = particles.V0[p] * determinant(F)
+
+
+@kernel
+def sum_at_contact_vertices(frame, table, motion, supports, left, linear, contact_vertices):
     """Sum particles into the vertices at their current positions, by group.
 
     Parameters
     ----------
-    table, supports
-        The particles, and their supports with `at`.
+    table, motion, supports
+        The particles, and their supports.
     left : Supports
         Supports of cut boxes, for the sums of volumes.
     linear : float
         1 if `left` has the whole supports, corrected by their gradient over the offset; else 0.
-    patch, numbers
-        See `pgimp.kernels.contact.lagrangian.shared_vertices.Patches`.
     contact_vertices : ContactVertices
-        With keys; the sums are set.
+        The entries; the sums are set.
     """
-    D, sums = len(frame.origin), contact_vertices.sums
+    D, sums, start = len(frame.origin), contact_vertices.sums, contact_vertices.start
+    keys, reached = contact_vertices.keys, contact_vertices.reached
+    w, v, g, first = supports.w, left.w, left.g, supports.first
+    last = supports.local[len(supports.local) - 1]
+    nx, ny, nz = int(last[0]) + 1, int(last[1]) + 1, int(last[2]) + 1
     for n in range(len(sums)):
-        _clear_sums(sums[n])
-    for i in range(len(table)):
-        row = table[i]
-        for q in range(len(supports.local)):
-            x, y, z = weights_at(supports, i, q)
-            S, n = x * y * z, numbers[patch[i], q]
-            supports.at[i, q] = n if S != 0.0 else -1
-            if n < 0 or S == 0.0:
+        total, found = sums[n], start[n]
+        clear_sums(total)
+        number = number_of(contact_vertices, keys[n] // contact_vertices.groups)
+        for k in range(start[n], start[n + 1]):
+            i = contact_vertices.particle[k]
+            a, b, c = number[0] - first[i, 0], number[1] - first[i, 1], number[2] - first[i, 2]
+            if not (0 <= a < nx and 0 <= b < ny and 0 <= c < nz):
                 continue
-            if sums[n].mass == 0.0:
-                sums[n].body = row.body
-            sums[n].mass += row.mass * S
-            sums[n].curvature_gap += row.curvature_gap * S
-            sums[n].cut_weight += row.cut * S
-            number = vertex_at(supports, i, q)
+            S = w[i, 0, a] * w[i, 1, b] * w[i, 2, c]
+            if S == 0.0:
+                continue
+            row, moved = table[i], motion[i]
+            reached.particle[found], reached.weight[found] = i, S
+            reached.local[found] = (a * ny + b) * nz + c
+            found += 1
+            if total.mass == 0.0:
+                total.body = row.body
+            total.mass += row.mass * S
+            total.curvature_gap += row.curvature_gap * S
+            total.cut_weight += row.cut * S
             for d in range(D):
-                at = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
-                sums[n].mass_offset[d] += row.lagrangian * row.mass * S * (row.position[d] - at)
-            x, y, z = weights_at(left, i, q)
-            sums[n].volume += row.volume * (x * y * z)
+                here = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
+                total.mass_offset[d] += row.lagrangian * row.mass * S * (moved.position[d] - here)
+            x, y, z = v[i, 0, a], v[i, 1, b], v[i, 2, c]
+            total.volume += moved.volume * (x * y * z)
             for d in range(D):
-                slope = slope_at(left, i, q, d) * (frame.inverse[d] * row.volume)
-                sums[n].surface[d] += slope
-                sums[n].volume_correction += linear * (slope * row.centroid_offset[d])
+                slope = g[i, 0, a] if d == 0 else x
+                slope *= g[i, 1, b] if d == 1 else y
+                slope *= g[i, 2, c] if d == 2 else z
+                slope *= frame.inverse[d] * moved.volume
+                total.surface[d] += slope
+                total.volume_correction += linear * (slope * moved.centroid_offset[d])
+        reached.end[n] = found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pgimp.kernels.contact.lagrangian.filled import ANYWHERE, NEVER, WHERE_FILLED
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
 from pgimp.physics.contact.base import TIED, UNILATERAL
@@ -98,3 +99,18 @@ def acting(pairs: Pairs, groups: np.ndarray, bodies: int) -> set[tuple[int, int]
             if pairs.entry[a, b] != 0 and groups[a] != groups[b]:
                 found.add((int(min(groups[a], groups[b])), int(max(groups[a], groups[b]))))
     return found
+
+
+def interactions(pairs: Pairs, groups: np.ndarray, rigid_bodies: int) -> np.ndarray:
+    """How groups act on each other and on rigid bodies, see `keep_possible`."""
+    count, n = 1 + int(groups.max()), len(groups)
+    acts = np.full((count, count + rigid_bodies), NEVER)
+    for a in range(n):
+        for b in range(n + rigid_bodies):
+            entry = abs(int(pairs.entry[a, b]))
+            if entry == 0 or a == b:
+                continue
+            way = WHERE_FILLED if pairs.way[entry - 1] == UNILATERAL else ANYWHERE
+            other = groups[b] if b < n else count + b - n
+            acts[groups[a], other] = max(acts[groups[a], other], way)
+    return acts

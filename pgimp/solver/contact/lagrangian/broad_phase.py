@@ -10,7 +10,12 @@ from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
-from pgimp.kernels.contact.lagrangian.broad_phase import Regions, find_near, mark_blocks
+from pgimp.kernels.contact.lagrangian.broad_phase import (
+    Regions,
+    find_near,
+    greatest_speed,
+    mark_blocks,
+)
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
@@ -18,6 +23,7 @@ from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.bonds import acting
+from pgimp.solver.contact.lagrangian.messages import gathered, greatest, united
 from pgimp.solver.time.clock import Step
 
 #: Cells by which particles may approach a partner before the next search; the most steps until
@@ -70,6 +76,8 @@ class BroadPhase:
         Their offsets in the canonical order.
     any : bool
         Whether any rank has such particles.
+    travel : float
+        Greatest distance in cells by which anything moved in the step of the last search.
     """
 
     def __init__(
@@ -77,7 +85,7 @@ class BroadPhase:
     ) -> None:
         self.scene, self.comm, self.pairs, self.walls = scene, comm, pairs, walls
         self.near = self._storage = np.empty(0, np.int64)
-        self.any = False
+        self.any, self.travel = False, 0.0
         self.call = Bound()
         self._pause = 0
         self._regions = no_regions(scene.dimension)
@@ -136,14 +144,13 @@ class BroadPhase:
         boxes = np.full((2, len(groups), D), np.inf)
         boxes[1] = -np.inf
         self.call(grow_boxes, frame, p, order, boxes)
-        speed = float(np.abs(p.v[order] * np.array(frame.inverse)).max(initial=0.0))
-        every = self.comm.allgather((boxes, speed))
+        speed = float(self.call(greatest_speed, frame, p, order))
         low, high = np.full((2, 1 + int(groups.max()), D), [[[np.inf]], [[-np.inf]]])
-        for boxes, _ in every:
+        for boxes in gathered(self.comm, boxes):
             np.minimum.at(low, groups, boxes[0])
             np.maximum.at(high, groups, boxes[1])
-        speed = max(max(each[1] for each in every), scene.interaction.rigid_bodies.rate, rate)
-        travel = speed * t.dt
+        speed = max(greatest(self.comm, speed), scene.interaction.rigid_bodies.rate, rate)
+        self.travel = travel = speed * t.dt
         self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
         away = reach(scene, scene.settings.follows) + MARGIN
         ends: list[Any] = []
@@ -189,7 +196,7 @@ class BroadPhase:
         self.call(
             mark_blocks, self.scene.domain.frame, population.particles, order, groups, regions
         )
-        np.bitwise_or.reduce(self.comm.allgather(marks), axis=0, out=marks)
+        marks[:] = united(self.comm, marks)
         far = 2.0 * reach(self.scene, self.scene.settings.follows) + MARGIN
         for r in range(n):
             region = marks[first[r] : first[r + 1]].reshape(blocks[r])
@@ -212,7 +219,7 @@ class BroadPhase:
             self._storage,
         )
         self.near = self._storage[:found]
-        self.any = bool(sum(self.comm.allgather(found)))
+        self.any = greatest(self.comm, found) > 0
 
 
 def _widen(marks: np.ndarray, count: int) -> None:

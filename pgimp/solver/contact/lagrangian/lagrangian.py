@@ -14,26 +14,24 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_contacts, book_mirrored
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
-from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling
+from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling, number_rows
 from pgimp.kernels.contact.lagrangian.gauss_seidel import solve_impulses
-from pgimp.kernels.contact.lagrangian.hash_table import empty_table, insert_keys
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
 from pgimp.kernels.contact.lagrangian.reactions import book_held
-from pgimp.kernels.contact.lagrangian.reference_grid import (
-    ReferenceVertices,
-    change_velocities,
-    number_reference_vertices,
-)
-from pgimp.kernels.contact.lagrangian.vertices import sum_at_contact_vertices
-from pgimp.kernels.data.ledger import CONTACT_AREA
+from pgimp.kernels.contact.lagrangian.reference_grid import NUMBERS, Changes, change_velocities
+from pgimp.kernels.contact.lagrangian.vertices import ContactVertices, sum_at_contact_vertices
+from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
-from pgimp.solver.contact.lagrangian.bonds import bonded, separating_walls, with_walls
+from pgimp.solver.contact.lagrangian.bonds import bonded, interactions, separating_walls, with_walls
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase, reach
-from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles, in_order
+from pgimp.solver.contact.lagrangian.joint import Joint, join, share
+from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles
+from pgimp.solver.contact.lagrangian.selected import Selection
+from pgimp.solver.contact.lagrangian.selection import Selector
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
@@ -51,8 +49,8 @@ class LagrangianContact(NoContact):
 
     Particles near contact are copied to the ranks that share out the vertices round their current
     positions, in canonical order, with their reference vertices. These ranks find the candidate
-    pairs and their rows of B. All ranks gather them, solve for the same impulses and apply these to
-    their own vertices: nothing depends on the ranks.
+    pairs and their rows of B. The rank with the first layer solves for the impulses of all, and
+    tells what they change at reference vertices: nothing depends on the ranks.
 
     Parameters
     ----------
@@ -66,8 +64,6 @@ class LagrangianContact(NoContact):
     fields : tuple of int
         Number of each body's velocity field on the reference grid: bodies in initial contact have
         different fields unless they are bonded.
-    sweeps : int
-        Sweeps of the last step.
     free : FreeBodies or None
         The rigid bodies that move freely, if any.
     """
@@ -78,7 +74,6 @@ class LagrangianContact(NoContact):
         self.bodies = len(scene.body_names)
         self.fields = (0,) * self.bodies if scene.interaction.pairs else ()
         self.groups = np.zeros(self.bodies, np.int64)
-        self.sweeps = 0
         self._grouped = False
         self.pairs, self._walls = with_walls(scene), separating_walls(scene)
         self._broad_phase = BroadPhase(scene, comm, self.pairs, self._walls)
@@ -91,7 +86,13 @@ class LagrangianContact(NoContact):
         self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
         self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
         self._every_face = scene.domain.standing_faces()
-        self._particles = NearParticles(scene, comm, rigid_bodies, self._walls)
+        self._selector = Selector(scene, comm, rigid_bodies, self._walls, self._every_face)
+        self._selector.acts = interactions(
+            self.pairs, self.groups, len(scene.interaction.rigid_bodies)
+        )
+        self._particles = NearParticles(scene, comm, self._selector.local)
+        self._selection: Selection | None = None
+        self._dt = 0.0
 
     @property
     def rigid_bodies(self) -> Any:
@@ -120,8 +121,11 @@ class LagrangianContact(NoContact):
         self.fields, self.groups = bonded(
             self.pairs, low, high, distance, scene.settings.lagrangian
         )
-        self._particles.groups = self.groups
-        self._particles.fields = np.array(self.fields, np.int64)
+        self._selector.groups = self.groups
+        self._selector.acts = interactions(
+            self.pairs, self.groups, len(scene.interaction.rigid_bodies)
+        )
+        self._selector.fields = np.array(self.fields, np.int64)
         if max(self.fields) > 0 and self.fields != grid.fields:
             grid.fields = self.fields
             grid.store(grid.base)
@@ -143,70 +147,72 @@ class LagrangianContact(NoContact):
             free.begin(rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
         looked = self._broad_phase.update(rank.population, self.groups, rigid_bodies, t, rate)
+        rate = max(self.scene.interaction.rigid_bodies.rate, rate)
+        travel, self._dt = rate * self._dt, t.dt
+        if looked:
+            self._selection = None
         if needed(self._broad_phase.any):
-            self._exchange_near(rank, update, looked)
+            self._exchange_near(rank, update, self._select(rank, looked, travel, rate * t.dt))
         if free:
             free.end(rigid_bodies, t.dt)
 
-    def _exchange_near(self, rank: RankState, update: VertexUpdate, anew: bool) -> None:
-        """Solve for the impulses; `anew`: divide the vertices among the ranks again."""
+    def _select(
+        self, rank: RankState, looked: bool, travel: float, rigid_speed: float
+    ) -> Selection:
+        """The last selection, or another one if that does not hold; collective."""
+        if self._selection is None or not self._selector.lasts(rank.grid, travel):
+            near, speeds = self._broad_phase.near, (self._broad_phase.travel, rigid_speed)
+            self._selection = self._selector.select(
+                rank.grid, rank.population, near, speeds, looked
+            )
+        return self._selection
+
+    def _exchange_near(self, rank: RankState, update: VertexUpdate, selection: Selection) -> None:
+        """Solve for the impulses."""
         scene, contact, call = self.scene, self._contact, self.call
         t, faces, forcing, ledger = update
-        grid, population = rank.grid, rank.population
+        grid = rank.grid
         holding = Holding(
             faces, scene.domain.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
         )
-        rows = population.order[self._broad_phase.near].astype(np.int64)
-        if population.outdated:
-            population.update(self._broad_phase.near)
-        near = self._particles.gather(grid, population.stored, rows, holding, anew)
-        contact_pairs, coupling = self._find(near, t)
-        vertices = near.vertices
+        near = self._particles.gather(grid.field, rank.population, selection, holding)
+        joint: Joint | None = Joint(*self._find(near, t), near.vertices)
+        assert joint is not None
+        found = len(joint.pairs.ends)
         if self.comm.size > 1:
-            contact_pairs, coupling, vertices = unite(self.comm, contact_pairs, coupling, vertices)
-        self.sweeps = 0
-        if not needed(len(contact_pairs.ends)):
+            found, joint = join(self.comm, self._selector.root, joint)
+        if not needed(found):
             return
-        values, free = vertices.values, nothing_held(holding)
-        before = values["velocity"].copy()
-        self.sweeps = call(
-            solve_impulses, contact, free, contact_pairs, coupling, values, *self._accuracy
-        )
-        changes = values["velocity"] - before
-        call(
-            change_velocities,
-            scene.domain.frame,
-            grid.field,
-            vertices.keys,
-            changes,
-            forcing,
-            ledger.work,
-        )
-        call(book_held, holding, grid.field, vertices, ledger)
-        if grid.slab.layers and grid.slab.lower is None:
-            if len(self._particles.mirrors):
-                call(book_mirrored, contact_pairs, coupling, self._particles.mirrors, ledger)
-            call(book_contacts, contact, free, contact_pairs, coupling, values, self._walls, ledger)
+        changes = None
+        if joint is not None:
+            changes = self._solve(joint, nothing_held(holding), ledger)
+        if self.comm.size > 1:
+            answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
+            changes = share(self.comm, self._selector.root, changes, answers)
+        assert changes is not None
+        call(change_velocities, scene.domain.frame, grid.field, changes, forcing, ledger.work)
+        call(book_held, holding, grid.field, changes, ledger)
+
+    def _solve(self, joint: Joint, free: Holding, ledger: Ledger) -> Changes:
+        """Solve for the impulses of pairs, and book them."""
+        contact, call, mirrors = self._contact, self.call, self._selector.mirrors
+        pairs, coupling, (keys, values) = joint
+        numbers, before = flat(values), values["velocity"].copy()
+        call(solve_impulses, contact, free, pairs, coupling, numbers, *self._accuracy)
+        changes = Changes(keys, values["velocity"] - before, values["held_impulse"].copy())
+        if len(mirrors):
+            call(book_mirrored, pairs, coupling, mirrors, ledger)
+        call(book_contacts, contact, free, pairs, coupling, numbers, self._walls, ledger)
+        return changes
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""
         contact, call, frame = self._contact, self.call, self.scene.domain.frame
-        table, patches, contact_vertices, start, vertices = near
-        now, mirrors = self._particles.supports(table, True), self._particles.mirrors
-        left = self._particles.left(table, now)
-        call(
-            sum_at_contact_vertices,
-            frame,
-            table,
-            now,
-            *left,
-            patches.patch,
-            patches.numbers,
-            contact_vertices,
-        )
-        order = np.argsort(contact_vertices.keys)
+        table, contact_vertices = near.selection.table, near.selection.contact_vertices
+        left = self._particles.left(near)
+        call(sum_at_contact_vertices, frame, table, near.motion, near.now, *left, contact_vertices)
         contact_vertices = contact_vertices._replace(
-            order=order[contact_vertices.sums["mass"][order] > 0.0]
+            order=np.flatnonzero(contact_vertices.sums["mass"] > 0.0)
         )
         capacity = 4 * len(contact_vertices.keys)
         while True:
@@ -219,55 +225,38 @@ class LagrangianContact(NoContact):
                 break
             capacity = pairs
         contact_pairs = contact_pairs.chosen(slice(pairs))
-        if needed(pairs):
-            hashes = empty_table(len(vertices.keys))
-            call(insert_keys, vertices.keys, hashes)
-            fields = 1 + max(self.fields, default=0)
-            call(number_reference_vertices, frame, table, start, mirrors, fields, hashes)
-        coupling = call(
-            find_coupling, frame, table, now, start, mirrors, contact_pairs, contact_vertices.sums,
-            vertices.values,
-        )  # fmt: skip
-        return contact_pairs, coupling
+        return contact_pairs, self._couple(near, contact_vertices, contact_pairs)
+
+    def _couple(
+        self, near: Near, contact_vertices: ContactVertices, contact_pairs: ContactPairs
+    ) -> Coupling:
+        """Find the rows of B for pairs."""
+        call, mirrors, selection = self.call, self._selector.mirrors, near.selection
+        row_of = np.empty(len(contact_vertices.keys), np.int64)
+        slots = np.empty(2 * len(contact_pairs.ends), np.int64)
+        rows = call(number_rows, contact_pairs, row_of, slots)
+        kept = np.empty((2, len(near.vertices.keys)), np.int64)
+        capacity = 64 * rows + len(selection.start.local)
+        while True:
+            coupling = Coupling(
+                np.empty(rows + 1, np.int64), np.empty(capacity, np.int64),
+                np.empty((capacity, 4 if len(mirrors) else 1)), np.empty((rows, 3)),
+                np.zeros((rows, len(mirrors), 3)),
+            )  # fmt: skip
+            entries = call(
+                find_coupling, self.scene.domain.frame, (selection.table, near.motion),
+                selection.start, selection.numbers, mirrors, slots[:rows], contact_vertices,
+                flat(near.vertices.values), kept, coupling,
+            )  # fmt: skip
+            if entries <= capacity:
+                break
+            capacity = entries
+        return coupling._replace(column=coupling.column[:entries], entry=coupling.entry[:entries])
 
 
-def unite(
-    comm: Communicator, contact_pairs: ContactPairs, coupling: Coupling, vertices: ReferenceVertices
-) -> tuple[ContactPairs, Coupling, ReferenceVertices]:
-    """Pairs and rows of B of all ranks, in the order of vertices, with the vertices; collective.
-
-    Columns of B are then numbers of the returned vertices, and rows of the pairs are numbers in
-    the united matrix.
-    """
-    used, new = np.unique(coupling.column, return_inverse=True)
-    mine = ReferenceVertices(vertices.keys[used], vertices.values[used])
-    every = comm.allgather((contact_pairs, coupling._replace(column=new), mine))
-    pairs, answers, known = zip(*every, strict=True)
-    keys = np.concatenate([each.keys for each in known])
-    union = in_order(ReferenceVertices(keys, np.concatenate([each.values for each in known])))
-    rows = entries = 0
-    starts = [np.zeros(1, np.int64)]
-    columns = []
-    for (ends, _, _), answer, own in zip(pairs, answers, known, strict=True):
-        sides = ends["rows"]
-        sides[sides >= 0] += rows
-        starts.append(answer.start[1:] + entries)
-        columns.append(np.searchsorted(union.keys, own.keys)[answer.column])
-        rows, entries = rows + len(answer.answer), entries + len(answer.column)
-    joined = ContactPairs(
-        np.concatenate([each.ends for each in pairs]),
-        np.concatenate([each.states for each in pairs]),
-        np.concatenate([each.rigid for each in pairs]),
-    )
-    order = np.lexsort(joined.ends["vertex"].T[::-1])
-    coupling = Coupling(
-        np.concatenate(starts),
-        np.concatenate(columns),
-        np.concatenate([each.entry for each in answers]),
-        np.concatenate([each.answer for each in answers]),
-        np.concatenate([each.beyond for each in answers]),
-    )
-    return joined.chosen(order), coupling, union
+def flat(values: np.ndarray) -> np.ndarray:
+    """Records of reference vertices as (n, NUMBERS) float64, without a copy."""
+    return values.view(np.float64).reshape(-1, NUMBERS)
 
 
 def nothing_held(holding: Holding) -> Holding:

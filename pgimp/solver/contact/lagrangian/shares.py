@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.mpi.communicator import Communicator
+from pgimp.solver.contact.lagrangian.messages import total
 
 #: Greater than all numbers of vertices.
 FAR = 1 << 40
@@ -32,16 +33,16 @@ class Shares(NamedTuple):
         """Axis, least and greatest vertex of a rank, (3,) int64."""
         return np.array([self.axis, self.ends[rank], self.ends[rank + 1] - 1])
 
-    def reached(self, first: np.ndarray, vertices: int, rank: int) -> np.ndarray:
+    def reached(self, first: np.ndarray, last: np.ndarray, rank: int) -> np.ndarray:
         """Whether particles have vertices of a rank, (n,) bool.
 
         Parameters
         ----------
-        first : (n, 3) float64
-            The first vertex of each, with `vertices` in each direction.
+        first, last : (n, 3) float64
+            The first and the last vertex of each by direction.
         """
-        begin = first[:, self.axis]
-        return (begin < self.ends[rank + 1]) & (begin + vertices > self.ends[rank])
+        begin, end = first[:, self.axis], last[:, self.axis]
+        return (begin < self.ends[rank + 1]) & (end >= self.ends[rank])
 
 
 def undivided(ranks: int) -> Shares:
@@ -65,13 +66,13 @@ def divide(comm: Communicator, first: np.ndarray, vertices: int, most: np.ndarra
         np.bincount(np.clip(first[:, d], 0, many - 1).astype(np.int64), minlength=many)
         for d, many in enumerate(most)
     ]
-    every = np.split(comm.allreduce(np.concatenate(counts)), np.cumsum(most)[:-1])
+    every = np.split(total(comm, np.concatenate(counts)), np.cumsum(most)[:-1])
     best, shares = np.inf, undivided(comm.size)
     for axis, count in enumerate(every):
-        total = np.concatenate([[0], np.cumsum(count)])
-        cuts = np.searchsorted(total, total[-1] * np.arange(1, comm.size) / comm.size)
+        sums = np.concatenate([[0], np.cumsum(count)])
+        cuts = np.searchsorted(sums, sums[-1] * np.arange(1, comm.size) / comm.size)
         least = np.maximum(np.concatenate([[0], cuts]) - vertices + 1, 0)
-        cost = (total[np.append(cuts, len(count))] - total[least]).max()
+        cost = (sums[np.append(cuts, len(count))] - sums[least]).max()
         if cost < best:
             best, shares = cost, Shares(axis, np.concatenate([[-FAR], cuts, [FAR]]))
     return shares

@@ -1,0 +1,88 @@
+"""A selection of particles and vertices where contact is possible, as ranks keep it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
+from pgimp.kernels.contact.lagrangian.reference_numbers import Numbers
+from pgimp.kernels.contact.lagrangian.supports import Supports
+from pgimp.kernels.contact.lagrangian.vertices import ContactVertices
+from pgimp.kernels.data.arguments import KernelScene
+from pgimp.scene.scene import Scene
+
+
+class Given(NamedTuple):
+    """What a rank has of the selections of all ranks, one after the other.
+
+    Attributes
+    ----------
+    every : (m,) int64
+        Offsets of all its selected particles in the canonical order.
+    offsets : (n,) int64
+        Offsets by rank.
+    keys : (k,) int64
+        Keys of reference vertices by rank.
+    particles, vertices : (ranks,) int64
+        How many there are for each rank.
+    """
+
+    every: np.ndarray
+    offsets: np.ndarray
+    keys: np.ndarray
+    particles: np.ndarray
+    vertices: np.ndarray
+
+
+class Selection(NamedTuple):
+    """Particles near contact round a rank's share of the vertices.
+
+    Attributes
+    ----------
+    given : Given
+        What this rank has of all selections.
+    table : (n,) NEAR_PARTICLE
+        The particles, in canonical order.
+    cut : bool
+        Whether any is cut.
+    contact_vertices : ContactVertices
+        The candidate vertices, with room for sums.
+    start : Supports
+        The particles' initial supports.
+    numbers : Numbers
+        Their reference vertices, as offsets in `keys`.
+    keys : (k,) int64
+        Keys of these vertices, ascending.
+    order : (k,) int64
+        Their offsets among the vertices that other ranks send.
+    particles, vertices : (ranks,) int64
+        How many particles and vertices each rank sends.
+    """
+
+    given: Given
+    table: np.ndarray
+    cut: bool
+    contact_vertices: ContactVertices
+    start: Supports
+    numbers: Numbers
+    keys: np.ndarray
+    order: np.ndarray
+    particles: np.ndarray
+    vertices: np.ndarray
+
+
+def plain(scene: Scene) -> KernelScene:
+    """Kernel scene with current positions, without materials."""
+    return scene.setting.without_materials()._replace(frame=scene.domain.frame)
+
+
+def mirrors_of(scene: Scene) -> np.ndarray:
+    """The mirrors, (n,) FACE_PLANE."""
+    frame = scene.domain.frame
+    rows = []
+    for each in scene.domain.mirrors:
+        vertex = frame.ghost + (each.side > 0) * frame.cells[each.axis]
+        rows.append((each.axis, each.side, vertex, each.number, each.sticks))
+    return np.array(rows, FACE_PLANE)
