@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
+from unittest.mock import patch
 
 import pytest
 from costs import Costs
@@ -50,6 +51,16 @@ def pytest_collection_modifyitems(config, items):
         left_out = [item for item in items if seconds(item) or STARTED & {*item.fixturenames}]
         items[:] = [item for item in items if item not in set(left_out)]
         config.hook.pytest_deselected(items=left_out)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def without_rehearsal():
+    """Runs in the process of the tests begin without the rehearsal that compiles all kernels.
+
+    What a test calls is compiled then, which is less. Runs in processes of their own have it.
+    """
+    with patch("pgimp.solver.setup.warm_up"), patch("pgimp.solver.stages.warm_up"):
+        yield
 
 
 class Launch(Protocol):

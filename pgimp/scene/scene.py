@@ -10,7 +10,8 @@ from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import InitialFrame, MixedFrame
 from pgimp.kernels.data.particles import Carried, Particles
-from pgimp.kernels.lagrangian.cells import MOST as MOST_OF_CELLS
+from pgimp.kernels.lagrangian.cell_sums import MOST
+from pgimp.kernels.loads.loads import Loads
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import EVERY
 from pgimp.scene.bodies.counts import count_all
@@ -48,6 +49,8 @@ class Scene:
         The frame for kernels that sort particles.
     by_cells : bool
         Whether lattice particles are summed by `pgimp.kernels.lagrangian.cells`.
+    cell_loads : Loads or ()
+        The loads on them; () if they are elastic, so that their columns are only for output.
     ends : int
         Least number of layers of the first rank and of the last rank.
     """
@@ -87,20 +90,28 @@ class Scene:
         if settings.mixed:
             self.placing = MixedFrame(*domain.frame, settings.lagrangian)
         self.by_cells = self._by_cells()
+        self.cell_loads = self._cell_loads()
         self.ends = self._ends()
 
     def _by_cells(self) -> bool:
-        case, method, materials = self.case, self.case.method, self.materials
-        loads = self.interaction.loads.at(0.0)
+        method, loads = self.case.method, self.interaction.loads.at(0.0)
         return (
             self.settings.initial
             and self.dimension > 1
             and method.in_cell
-            and max(method.particles_per_cell) <= MOST_OF_CELLS
-            and all(hasattr(type(each), "piola") for each in materials.parameters)
-            and not (materials.variations or loads.tractions or case.staged.rebonds)
-            and loads.viscosity == loads.force == loads.mean_lagrangian == ()
+            and max(method.particles_per_cell) <= MOST
+            and not (loads.force or self.case.staged.rebonds)
         )
+
+    def _cell_loads(self) -> Loads | tuple[()]:
+        materials, loads = self.materials, self.interaction.loads.at(0.0)
+        elastic = (
+            all(hasattr(type(each), "piola") for each in materials.parameters)
+            and not materials.variations
+            and not loads.viscosity
+            and isinstance(loads.mean_lagrangian, tuple)
+        )
+        return () if elastic else Loads(loads.viscosity, mean_lagrangian=loads.mean_lagrangian)
 
     def _ends(self) -> int:
         # A vertex beyond a face and its mirror image are on the same rank.

@@ -156,6 +156,8 @@ class Rank:
     def displace(self, near: np.ndarray | None = None) -> None:
         """Update lattice particles from the vertices' motion, all or those `near`, by offsets."""
         order, setting = self.lattice.inside, self.scene.setting
+        if self.scene.cell_loads:  # F and stress are those of the step
+            setting = setting.without_materials()
         if near is not None:
             rows = self.population.order[near]
             inside = self.lattice.is_inside[rows]

@@ -9,6 +9,7 @@ import numpy as np
 
 from pgimp.kernels.data.arguments import Forcing, Report
 from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
+from pgimp.kernels.lagrangian.advance import advance_cells
 from pgimp.kernels.lagrangian.cells import Cells
 from pgimp.kernels.lagrangian.keep import recall_masses
 from pgimp.kernels.loads.loads import Loads
@@ -158,6 +159,9 @@ def update_particles(
             Report(rank.vertex_bounds, mine, errors), rank.ledger,
         )  # fmt: skip
         if rank.scene.by_cells and not found:
+            if rank.scene.cell_loads:
+                cells, field = rank.lattice.cells, rank.grid.field
+                rank.call(advance_cells, cells, field, rank.population.stored, forcing.dt)
             wrong, fastest = report_cells(rank, errors, wrong, fastest)
         if away and group.rank_in_order is not None:
             mine[:away] = group.rank_in_order[mine[:away]]

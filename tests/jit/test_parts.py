@@ -10,6 +10,8 @@ from scenes import box, scene, write_case
 
 from pgimp.jit.compiled.compiler import _captured
 
+pytestmark = pytest.mark.slow(30)
+
 RUN = """
 import sys
 import pgimp

@@ -7,6 +7,7 @@ from itertools import combinations
 
 from pgimp.case.body import Body
 from pgimp.case.output import Output
+from pgimp.geometry.regions.points import Points
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.base import TIED
 from pgimp.physics.contact.pairs import ContactEntry, Pairs
@@ -47,6 +48,15 @@ def check_configuration(
     first = initial[0]
     current = [name for name in bodies if name not in initial]
     yield from _parted(bodies, rigid_bodies, current, contact)
+    on_lattice = [name for name in initial if not isinstance(bodies[name].region, Points)]
+    once = list(method.particles_per_cell).count(1)
+    if on_lattice and once > 1:
+        yield Problem(
+            ("method", "particles_per_cell"),
+            f"bodies in the initial configuration, as '{on_lattice[0]}', have hourglass modes with "
+            f"one particle along {once} directions of a cell: they strain no particle, and grow "
+            "without end; take 2 along all directions, or all but one",
+        )
     if exact is not None and current:
         yield Problem(
             ("exact",),

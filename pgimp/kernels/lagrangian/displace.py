@@ -6,7 +6,7 @@ depend on the others of the four.
 """
 
 from pgimp.jit.algebra import determinant, one_plus, symmetric
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.lanes import vectors
 from pgimp.jit.vectors.simd import stack
@@ -26,7 +26,8 @@ def displace_particles(setting, plain, field, particles, order):
     Parameters
     ----------
     setting, particles, order
-        See `KernelScene`, `Particles`, `Order`; the materials are hyperelastic.
+        See `KernelScene`, `Particles`, `Order`; the materials are hyperelastic. Without materials
+        only positions and velocities are set.
     plain : Frame
         The frame of the current configuration.
     field : Field
@@ -41,16 +42,32 @@ def displace_particles(setting, plain, field, particles, order):
             four = FourParticles(rows, min(LANES, start[layer + 1] - k), k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
             u, v, grad, _ = take_from_grid((shape, plain), field, (), four, buffer, sums)
-            F = one_plus(1.0, grad)
-            J = determinant(F)
-            m = materials_of(setting.material_of, particles.body, rows)
-            unused = vectors(symmetric(grad))
-            sigma = evaluate_four(
-                "stress", setting.materials, m, (F, J, unused, grad, 0.0), (), unused
-            )
             put_row(particles.x, rows, 0, plus_scaled(1.0, u, coordinates(frame, particles, rows)))
             put_row(particles.v, rows, 0, v)
-            put_row(particles.F, rows, 0, F)
-            put_row(particles.sigma, rows, 0, sigma)
-            if setting.tracked:
-                put(particles.V, rows, J * take(particles.V0, rows))
+            _put_elastic(setting, particles, rows, grad)
+
+
+def _put_elastic(setting, particles, rows, grad):
+    """Set F, V and stress of four elastic particles; nothing without materials.
+
+    `grad` is their displacement gradients.
+    """
+
+
+@specialise(_put_elastic)
+def _put_elastic_of(setting, particles, rows, grad):
+    if len(setting.types[setting.fields.index("materials")]) == 0:
+        return lambda setting, particles, rows, grad: None
+
+    def put_all(setting, particles, rows, grad):
+        F = one_plus(1.0, grad)
+        J = determinant(F)
+        m = materials_of(setting.material_of, particles.body, rows)
+        unused = vectors(symmetric(grad))
+        sigma = evaluate_four("stress", setting.materials, m, (F, J, unused, grad, 0.0), (), unused)
+        put_row(particles.F, rows, 0, F)
+        put_row(particles.sigma, rows, 0, sigma)
+        if setting.tracked:
+            put(particles.V, rows, J * take(particles.V0, rows))
+
+    return put_all

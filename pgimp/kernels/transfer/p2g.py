@@ -42,7 +42,9 @@ def _sum_others_too(others, field, particles, layer, span):
     if not hasattr(others, "instance_class"):  # ()
         return lambda others, field, particles, layer, span: span
     if others.instance_class is Cells:
-        return lambda others, field, particles, layer, span: add_cells(others, field, layer, span)
+        return lambda others, field, particles, layer, span: add_cells(
+            others, field, particles, layer, span
+        )
 
     def widen(others, field, particles, layer, span):
         start = others.order.start

@@ -22,11 +22,11 @@ BY_CELLS = 48
 PIOLA_SIZE = 96
 
 
-def _less_pressure(viscosity, particles, rows, sigma):
+def less_pressure(viscosity, particles, rows, sigma):
     """Stresses of four particles less the viscous pressure (45)."""
 
 
-@specialise(_less_pressure)
+@specialise(less_pressure)
 def _less_viscous_pressure(viscosity, particles, rows, sigma):
     if not hasattr(viscosity, "instance_class"):
         return lambda viscosity, particles, rows, sigma: sigma
@@ -91,13 +91,13 @@ def _keep_forces(loads, frame, particles, rows, buffer):
 
     def keep_pointwise(loads, frame, particles, rows, buffer):
         sigma = take_row(particles.sigma, rows, 0, like)
-        sigma = _less_pressure(loads.viscosity, particles, rows, sigma)
+        sigma = less_pressure(loads.viscosity, particles, rows, sigma)
         P = multiply(full(sigma), cofactor(deformations(frame, particles, rows)))
         keep_columns(buffer, 0, scaled(-take(particles.V0, rows), P))
 
     def keep_both(loads, frame, particles, rows, buffer):
         sigma = take_row(particles.sigma, rows, 0, like)
-        sigma = _less_pressure(loads.viscosity, particles, rows, sigma)
+        sigma = less_pressure(loads.viscosity, particles, rows, sigma)
         in_company = part * (1.0 - take_row(particles.alone, rows, 0, (0.0,))[0])
         mean = in_company * trace(full(sigma))
         rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])

@@ -8,9 +8,10 @@ import numpy as np
 
 from pgimp.decomposition.grid import aligned
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.lagrangian.cells import MOST, Cells
+from pgimp.kernels.lagrangian.cell_sums import MOST
+from pgimp.kernels.lagrangian.cells import Cells
 from pgimp.kernels.lagrangian.keep import beyond_bounds
-from pgimp.kernels.update.checks import INVERTED, OUTSIDE
+from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 
@@ -31,7 +32,7 @@ class LatticeCells(NamedTuple):
     rows : (slots,) int64
         Row of the particle in each slot, or -1.
     others, inside : Order
-        The particles that are in no cell, and the others.
+        The particles that are in no cell: off the lattice, or with a traction; and those in cells.
     is_inside : (capacity,) bool
         Whether the particle in a row is in a cell.
     """
@@ -70,6 +71,7 @@ def find_cells(rank: RankState) -> LatticeCells:
     number += scene.domain.frame.ghost
     fits = (np.abs(within - place) < _NEAR * per_cell).all(axis=1)
     fits &= (number[:, 0] == p.layer[rows]) & ((0 <= place) & (place < per_cell)).all(axis=1)
+    fits &= ~p.patch[rows].any(axis=1)  # tractions are forces on particles
     mine = np.flatnonzero(fits)
     offset = np.zeros(len(mine), np.int64)
     for d in range(1, D):
@@ -91,6 +93,8 @@ def find_cells(rank: RankState) -> LatticeCells:
     cells = _cells(scene, start, found[1], material, len(found[1]) * size * slices)
     taken = np.full(len(cells.volumes), -1, np.int64)
     taken[slot] = rows[mine]
+    if scene.cell_loads:
+        cells.rows[:] = repeated(taken)
     cells.volumes[slot] = p.V0[rows[mine]]
     is_inside = np.zeros(p.capacity, bool)
     is_inside[rows[mine]] = True
@@ -99,6 +103,13 @@ def find_cells(rank: RankState) -> LatticeCells:
         for mask in (~fits, fits)
     )
     return LatticeCells(cells, taken, others, inside, is_inside)
+
+
+def repeated(rows: np.ndarray) -> np.ndarray:
+    """Rows of slots with the first one of four in place of missing ones; -1 if all are missing."""
+    four = rows.reshape(-1, 4)
+    first = np.argmax(four >= 0, axis=1)[:, None]
+    return np.where(four >= 0, four, np.take_along_axis(four, first, axis=1)).reshape(-1)
 
 
 def find_beyond(rank: RankState) -> bool:
@@ -112,7 +123,8 @@ def find_beyond(rank: RankState) -> bool:
 def report_cells(rank: RankState, errors: np.ndarray, wrong: int, rate: float) -> tuple[int, float]:
     """Add the particles at fault in cells to those listed, and find the greatest rate.
 
-    Particles in cells are looked at as the step begins, and by the walls that hold them as it ends.
+    Elastic particles in cells are looked at as the step begins, others and what walls hold as it
+    ends.
 
     Parameters
     ----------
@@ -123,21 +135,31 @@ def report_cells(rank: RankState, errors: np.ndarray, wrong: int, rate: float) -
     wrong, rate : int, float
         Their number, and the greatest rate so far.
     """
-    lattice, scene = rank.lattice, rank.scene
+    lattice, scene, population = rank.lattice, rank.scene, rank.population
     count = int(lattice.cells.wrong[0])
     rows = lattice.rows[lattice.cells.wrong[1 : 1 + min(count, _LISTED)]]
-    kind = INVERTED
+    kind: int | np.ndarray = INVERTED
+    if scene.cell_loads and count:
+        kind = _faults(population.stored.F[rows].reshape(-1, scene.dimension, scene.dimension))
     if find_beyond(rank):
         bounds = np.array(scene.domain.bounds)
-        x = rank.population.particles.x[lattice.inside.rows]
+        x = population.particles.x[lattice.inside.rows]
         gone = ~((bounds[:, 0] <= x) & (x <= bounds[:, 1])).all(axis=1)
         if gone.any() and not count:
             rows, kind, count = lattice.inside.rows[gone], OUTSIDE, int(gone.sum())
     if count:
         rows = rows[: len(errors) - min(wrong, len(errors))]
+        kind = kind[: len(rows)] if isinstance(kind, np.ndarray) else kind
         errors[wrong : wrong + len(rows), 0] = rows
-        errors[wrong : wrong + len(rows), 1] = kind
+        errors[wrong : wrong + len(rows), 1] = np.broadcast_to(kind, len(rows))
     return wrong + count, max(rate, float(lattice.cells.rate[0]))
+
+
+def _faults(F: np.ndarray) -> np.ndarray:
+    """Errors of particles at fault with deformation gradients F."""
+    J = np.linalg.det(F)
+    valid = np.where(J > 0.0, OUT_OF_RANGE, INVERTED)
+    return np.where(np.isfinite(J), valid, NOT_FINITE)
 
 
 def _cells(
@@ -150,9 +172,10 @@ def _cells(
         at = (np.arange(count) + 0.5) / count
         weights[d, :count] = np.stack([1.0 - at, at], axis=1)
         gradients[d, :count] = np.array([-1.0, 1.0]) * scene.domain.frame.inverse[d]
+    rows = np.full(slots if scene.cell_loads else 0, -1, np.int64)
     return Cells(
-        scene.setting, start.astype(np.int64), np.ascontiguousarray(place), material,
-        aligned(slots), weights.reshape(-1), gradients.reshape(-1),
+        scene.setting, scene.cell_loads, start.astype(np.int64), np.ascontiguousarray(place),
+        material, aligned(slots), rows, weights.reshape(-1), gradients.reshape(-1),
         tuple((0.0,) * count for count in per_cell), bool(scene.settings.controlled), np.zeros(1),
         np.zeros(_LISTED + 1, np.int64),
     )  # fmt: skip

@@ -4,6 +4,13 @@ from proofs.scenes.bodies import number
 from proofs.scenes.materials import runs
 
 
+def _without_hourglass(scene):
+    """Take two particles a cell along each direction if there is one along two or more."""
+    method = scene.case["method"]
+    if method["particles_per_cell"].count(1) > 1:
+        method["particles_per_cell"] = [max(2, n) for n in method["particles_per_cell"]]
+
+
 def initial(rng, scene):
     """All bodies in the initial configuration, without what they cannot meet there.
 
@@ -18,6 +25,7 @@ def initial(rng, scene):
         for name, body in case["bodies"].items()
         if "rigid" not in body or (meets and "density" not in body["rigid"])
     }
+    _without_hourglass(scene)
     case.pop("escape", None)
     default = [{"bodies": "all", "friction": 0.3}] if meets and "contact" in case else []
     laws = [
@@ -51,5 +59,6 @@ def both(rng, scene):
     }
     if begun:
         case["method"].pop("volume", None)
+        _without_hourglass(scene)
     if len(case["bodies"]) > 1 and (laws or rng.random() < 0.8):
         case["contact"] = laws or [{"bodies": "all", "friction": number(rng, 0.0, 0.5)}]

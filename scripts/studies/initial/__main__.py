@@ -5,15 +5,17 @@ from time import process_time
 
 from studies.harness import Kept, key, options_of, origin, out, put, table
 from studies.initial import meetings
-from studies.initial.keeping import cube, order, ringing, speed, spin, stretch, vortex
+from studies.initial.keeping import cube, hourglass, order, ringing, speed, spin, stretch, vortex
 
 BOTH = ("current", "initial")
-WHAT = ("ringing", "spin", "stretch", "vortex", "cube", "contact", "speed")
+WHAT = ("ringing", "spin", "stretch", "vortex", "cube", "hourglass", "contact", "speed")
 CELLS = (0.1, 0.05, 0.025)
 SMOOTH = "initial, smooth"
 WORDS = {
     "at rest": "block at rest on the lattice",
     "moving": "block that moves",
+    "mean": "the same at rest with `volumetric: mean`",
+    "metal": "the same of `von-mises`",
     "random": "particles at random places",
 }
 KINDS = tuple(WORDS)
@@ -32,6 +34,8 @@ def jobs():
         add(spin, one, affine)
     for one, D, cells in product(BOTH, (2, 3), (4, 8, 16)):
         add(cube, one, D, cells)
+    for n in (1, 2):
+        add(hourglass, n)
     for amplitude in (0.5, 1.0):
         for cell in CELLS:
             add(vortex, "initial", amplitude, cell)
@@ -77,6 +81,11 @@ def text(kept):
             tips = ("stopped" if f["tip"] is None else f"{f['tip']:.3f}" for f in found)
             cells.append(", ".join(tips))
         rows.append((f"hanging cube, {D}D, 4, 8 and 16 cells: place of its tip", *cells))
+    for n in (1, 2):
+        found = ", ".join(f"{part:.2f}" for part in of("hourglass", n).values())
+        words = "one particle a cell (refused)" if n == 1 else "two a cell and direction"
+        rows.append((f"square thrown on a disk, {words}: hourglass displacements over those that "
+                     "strain, after 4, 8, 12 and 16 transits", "", found))  # fmt: skip
     for amplitude in (0.5, 1.0):
         cells = []
         for one, sizes in (("current", (0.05,)), ("initial", CELLS), (SMOOTH, CELLS)):

@@ -9,6 +9,7 @@ from studies.scenes import ball, by_id, by_turns, case_of, core, filled, finishe
 import pgimp
 from pgimp.errors import RunError
 from pgimp.mpi.comm import Serial
+from pgimp.solver.simulation import Simulation
 from pgimp.utilities.model.block import Block, block_case
 
 #: A steel-like ratio, and waves at 1.16 sqrt(E/rho).
@@ -180,12 +181,53 @@ def cube(configuration, D, cells, shape="gimp"):
     return {"tip": float(np.interp(CUBE, times, tips)), "stopped": None}
 
 
+def hourglass(per_cell, cells=10):
+    """Hourglass displacements over those that strain, of a square thrown on a rigid disk, by time.
+
+    They are root mean squares over its cells of patterns of the corners' displacements. The times
+    are 4, 8, 12 and 16 times a wave's way through the square.
+    """
+    h, size = 0.1, 0.1 * cells
+    end = 17.0 * size / WAVE
+    body = filled([3.0 * h, 6.0 * h], [3.0 * h + size, 6.0 * h + size])
+    region = ball([3.0 * h + 0.5 * size, 3.0 * h], 2.9 * h)
+    disk = {"region": region, "rigid": {"velocity": [0.0, 0.0]}}
+    jelly = {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": DENSITY}
+    body |= {"material": "jelly", "configuration": "initial", "velocity": [0.0, -0.1 * WAVE]}
+    case = case_of(
+        [size + 6.0 * h, size + 10.0 * h], h, {"jelly": jelly}, {"body": body, "disk": disk}, end,
+        time={"end": end, "step": {"courant": 0.3}}, contact=[{"bodies": "all"}],
+    )  # fmt: skip
+    model = pgimp.load(case)
+    few = model.method.model_copy(update={"particles_per_cell": (per_cell,) * 2})
+    sim = Simulation(model.model_copy(update={"method": few}), Serial())
+    found = {}
+    while not sim.finished:
+        sim.advance()
+        if sim.time >= 4.0 * (1 + len(found)) * size / WAVE:
+            found[f"{4 * (1 + len(found))}"] = _alternating(sim.rank.grid)
+    return found
+
+
+def _alternating(grid):
+    motion = grid.by_vertex(grid.motion.values)[:, 0, :, 0]
+    u, there = motion[..., 1:3], motion[..., 0] > 0.0
+    corners = [(slice(i, i - 1 or None), slice(j, j - 1 or None)) for i in (0, 1) for j in (0, 1)]
+    a, b, c, d = (u[corner] for corner in corners)
+    whole = np.all([there[corner] for corner in corners], axis=0)
+    square = [
+        (part[whole] ** 2).sum(axis=-1).mean()
+        for part in (a - b - c + d, d + c - a - b, d - c + b - a)
+    ]
+    return sqrt(square[0] / (square[1] + square[2]))
+
+
 def speed(D, kind, rounds=15, steps=12):
     """CPU time of a step in the current over that in the initial configuration, by turns.
 
     The standard block of `pgimp bench`, or a square: ``at rest`` as it lies on the lattice;
-    ``moving`` at a twentieth of the wave speed, from where it is a third of a cell away on; or its
-    particles at ``random`` places.
+    ``moving`` at a twentieth of the wave speed, from where it is a third of a cell away on; with
+    ``mean`` dilatation; of ``metal``, with a memory; or its particles at ``random`` places.
     """
     sims = {}
     for configuration in ("current", "initial"):
@@ -205,6 +247,11 @@ def speed(D, kind, rounds=15, steps=12):
             case["time"]["end"] = 10**6 * dt
             pace = 0.05 * 0.3 * case["grid"]["cell"][0] / dt
             body["velocity"] = [pace] * D
+        if kind == "mean":
+            case["method"]["volumetric"] = "mean"
+        if kind == "metal":
+            (law,) = case["materials"].values()
+            law |= {"model": "von-mises", "yield-stress": 0.01 * law["young"]}
         sim = Block(pgimp.load(case), Serial()) if kind == "random" else core(case)
         for _ in range(22 if kind == "moving" else 0):
             sim.advance()

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from scenes import start
 
 import pgimp
 from pgimp.mpi.comm import Serial
 from pgimp.solver.contact.lagrangian.bonds import separating_walls, with_walls
 from pgimp.solver.contact.lagrangian.broad_phase import MARGIN, BroadPhase, reach
-from pgimp.solver.simulation import Simulation
 from pgimp.solver.time.clock import Step
 
 
@@ -43,7 +43,7 @@ def test_near_particles_are_those_within_reach_of_another_body(D, seed, most, mo
     """
     monkeypatch.setattr("pgimp.solver.contact.lagrangian.broad_phase.BLOCKS", most)
     random = np.random.default_rng((D, seed))
-    sim = Simulation(case(D), Serial())
+    sim = start(case(D))
     p, population, scene = sim.particles, sim.rank.population, sim.scene
     rows = population.order
     middles = random.uniform(10.0, 50.0, (3, D))

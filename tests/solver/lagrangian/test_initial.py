@@ -57,7 +57,7 @@ def plane(**parts):
 def space(**parts):
     """A block between a slip wall, a fixed one and one that moves."""
     return scene(3, initial(box([0.0, 1.0, 0.0], [3.0, 3.0, 2.0])), cells=[4, 4, 4],
-                 shape="finite-gimp", per_cell=1, step=0.004, end=0.4,
+                 shape="finite-gimp", per_cell=[1, 2, 2], step=0.004, end=0.4,
                  boundaries={"x-min": "fixed", "z-min": "slip", "y-max": wall(0.3, None, -0.5)},
                  **parts)  # fmt: skip
 

@@ -1,5 +1,7 @@
 """Particles of a lattice cell by cell: as one by one, to rounding, and what asks for them."""
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 from scenes import SOFT, box, finish, scene, start
@@ -49,6 +51,7 @@ CASES = {
         cells=[8, 6],
         end=0.5,
         step=0.01,
+        tractions={"push": {"body": "body", "face": "y-max", "pressure": 5.0}},
         constraints={
             side: {
                 "body": "body",
@@ -60,19 +63,40 @@ CASES = {
     ),
 }
 
+METAL = {"model": "von-mises", "young": 300.0, "poisson": 0.3, "yield-stress": 3.0,
+         "hardening": 20.0, "density": 2.0}  # fmt: skip
+VISCOUS = SOFT | {"viscosity": {"linear": 0.2, "quadratic": 1.0}}
+
+
+def remade(case, **materials):
+    """The case with other materials by name, and `volumetric: mean` if that is asked for."""
+    case = deepcopy(case)
+    if materials.pop("mean", False):
+        case["method"]["volumetric"] = "mean"
+    case["materials"] |= materials
+    return case
+
+
+CASES |= {
+    "metal": remade(CASES["contact"], soft=VISCOUS, hard=METAL, mean=True),
+    "metal in space": remade(CASES["planes of six"], soft=METAL | {"yield-stress": 0.3}, mean=True),
+}
+del CASES["space"]
+
 
 @pytest.mark.parametrize("name", CASES)
 def test_cells_have_what_particles_have_one_by_one(name, monkeypatch):
     """Sums in another order, and F from displacements in place of its increments: to rounding."""
     cells = finish(start(CASES[name]))
-    assert cells.scene.by_cells and not len(cells.rank.lattice.others.rows)
-    monkeypatch.setattr(Scene, "by_cells", False)
+    others = len(cells.rank.lattice.others.rows)
+    assert cells.scene.by_cells and (others > 0) == ("tractions" in CASES[name])
+    monkeypatch.setattr(Scene, "_by_cells", lambda scene: False)
     single = finish(start(CASES[name]))
     assert cells.step == single.step > 20
-    rows, others = cells.live(), single.live()
+    rows, all_rows = cells.live(), single.live()
     for column in COLUMNS:
         mine, theirs = (getattr(sim.particles, column)[at] for sim, at in
-                        ((cells, rows), (single, others)))  # fmt: skip
+                        ((cells, rows), (single, all_rows)))  # fmt: skip
         # Thousands of roundings, of stresses of the size of the modulus.
         size = 300.0 if column == "sigma" else 1.0
         np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-9 * size, err_msg=column)
@@ -81,9 +105,10 @@ def test_cells_have_what_particles_have_one_by_one(name, monkeypatch):
         assert one[key] == pytest.approx(other[key], rel=1e-8, abs=1e-10), key
 
 
-def test_asking_for_particles_changes_nothing():
+@pytest.mark.parametrize("name", ["contact", "metal"])
+def test_asking_for_particles_changes_nothing(name):
     """Frames, history and probes update what they show; the next step has the same bits."""
-    quiet, asked = start(CASES["contact"]), start(CASES["contact"])
+    quiet, asked = start(CASES[name]), start(CASES[name])
     while not quiet.finished:
         quiet.advance()
         asked.advance()
@@ -94,6 +119,16 @@ def test_asking_for_particles_changes_nothing():
         mine, theirs = (getattr(sim.particles, column)[rows] for sim in (quiet, asked))
         assert mine.tobytes() == theirs.tobytes(), column
     assert quiet.rank.grid.motion.values.tobytes() == asked.rank.grid.motion.values.tobytes()
+
+
+def test_a_metal_beyond_its_shape_is_named():
+    """F of the step tells what is wrong, not the displacements of the next one."""
+    case = remade(scene(2, initial(box([1.0, 1.0], [4.0, 3.0])), step=0.02, end=9.0), soft=METAL)
+    sim = start(case)
+    values = sim.rank.grid.by_vertex(sim.rank.grid.motion.values)
+    values[5, ..., 5] = -60.0
+    with pytest.raises(RunError, match=r"particle \d+ of body 'body' is turned inside out"):
+        finish(sim)
 
 
 @pytest.mark.parametrize("cell", [0.1, 1.0 / 6.0, 0.3])

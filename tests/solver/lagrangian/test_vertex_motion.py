@@ -84,14 +84,14 @@ def test_a_cantilever_rings_for_a_hundred_periods():
     assert late == pytest.approx(early, rel=1e-3)
 
 
-@pytest.mark.parametrize("rate", [0.0, 0.5])
-def test_a_disk_for_a_hundred_thousand_steps(rate):
-    """Cut by the grid anywhere; at rest, and in spin with its edge at 0.08 c."""
+@pytest.mark.parametrize(("rate", "steps"), [(0.0, 10_000), (0.5, 100_000)])
+def test_a_disk_for_a_hundred_thousand_steps(rate, steps):
+    """Cut by the grid anywhere; at rest, where nothing may begin, and with its edge at 0.08 c."""
     region = {"ball": {"centre": [3.37, 3.21], "radius": 1.9}}
     body = turning(region, [3.37, 3.21], rate)
     sim = start(scene(2, body, cells=[7, 7], end=1e9, step={"courant": 0.6}))
     first = sim.diagnostics()
-    for _ in range(100_000):
+    for _ in range(steps):
         sim.advance()
     last = sim.diagnostics()
     if rate == 0.0:

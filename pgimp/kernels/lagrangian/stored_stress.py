@@ -1,0 +1,129 @@
+"""Forces of lattice particles from stresses in their columns: materials with a memory.
+
+With mean dilatation (`pgimp.kernels.update.mean_dilatation_lagrangian`) the cells under a particle
+are its cell alone, whose G is the deformation gradient at its centre.
+"""
+
+from pgimp.jit.algebra import cofactor, full, multiply
+from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import read, scaled
+from pgimp.jit.vectors.simd import lane, load, pack, store, vector
+from pgimp.kernels.lagrangian.cell_sums import sizes
+from pgimp.kernels.transfer.lane_io import deformations, take_row
+from pgimp.kernels.update.piola import keep_columns, less_pressure
+from pgimp.kernels.update.viscosity import trace
+
+
+def mean_total(loads):
+    """Beginning of the sum of -V0 p over the particles of a cell, p the mean stress.
+
+    () without mean dilatation.
+    """
+
+
+@specialise(mean_total)
+def _mean_total(loads):
+    if not averages(loads):
+        return lambda loads: ()
+    return lambda loads: (vector(0.0),)
+
+
+def averages(loads):
+    """Whether the Numba type of `Cells.loads` has mean dilatation."""
+    if not hasattr(loads, "instance_class"):
+        return False
+    return not hasattr(loads.types[loads.fields.index("mean_lagrangian")], "count")
+
+
+def four_slots(rows, slot):
+    """The rows of four slots."""
+
+
+@specialise(four_slots)
+def _four_slots(rows, slot):
+    return lambda rows, slot: (rows[slot], rows[slot + 1], rows[slot + 2], rows[slot + 3])
+
+
+def keep_stored(cells, particles, slot, buffer, at, total):
+    """Store -V0 P of four particles in a buffer, and add to the sum of `mean_total`."""
+
+
+@specialise(keep_stored)
+def _keep_stored(cells, particles, slot, buffer, at, total):
+    D = sizes(cells.types[cells.fields.index("per_cell")]).dimension
+    like, matrix, part = (0.0,) * (3, 4, 6)[D - 1], (0.0,) * D**2, 1.0 / D
+
+    def keep(cells, particles, slot, buffer, at, total):
+        if cells.rows[slot] < 0:
+            keep_columns(buffer, at, scaled(vector(0.0), matrix))
+            return total
+        rows = four_slots(cells.rows, slot)
+        sigma = take_row(particles.sigma, rows, 0, like)
+        sigma = less_pressure(cells.loads.viscosity, particles, rows, sigma)
+        P = multiply(full(sigma), cofactor(deformations(cells.setting.frame, particles, rows)))
+        keep_columns(buffer, at, scaled(-load(cells.volumes, slot), P))
+        return total
+
+    def keep_both(cells, particles, slot, buffer, at, total):
+        if cells.rows[slot] < 0:
+            keep_columns(buffer, at, scaled(vector(0.0), matrix))
+            return total
+        rows = four_slots(cells.rows, slot)
+        sigma = take_row(particles.sigma, rows, 0, like)
+        sigma = less_pressure(cells.loads.viscosity, particles, rows, sigma)
+        in_company = part * (1.0 - take_row(particles.alone, rows, 0, (0.0,))[0])
+        mean = in_company * trace(full(sigma))
+        rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
+        ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -load(cells.volumes, slot)
+        P = multiply(full(rest), cofactor(deformations(cells.setting.frame, particles, rows)))
+        keep_columns(buffer, at, scaled(V * ratio, P))
+        return (total[0] + V * mean,)
+
+    return keep_both if len(total) else keep
+
+
+def add_mean_forces(cells, particles, cell, total, f):
+    """Add the forces by the mean stress of a cell, -V0 p cof G grad, to its corners'."""
+
+
+@specialise(add_mean_forces)
+def _add_mean_forces(cells, particles, cell, total, f):
+    D, slices, _, _, groups, planes, first, second = sizes(
+        cells.types[cells.fields.index("per_cell")]
+    )
+    if len(total) == 0:
+        return lambda cells, particles, cell, total, f: None
+    three, slots, matrix = D == 3, 4 * groups * slices, (0.0,) * D**2
+    share = 0.5 ** (D - 1)
+
+    def add(cells, particles, cell, total, f):
+        slot = slots * cell
+        while cells.rows[slot] < 0:
+            slot += 4
+        G = read(particles.around, cells.rows[slot], 0, matrix)
+        V, inverse = total[0], cells.setting.frame.inverse
+        factor = share * ((lane(V, 0) + lane(V, 1)) + (lane(V, 2) + lane(V, 3)))
+        C = scaled(factor, cofactor(G))
+        y = inverse[first] * _column(C, first)
+        z = inverse[second] * _column(C, second)
+        for a in range(planes):
+            for i in range(4):
+                to = 16 * a + 4 * i
+                v = (-y if i < 2 else y) + (-z if i % 2 == 0 else z)
+                if three:
+                    x = inverse[0] * _column(C, 0)
+                    v = v + (-x if a == 0 else x)
+                store(f, to, load(f, to) + v)
+
+    return add
+
+
+def _column(C, j):
+    """Column `j` of a row-major matrix, as a vector behind a zero."""
+
+
+@specialise(_column)
+def _column_of(C, j):
+    if len(C) == 4:
+        return lambda C, j: pack(0.0, C[j], C[2 + j], 0.0)
+    return lambda C, j: pack(0.0, C[j], C[3 + j], C[6 + j])
