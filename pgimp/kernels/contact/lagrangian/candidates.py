@@ -133,16 +133,14 @@ def _find(known, key, found):
 
 @allocating_kernel
 def find_candidates(
-    frame, table, motion, slacks, vertices, within, boxes, rigid_bodies, contact_vertices
+    frame, particles, slacks, vertices, within, boxes, rigid_bodies, contact_vertices
 ) -> Patches:
     """Find the candidate vertices.
 
     Parameters
     ----------
-    table : (n,) NEAR_PARTICLE
-        Particles.
-    motion : (n,) NEAR_MOTION
-        Their positions.
+    particles : (NEAR_PARTICLE, NEAR_MOTION), each (n,)
+        Particles and their positions.
     slacks : (float, float)
         Cells by which particles, and rigid bodies, may move along a direction.
     vertices : int
@@ -161,6 +159,7 @@ def find_candidates(
     Patches
     """
     (axis, least, greatest), (slack, rigid_slack) = within, slacks
+    table, motion = particles
     patch_of, patches = np.empty(len(table), np.int64), 0
     begin, last = np.empty((len(table), 3), np.int64), np.empty((len(table), 3), np.int64)
     groups = np.empty(len(table), np.int64)
@@ -225,7 +224,9 @@ def find_reach(frame, table, motion, slack, vertices, patches, rank, entries) ->
 
     Parameters
     ----------
-    table, motion, slack, vertices
+    table, motion
+        The particles.
+    slack, vertices
         See `find_candidates`.
     patches : Patches
         The particles' patches.

@@ -127,29 +127,23 @@ def number_rows(contact_pairs, row_of, slots):
 
 
 @kernel
-def find_coupling(
-    frame, particles, before, references, mirrors, slots, contact_vertices, numbers, kept, coupling
-):
+def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, vertices, coupling):
     """Find the rows of B for the contact pairs.
 
     Parameters
     ----------
     particles : (NEAR_PARTICLE, NEAR_MOTION), each (n,)
         The particles.
-    before : Supports
-        Supports of the particles at their initial positions.
-    references : Numbers
-        Their reference vertices.
+    initial : (Supports, Numbers)
+        Supports of the particles at their initial positions, and their reference vertices.
     mirrors
         See `number_reference_vertices`.
     slots : (rows,) int64
         The entry of each row in `contact_vertices`.
     contact_vertices : ContactVertices
         The entries, with their sums.
-    numbers : (k, NUMBERS) float64
-        The records of `ReferenceVertices`.
-    kept : (2, k) int64
-        Scratch.
+    vertices : ((k, NUMBERS) float64, (2, k) int64)
+        The records of `ReferenceVertices`, and scratch.
     coupling : Coupling
         Filled; `beyond` is zero before.
 
@@ -159,7 +153,8 @@ def find_coupling(
         Number of entries of all rows: if there are more than `coupling` has room for, it is not
         filled.
     """
-    (table, motion), (count, vertex_of, local) = particles, references
+    (table, motion), (before, (count, vertex_of, local)) = particles, initial
+    numbers, kept = vertices
     places = before.local
     sums, reached, most = contact_vertices.sums, contact_vertices.reached, vertex_of.shape[1]
     column, entry, start, beyond = coupling.column, coupling.entry, coupling.start, coupling.beyond

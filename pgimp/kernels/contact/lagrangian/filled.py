@@ -50,7 +50,7 @@ def bound_filled(frame, table, motion, slack, vertices, patches, most):
     Parameters
     ----------
     table, motion, slack, vertices
-        See `find_candidates`; the particles are boxes.
+        See `find_reach`; the particles are boxes.
     patches : Patches
     most : (entries,) float64
         Set here.
@@ -144,31 +144,26 @@ def _meet_any_rigid(rigid_bodies, frame, number, slack, acts, most, groups, wall
 
 
 @kernel
-def keep_possible(
-    frame, faces, boxes, rigid_bodies, slack, acts, most, groups, contact_vertices, kept
-):
+def keep_possible(frame, obstacles, slack, acts, entries, contact_vertices, kept):
     """Mark the entries of vertices where there may be contact until the next selection.
 
     Parameters
     ----------
-    faces : Faces or ()
-        All walls at rest.
-    boxes, rigid_bodies
-        See `find_candidates`.
+    obstacles : (Faces or (), (m, 2, 3) int64, RigidBodies or ())
+        All walls at rest; boxes and rigid bodies as in `find_candidates`.
     slack : float
         Cells by which rigid bodies may move.
     acts : (groups, groups + rigid bodies) int64
         How groups act on each other and on rigid bodies: `NEVER`, `WHERE_FILLED`, `ANYWHERE`.
-    most : (m,) float64
-        Greatest volume of each entry; changed to the filled part.
-    groups : (m,) int64
-        Group of each entry.
+    entries : ((m,) float64, (m,) int64)
+        Greatest volume of each entry, changed to the filled part, and its group.
     contact_vertices : ContactVertices
         With the entries' keys, ascending.
     kept : (m,) bool
         Set here.
     """
     keys, first, whole = contact_vertices.keys, 0, 1.0
+    (faces, boxes, rigid_bodies), (most, groups) = obstacles, entries
     for d in range(len(frame.cell)):
         whole *= frame.cell[d]
     while first < len(keys):

@@ -245,8 +245,8 @@ class LagrangianContact(NoContact):
             )  # fmt: skip
             entries = call(
                 find_coupling, self.scene.domain.frame, (selection.table, near.motion),
-                selection.start, selection.numbers, mirrors, slots[:rows], contact_vertices,
-                flat(near.vertices.values), kept, coupling,
+                (selection.start, selection.numbers), mirrors, slots[:rows], contact_vertices,
+                (flat(near.vertices.values), kept), coupling,
             )  # fmt: skip
             if entries <= capacity:
                 break

@@ -100,7 +100,8 @@ class NearParticles:
     def supports(self, table: np.ndarray, motion: np.ndarray) -> Supports:
         """Supports of particles at their current positions; they hold until the next ones."""
         supports = self._room(len(table), "current")
-        half, x = table["half_width"], motion["position"]
+        # An empty view would count as contiguous, against `Bound`.
+        half, x = (np.ascontiguousarray(each) for each in (table["half_width"], motion["position"]))
         self.call(
             find_supports, self.scene.settings.shape, self.scene.domain.frame, half, x, supports
         )

@@ -220,7 +220,7 @@ class Selector:
         )  # fmt: skip
         within, boxes = self._shares.within(self.comm.rank), self._wall_boxes()
         patches = call(
-            find_candidates, frame, table, motion, (slack, self._rigid_slack), vertices, within,
+            find_candidates, frame, (table, motion), (slack, self._rigid_slack), vertices, within,
             boxes, self._rigid_bodies, contact_vertices,
         )  # fmt: skip
         order = self._possible(table, motion, patches, contact_vertices, boxes)
@@ -234,7 +234,7 @@ class Selector:
         )  # fmt: skip
         table = table[reach.rows]
         start, fields = Supports.empty(len(table), self.local), 1 + int(self.fields.max())
-        half, x = table["half_width"], table["weight_position"]
+        half, x = (np.ascontiguousarray(table[name]) for name in ("half_width", "weight_position"))
         call(find_supports, scene.settings.shape, self._frame, half, x, start)
         numbers = Numbers.empty(len(table), len(self.local))
         found = call(number_reference_vertices, frame, table, start, self.mirrors, fields, numbers)
@@ -266,8 +266,8 @@ class Selector:
             bound_filled, frame, table, motion, self._slack, scene.settings.vertices, patches, most
         )
         self.call(
-            keep_possible, frame, self._faces, boxes, self._rigid_bodies, self._rigid_slack,
-            self.acts, most[order], keys % contact_vertices.groups,
+            keep_possible, frame, (self._faces, boxes, self._rigid_bodies), self._rigid_slack,
+            self.acts, (most[order], keys % contact_vertices.groups),
             contact_vertices._replace(keys=keys), kept,
         )  # fmt: skip
         return order[kept]

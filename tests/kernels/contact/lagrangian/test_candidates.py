@@ -50,7 +50,7 @@ def test_candidates_are_vertices_that_several_groups_may_reach(D, seed, spread):
     within = np.array([0, 2, 9])
     slacks, boxes = (SLACK, SLACK), np.empty((0, 2, 3), np.int64)
     patches = find_candidates(
-        frame, table, motion, slacks, VERTICES, within, boxes, (), contact_vertices
+        frame, (table, motion), slacks, VERTICES, within, boxes, (), contact_vertices
     )
     order = np.argsort(patches.keys)
     rank = np.empty_like(order)
