@@ -157,10 +157,9 @@ def test_stages_book_what_they_change(shape, edge, first):
         "c": initial(box([4.5, 0.0], [6.0, 2.0], spin)),
     }
     held = {"body": "b", "region": {"box": {"min": [3.0, 0.5], "max": [4.5, 4.0]}}}
-    law = {"law": "tied"} if first == "initial" else {"friction": 0.3}
     case = scene(
         2, bodies, cells=[8, 6], shape=shape, end=0.4, step={"courant": 0.3},
-        contact=[{"bodies": "all", **law}], boundaries={"y-max": "fixed"},
+        contact=[{"bodies": "all", "law": "tied"}], boundaries={"y-max": "fixed"},
         **({"wall": edge} if edge == "mirror" else {}),
     )  # fmt: skip
     case["time"]["stages"] = [

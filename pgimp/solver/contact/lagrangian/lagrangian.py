@@ -160,12 +160,13 @@ class LagrangianContact(NoContact):
         self, rank: RankState, looked: bool, travel: float, rigid_speed: float
     ) -> Selection:
         """The last selection, or another one if that does not hold; collective."""
-        if self._selection is None or not self._selector.lasts(rank.grid, travel):
+        selection = self._selection
+        lasts = needed(selection is not None) and self._selector.lasts(rank.grid, travel)
+        if selection is None or not lasts:
             near, speeds = self._broad_phase.near, (self._broad_phase.travel, rigid_speed)
-            self._selection = self._selector.select(
-                rank.grid, rank.population, near, speeds, looked
-            )
-        return self._selection
+            selection = self._selector.select(rank.grid, rank.population, near, speeds, looked)
+            self._selection = selection
+        return selection
 
     def _exchange_near(self, rank: RankState, update: VertexUpdate, selection: Selection) -> None:
         """Solve for the impulses."""

@@ -9,6 +9,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.candidates import Patches, find_candidates, find_reach
 from pgimp.kernels.contact.lagrangian.filled import bound_filled, keep_possible
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
@@ -104,7 +105,7 @@ class Selector:
         if self.scene.settings.mixed:
             return False
         most = np.inf
-        if self._window is grid.window:
+        if needed(self._window is grid.window):
             most = self.call(greatest_travel, self.scene.domain.frame, grid.field, self._tracked)
         if self._travel > self._rigid_slack:
             most = np.inf
@@ -147,7 +148,7 @@ class Selector:
             self._tracked = call(
                 track, self._frame, grid.field, self._table, self.local, self.mirrors
             )
-        else:
+        if needed(not anew):
             call(track_on, grid.field, self._tracked)
         table = self._table
         if comm.size == 1:
