@@ -76,10 +76,42 @@ def _load_pair(contact, frame, contact_pairs, k, coupling, numbers):
 
 
 @inner_kernel
+def _entry(entry, k):
+    """Entry `k` of B by component."""
+    return vector(entry[k, 0]) if entry.shape[1] == 1 else load_row(entry, k, 0)
+
+
+@inner_kernel
+def _give_held(r, every, stiff, coupling, numbers):
+    """Apply an impulse by a row of which nearly all is held, in the components of the mask `stiff`.
+
+    Its inverse mass is zero in these, so none of its vertices moves: what holds the others bears
+    all of the impulse, by the squares of their entries. Else the sweeps would not converge.
+    """
+    start, column, entry = coupling.start, coupling.column, coupling.entry
+    whole, square = vector(0.0), vector(0.0)
+    for k in range(start[r], start[r + 1]):
+        b = _entry(entry, k)
+        held = load_row(numbers, column[k], OF_INVERSE_MASS) == 0.0
+        whole, square = whole + b, where(held, square + b * b, square)
+    for k in range(start[r], start[r + 1]):
+        j, b = column[k], _entry(entry, k)
+        mobility = load_row(numbers, j, OF_INVERSE_MASS)
+        v, lost = load_row(numbers, j, OF_VELOCITY), load_row(numbers, j, OF_HELD_IMPULSE)
+        store_row(numbers, j, OF_VELOCITY, where(stiff, v, v + b * every * mobility))
+        borne = where(stiff, whole * b * b / square, b) * every
+        store_row(numbers, j, OF_HELD_IMPULSE, where(mobility == 0.0, lost + borne, lost))
+
+
+@inner_kernel
 def _give(r, J, sign, coupling, numbers):
     """Apply an impulse to the reference vertices of an end of a pair, with row `r`."""
     start, column, entry = coupling.start, coupling.column, coupling.entry
-    every = pack(J[0], J[1], J[2], 0.0)
+    every, answer = pack(J[0], J[1], J[2], 0.0), coupling.answer
+    stiff = pack(answer[r, 0], answer[r, 1], answer[r, 2], 1.0) == 0.0
+    if bits(stiff) != 0:
+        _give_held(r, sign * every, stiff, coupling, numbers)
+        return
     for k in range(start[r], start[r + 1]):
         j = column[k]
         if entry.shape[1] == 1:
