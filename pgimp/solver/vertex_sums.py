@@ -13,11 +13,12 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.jit.bound import Bound
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.arguments import Field, Order
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.filling import FillingSums
 from pgimp.kernels.transfer.contribution import VolumeSums
-from pgimp.kernels.transfer.p2g import particles_to_grid
+from pgimp.kernels.transfer.p2g import complete, particles_to_grid
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 
@@ -100,6 +101,8 @@ class VertexSums:
             halo = self._halo(lower, upper)
             halo.proceed(own)
             halo.finish(own)
+        elif needed(0):
+            complete(own.field, 0, 1, False, np.empty(0))
 
     def _halo(self, lower: bool, upper: bool) -> Halo:
         """Return the messages to the neighbours that share a plane."""

@@ -69,6 +69,8 @@ def _rehearse(scene: Scene) -> None:
     if rank.contact.at_vertices and "contact" in scene.case.output.grid:
         active_grid(rank, STEP.start, STEP.dt)
     complete(rank.grid.field, 0, 1, False, np.empty(0))
+    if rank.grid.fields:  # bodies will come near others
+        rank.grid.regroup(rank.grid.fields)
     partition_migrants(particles.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
     unpack(pack(particles, rows), particles, rows)
     layers_of(
