@@ -26,6 +26,8 @@ def prepare():
     row = SimpleNamespace(Commit=lambda: None, Free=lambda: None)
     constants = SimpleNamespace(
         MAX="max",
+        SUM="sum",
+        BOR="bor",
         COMM_TYPE_SHARED="shared",
         BYTE=SimpleNamespace(Create_contiguous=lambda size: row),
         Comm=SimpleNamespace(Create_keyval=lambda: "key"),
@@ -122,8 +124,16 @@ class Comm:
     def Allgather(self, mine, every):
         every[...] = np.array(self.allgather(mine)).reshape(every.shape)
 
-    def Allreduce(self, mine, every):
-        every[...] = sum(self.allgather(mine.copy()))
+    def Allreduce(self, mine, every, operation="sum"):
+        parts = self.allgather(mine.copy())
+        if operation == "sum":
+            every[...] = sum(parts)
+        else:
+            unite = {"max": np.maximum, "bor": np.bitwise_or}[operation]
+            every[...] = unite.reduce(parts)
+
+    def Bcast(self, array, root=0):
+        array[...] = self.bcast(array.copy(), root)
 
     def Alltoall(self, sent, received):
         self.spread("numbers", sent.copy())
@@ -132,6 +142,7 @@ class Comm:
     def Alltoallv(self, sent, received):
         """Exchange parts of buffers of bytes, whose rows are counted."""
         (values, counts, _), (room, *_) = sent, received
+        values, room = values.reshape(-1), room.reshape(-1)
         size = values.size // max(int(np.sum(counts)), 1)
         ends = size * np.cumsum(counts)[:-1]
         self.spread("parts", [part.copy() for part in np.split(values, ends)])

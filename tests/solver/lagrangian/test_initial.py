@@ -84,7 +84,9 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_a_step_is_that_of_the_equations(name, monkeypatch):
     case = CASES[name]
-    monkeypatch.setattr(Scene, "by_cells", False)  # F is then any, not that of displacements
+    monkeypatch.setattr(
+        Scene, "_by_cells", lambda scene: False
+    )  # F is then any, not that of displacements
     sim = disturbed(case)
     scene, rows = sim.scene, sim.live()
     p = type(sim.particles)(*(column[rows].copy() for column in sim.particles))
