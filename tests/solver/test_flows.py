@@ -272,13 +272,11 @@ def test_soil_that_holds_together_does_not_flow():
         "model": "mohr-coulomb", "young": 1.0e3, "poisson": 0.25, "density": 1.0,
         "friction-angle": 30.0,
     }  # fmt: skip
-    assert tank(materials={"water": soil | {"cohesion": 0.0}}).scene.interaction.flows
+    loose = {"water": soil | {"cohesion": 0.0}}
+    assert tank(materials=loose).scene.interaction.flows
     assert not tank(materials={"water": soil | {"cohesion": 1.0}}).scene.interaction.flows
-    held = deepcopy(TANK["bodies"])
-    held["water"]["configuration"] = "initial"
-    assert not tank(
-        materials={"water": soil | {"cohesion": 0.0}}, bodies=held
-    ).scene.interaction.flows
+    held = {"water": TANK["bodies"]["water"] | {"configuration": "initial"}}
+    assert not tank(materials=loose, bodies=held).scene.interaction.flows
 
 
 def test_a_column_of_sand_collapses_and_keeps_its_volume():

@@ -131,6 +131,18 @@ def test_a_metal_beyond_its_shape_is_named():
         finish(sim)
 
 
+def test_momenta_of_metals_last():
+    """Sums by cells and F from the same vertices: to rounding, far from the start too."""
+    case = remade(disks(), soft=VISCOUS, hard=METAL, mean=True)
+    case["time"]["end"] = 10_000 * case["time"]["step"]
+    sim = start(case)
+    first = sim.diagnostics()
+    last = finish(sim).diagnostics()
+    assert sim.scene.by_cells and sim.scene.cell_loads
+    for name in ("momentum-x", "momentum-y", "angular-momentum-z"):
+        assert last[name] == pytest.approx(first[name], rel=1e-10, abs=1e-10), name
+
+
 @pytest.mark.parametrize("cell", [0.1, 1.0 / 6.0, 0.3])
 def test_rounding_divides_no_cell(cell):
     """Boxes end on the grid's lines, where rounding would put some into the next layer."""
