@@ -102,6 +102,12 @@ class Case(Model):
         description="1, 2 (plane strain, per unit thickness) or 3",
         json_schema_extra={"enum": [1, 2, 3]},
     )
+    geometry: Literal["plane-strain", "axisymmetric"] = Field(
+        default="plane-strain",
+        description="in 2 dimensions: plane-strain; or axisymmetric, where x is the radius, y the "
+        "axis at x = 0, and particles are rings: masses, volumes, forces and energies are of the "
+        "whole body, all round the axis",
+    )
     grid: Grid = Field(description="the regular grid, which is the domain")
     method: Annotated[Any, ByField(_shapes, "shape", "shape")] = Field(
         description="the shape of the particles, which decides the method"
@@ -195,6 +201,11 @@ class Case(Model):
         return found
 
     @property
+    def axisymmetric(self) -> bool:
+        """Whether x is the radius about the axis y."""
+        return self.geometry == "axisymmetric"
+
+    @property
     def courant(self) -> float | None:
         """Courant number of steps that follow the fastest wave; None for fixed steps."""
         step = self.time.step
@@ -228,7 +239,7 @@ class Case(Model):
         """Check the conditions between the parts, even if some parts are wrong."""
         if not isinstance(data, dict):
             return handler(data)
-        data = _with_zeros(data)
+        data = _with_defaults(data)
         counted = (info.context or {}).get("counted", 0.0)
         try:
             case = handler(data)
@@ -245,8 +256,8 @@ class Case(Model):
         return case
 
 
-def _with_zeros(data: dict[str, Any]) -> dict[str, Any]:
-    """Fill in the vectors that are zero by default."""
+def _with_defaults(data: dict[str, Any]) -> dict[str, Any]:
+    """Fill in the vectors that are zero by default, and the condition on an axis."""
     dimensions = data.get("dimensions")
     if isinstance(dimensions, bool) or dimensions not in (1, 2, 3):
         return data
@@ -254,6 +265,10 @@ def _with_zeros(data: dict[str, Any]) -> dict[str, Any]:
     data = dict(data)
     if isinstance(data.get("grid"), dict):
         data["grid"] = {"origin": zeros, **data["grid"]}
+        faces, origin = data.get("boundaries", {}), data["grid"]["origin"]
+        if data.get("geometry") == "axisymmetric" and isinstance(faces, dict):
+            if isinstance(origin, list | tuple) and list(origin[:1]) == [0.0]:
+                data["boundaries"] = {"x-min": "slip", **faces}
     bodies = data.get("bodies")
     if isinstance(bodies, dict):
         data["bodies"] = {

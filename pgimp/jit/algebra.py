@@ -1,15 +1,17 @@
 """Small matrices and symmetric tensors as tuples, specialised on their length at compile time.
 
-A matrix (F, the velocity gradient, a rotation) is a row-major tuple of D*D numbers. A symmetric
-tensor (stress, left Cauchy-Green) is (xx, yy, zz) in 1D, with xy in 2D (plane strain), with yz and
-xz in 3D. Each is a prefix of the next, so that the zz of plane strain is always there.
+A matrix (F, the velocity gradient, a rotation) is a row-major tuple of D*D numbers. Where the
+direction out of the plane stretches, as in axisymmetry, a matrix in 2D has its zz as fifth number.
+A symmetric tensor (stress, left Cauchy-Green) is (xx, yy, zz) in 1D, with xy in 2D, with yz and xz
+in 3D. Each is a prefix of the next, so that zz is always there.
 """
 
 from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import scaled
 
 
 def determinant(A):
-    """Determinant of a matrix; in 2D of its plane-strain extension."""
+    """Determinant of a matrix; in 2D without zz of its plane-strain extension."""
 
 
 @specialise(determinant)
@@ -18,6 +20,8 @@ def _determinant(A):
         return lambda A: A[0]
     if len(A) == 4:
         return lambda A: A[0] * A[3] - A[1] * A[2]
+    if len(A) == 5:
+        return lambda A: (A[0] * A[3] - A[1] * A[2]) * A[4]
     return lambda A: (
         A[0] * (A[4] * A[8] - A[5] * A[7])
         - A[1] * (A[3] * A[8] - A[5] * A[6])
@@ -40,6 +44,8 @@ def _multiply(A, B):
             A[2] * B[0] + A[3] * B[2],
             A[2] * B[1] + A[3] * B[3],
         )
+    if len(A) == 5:
+        return lambda A, B: (*multiply(A[:4], B[:4]), A[4] * B[4])
     return lambda A, B: (
         A[0] * B[0] + A[1] * B[3] + A[2] * B[6],
         A[0] * B[1] + A[1] * B[4] + A[2] * B[7],
@@ -68,6 +74,8 @@ def _inverse(A):
             return (A[3] * r, -A[1] * r, -A[2] * r, A[0] * r)
 
         return inverse2
+    if len(A) == 5:
+        return lambda A: (*inverse(A[:4]), 1.0 / A[4])
 
     def inverse3(A):
         c0 = A[4] * A[8] - A[5] * A[7]
@@ -99,6 +107,8 @@ def _cofactor(A):
         return lambda A: (1.0,)
     if len(A) == 4:
         return lambda A: (A[3], -A[2], -A[1], A[0])
+    if len(A) == 5:
+        return lambda A: (*scaled(A[4], cofactor(A[:4])), A[0] * A[3] - A[1] * A[2])
     return lambda A: (
         A[4] * A[8] - A[5] * A[7], A[5] * A[6] - A[3] * A[8], A[3] * A[7] - A[4] * A[6],
         A[2] * A[7] - A[1] * A[8], A[0] * A[8] - A[2] * A[6], A[1] * A[6] - A[0] * A[7],
@@ -129,6 +139,8 @@ def _one_plus(c, A):
         return lambda c, A: (1.0 + c * A[0],)
     if len(A) == 4:
         return lambda c, A: (1.0 + c * A[0], c * A[1], c * A[2], 1.0 + c * A[3])
+    if len(A) == 5:
+        return lambda c, A: (*one_plus(c, A[:4]), 1.0 + c * A[4])
     return lambda c, A: (
         1.0 + c * A[0], c * A[1], c * A[2],
         c * A[3], 1.0 + c * A[4], c * A[5],
@@ -151,6 +163,8 @@ def _skew(A):
             return (0.0, xy, -xy, 0.0)
 
         return skew2
+    if len(A) == 5:
+        return lambda A: (*skew(A[:4]), 0.0)
 
     def skew3(A):
         xy = 0.5 * (A[1] - A[3])
@@ -171,6 +185,8 @@ def _symmetric(A):
         return lambda A: (A[0], 0.0, 0.0)
     if len(A) == 4:
         return lambda A: (A[0], A[3], 0.0, 0.5 * (A[1] + A[2]))
+    if len(A) == 5:
+        return lambda A: (A[0], A[3], A[4], 0.5 * (A[1] + A[2]))
     return lambda A: (
         A[0], A[4], A[8], 0.5 * (A[1] + A[3]), 0.5 * (A[5] + A[7]), 0.5 * (A[2] + A[6]),
     )  # fmt: skip
@@ -189,6 +205,13 @@ def _left_cauchy_green(F):
             F[0] * F[0] + F[1] * F[1],
             F[2] * F[2] + F[3] * F[3],
             1.0,
+            F[0] * F[2] + F[1] * F[3],
+        )
+    if len(F) == 5:
+        return lambda F: (
+            F[0] * F[0] + F[1] * F[1],
+            F[2] * F[2] + F[3] * F[3],
+            F[4] * F[4],
             F[0] * F[2] + F[1] * F[3],
         )
     return lambda F: (

@@ -235,6 +235,10 @@ def _carry(A, S):
             S[3] + fma(p, c, fma(q, d, q + r)),
         )
 
+    def carry_out_of_plane(A, S):
+        x, y, _, xy = carry(A[:4], S)
+        return x, y, fma(A[4] * (2.0 + A[4]), 1.0 + S[2], S[2]), xy
+
     def carry3(A, S):
         xx, yy, zz, xy, yz, xz = S
         a, b, c, d, e, f, g, h, i = A
@@ -251,6 +255,8 @@ def _carry(A, S):
             xz + fma(ax, g, fma(ay, h, fma(az, i, az + gx))),
         )
 
+    if len(A) == 5:
+        return carry_out_of_plane
     return {3: carry1, 4: carry2, 6: carry3}[len(S)]
 
 

@@ -154,9 +154,12 @@ def deformation(source: Source) -> Array:
     dimension, local = source.dimension, source.take("F")
     if dimension == 3:
         return local
+    own = dimension**2
     full = np.zeros((len(source.rows), 3, 3))
     full[:, range(dimension, 3), range(dimension, 3)] = 1.0
-    full[:, :dimension, :dimension] = local.reshape(-1, dimension, dimension)
+    full[:, :dimension, :dimension] = local[:, :own].reshape(-1, dimension, dimension)
+    if local.shape[1] > own:  # of the hoop
+        full[:, 2, 2] = local[:, own]
     return full.reshape(-1, 9)
 
 
@@ -171,6 +174,8 @@ def strain(source: Source) -> Array:
             for k in range(1, D):
                 product += local[:, k * D + i] * local[:, k * D + j]
             full[:, column] = 0.5 * (product - float(i == j))
+    if local.shape[1] > D * D:  # of the hoop
+        full[:, 2] = 0.5 * (local[:, D * D] ** 2 - 1.0)
     return full
 
 

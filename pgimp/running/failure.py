@@ -14,6 +14,7 @@ from pgimp.errors import RunError, explain
 from pgimp.io.frames.particlefile import ParticleFile
 from pgimp.io.frames.xdmf import Collection, particles
 from pgimp.io.rundir.ownfiles import FAILURE as FOLDER
+from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.order.order import vertices_of
 from pgimp.kernels.update.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
@@ -215,11 +216,11 @@ def _courant(sim: Simulation, found: _Found) -> float:
 
 def _state(sim: Simulation, found: _Found, i: int) -> str:
     """State of a particle at fault, as lines of text."""
-    p, row, D = sim.particles, int(found.rows[i]), sim.scene.dimension
+    p, row = sim.particles, int(found.rows[i])
     values = {
         "x": p.x[row],
         "v": p.v[row],
-        "det F": [np.linalg.det(p.F[row].reshape(D, D))],
+        "det F": [float(volume_ratio(p.F[row], sim.scene.dimension))],
         f"stress {' '.join('xx yy zz xy yz xz'.split()[: len(p.sigma[row])])}": p.sigma[row],
         "volume, at first": [p.V[row], p.V0[row]],
     }

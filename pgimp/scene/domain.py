@@ -4,7 +4,7 @@ import numpy as np
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.data.frame import AxialFrame, Frame
 from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
@@ -48,7 +48,8 @@ class Domain:
 
     def __init__(self, case: Case, settings: Settings) -> None:
         grid, method, remote = case.grid, case.method, settings.by_vertex
-        self.frame = Frame(
+        kind = AxialFrame if case.axisymmetric else Frame
+        self.frame = kind(
             origin=tuple(float(x) for x in grid.origin),
             cell=tuple(float(x) for x in grid.cell),
             inverse=tuple(1.0 / x for x in grid.cell),
@@ -98,6 +99,13 @@ class Domain:
         self._walls = None if moves else walls(self.faces, self.frame, 0.0)
         if self._walls is not None:
             self._walls[:, GRAVITY] = np.repeat(self._gravity, 2)
+
+    def around(self, centroids: np.ndarray) -> np.ndarray | float:
+        """Way of parts with these centroids, (n, D), round the axis; 1 outside of axisymmetry.
+
+        Times their areas it is the volumes of their rings (Pappus).
+        """
+        return 2.0 * np.pi * centroids[:, 0] if isinstance(self.frame, AxialFrame) else 1.0
 
     def gravity(self, t: float) -> tuple[float, float, float]:
         """Gravity at a time, force per mass; zero in directions that the scene does not have."""

@@ -167,6 +167,9 @@ class SceneLoads:
                     parts.append(((low[d] <= centres) & (centres < high[d])).astype(float))
             overlap = overlaps(self._width[entry.axis], 2.0 * self.half[entry.axis])
             p.patch[mine, i] = entry.areas(parts, columns, 2.0 * self.half, overlap)
+            if self.case.axisymmetric:
+                radius = entry.radius(body.region, self._lattice(0)[0])[columns[0]]
+                p.patch[mine, i] *= 2.0 * np.pi * radius
         for name in {entry.body for entry in self.constraints}:
             number = self.bodies.index(name)
             mine = np.flatnonzero(p.body[rows] == number)
@@ -239,5 +242,7 @@ class SceneLoads:
         total = np.add.reduce(np.concatenate(comm.allgather(sums)), axis=0)
         for i, (entry, area) in enumerate(zip(self.tractions, total, strict=True)):
             if area > 0.0:
-                exact = entry.area(self.case.bodies[entry.body].region)
+                exact = entry.area(
+                    self.case.bodies[entry.body].region, self.case.axisymmetric
+                )
                 p.patch[rows, i] *= exact / area

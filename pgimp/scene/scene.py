@@ -8,7 +8,7 @@ from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene
-from pgimp.kernels.data.frame import InitialFrame, MixedFrame
+from pgimp.kernels.data.frame import InitialFrame, MixedFrame, identity
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.lagrangian.cell_sums import MOST
 from pgimp.kernels.loads.loads import Loads
@@ -73,14 +73,14 @@ class Scene:
             surfaces=pairs is not None or domain.unilateral_walls,
             own=materials.variations.width,
             liquid=bool(self.interaction.flows and self.interaction.flows.relaxes),
+            axial=case.axisymmetric,
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
-        identity = tuple(float(i == j) for i in range(D) for j in range(D))
         start, shape = InitialFrame(*domain.frame), case.method
         frame = start if settings.initial else domain.frame
         of_body = np.array(materials.body_material, np.int64)
         self.setting = KernelScene(
-            settings.shape, frame, identity, materials.variations.materials, of_body,
+            settings.shape, frame, identity(D, case.axisymmetric), materials.variations.materials, of_body,
             shape.tracked, domain.exits,
         )  # fmt: skip
         self.setting_lagrangian = self.setting._replace(

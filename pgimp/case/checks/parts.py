@@ -30,6 +30,7 @@ from pgimp.case.checks.domain import (
     check_output,
     check_time,
 )
+from pgimp.case.checks.geometry import check_axis, check_geometry, check_rings
 from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.probes import check_probes
 from pgimp.case.checks.regions import check_regions
@@ -128,6 +129,9 @@ _CHECKS = (
     _kinds,
     check_grid,
     check_method,
+    check_geometry,
+    check_axis,
+    check_rings,
     check_time,
     check_materials,
     check_variations,

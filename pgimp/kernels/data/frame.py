@@ -27,6 +27,19 @@ class Frame(NamedTuple):
         return tuple(n + 1 + 2 * self.ghost for n in self.cells)
 
 
+def identity(dimensions: int, axial: bool) -> tuple[float, ...]:
+    """Return the matrix 1, row by row; with its zz where the scene is axisymmetric."""
+    plane = tuple(float(i == j) for i in range(dimensions) for j in range(dimensions))
+    return (*plane, 1.0) if axial else plane
+
+
+def volume_ratio(F: np.ndarray, dimensions: int) -> np.ndarray:
+    """Return det(F) of deformation gradients, (..., D*D) or with zz (..., 5)."""
+    own = dimensions**2
+    plane = F[..., :own].reshape(*F.shape[:-1], dimensions, dimensions)
+    return np.asarray(np.linalg.det(plane) * F[..., own:].prod(axis=-1))
+
+
 class InitialFrame(Frame):
     """Position of a grid of the initial configuration (total Lagrangian).
 
@@ -34,6 +47,15 @@ class InitialFrame(Frame):
     positions, with gradients by these. Forces come from the first Piola-Kirchhoff stress, and
     particles keep their layer. Kernels choose by its type, so that other scenes are compiled as
     without it.
+    """
+
+    __slots__ = ()
+
+
+class AxialFrame(Frame):
+    """Position of the grid of an axisymmetric scene: x is the radius, from the axis at x = 0.
+
+    Vertices and particles stand for rings about the axis. Kernels choose by its type.
     """
 
     __slots__ = ()

@@ -11,6 +11,8 @@ from typing import Annotated, NamedTuple, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.kernels.data.frame import identity
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Columns = tuple[tuple[IntArray, ...], tuple[NDArray[np.int32], ...]]
@@ -38,6 +40,8 @@ class Carried(NamedTuple):
         Number of parameters of its material that vary.
     liquid : bool
         Whether they have the gradient of J.
+    axial : bool
+        Whether matrices have a zz, out of the plane.
     """
 
     dimensions: int
@@ -52,6 +56,7 @@ class Carried(NamedTuple):
     around: bool = False
     own: int = 0
     liquid: bool = False
+    axial: bool = False
 
 
 class Column(NamedTuple):
@@ -91,7 +96,7 @@ def _directions(carried: Carried) -> int:
 
 
 def _matrix(carried: Carried) -> int:
-    return carried.dimensions**2
+    return len(identity(carried.dimensions, carried.axial))
 
 
 class Particles(NamedTuple):
@@ -132,7 +137,7 @@ class Particles(NamedTuple):
     L: Annotated[
         FloatArray,
         Column(
-            "velocity gradient, row by row", "1/time", lambda c: c.dimensions**2 if c.affine else 0
+            "velocity gradient, row by row", "1/time", lambda c: _matrix(c) if c.affine else 0
         ),
     ]
     q: Annotated[FloatArray, Column("viscous pressure", "stress", lambda c: int(c.viscous))]
@@ -181,7 +186,7 @@ class Particles(NamedTuple):
             "deformation gradient of the cells in which it lies, row by row, with mean dilatation "
             "in the initial configuration",
             "1",
-            lambda c: c.dimensions**2 if c.around else 0,
+            lambda c: _matrix(c) if c.around else 0,
             initial=1.0,
         ),
     ]
@@ -207,12 +212,12 @@ class Particles(NamedTuple):
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":
         """Arrays for `capacity` particles with all carried columns at their initial values."""
-        arrays = {}
+        arrays, one = {}, np.array(identity(carried.dimensions, carried.axial))
         for name, column in COLUMNS.items():
             more = () if column.width is None else (column.width(carried),)
             arrays[name] = np.zeros((capacity, *more), column.dtype)
             if column.initial:
-                arrays[name][:, :: carried.dimensions + 1] = column.initial
+                arrays[name][:] = column.initial * one[: more[0]]
         return cls(**arrays)
 
     @property

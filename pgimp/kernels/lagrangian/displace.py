@@ -41,7 +41,7 @@ def displace_particles(setting, plain, field, particles, order):
             rows = four_rows(order.rows, k, start[layer + 1])
             four = FourParticles(rows, min(LANES, start[layer + 1] - k), k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
-            u, v, grad, _ = take_from_grid((shape, plain), field, (), four, buffer, sums)
+            u, v, grad, _, _ = take_from_grid((shape, plain), field, (), four, buffer, sums)
             put_row(particles.x, rows, 0, plus_scaled(1.0, u, coordinates(frame, particles, rows)))
             put_row(particles.v, rows, 0, v)
             _put_elastic(setting, particles, rows, grad)

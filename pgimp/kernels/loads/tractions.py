@@ -21,8 +21,15 @@ from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
-from pgimp.kernels.transfer.first_vertex import coordinate, deformation, first_vertex, half_widths
+from pgimp.kernels.transfer.first_vertex import (
+    coordinate,
+    deformation,
+    first_vertex,
+    half_widths,
+    is_axial,
+)
 from pgimp.kernels.transfer.gather import gather_products
+from pgimp.kernels.transfer.rings import ring_weights
 from pgimp.kernels.transfer.scatter import Share, scatter_products
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, keep_support
 from pgimp.kernels.transfer.transfer import Support
@@ -39,6 +46,8 @@ def _columns(F):
         return lambda F: ((F[0], 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     if len(F) == 4:
         return lambda F: ((F[0], F[2], 0.0), (F[1], F[3], 0.0), (0.0, 0.0, 1.0))
+    if len(F) == 5:
+        return lambda F: ((F[0], F[2], 0.0), (F[1], F[3], 0.0), (0.0, 0.0, F[4]))
     return lambda F: ((F[0], F[3], F[6]), (F[1], F[4], F[7]), (F[2], F[5], F[8]))
 
 
@@ -156,6 +165,20 @@ def _support_of(traction, layout, window, particles, p, layer, F, buffer):
         keep_support(buffer, 1, v, v)
         return (j - window.lower[1]) * window.stride[1]
 
+    def support_of_ring(traction, layout, window, particles, p, layer, F, buffer):
+        shape, frame = layout
+        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+        half = half_widths(shape, frame, particles, p)
+        j = first_vertex(frame, 1, half[1], y)
+        w = _along(traction, frame, F, x, 0, layer, like)
+        if traction.axis == 1:  # a plane ring, whose parts weigh with their radius
+            f = (x - frame.origin[0]) * frame.inverse[0] - (layer - frame.ghost)
+            w = ring_weights(shape, half[0], f, x * frame.inverse[0])[0]
+        v = _along(traction, frame, F, y, 1, j, like)
+        keep_support(buffer, 0, w, w)
+        keep_support(buffer, 1, v, v)
+        return (j - window.lower[1]) * window.stride[1]
+
     def support3(traction, layout, window, particles, p, layer, F, buffer):
         shape, frame = layout
         x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
@@ -170,6 +193,8 @@ def _support_of(traction, layout, window, particles, p, layer, F, buffer):
         keep_support(buffer, 2, u, u)
         return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
 
+    if is_axial(layout[1]):
+        return support_of_ring
     return (support1, support2, support3)[D - 1]
 
 
@@ -203,7 +228,7 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
             offset = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
             offset += field_of(window, particles, p)
             force = pack(0.0, f[0], f[1], f[2])
-            share = Share(zero, force, nothing, (), ())
+            share = Share(zero, force, nothing, (), (), ())
             scatter_products(shape, scratch, Support(buffer, 0), offset, window.stride, share)
 
 
@@ -228,6 +253,6 @@ def traction_power(tractions, setting, field, particles, rows, span, layer):
             offset = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
             offset += field_of(window, particles, p)
             support, at = Support(buffer, 0), start + offset
-            U = gather_products(shape, G, support, at, window.stride, frame.origin, ())[0]
+            U = gather_products(shape, G, support, at, window.stride, frame.origin, (), ())[0]
             power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
     return power

@@ -6,8 +6,8 @@ import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.memory import copy
-from pgimp.kernels.transfer.first_vertex import coordinate, first_vertex, half_widths
-from pgimp.physics.shapes.base import by_corners, size, weights
+from pgimp.kernels.transfer.first_vertex import box, coordinate, first_vertex, half_widths, off_axis
+from pgimp.physics.shapes.base import by_corners, weights
 
 #: Cells a block has along a direction, as a power of two.
 BLOCK = 2
@@ -93,7 +93,8 @@ def locate(shape, frame, particles, rows, vertices):
 def layers_of(shape, frame, identity, x, layers):
     """Set `layers`, (n,) int64, of undeformed particles at coordinates `x` along x."""
     for i in range(len(x)):
-        layers[i] = first_vertex(frame, 0, size(shape, frame.cell, identity)[0][0], x[i])
+        at = off_axis(frame, (x[i],))
+        layers[i] = first_vertex(frame, 0, box(shape, frame, identity, at)[0][0], at[0])
 
 
 @kernel

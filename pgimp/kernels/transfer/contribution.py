@@ -10,7 +10,7 @@ from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.grid.filling import FillingSums, filling_share
 from pgimp.kernels.grid.wall_gap import moment, wall
-from pgimp.kernels.transfer.first_vertex import deformation, is_initial
+from pgimp.kernels.transfer.first_vertex import deformation, is_axial, is_initial
 from pgimp.kernels.update.mean_dilatation import set_apart
 from pgimp.kernels.update.piola import kept_force
 from pgimp.kernels.update.viscosity import viscous_pressure
@@ -109,6 +109,25 @@ def _summed_offset_of(gradient, d):
     if gradient == types.float64:
         return lambda gradient, d: d
     return lambda gradient, d: scaled(0.0, d)
+
+
+def hoop_force(loads, frame, particles, p):
+    """The vector (0, -V_p sigma_zz, 0, 0) of a ring, times T the force of its hoop stress.
+
+    () outside of axisymmetry, and in sums other than of forces.
+    """
+
+
+@specialise(hoop_force)
+def _hoop_force(loads, frame, particles, p):
+    if not is_axial(frame) or loads.instance_class in (FillingSums, VolumeSums):
+        return lambda loads, frame, particles, p: ()
+
+    def force(loads, frame, particles, p):
+        hoop = particles.sigma[p, 2] - viscous_pressure(loads.viscosity, particles, p)
+        return pack(0.0, -particles.V[p] * hoop, 0.0, 0.0)
+
+    return force
 
 
 @specialise(contribution)

@@ -94,11 +94,11 @@ def grid_to_particles(
             supports(shape, frame, window, particles, rows, number, buffer, ())
             keep_means(loads.mean, shape, frame, buffer)
             keep_mean_lagrangian(loads.mean_lagrangian, shape, frame, buffer, weights)
-            u, a, grad, codes = take_from_grid(  # (30)
+            u, a, grad, codes, hoop = take_from_grid(  # (30)
                 (shape, frame), field, loads.mean, four, buffer, sums
             )
             power = add_force_power(loads.force, frame, particles, four, u, power)
-            u, v = update_velocity(frame, forcing, particles, four, u, a, ledger)  # (27)
+            u, v = update_velocity(frame, forcing, particles, four, (u, a, hoop), ledger)  # (27)
             x = update_position(forcing, particles, four, u)  # (26)
             moved = when_moved(loads.affine, dt, grad)
             keep_gradients(loads.affine, particles, rows, moved, codes)

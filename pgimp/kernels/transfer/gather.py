@@ -8,7 +8,7 @@ from pgimp.jit.tuples import joined, plus_scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import load, vector
 from pgimp.kernels.transfer.cornertransfer import gather_corners
-from pgimp.kernels.transfer.supports import entry
+from pgimp.kernels.transfer.supports import HOOP, entry
 from pgimp.kernels.transfer.transfer import last_step, lines, transfer_products
 from pgimp.kernels.update.mean_dilatation import no_rates
 from pgimp.kernels.update.mean_dilatation_weights import factor
@@ -22,9 +22,12 @@ class Sums(NamedTuple):
     ----------
     M : float or ()
         See `Loads.mean`: whether they include the mean dilatation's.
+    H : (float,) or ()
+        Whether they include the hoop's, of velocities times T_vp, as one more derivative.
     """
 
     M: NumbaObject
+    H: tuple
 
 
 def _rates(mean, f, u):
@@ -45,6 +48,17 @@ def _plus_rates_of(mean, f, u, M):
     if hasattr(mean, "count"):  # ()
         return lambda mean, f, u, M: ()
     return lambda mean, f, u, M: f * u + M
+
+
+def _plus_hoop(buffer, i, j, u, T):
+    """The tuple (T + T_i u,), with the weights T along the radius; () if T is ()."""
+
+
+@specialise(_plus_hoop)
+def _plus_hoop_of(buffer, i, j, u, T):
+    if len(T) == 0:
+        return lambda buffer, i, j, u, T: ()
+    return lambda buffer, i, j, u, T: (T[0] + entry(buffer, HOOP, 0, i, j) * u,)
 
 
 def _gather_line(G, offset, step, w, g, f, mean):
@@ -82,21 +96,23 @@ def _gather_lines(G, support, d, offset, counts, stride, Z, what):
     def gather(G, support, d, offset, counts, stride, Z, what):
         (buffer, j), mean = support, what.M
         U, A, M = vector(0.0), vector(0.0), no_rates(mean)
-        D = joined(vector(0.0), zeros(counts))
+        D, T = joined(vector(0.0), zeros(counts)), zeros(what.H)
         for i in range(counts[0]):
             w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
             u, a, b, m = lines(
-                G, support, d + 1, offset + i * stride[0], counts[1:], stride[1:], Z, what
-            )
+                G, support, d + 1, offset + i * stride[0], counts[1:], stride[1:], Z,
+                Sums(mean, ()),
+            )  # fmt: skip
             U, A = w * u + U, w * a + A
             D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
             M = _plus_rates(mean, factor(mean, buffer, d, i, j), m, M)
-        return U, A, D, M
+            T = _plus_hoop(buffer, i, j, u, T)
+        return U, A, (*D, *T), M
 
     return gather
 
 
-def gather(shape, G, support, offset, stride, like, mean):
+def gather(shape, G, support, offset, stride, like, mean, hoop):
     """Sums over a particle's support.
 
     Parameters
@@ -107,35 +123,38 @@ def gather(shape, G, support, offset, stride, like, mean):
         One entry a direction of the scene.
     mean : float or ()
         See `Loads`.
+    hoop : tuple
+        (0.0,) in axisymmetry, else ().
 
     Returns
     -------
     U, A : Vec4
         Sums of the first and second vectors of the records times S_vp (26, 27).
     D : tuple of Vec4
-        For each direction, the sum of the first vector times dS_vp/dx_i (30).
+        For each direction, the sum of the first vector times dS_vp/dx_i (30); with a `hoop` one
+        more, times T_vp.
     M : Vec4 or ()
         With a `mean`, the sum of dD_p/dv_v times velocities, component by component.
     """
 
 
 @specialise(gather)
-def _gather(shape, G, support, offset, stride, like, mean):
+def _gather(shape, G, support, offset, stride, like, mean, hoop):
     if by_corners(shape):
-        return lambda shape, G, support, offset, stride, like, mean: gather_corners(
+        return lambda shape, G, support, offset, stride, like, mean, hoop: gather_corners(
             shape, G, support, offset, stride, like
         )
-    return lambda shape, G, support, offset, stride, like, mean: gather_products(
-        shape, G, support, offset, stride, like, mean
+    return lambda shape, G, support, offset, stride, like, mean, hoop: gather_products(
+        shape, G, support, offset, stride, like, mean, hoop
     )
 
 
-def gather_products(shape, G, support, offset, stride, like, mean):
+def gather_products(shape, G, support, offset, stride, like, mean, hoop):
     """As `gather`, for weights that are products by direction, of any shape."""
 
 
 @specialise(gather_products)
-def _gather_products(shape, G, support, offset, stride, like, mean):
-    return lambda shape, G, support, offset, stride, like, mean: transfer_products(
-        shape, G, support, offset, stride, like, Sums(mean)
+def _gather_products(shape, G, support, offset, stride, like, mean, hoop):
+    return lambda shape, G, support, offset, stride, like, mean, hoop: transfer_products(
+        shape, G, support, offset, stride, like, Sums(mean, hoop)
     )

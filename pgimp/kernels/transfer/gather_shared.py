@@ -12,7 +12,7 @@ from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import vector
 from pgimp.kernels.data.record import ACCELERATION, HELD, RECORD, VELOCITY
-from pgimp.kernels.transfer.first_vertex import is_initial
+from pgimp.kernels.transfer.first_vertex import is_axial, is_initial
 from pgimp.kernels.transfer.gather import gather
 from pgimp.kernels.transfer.lane_io import LANES
 from pgimp.kernels.transfer.supports import extents, first_offset, four_entries, share_support
@@ -49,6 +49,8 @@ def take_from_grid(layout, field, mean, four, buffer, sums):
         Gradient of the velocity, row-major.
     held : Vec4
         Weighted sums of `HELD` over the vertices.
+    hoop : tuple of 2 Vec4 or ()
+        In axisymmetry, sums of velocities times T_vp; `grad` then has that of the radial ones.
     """
 
 
@@ -62,7 +64,7 @@ def _take_from_grid(layout, field, mean, four, buffer, sums):
         u, a, D, held = gather_shared(
             shape, field.G, buffer, offset, window.stride, frame.origin, frame.origin
         )
-        return u, a, row_major(D), held
+        return u, a, row_major(D), held, ()
 
     if is_initial(layout[1]):
         return where_shared
@@ -83,15 +85,31 @@ def _take_one_by_one(layout, field, mean, four, buffer, sums):
         for j in range(four.size):
             offset = begin + first_offset(buffer, j)
             U, A, D, M = gather(
-                shape, field.G, Support(buffer, j), offset, window.stride, frame.origin, mean
+                shape, field.G, Support(buffer, j), offset, window.stride, frame.origin, mean, ()
             )
             keep_sums(sums, j, U, A, D)
             keep_rates(M, buffer, j)
         repeat_sums(sums, four.size, frame.origin)
         u, a = collected(sums, 0, frame.origin), collected(sums, 1, frame.origin)
-        return u, a, gradients(sums, 2, frame.origin), held_weights(sums)
+        return u, a, gradients(sums, 2, frame.origin), held_weights(sums), ()
 
-    return one_by_one
+    def rings(layout, field, mean, four, buffer, sums):
+        (shape, frame), window = layout, field.window
+        begin = four.layer * window.stride[0]
+        for j in range(four.size):
+            offset = begin + first_offset(buffer, j)
+            keep_sums(
+                sums, j, *gather(
+                    shape, field.G, Support(buffer, j), offset, window.stride, frame.origin, mean,
+                    (0.0,),
+                )[:3],
+            )  # fmt: skip
+        repeat_sums(sums, four.size, (0.0, 0.0, 0.0))
+        u, a = collected(sums, 0, frame.origin), collected(sums, 1, frame.origin)
+        hoop = collected(sums, 4, frame.origin)
+        return u, a, (*gradients(sums, 2, frame.origin), hoop[0]), held_weights(sums), hoop
+
+    return rings if is_axial(layout[1]) else one_by_one
 
 
 def row_major(D):

@@ -8,7 +8,7 @@ group and lane.
 from pgimp.jit.kernel import specialise
 from pgimp.jit.vectors.rows import load_row, store_row, transpose
 from pgimp.jit.vectors.simd import lane, pack
-from pgimp.kernels.transfer.first_vertex import is_initial
+from pgimp.kernels.transfer.first_vertex import is_initial, off_axis, undeformed
 
 #: Particles computed together.
 LANES = 4
@@ -120,7 +120,7 @@ def deformations(frame, particles, rows):
 
 @specialise(deformations)
 def _deformations(frame, particles, rows):
-    like = (0.0,) * len(frame.types[0]) ** 2
+    like = undeformed(frame)
     return lambda frame, particles, rows: take_row(particles.F, rows, 0, like)
 
 
@@ -133,4 +133,6 @@ def _coordinates(frame, particles, rows):
     like = (0.0,) * len(frame.types[0])
     if is_initial(frame):
         return lambda frame, particles, rows: take_row(particles.origin, rows, 0, like)
-    return lambda frame, particles, rows: take_row(particles.x, rows, 0, like)
+    return lambda frame, particles, rows: off_axis(
+        frame, take_row(particles.x, rows, 0, like)
+    )

@@ -7,7 +7,7 @@ from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.simd import load, store
 from pgimp.kernels.transfer.cornertransfer import scatter_corners
-from pgimp.kernels.transfer.supports import entry
+from pgimp.kernels.transfer.supports import HOOP, entry
 from pgimp.kernels.transfer.transfer import last_step, lines, transfer_products
 from pgimp.kernels.update.mean_dilatation_weights import factor, factored, plus_factored
 from pgimp.physics.shapes.base import by_corners
@@ -28,6 +28,8 @@ class Share(NamedTuple):
         Momentum times S_vp and the arm along each direction, see `affine_momentum`.
     M : Vec4 or ()
         Force times dD_p/dv_v, see `mean_force`.
+    H : Vec4 or ()
+        Force times T_vp, see `hoop_force`.
     """
 
     A: NumbaObject
@@ -35,6 +37,7 @@ class Share(NamedTuple):
     S: tuple
     C: tuple
     M: NumbaObject
+    H: NumbaObject
 
 
 def _sloped(w, A, e, C):
@@ -73,6 +76,17 @@ def _force_of(w, B, g, S):
     return lambda w, B, g, S: w * B + g * S
 
 
+def _plus_hoop(buffer, i, j, H, V):
+    """The vector V + T_i H, with the weights T along the radius; V where H is ()."""
+
+
+@specialise(_plus_hoop)
+def _plus_hoop_of(buffer, i, j, H, V):
+    if hasattr(H, "count"):
+        return lambda buffer, i, j, H, V: V
+    return lambda buffer, i, j, H, V: V + entry(buffer, HOOP, 0, i, j) * H
+
+
 def _scatter_line(G, offset, step, w, g, e, f, share):
     """Add a particle to a line of vertices, which are `step` apart."""
 
@@ -80,7 +94,7 @@ def _scatter_line(G, offset, step, w, g, e, f, share):
 @specialise(_scatter_line)
 def _scatter_vertices(G, offset, step, w, g, e, f, share):
     def vertex(G, offset, step, w, g, e, f, share):
-        A, B, S, C, M = share
+        A, B, S, C, M, _ = share
         _add(G, offset, w[0], A, e[0], C)
         more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
         store(G, offset + 4, load(G, offset + 4) + more)
@@ -89,7 +103,7 @@ def _scatter_vertices(G, offset, step, w, g, e, f, share):
         return vertex
 
     def vertices(G, offset, step, w, g, e, f, share):
-        A, B, S, C, M = share
+        A, B, S, C, M, _ = share
         _add(G, offset, w[0], A, e[0], C)
         more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
         store(G, offset + 4, load(G, offset + 4) + more)
@@ -112,14 +126,14 @@ def _scatter_lines(G, support, d, offset, counts, stride, Z, what):
         )
 
     def scatter(G, support, d, offset, counts, stride, Z, what):
-        (buffer, j), (A, B, S, C, M) = support, what
+        (buffer, j), (A, B, S, C, M, H) = support, what
         for i in range(counts[0]):
             w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
             e = entry(buffer, d, 2, i, j)
             at = offset + i * stride[0]
             part = Share(
-                _sloped(w, A, e, C), _force(w, B, g, S[0]), scaled(w, S[1:]), scaled(w, C[1:]),
-                factored(factor(M, buffer, d, i, j), M),
+                _sloped(w, A, e, C), _plus_hoop(buffer, i, j, H, _force(w, B, g, S[0])),
+                scaled(w, S[1:]), scaled(w, C[1:]), factored(factor(M, buffer, d, i, j), M), (),
             )  # fmt: skip
             lines(G, support, d + 1, at, counts[1:], stride[1:], Z, part)
 

@@ -8,7 +8,7 @@ from pgimp.kernels.data.used_rows import layer_marks, mark_support
 from pgimp.kernels.grid.calming import motion_share
 from pgimp.kernels.grid.filling import FillingSums, ratio_arms
 from pgimp.kernels.loads.loads import scatter_loads, weight
-from pgimp.kernels.transfer.contribution import contribution
+from pgimp.kernels.transfer.contribution import contribution, hoop_force
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
 from pgimp.kernels.transfer.scatter import Share, scatter
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset
@@ -94,7 +94,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                 B = second(loads, frame, particles, p)
                 C = arms(loads, frame, particles, p)
                 M = mean_force(loads, frame, particles, p)
-                share = Share(A, B, S, C, M)
+                share = Share(A, B, S, C, M, hoop_force(loads, frame, particles, p))
                 scatter(shape, scratch, Support(buffer, j), offset, window.stride, share)
                 scatter_mean_lagrangian(
                     loads.mean_lagrangian, (shape, frame), scratch, Support(weights, j), offset,

@@ -10,9 +10,10 @@ from pgimp.jit.vectors.lanes import numbers
 from pgimp.jit.vectors.simd import bits, load, number, store, vector
 from pgimp.kernels.data.velocity_fields import move_to_fields
 from pgimp.kernels.transfer.corners import keep_corners
-from pgimp.kernels.transfer.first_vertex import first_vertex
+from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_axial
 from pgimp.kernels.transfer.lane_io import coordinates, deformations
-from pgimp.physics.shapes.base import by_corners, size, weights
+from pgimp.kernels.transfer.rings import ring_weights
+from pgimp.physics.shapes.base import by_corners, weights
 
 #: Numbers in the buffer for supports of four particles: by direction weights (19), gradients (20),
 #: weights times arms, each of up to four vertices. Then the offset of the first vertex; each four
@@ -20,6 +21,9 @@ from pgimp.physics.shapes.base import by_corners, size, weights
 #: corners have the numbers of `pgimp.kernels.transfer.corners`, on either side of the offset.
 SUPPORT_SIZE = 224
 _DIRECTION, _QUANTITY, _OFFSET, MEANS = 48, 16, 144, 152
+
+#: The direction, in axisymmetry, whose weights are those of the hoop.
+HOOP = 2
 
 
 def _arms(w, f, cell):
@@ -69,6 +73,31 @@ def _along_direction(shape, frame, buffer, arms, d, half, x, vertex):
     return along
 
 
+def _along_first(shape, frame, buffer, arms, half, x, vertex):
+    """As `_along`, along x."""
+
+
+@specialise(_along_first)
+def _along_first_direction(shape, frame, buffer, arms, half, x, vertex):
+    armed = not hasattr(arms, "count")  # ()
+    if not is_axial(frame):
+        return lambda shape, frame, buffer, arms, half, x, vertex: _along(
+            shape, frame, buffer, arms, 0, half, x, vertex
+        )
+
+    def along_radius(shape, frame, buffer, arms, half, x, vertex):
+        inverse = frame.inverse[0]
+        f = (x - frame.origin[0]) * inverse - (vertex - frame.ghost)
+        w, g, t, centroid = ring_weights(shape, half, f, x * inverse)
+        keep_vectors(buffer, 0, w)
+        keep_vectors(buffer, _QUANTITY, scaled(inverse, g))
+        keep_vectors(buffer, HOOP * _DIRECTION, scaled(inverse, t))
+        if armed:
+            keep_vectors(buffer, 2 * _QUANTITY, _arms(w, f + centroid, frame.cell[0]))
+
+    return along_radius
+
+
 def _across(shape, frame, window, buffer, arms, d, half, x):
     """Store the weights along the directions from `d` on in the buffer; offsets as float64."""
 
@@ -97,9 +126,9 @@ def supports(shape, frame, window, particles, rows, layer, buffer, arms):
 @specialise(supports)
 def _supports(shape, frame, window, particles, rows, layer, buffer, arms):
     def supports(shape, frame, window, particles, rows, layer, buffer, arms):
-        half = size(shape, frame.cell, deformations(frame, particles, rows))[0]
         x = coordinates(frame, particles, rows)
-        _along(shape, frame, buffer, arms, 0, half[0], x[0], layer)
+        half = box(shape, frame, deformations(frame, particles, rows), x)[0]
+        _along_first(shape, frame, buffer, arms, half[0], x[0], layer)
         store(buffer, _OFFSET, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
         move_to_fields(window, particles, rows, buffer, _OFFSET)
 

@@ -26,7 +26,10 @@ def _keep_sums(buffer, j, U, A, D):
 
 
 def repeat_sums(buffer, count, like):
-    """Repeat the sums of the last of four particles, `count` - 1, for missing ones."""
+    """Repeat the sums of the last of four particles, `count` - 1, for missing ones.
+
+    `like` has an entry for each derivative.
+    """
 
 
 @specialise(repeat_sums)

@@ -7,8 +7,7 @@ from pgimp.jit.tuples import read, squared
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import bits, lane, vec4, vector
 from pgimp.kernels.grid.position_limits import hold_inside
-from pgimp.kernels.transfer.first_vertex import first_vertex, is_initial
-from pgimp.physics.shapes.base import size
+from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_initial, off_axis
 from pgimp.physics.shapes.stretch import LARGEST
 
 #: Errors of a particle.
@@ -132,8 +131,9 @@ def _check(limits, field, particles, four, found, report, ledger, counts):
         frame, shape, limit, number = limits[0], limits[1], limits[2], four.number
         u, v, x, F, J, state, margin = found
         # One branch for all rare events, NaN included; its speed limit is stricter.
-        half, most = size(shape, frame.cell, F)
-        now = first_vertex(frame, 0, half[0], x[0])
+        at = off_axis(frame, x)
+        half, most = box(shape, frame, F, at)
+        now = first_vertex(frame, 0, half[0], at[0])
         sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
         sound = and_positive(sound, margin)
         slower = (squared(u) + squared(v)) * limit <= 1.0
@@ -263,7 +263,8 @@ def _examine(limits, particles, four, good, found, report, ledger, counts):
             ):  # fmt: skip
                 held += 1
                 xj = read(particles.x, p, 0, frame.origin)
-                layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), xj[0]))
+                at = off_axis(frame, xj)
+                layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), at[0]))
                 error = _outside(frame, exits, xj)
             if error == _LEAVES:
                 particles.layer[p] = OUTFLOW

@@ -1,7 +1,7 @@
 """Deformation gradients and volumes (29, 30).
 
 Materials that flow may shear without limit: only their volume J is integrated, and F is the
-isotropic J^(1/D) 1. J grows by det(1 + dt L), as for a solid. In a rigid rotation, whose step is
+isotropic J^(1/D) 1, in axisymmetry J^(1/3) 1. J grows by det(1 + dt L), as for a solid. In a rigid rotation, whose step is
 1 + dt L = R, it does not change, where exp(dt tr L) would shrink it in every step.
 """
 
@@ -83,7 +83,7 @@ def _update_deformation(setting, forcing, particles, four, numbers, L):
 
 
 def side(volume, L):
-    """Side of a cube of a volume, in as many directions as `L` has."""
+    """Side of a cube of a volume, in as many directions as `L` stretches."""
 
 
 @specialise(side)
@@ -125,4 +125,6 @@ def _diagonal_of(f, like):
         zero = vector(0.0)
         return f, zero, zero, zero, f, zero, zero, zero, f
 
+    if len(like) == 5:
+        return lambda f, like: (*_diagonal(f, like[:4]), f)
     return plane if len(like) == 4 else space

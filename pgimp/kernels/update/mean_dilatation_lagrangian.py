@@ -125,7 +125,7 @@ def _take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
         for j in range(four.size):
             U, A, D, _ = gather_products(
                 shape, field.G, Support(weights, j), begin + first_offset(buffer, j), window.stride,
-                frame.origin, (),
+                frame.origin, (), (),
             )  # fmt: skip
             keep_sums(sums, j, U, A, D)
         repeat_sums(sums, four.size, frame.origin)
@@ -164,7 +164,7 @@ def _scatter_mean_lagrangian(mean, layout, G, support, offset, stride, forces):
     def by_cells(mean, layout, G, support, offset, stride, forces):
         shape, frame = layout
         P = kept_force(forces, BY_CELLS, support.j, frame.origin)
-        scatter_products(shape, G, support, offset, stride, Share((), (), P, (), ()))
+        scatter_products(shape, G, support, offset, stride, Share((), (), P, (), (), ()))
 
     if hasattr(mean, "count"):  # ()
         return lambda mean, layout, G, support, offset, stride, forces: None

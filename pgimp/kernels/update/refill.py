@@ -93,7 +93,7 @@ def _refill(forcing, setting, field, particles, four, buffers, moved, ledger):
             offset = four.layer * stride[0] + first_offset(buffer, j)
             offset += _to_field(shape, filling.window, field.window, particles, p)
             U, A, slopes, _ = gather(
-                shape, filling.G, Support(buffer, j), offset, stride, frame.origin, ()
+                shape, filling.G, Support(buffer, j), offset, stride, frame.origin, (), ()
             )
             keep_gain(filling.calming, frame, particles, p, A, scratch, GAINS + 4 * j)
             step = _steps(slopes, frame.cell, filling.shift[body])

@@ -61,8 +61,8 @@ def update_stress(setting, forcing, particles, rows, numbers, F, J, L):
         See `KernelScene`, `Forcing`, `Particles`.
     rows, numbers : tuple of 4 int
         Their rows and the numbers of their materials.
-    F, L : tuple of D*D Vec4
-        Deformation gradients at the end of the step, velocity gradients.
+    F, L : tuple of Vec4
+        Deformation gradients at the end of the step, velocity gradients; matrices.
     J : Vec4
         det F.
 
@@ -74,7 +74,7 @@ def update_stress(setting, forcing, particles, rows, numbers, F, J, L):
 
 @specialise(update_stress)
 def _update_stress(setting, forcing, particles, rows, numbers, F, J, L):
-    components = {1: 3, 4: 4, 9: 6}[len(F)]
+    components = (3, 4, 6)[isqrt(len(F)) - 1]
 
     def update(setting, forcing, particles, rows, numbers, F, J, L):
         materials = setting.materials

@@ -7,17 +7,19 @@ from pgimp.kernels.grid.resting import settle
 from pgimp.kernels.loads.loads import relaxed
 from pgimp.kernels.transfer.first_vertex import is_initial
 from pgimp.kernels.transfer.lane_io import take_row
+from pgimp.kernels.transfer.rings import ring_motion
 
 
-def update_velocity(frame, forcing, particles, four, u, a, ledger):
+def update_velocity(frame, forcing, particles, four, gathered, ledger):
     """Velocities of four particles after a step, and velocities of their motion.
 
     Parameters
     ----------
     frame, forcing, particles, four, ledger
         See `Frame`, `Forcing`, `Particles`, `FourParticles`, `Ledger`.
-    u, a : tuple of D Vec4
-        The grid's velocity and acceleration at their positions.
+    gathered : tuple
+        The grid's velocity and acceleration at their positions, and the hoop's sums; see
+        `take_from_grid`.
 
     Returns
     -------
@@ -27,14 +29,18 @@ def update_velocity(frame, forcing, particles, four, u, a, ledger):
 
 
 @specialise(update_velocity)
-def _update_velocity(frame, forcing, particles, four, u, a, ledger):
+def _update_velocity(frame, forcing, particles, four, gathered, ledger):
     if is_initial(frame):  # vertices keep the velocities
-        return lambda frame, forcing, particles, four, u, a, ledger: (u, u)
+        return lambda frame, forcing, particles, four, gathered, ledger: (
+            gathered[0], gathered[0],
+        )  # fmt: skip
 
-    def update(frame, forcing, particles, four, u, a, ledger):
+    def update(frame, forcing, particles, four, gathered, ledger):
+        u, a, hoop = gathered
         v = plus_scaled(forcing.dt, a, take_row(particles.v, four.rows, 0, u))  # (27)
         v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
         v = settle(forcing.loads.rest, frame, forcing, particles, four, (v, u), ledger)
+        u = ring_motion(frame, particles, four, hoop, u)
         return constrain_particles(forcing.constraints, particles, four, u, v, ledger)
 
     return update

@@ -45,6 +45,8 @@ def _trace(L):
         return lambda L: L[0]
     if len(L) == 4:
         return lambda L: L[0] + L[3]
+    if len(L) == 5:
+        return lambda L: L[0] + L[3] + L[4]
     return lambda L: L[0] + L[4] + L[8]
 
 

@@ -187,7 +187,17 @@ class TractionEntry(Model):
         shares[first : last + 1] = share[:: self.side]
         return area * shares[columns[self.axis]]
 
-    def area(self, box: Any) -> float:
-        """Area of the face."""
+    def radius(self, box: Any, edges: np.ndarray) -> np.ndarray:
+        """Radii of the centroids of the face in each column along x, given by `edges`."""
+        if self.axis == 0:
+            return np.full(len(edges) - 1, float((box.min, box.max)[self.side > 0][0]))
+        return 0.5 * (np.maximum(edges[:-1], box.min[0]) + np.minimum(edges[1:], box.max[0]))
+
+    def area(self, box: Any, around: bool) -> float:
+        """Area of the face; `around`: of the ring that it is about an axis."""
         sides = [high - low for low, high in zip(box.min, box.max, strict=True)]
-        return float(np.prod([s for d, s in enumerate(sides) if d != self.axis]))
+        area = float(np.prod([s for d, s in enumerate(sides) if d != self.axis]))
+        if not around:
+            return area
+        ends = np.array([box.min[0], box.max[0]], float)
+        return 2.0 * np.pi * float(self.radius(box, ends)[0]) * area

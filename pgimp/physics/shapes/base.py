@@ -53,6 +53,9 @@ class Shape(Model):
     #: and boxes.
     in_cell: ClassVar[bool] = False
 
+    #: Whether it has weights of rings, for axisymmetry; see `moments`.
+    rings: ClassVar[bool] = False
+
     #: Courant number up to which free surfaces stay stable at any position in their cells. With
     #: pointwise volumes and up to four particles a cell and direction (``scripts/hard courant``).
     stable_pointwise: ClassVar[float] = 0.45
@@ -187,6 +190,20 @@ def weights(shape, half, f):
 @specialise(weights)
 def _weights(shape, half, f):
     return shape.instance_class.weights
+
+
+def moments(shape, half, f, g):
+    """First moments and end values of the tents over a particle's extent, for axisymmetry.
+
+    With the distance u from the particle, in cells, these are the means of N u over it; and the
+    means of N at its two ends less the mean over it. Two tuples, as of `weights`, whose gradients
+    are `g`.
+    """
+
+
+@specialise(moments)
+def _moments(shape, half, f, g):
+    return shape.instance_class.moments
 
 
 def edges(shape, F):

@@ -17,6 +17,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
+from pgimp.jit.tuples import scaled
 from pgimp.physics.shapes.base import WideShape
 from pgimp.physics.shapes.stretch import FixedSize, TrackedSize
 
@@ -51,6 +52,11 @@ class CpdiParameters(TrackedSize):
             (g0, -g0 - g2 - g3, g2, g3),
         )
 
+    @staticmethod
+    def moments(shape, half, f, g):
+        """See `pgimp.physics.shapes.base.moments`: of the line between the ends' values."""
+        return scaled(half * half * (1.0 / 3.0), g), scaled(0.0, g)
+
 
 class FixedCpdiParameters(FixedSize):
     """Half-widths of the particles' boxes by direction, in cells; at most 1/2, and constant."""
@@ -80,6 +86,7 @@ class Cpdi(WideShape):
     shape: Literal["cpdi"] = Field(description="name of the shape")
 
     in_cell: ClassVar[bool] = True
+    rings: ClassVar[bool] = True
     vertices: ClassVar[int] = CpdiParameters.vertices()
     ends: ClassVar[bool] = True
 

@@ -47,6 +47,19 @@ class FiniteGimpParameters(TrackedSize):
         g3 = 2.0 * a2 * q
         return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
 
+    @staticmethod
+    def moments(shape, half, f, g):
+        """See `pgimp.physics.shapes.base.moments`; K and e are of the kinks at vertices 1 and 2."""
+        a, b = max(f - 1.0 + half, 0.0), max(f - 2.0 + half, 0.0)
+        third = half * half * (1.0 / 3.0)
+        q = 0.25 / half
+        K1, e1 = a * a * (3.0 * half - a) * q * (1.0 / 3.0), a * (2.0 * half - a) * q
+        K2, e2 = b * b * (3.0 * half - b) * q * (1.0 / 3.0), b * (2.0 * half - b) * q
+        return (
+            (K1 - third, third - 2.0 * K1 + K2, K1 - 2.0 * K2, K2),
+            (e1, e2 - 2.0 * e1, e1 - 2.0 * e2, e2),
+        )
+
 
 class FiniteGimp(WideShape):
     """Boxes that follow the deformation: as gimp at small strains, and accurate at large ones."""
@@ -54,6 +67,7 @@ class FiniteGimp(WideShape):
     shape: Literal["finite-gimp"] = Field(description="name of the shape")
 
     in_cell: ClassVar[bool] = True
+    rings: ClassVar[bool] = True
     vertices: ClassVar[int] = FiniteGimpParameters.vertices()
 
     @property

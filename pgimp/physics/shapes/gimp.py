@@ -33,6 +33,15 @@ class GimpParameters(FixedSize):
         g2 = 2.0 * s * q
         return (w0, 1.0 - w0 - w2, w2), (g0, -g0 - g2, g2)
 
+    @staticmethod
+    def moments(shape, half, f, g):
+        """See `pgimp.physics.shapes.base.moments`; K and e are of the kink at vertex 1."""
+        a = max(f - 1.0 + half, 0.0)
+        third = half * half * (1.0 / 3.0)
+        q = 0.25 / half
+        K, e = a * a * (3.0 * half - a) * q * (1.0 / 3.0), a * (2.0 * half - a) * q
+        return (K - third, third - 2.0 * K, K), (e, -2.0 * e, e)
+
 
 class Gimp(WideShape, PointShape):
     """Boxes of constant size (contiguous-particle GIMP): smooth; for strains of some per cent."""
@@ -40,6 +49,7 @@ class Gimp(WideShape, PointShape):
     shape: Literal["gimp"] = Field(description="name of the shape")
 
     in_cell: ClassVar[bool] = True
+    rings: ClassVar[bool] = True
     vertices: ClassVar[int] = GimpParameters.vertices()
 
     def parameters(self, cell: tuple[float, ...]) -> GimpParameters:

@@ -26,6 +26,11 @@ class MpmParameters(FixedSize):
         f = max(f, 1e-60)
         return (1.0 - f, f), (-1.0, 1.0)
 
+    @staticmethod
+    def moments(shape, half, f, g):
+        """See `pgimp.physics.shapes.base.moments`: none of a point."""
+        return (0.0 * f, 0.0 * f), (0.0 * f, 0.0 * f)
+
 
 class Mpm(PointShape):
     """Points, the original Material Point Method: cheapest; noisy once particles cross cells."""
@@ -33,6 +38,7 @@ class Mpm(PointShape):
     shape: Literal["mpm"] = Field(description="name of the shape")
 
     in_cell: ClassVar[bool] = True
+    rings: ClassVar[bool] = True
     vertices: ClassVar[int] = MpmParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "point"
     #: No step is stable at every free surface: a lighter last vertex needs a shorter step. This

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE, TOO_FAST
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
@@ -113,8 +114,7 @@ def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
     scene, p = rank.scene, rank.particles
     number = scene.materials.body_material[p.body[row]]
     entry = scene.materials.variations.entry(number, p.own[row])
-    D = scene.dimension
-    J = float(np.linalg.det(p.F[row].reshape(D, D)))
+    J = float(volume_ratio(p.F[row], scene.dimension))
     what, advice = entry.out_of_range(J, tuple(p.state[row].tolist()))
     return f"{what} (material '{scene.materials.names[number]}', {entry.model})", advice
 

@@ -12,7 +12,7 @@ from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.kernels.data.arguments import Forcing, KernelScene, Report
-from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.data.frame import AxialFrame, Frame, identity
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.data.record import RECORD
@@ -162,8 +162,8 @@ class Rank:
     ) -> None:
         self.frame, self.vertices = frame, shape.vertices
         self.shape = shape.parameters(frame.cell)
-        identity = IDENTITIES[len(frame.cell) - 1]
-        self.setting = KernelScene(self.shape, frame, identity, *materials_of(self.shape))
+        one = identity(len(frame.cell), isinstance(frame, AxialFrame))
+        self.setting = KernelScene(self.shape, frame, one, *materials_of(self.shape))
         self.slab = slab or Slab(0, frame.vertices[0], None, None)
         self.population = Population(particles, particles.capacity, self.shape, frame, self.slab)
         self.grid = Grid(frame, self.vertices, self.slab)

@@ -1,6 +1,6 @@
 """Change of the rotation R of F = V R in a step, for Green and Naghdi's rate."""
 
-from math import sqrt
+from math import isqrt, sqrt
 
 from pgimp.jit.algebra import (
     inverse,
@@ -56,4 +56,4 @@ def _polar_rotation(F, L, dt):
         spin = (0.0, c, -b, -c, 0.0, a, b, -a, 0.0)
         return multiply(inverse(one_plus(-0.5 * dt, spin)), one_plus(0.5 * dt, spin))
 
-    return {1: rotation1, 4: rotation2, 9: rotation3}[len(F)]
+    return (rotation1, rotation2, rotation3)[isqrt(len(F)) - 1]

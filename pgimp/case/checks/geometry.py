@@ -1,0 +1,119 @@
+"""Checks of the geometry of a scene in two dimensions: what axisymmetry allows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from pgimp.case.body import Body
+from pgimp.case.grid import Grid
+from pgimp.geometry.regions.points import Points
+from pgimp.physics.boundaries.base import Boundary
+from pgimp.physics.boundaries.slip import Slip
+from pgimp.physics.contact.pairs import ContactEntry
+from pgimp.physics.materials.base import Material
+from pgimp.physics.rigid import RigidBody
+from pgimp.physics.shapes.base import Shape
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import Problems
+
+
+def check_geometry(dimensions: int, geometry: str, grid: Grid, method: Shape) -> Problems:
+    """Check that axisymmetry has two dimensions, a radius from 0 on, and a shape that knows it."""
+    if geometry != "axisymmetric":
+        return
+    if dimensions != 2:
+        yield Problem(
+            ("geometry",),
+            f"axisymmetric is for 2 dimensions, the radius x and the axis y, but the case has "
+            f"{dimensions}",
+        )
+        return
+    if len(grid.origin) == 2 and grid.origin[0] < 0.0:
+        yield Problem(
+            ("grid", "origin", 0),
+            f"x is the radius, from the axis at 0 on, but the grid begins at {grid.origin[0]:g}; "
+            "begin at 0, or above for what has a hole",
+        )
+    if not method.rings:
+        yield Problem(
+            ("method", "shape"),
+            f"{method.name} has no axisymmetric weights; take gimp, finite-gimp, cpdi or mpm",
+        )
+    elif method.volumetric == "mean":
+        yield Problem(
+            ("method", "volumetric"),
+            "mean is not known in axisymmetry yet; leave it out (pointwise)",
+        )
+
+
+def check_axis(
+    geometry: str,
+    grid: Grid,
+    boundaries: Mapping[str, Boundary],
+    gravity: object,
+    body_force: object,
+    exact: object,
+) -> Problems:
+    """Check that nothing acts along the radius that an axis does not allow."""
+    if geometry != "axisymmetric":
+        return
+    first = boundaries.get("x-min")
+    if grid.origin[:1] == (0.0,) and first is not None and not isinstance(first, Slip):
+        yield Problem(
+            ("boundaries", "x-min"),
+            "is the axis, across which nothing moves: leave it out, or take slip",
+        )
+    given = [value for _, value in getattr(gravity, "table", ())]
+    given += [gravity] if isinstance(gravity, tuple) else []
+    if any(len(value) == 2 and value[0] != 0.0 for value in given):
+        yield Problem(
+            ("gravity",), "acts along the axis, y, alone: x is the radius; take [0.0, ...]"
+        )
+    for name, value in (("body_force", body_force), ("exact", exact)):
+        if value is not None:
+            yield Problem((name,), "is not known in axisymmetry; leave it out")
+
+
+def check_rings(
+    geometry: str,
+    materials: Mapping[str, Material],
+    bodies: Mapping[str, Body],
+    rigid_bodies: Mapping[str, RigidBody],
+    contact: Sequence[ContactEntry],
+) -> Problems:
+    """Check that bodies and loads are of a kind that exists in axisymmetry."""
+    if geometry != "axisymmetric":
+        return
+    for name, body in bodies.items():
+        if body.configuration == "initial":
+            yield Problem(
+                ("bodies", name, "configuration"),
+                "initial is not known in axisymmetry yet; take current",
+            )
+        if isinstance(body.region, Points):
+            yield Problem(
+                ("bodies", name, "region"),
+                "particles from a file are not known in axisymmetry yet; take a region",
+            )
+        motion = body.velocity
+        if isinstance(motion, tuple):
+            radial = len(motion) == 2 and motion[0] != 0.0
+        else:
+            radial = motion.rotation is not None or bool(
+                motion.translation and motion.translation[0]
+            )
+        if radial:
+            yield Problem(
+                ("bodies", name, "velocity"),
+                "is along the axis, y, alone, as all of a body moves at it: x is the radius",
+            )
+        law = materials.get(body.material)
+        if law is not None and law.LIQUID:
+            yield Problem(
+                ("bodies", name, "material"),
+                "liquids are not known in axisymmetry yet",
+            )
+    for name in rigid_bodies:
+        yield Problem(("bodies", name), "rigid bodies are not known in axisymmetry yet")
+    if contact:
+        yield Problem(("contact",), "is not known in axisymmetry yet; leave it out")
