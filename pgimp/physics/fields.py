@@ -44,6 +44,11 @@ class Source(NamedTuple):
         # Several times faster than indexing with the rows.
         return np.take(getattr(self.particles, symbol), self.rows, axis=0)
 
+    @property
+    def axial(self) -> bool:
+        """Whether the particles are rings, whose F has a zz."""
+        return self.particles.F.shape[1] > self.dimension**2
+
 
 class Field(NamedTuple):
     """A quantity of a particle: its function, meaning and format in frames.
@@ -109,13 +114,18 @@ def position(source: Source) -> Array:
 
 
 def volume(source: Source) -> Array:
-    """Return the current volume; an area in 2D, a length in 1D."""
+    """Return the current volume; an area in plane strain, a length in 1D."""
     return source.take("V")
 
 
 def radius(source: Source) -> Array:
-    """Return half the side of the segment, square or cube of the current volume."""
+    """Return half the side of the segment, square or cube of the current volume.
+
+    A ring has the square of its section.
+    """
     current = volume(source)
+    if source.axial:
+        current = current / (2.0 * np.pi * source.take("x")[:, 0].clip(1e-300))
     if source.dimension == 1:
         return 0.5 * current
     return 0.5 * (np.sqrt(current) if source.dimension == 2 else np.cbrt(current))
@@ -158,7 +168,7 @@ def deformation(source: Source) -> Array:
     full = np.zeros((len(source.rows), 3, 3))
     full[:, range(dimension, 3), range(dimension, 3)] = 1.0
     full[:, :dimension, :dimension] = local[:, :own].reshape(-1, dimension, dimension)
-    if local.shape[1] > own:  # of the hoop
+    if source.axial:  # the hoop's
         full[:, 2, 2] = local[:, own]
     return full.reshape(-1, 9)
 
@@ -174,7 +184,7 @@ def strain(source: Source) -> Array:
             for k in range(1, D):
                 product += local[:, k * D + i] * local[:, k * D + j]
             full[:, column] = 0.5 * (product - float(i == j))
-    if local.shape[1] > D * D:  # of the hoop
+    if source.axial:  # the hoop's
         full[:, 2] = 0.5 * (local[:, D * D] ** 2 - 1.0)
     return full
 
@@ -211,10 +221,14 @@ ALWAYS = {
         components="x y z",
         kind="Vector",
     ),
-    "volume": Field(volume, "current volume, det(F) times the initial one [length^dimensions]"),
+    "volume": Field(
+        volume,
+        "current volume, det(F) times the initial one, of rings all round [length^dimensions]",
+    ),
     "radius": Field(
         radius,
-        "half the side of a segment, square or cube of the current volume, to draw it [length]",
+        "half the side of a segment, square or cube of the current volume, to draw it; of a ring "
+        "the side of its section [length]",
     ),
 }
 """What every frame holds."""

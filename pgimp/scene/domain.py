@@ -1,5 +1,8 @@
 """The domain of a scene: grid, conditions on its faces, and gravity."""
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
 from pgimp.case.schema import Case
@@ -106,6 +109,15 @@ class Domain:
         Times their areas it is the volumes of their rings (Pappus).
         """
         return 2.0 * np.pi * centroids[:, 0] if isinstance(self.frame, AxialFrame) else 1.0
+
+    def tent_volume(self, place: Sequence[float]) -> float:
+        """Integral of a vertex's tent about a position: a cell's volume, or its ring's."""
+        volume = math.prod(self.frame.cell)
+        if not isinstance(self.frame, AxialFrame):
+            return volume
+        h = self.frame.cell[0]
+        beyond = max(0.0, h - place[0])  # of the axis, where there is nothing
+        return 2.0 * math.pi * (place[0] + beyond**3 / (6.0 * h * h)) * volume
 
     def gravity(self, t: float) -> tuple[float, float, float]:
         """Gravity at a time, force per mass; zero in directions that the scene does not have."""

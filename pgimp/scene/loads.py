@@ -35,6 +35,12 @@ def covered_fractions(low: float, high: float, edges: np.ndarray) -> np.ndarray:
     return part
 
 
+def ring_factors(low: float, high: float, edges: np.ndarray) -> np.ndarray:
+    """Radius of the covered part's centroid over the column's, for the interval [low, high]."""
+    middle = 0.5 * (np.maximum(edges[:-1], low) + np.minimum(edges[1:], high))
+    return np.where(middle > 0.0, middle / (0.5 * (edges[:-1] + edges[1:])), 1.0)
+
+
 class SceneLoads:
     """Viscosity, tractions, constraints and the body force.
 
@@ -163,13 +169,15 @@ class SceneLoads:
                 columns.append(np.searchsorted(centres, p.x[mine, d]))
                 if body.surface == "cut":
                     parts.append(covered_fractions(low[d], high[d], edges))
+                    if d == 0 and self.case.axisymmetric:
+                        parts[0] *= ring_factors(low[0], high[0], edges)
                 else:
                     parts.append(((low[d] <= centres) & (centres < high[d])).astype(float))
             overlap = overlaps(self._width[entry.axis], 2.0 * self.half[entry.axis])
             p.patch[mine, i] = entry.areas(parts, columns, 2.0 * self.half, overlap)
-            if self.case.axisymmetric:
-                radius = entry.radius(body.region, self._lattice(0)[0])[columns[0]]
-                p.patch[mine, i] *= 2.0 * np.pi * radius
+            if self.case.axisymmetric:  # at the middle, or the outer side, of each box
+                side = self.half[0] * entry.side * (entry.axis == 0)
+                p.patch[mine, i] *= 2.0 * np.pi * (self._lattice(0)[1] + side)[columns[0]]
         for name in {entry.body for entry in self.constraints}:
             number = self.bodies.index(name)
             mine = np.flatnonzero(p.body[rows] == number)
@@ -242,7 +250,8 @@ class SceneLoads:
         total = np.add.reduce(np.concatenate(comm.allgather(sums)), axis=0)
         for i, (entry, area) in enumerate(zip(self.tractions, total, strict=True)):
             if area > 0.0:
-                exact = entry.area(
-                    self.case.bodies[entry.body].region, self.case.axisymmetric
-                )
-                p.patch[rows, i] *= exact / area
+                region = self.case.bodies[entry.body].region
+                ring = self.case.axisymmetric
+                exact = entry.area_of_ring(region) if ring else entry.area(region)
+                if exact is not None:
+                    p.patch[rows, i] *= exact / area

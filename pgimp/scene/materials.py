@@ -1,6 +1,6 @@
 """Materials of a scene: parameters, state variables, reported losses, and masses."""
 
-from math import prod
+from math import pi, prod
 
 from pgimp.case.locations import located
 from pgimp.case.schema import Case
@@ -48,6 +48,8 @@ class MaterialTable:
         self.losses = tuple(loss for loss in LOSSES if loss in losses)
         self.sums = SUMS + (len(LOSSES) if losses else 0)
         self._volume = prod(case.grid.size)
+        if case.axisymmetric:
+            self._volume *= pi * (case.grid.origin[0] + case.grid.corner[0])
         with located(case):
             self.most_mass = self._weigh(case)
         self.states = States(self.names, self.parameters, case.dimensions)
@@ -57,6 +59,8 @@ class MaterialTable:
     def _weigh(self, case: Case) -> float:
         """Mass of a domain full of the densest material; refuse masses that no float64 can sum."""
         least = prod(case.grid.cell) / prod(case.method.particles_per_cell)
+        if case.axisymmetric:
+            least *= pi * case.grid.cell[0] / case.method.particles_per_cell[0]  # at the axis
         most = 0.0
         for name, entry in zip(self.names, self.entries, strict=True):
             particle, domain = entry.density * least, entry.density * self._volume

@@ -80,8 +80,8 @@ class Scene:
         frame = start if settings.initial else domain.frame
         of_body = np.array(materials.body_material, np.int64)
         self.setting = KernelScene(
-            settings.shape, frame, identity(D, case.axisymmetric), materials.variations.materials, of_body,
-            shape.tracked, domain.exits,
+            settings.shape, frame, identity(D, case.axisymmetric),
+            materials.variations.materials, of_body, shape.tracked, domain.exits,
         )  # fmt: skip
         self.setting_lagrangian = self.setting._replace(
             shape=shape.fixed(domain.frame.cell), frame=start

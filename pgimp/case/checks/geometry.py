@@ -109,10 +109,7 @@ def check_rings(
             )
         law = materials.get(body.material)
         if law is not None and law.LIQUID:
-            yield Problem(
-                ("bodies", name, "material"),
-                "liquids are not known in axisymmetry yet",
-            )
+            yield Problem(("bodies", name, "material"), "liquids are not known in axisymmetry yet")
     for name in rigid_bodies:
         yield Problem(("bodies", name), "rigid bodies are not known in axisymmetry yet")
     if contact:

@@ -136,9 +136,7 @@ class Particles(NamedTuple):
     ]
     L: Annotated[
         FloatArray,
-        Column(
-            "velocity gradient, row by row", "1/time", lambda c: _matrix(c) if c.affine else 0
-        ),
+        Column("velocity gradient, row by row", "1/time", lambda c: _matrix(c) if c.affine else 0),
     ]
     q: Annotated[FloatArray, Column("viscous pressure", "stress", lambda c: int(c.viscous))]
     patch: Annotated[

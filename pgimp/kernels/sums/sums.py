@@ -5,6 +5,7 @@ from math import isqrt, sqrt
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.tuples import read
+from pgimp.kernels.transfer.first_vertex import is_axial
 from pgimp.kernels.update.pace import pace
 from pgimp.kernels.update.speed import own_speed, speed_of_waves
 from pgimp.kernels.update.stress import has_any, state_of
@@ -34,6 +35,15 @@ def _book_losses(row, materials, k, args, state, V0):
     return book if lose else lambda row, materials, k, args, state, V0: None
 
 
+def _across(frame):
+    """Part of a sum along x that remains: 0 of rings, round whose axis it vanishes; else 1."""
+
+
+@specialise(_across)
+def _across_of(frame):
+    return (lambda frame: 0.0) if is_axial(frame) else (lambda frame: 1.0)
+
+
 @kernel
 def layer_sums(setting, particles, order, sums):
     """Add up mass, momentum, angular momentum, first moment, kinetic and strain energy.
@@ -47,6 +57,7 @@ def layer_sums(setting, particles, order, sums):
         materials have any.
     """
     like, start, D = setting.identity, order.start, len(setting.frame.origin)
+    across = _across(setting.frame)
     for layer in range(len(start) - 1):
         for k in range(start[layer], start[layer + 1]):
             p = order.rows[k]
@@ -60,13 +71,13 @@ def layer_sums(setting, particles, order, sums):
             if D > 2:
                 z0, vz = particles.x[p, 2], particles.v[p, 2]
             row[MASS] += m
-            row[MOMENTUM] += m * vx
+            row[MOMENTUM] += across * (m * vx)
             row[MOMENTUM + 1] += m * vy
             row[MOMENTUM + 2] += m * vz
             row[ANGULAR] += m * (y0 * vz - z0 * vy)
             row[ANGULAR + 1] += m * (z0 * vx - x0 * vz)
-            row[ANGULAR + 2] += m * (x0 * vy - y0 * vx)
-            row[MOMENT] += m * x0
+            row[ANGULAR + 2] += across * (m * (x0 * vy - y0 * vx))
+            row[MOMENT] += across * (m * x0)
             row[MOMENT + 1] += m * y0
             row[MOMENT + 2] += m * z0
             row[KINETIC] += 0.5 * m * (vx * vx + vy * vy + vz * vz)

@@ -133,6 +133,4 @@ def _coordinates(frame, particles, rows):
     like = (0.0,) * len(frame.types[0])
     if is_initial(frame):
         return lambda frame, particles, rows: take_row(particles.origin, rows, 0, like)
-    return lambda frame, particles, rows: off_axis(
-        frame, take_row(particles.x, rows, 0, like)
-    )
+    return lambda frame, particles, rows: off_axis(frame, take_row(particles.x, rows, 0, like))

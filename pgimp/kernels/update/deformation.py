@@ -1,8 +1,9 @@
 """Deformation gradients and volumes (29, 30).
 
 Materials that flow may shear without limit: only their volume J is integrated, and F is the
-isotropic J^(1/D) 1, in axisymmetry J^(1/3) 1. J grows by det(1 + dt L), as for a solid. In a rigid rotation, whose step is
-1 + dt L = R, it does not change, where exp(dt tr L) would shrink it in every step.
+isotropic J^(1/D) 1, in axisymmetry J^(1/3) 1. J grows by det(1 + dt L), as for a solid. In a rigid
+rotation, whose step is 1 + dt L = R, it does not change, where exp(dt tr L) would shrink it in
+every step.
 """
 
 from math import sqrt

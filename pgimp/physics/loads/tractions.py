@@ -187,17 +187,13 @@ class TractionEntry(Model):
         shares[first : last + 1] = share[:: self.side]
         return area * shares[columns[self.axis]]
 
-    def radius(self, box: Any, edges: np.ndarray) -> np.ndarray:
-        """Radii of the centroids of the face in each column along x, given by `edges`."""
-        if self.axis == 0:
-            return np.full(len(edges) - 1, float((box.min, box.max)[self.side > 0][0]))
-        return 0.5 * (np.maximum(edges[:-1], box.min[0]) + np.minimum(edges[1:], box.max[0]))
-
-    def area(self, box: Any, around: bool) -> float:
-        """Area of the face; `around`: of the ring that it is about an axis."""
+    def area(self, box: Any) -> float:
+        """Area of the face."""
         sides = [high - low for low, high in zip(box.min, box.max, strict=True)]
-        area = float(np.prod([s for d, s in enumerate(sides) if d != self.axis]))
-        if not around:
-            return area
-        ends = np.array([box.min[0], box.max[0]], float)
-        return 2.0 * np.pi * float(self.radius(box, ends)[0]) * area
+        return float(np.prod([s for d, s in enumerate(sides) if d != self.axis]))
+
+    def area_of_ring(self, box: Any) -> float | None:
+        """Area of the face round the axis; None if it depends on the boxes' outer sides."""
+        if self.axis == 0:
+            return None
+        return float(np.pi * (box.max[0] ** 2 - box.min[0] ** 2))

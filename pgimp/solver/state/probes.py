@@ -8,7 +8,7 @@ history.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import floor, prod
+from math import floor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -167,7 +167,7 @@ class Place:
             names += [f"{stem}-{part}" for part in ends[end]] if end in ends else [name]
         sums = [layer for part in parts for layer in part]
         total = np.add.reduce(np.array([np.zeros(2 + D + S), *sums]), axis=0)
-        fraction = total[0] / prod(sim.scene.domain.frame.cell)
+        fraction = total[0] / sim.scene.domain.tent_volume(self.place)
         if fraction < FILLED:
             return _line(sim, names, np.array([fraction]))
         around = Around(fraction, total[0], total[1], total[2 : 2 + D], total[2 + D :])

@@ -45,7 +45,9 @@ def states(entry, dimensions):
     row[:3] = [-entry.initial_pressure] * 3
     for state in states_of(type(parameters)):
         first, width = len(row), state.width(dimensions)
-        value = getattr(parameters, state.initial) if isinstance(state.initial, str) else state.initial
+        value = (
+            getattr(parameters, state.initial) if isinstance(state.initial, str) else state.initial
+        )
         row += [value] * width
         kept += range(first, first + (PLANE if state.tensor else 1))
     return parameters, np.array(row), kept
