@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from pgimp.case.body import Body
 from pgimp.case.grid import Grid
 from pgimp.geometry.regions.points import Points
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip
-from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.materials.base import Material
-from pgimp.physics.rigid import RigidBody
+from pgimp.physics.rigid import Free, RigidBody
 from pgimp.physics.shapes.base import Shape
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -63,9 +62,7 @@ def check_axis(
             ("boundaries", "x-min"),
             "is the axis, across which nothing moves: leave it out, or take slip",
         )
-    given = [value for _, value in getattr(gravity, "table", ())]
-    given += [gravity] if isinstance(gravity, tuple) else []
-    if any(len(value) == 2 and value[0] != 0.0 for value in given):
+    if _radial(gravity):
         yield Problem(
             ("gravity",), "acts along the axis, y, alone: x is the radius; take [0.0, ...]"
         )
@@ -79,7 +76,6 @@ def check_rings(
     materials: Mapping[str, Material],
     bodies: Mapping[str, Body],
     rigid_bodies: Mapping[str, RigidBody],
-    contact: Sequence[ContactEntry],
 ) -> Problems:
     """Check that bodies and loads are of a kind that exists in axisymmetry."""
     if geometry != "axisymmetric":
@@ -95,22 +91,31 @@ def check_rings(
                 ("bodies", name, "region"),
                 "particles from a file are not known in axisymmetry yet; take a region",
             )
-        motion = body.velocity
-        if isinstance(motion, tuple):
-            radial = len(motion) == 2 and motion[0] != 0.0
-        else:
-            radial = motion.rotation is not None or bool(
-                motion.translation and motion.translation[0]
-            )
-        if radial:
+        if not isinstance(body.velocity, tuple) or _radial(body.velocity):
             yield Problem(
                 ("bodies", name, "velocity"),
                 "is along the axis, y, alone, as all of a body moves at it: x is the radius",
             )
         law = materials.get(body.material)
-        if law is not None and law.LIQUID:
-            yield Problem(("bodies", name, "material"), "liquids are not known in axisymmetry yet")
-    for name in rigid_bodies:
-        yield Problem(("bodies", name), "rigid bodies are not known in axisymmetry yet")
-    if contact:
-        yield Problem(("contact",), "is not known in axisymmetry yet; leave it out")
+        if law is not None and law.flow_speed > 0.0:
+            yield Problem(
+                ("bodies", name, "material"),
+                f"'{body.material}' flows, which is not known in axisymmetry yet",
+            )
+    for name, rigid in rigid_bodies.items():
+        if isinstance(rigid.rigid, Free):
+            yield Problem(
+                ("bodies", name, "rigid"),
+                "bodies that move freely are not known in axisymmetry yet; prescribe the motion",
+            )
+        elif rigid.rigid.rotation is not None or _radial(rigid.rigid.velocity):
+            yield Problem(
+                ("bodies", name, "rigid"), "moves along the axis, y, alone: x is the radius"
+            )
+
+
+def _radial(value: object) -> bool:
+    """Whether a vector, or one of a table, has a component along the radius."""
+    rows = [row for _, row in getattr(value, "table", ())]
+    rows += [value] if isinstance(value, tuple) else []
+    return any(len(row) == 2 and row[0] != 0.0 for row in rows)

@@ -3,6 +3,7 @@
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.kernels.rigid.around import way_around
 from pgimp.kernels.rigid.bodies import position_of
 from pgimp.kernels.rigid.fill import FAR, fill
 
@@ -52,8 +53,9 @@ def _load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last)
             row = contact.fields[found]
             contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
             row.mass, row.filled, row.curvature_gap = inf, point.filled, point.curvature_gap
+            around = way_around(frame, number, sides)
             for d in range(3):
-                row.surface[d] = point.surface[d]
+                row.surface[d] = point.surface[d] * around
             set_rigid_velocity(row, rigid_bodies.motion[t], frame, number, last)
             found += 1
         return found - count

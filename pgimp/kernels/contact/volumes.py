@@ -10,12 +10,11 @@ have the weights of whole particles, corrected by their gradient over the offset
 from numba.core import types
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.tuples import scaled
+from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.kernels.transfer.contribution import VolumeSums, moved
-from pgimp.kernels.transfer.first_vertex import first_vertex
+from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_axial
 from pgimp.kernels.transfer.lane_io import coordinates, deformations, take_row
-from pgimp.kernels.transfer.supports import keep_support, supports
-from pgimp.physics.shapes.base import size
+from pgimp.kernels.transfer.supports import keep_hoop, keep_support, supports
 from pgimp.physics.shapes.finite_gimp import FiniteGimpParameters
 from pgimp.physics.shapes.gimp import GimpParameters
 
@@ -44,8 +43,10 @@ def _summed_supports(loads, shape, frame, window, particles, rows, layer, buffer
         supports(shape, frame, window, particles, rows, layer, buffer, ())
         F = deformations(frame, particles, rows)
         offset = moved(F, take_row(particles.offset, rows, 0, frame.origin))
-        half, x = size(shape, frame.cell, F)[0], coordinates(frame, particles, rows)
+        x = coordinates(frame, particles, rows)
+        half = box(shape, frame, F, x)[0]
         _narrow(shape, frame, buffer, 0, half, x, offset, layer)
+        _narrow_ring(shape, frame, buffer, half, x, offset, layer)
 
     volumes = loads.instance_class is VolumeSums
     if not volumes or loads.types[VolumeSums._fields.index("gradient")] == types.float64:
@@ -74,6 +75,68 @@ def _narrow_along(shape, frame, buffer, d, half, x, offset, vertex):
         _narrow(shape, frame, buffer, d + 1, half[1:], x[1:], offset[1:], first)
 
     return last if len(x) == 1 else more
+
+
+def _narrow_ring(shape, frame, buffer, half, x, offset, vertex):
+    """In axisymmetry, store the weights of four cut boxes along the radius."""
+
+
+@specialise(_narrow_ring)
+def _narrow_ring_of(shape, frame, buffer, half, x, offset, vertex):
+    if not is_axial(frame):
+        return lambda shape, frame, buffer, half, x, offset, vertex: None
+
+    def narrow(shape, frame, buffer, half, x, offset, vertex):
+        inverse = frame.inverse[0]
+        r = max((x[0] + offset[0]) * inverse, LEAST)
+        f = r - frame.origin[0] * inverse - (vertex - frame.ghost)
+        left = min(max(half[0] - abs(offset[0]) * inverse, LEAST), r)
+        by, (w, g) = 1.0 / r, cut_weights(shape, left, f)
+        first, ends = cut_moments(shape, left, f)
+        keep_support(
+            buffer, 0, plus_scaled(by, first, w), scaled(inverse, plus_scaled(by, ends, g))
+        )
+        keep_hoop(buffer, scaled(inverse * by, w))
+
+    return narrow
+
+
+def cut_moments(shape, half, f):
+    """As `pgimp.physics.shapes.base.moments`, for boxes as of `cut_weights`."""
+
+
+@specialise(cut_moments)
+def _moments_of(shape, half, f):
+    def three(shape, half, f):
+        third = half * half * (1.0 / 3.0)
+        K, e = _kink(half, f - 1.0)
+        return (K - third, third - 2.0 * K, K), (e, -2.0 * e, e)
+
+    def four(shape, half, f):
+        third = half * half * (1.0 / 3.0)
+        K1, e1 = _kink(half, f - 1.0)
+        K2, e2 = _kink(half, f - 2.0)
+        return (
+            (K1 - third, third - 2.0 * K1 + K2, K1 - 2.0 * K2, K2),
+            (e1, e2 - 2.0 * e1, e1 - 2.0 * e2, e2),
+        )
+
+    return three if shape.instance_class.vertices() == 3 else four
+
+
+def _kink(half, f):
+    """Moment and end values, as of `moments`, of max(x, 0) over a box about f."""
+
+
+@specialise(_kink)
+def _kink_at(half, f):
+    def kink(half, f):
+        a, b, q = max(f + half, 0.0), max(f - half, 0.0), 0.25 / half
+        A, B = a * a, b * b
+        K = ((a * A - b * B) * (1.0 / 3.0) - 0.5 * (a - half) * (A - B)) * (2.0 * q)
+        return K, 0.5 * (a + b) - (A - B) * q
+
+    return kink
 
 
 def cut_weights(shape, half, f):

@@ -112,20 +112,29 @@ def _summed_offset_of(gradient, d):
 
 
 def hoop_force(loads, frame, particles, p):
-    """The vector (0, -V_p sigma_zz, 0, 0) of a ring, times T the force of its hoop stress.
+    """The vector (m_p w_x, -V_p sigma_zz, 0, 0) of a ring, times T the hoop's part of its sums.
 
-    () outside of axisymmetry, and in sums other than of forces.
+    Of volumes (0, V_p, 0, 0): with it S has the sums of a closed surface. () outside of
+    axisymmetry, and where filled parts are summed.
     """
 
 
 @specialise(hoop_force)
 def _hoop_force(loads, frame, particles, p):
-    if not is_axial(frame) or loads.instance_class in (FillingSums, VolumeSums):
+    if not is_axial(frame) or loads.instance_class is FillingSums:
         return lambda loads, frame, particles, p: ()
+    if loads.instance_class is VolumeSums:
+
+        def volume(loads, frame, particles, p):
+            V = particles.V0[p] * determinant(deformation(frame, particles, p))
+            return pack(0.0, V, 0.0, 0.0)
+
+        return volume
 
     def force(loads, frame, particles, p):
         hoop = particles.sigma[p, 2] - viscous_pressure(loads.viscosity, particles, p)
-        return pack(0.0, -particles.V[p] * hoop, 0.0, 0.0)
+        spread = moment(wall(loads.approached, 0), particles, p, 0)
+        return pack(spread, -particles.V[p] * hoop, 0.0, 0.0)
 
     return force
 

@@ -91,7 +91,7 @@ def _along_first_direction(shape, frame, buffer, arms, half, x, vertex):
         w, g, t, centroid = ring_weights(shape, half, f, x * inverse)
         keep_vectors(buffer, 0, w)
         keep_vectors(buffer, _QUANTITY, scaled(inverse, g))
-        keep_vectors(buffer, HOOP * _DIRECTION, scaled(inverse, t))
+        keep_hoop(buffer, scaled(inverse, t))
         if armed:
             keep_vectors(buffer, 2 * _QUANTITY, _arms(w, f + centroid, frame.cell[0]))
 
@@ -152,6 +152,15 @@ def _keep_support(buffer, d, w, g):
         keep_vectors(buffer, d * _DIRECTION + _QUANTITY, g)
 
     return keep
+
+
+def keep_hoop(buffer, t):
+    """Store the weights of the hoop of four particles in a buffer."""
+
+
+@specialise(keep_hoop)
+def _keep_hoop(buffer, t):
+    return lambda buffer, t: keep_vectors(buffer, HOOP * _DIRECTION, t)
 
 
 def first_offset(buffer, j):

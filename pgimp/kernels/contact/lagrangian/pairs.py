@@ -170,7 +170,7 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
         0 if axis == 1 else sides[1],
         0 if axis == 2 else sides[2],
     )
-    return find_pairs(contact, frame, along, 2, 1, 1.0)
+    return find_pairs(contact, frame, along, 1.0, 2, 1, 1.0)
 
 
 @kernel
@@ -213,7 +213,7 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
             contact, contact.rigid_bodies, frame, number, sides, count, True
         )
         if count + rigid_bodies > 1:
-            pairs = find_pairs(contact, frame, sides, count + rigid_bodies, rigid_bodies, dt)
+            pairs = find_pairs(contact, frame, sides, 1.0, count + rigid_bodies, rigid_bodies, dt)
             found = _keep_pairs(contact, frame, sums, number, slots, pairs, found, contact_pairs)
         for w in range(len(walls.planes)):
             for a in range(count):

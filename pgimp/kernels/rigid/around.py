@@ -1,0 +1,45 @@
+"""Neighbourhoods of vertices in axisymmetry: rings, whose volumes and surfaces are all round."""
+
+from math import pi
+
+from pgimp.jit.kernel import specialise
+from pgimp.kernels.grid.faces import wall_sides
+from pgimp.kernels.transfer.first_vertex import is_axial
+
+
+def way_around(frame, number, sides):
+    """Way of a vertex's neighbourhood round the axis; 1 outside of axisymmetry.
+
+    Times the area of its section it is its volume. The neighbourhood is weighted with the vertex's
+    tent, of which walls and the axis leave the half with its middle a third of a cell away.
+
+    Parameters
+    ----------
+    number : (int, int, int)
+        The vertex.
+    sides : (int, int, int)
+        Its walls, see `wall_sides`.
+    """
+
+
+@specialise(way_around)
+def _way_around(frame, number, sides):
+    if not is_axial(frame):
+        return lambda frame, number, sides: 1.0
+
+    def way(frame, number, sides):
+        cells = number[0] - frame.ghost - sides[0] * (1.0 / 3.0)
+        return 2.0 * pi * (frame.origin[0] + cells * frame.cell[0])
+
+    return way
+
+
+def way_between(faces, frame, number):
+    """As `way_around`, with the walls from the faces with a condition."""
+
+
+@specialise(way_between)
+def _way_between(faces, frame, number):
+    if not is_axial(frame):
+        return lambda faces, frame, number: 1.0
+    return lambda faces, frame, number: way_around(frame, number, wall_sides(faces, frame, number))
