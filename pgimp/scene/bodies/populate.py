@@ -66,7 +66,7 @@ def populate(
             p.v[rows] = block.velocities
         material = scene.materials.body_material[block.body]
         if p.L.shape[1]:
-            p.L[rows] = (
+            p.L[rows, : scene.dimension**2] = (  # at the start the hoop has no rate
                 _velocity_gradients(scene, block.body, points)
                 if block.gradients is None
                 else block.gradients

@@ -19,6 +19,7 @@ from rank_scenes.initial_bodies import both_configurations, initial, initial_con
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves
 from rank_scenes.meetings import meeting, staged
+from rank_scenes.rings import rings
 from rank_scenes.squeezed_blocks import SIZED
 
 #: What tests take from here besides.
@@ -71,6 +72,7 @@ SCENES = (
             metals,
             affine,
             varied,
+            rings,
         )
     }
     | SIZED

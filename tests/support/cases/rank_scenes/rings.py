@@ -1,0 +1,43 @@
+"""Axisymmetric scenes: rings that cross slabs as they grow, bars, contact, rigid bodies."""
+
+from scenes import SOFT, box, scene
+
+from rank_scenes.entries import EVERYTHING, STIFF
+from rank_scenes.laws import METALS
+
+
+def rings():
+    """A bar hits a floor, a loaded ring grows across slabs, a gas expands; friction, a stamp."""
+    gas = {"model": "ideal-gas", "gamma": 1.4, "energy": 4.0, "density": 0.5}
+    bodies = {
+        "bar": box([0.0, 1.6], [2.1, 5.0], [0.0, -6.0]),
+        "ring": box([6.1, 2.0], [7.9, 3.2], [0.0, -2.0], "rubber"),
+        "seat": box([5.0, 0.0], [9.0, 1.3], None, "stiff"),
+        "gas": box([11.0, 1.0], [13.0, 3.0], [0.0, 1.0], "gas"),
+        "stamp": {
+            "rigid": {"velocity": [0.0, -1.5]},
+            "region": {"ball": {"center": [0.0, 9.0], "radius": 3.3}},
+        },
+    }
+    case = scene(
+        2,
+        bodies,
+        cells=[18, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=METALS | {"rubber": SOFT, "stiff": STIFF, "gas": gas},
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "separating", "x-max": "slip"},
+        escape={"y-max": "remove"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        tractions={
+            "bore": {"body": "ring", "face": "x-min", "pressure": {"table": [[0, 0], [0.2, 15]]}},
+            "lid": {"body": "ring", "face": "y-max", "traction": [0.0, -1.0]},
+        },
+        output={"every": 0.25, "fields": EVERYTHING, "grid": ["mass", "force", "contact"]},
+        history={"every": {"steps": 10}},
+        probes={"place": {"place": [0.4, 1.0]}, "rim": {"body": "bar", "at": [2.0, 2.0]}},
+    )
+    case["geometry"], case["method"]["affine"] = "axisymmetric", True
+    return case
