@@ -65,13 +65,13 @@ def axial(kind, y, half, vertices):
 class Rings:
     """A rank with random rings, some at the axis, and their weights."""
 
-    def __init__(self, kind):
+    def __init__(self, kind, mean=False):
         rng = np.random.default_rng(SEED)
         shape = entry(kind, PER_CELL)
         frame = AxialFrame(
             (0.0, 0.3), CELL, tuple(1.0 / h for h in CELL), CELLS, shape.vertices - 1
         )
-        p = Particles.empty(COUNT, Carried(2, axial=True))
+        p = Particles.empty(COUNT, Carried(2, axial=True, mean=mean))
         p.x[:] = rng.uniform(0.05, 0.95, (COUNT, 2)) * np.array(CELLS) * CELL + (0.0, 0.3)
         p.x[:4, 0] = CELL[0] * np.array([2e-3, 0.02, 0.1, 0.2])  # boxes reach the axis
         p.v[:] = rng.normal(size=p.v.shape)
@@ -81,6 +81,7 @@ class Rings:
         p.V[:] = p.V0 * rng.uniform(0.8, 1.2, COUNT)
         p.m[:] = rng.uniform(0.5, 2.0, COUNT)
         p.id[:] = rng.permutation(COUNT)
+        p.alone[:] = rng.uniform(0.0, 1.0, p.alone.shape)
         self.rank, self.frame, self.kind = Rank(shape, frame, p), frame, kind
         self.p = p = Particles(*(a[self.rank.population.order].copy() for a in p))
         self.r = np.arange(frame.vertices[0]) - frame.ghost
@@ -157,6 +158,57 @@ def test_sums_of_rings(kind):
     assert np.abs(after.x[:, 0] - radius[rows]).max() <= 1e-13
     middle = p.x[:, 1] + DT * p.x[:, 0] * np.einsum("pij,ij", rings.T, v[..., 1])
     assert np.abs(after.x[:, 1] - middle[rows]).max() <= 1e-12
+
+
+def rates_of_cells(rings, v):
+    """Mean rates of dilatation of the cells, with weight r, in a multilinear field v."""
+    r, rate = rings.r * CELL[0], np.zeros((len(rings.r) - 1, len(rings.z) - 1))
+    for i in range(len(rings.r) - 1):
+        middle = 0.5 * (r[i] + r[i + 1])
+        for j in range(len(rings.z) - 1):
+            out = 0.5 * (v[i + 1, j, 0] + v[i + 1, j + 1, 0]) * r[i + 1]
+            out -= 0.5 * (v[i, j, 0] + v[i, j + 1, 0]) * r[i]
+            rate[i, j] = out / (middle * CELL[0]) if middle > 0 else 0.0
+            for x, w in zip(NODES, WEIGHTS, strict=True):  # the mean of r dv_y/dy over the radius
+                s = 0.5 * (1 + x)
+                rise = [v[k, j + 1, 1] - v[k, j, 1] for k in (i, i + 1)]
+                slope = (rise[0] * (1 - s) + rise[1] * s) / CELL[1]
+                rate[i, j] += 0.5 * w * slope * (r[i] + s * CELL[0]) / middle if middle > 0 else 0.0
+    return rate
+
+
+def parts_in_cells(low, high, vertices, weighted):
+    """Parts of an interval in the cells between vertices, by length or by r dr."""
+    a, b = np.maximum(low, vertices[:-1]), np.minimum(high, vertices[1:])
+    part = np.maximum(b - a, 0.0) * (0.5 * (a + b) if weighted else 1.0)
+    return part / part.sum()
+
+
+@pytest.mark.parametrize("kind", ["gimp", "finite-gimp"])
+def test_mean_dilatation_of_rings(kind):
+    """Rates are those of the cells, by parts with weight r; forces have the stresses' power."""
+    rings = Rings(kind, mean=True)
+    p, rank = rings.p, rings.rank
+    rank.mean = 1.0
+    rank.particles_to_grid()
+    force = rank.records()[..., 5:7].copy()
+    rank.update_momentum(DT)
+    v = rank.records()[..., 1:3].copy()
+    cells, L = rates_of_cells(rings, v), rings.gradients(v)
+    for k in range(COUNT):
+        x, half = (p.x[k] - rings.frame.origin) / CELL, rings.half[k]
+        across = parts_in_cells(x[0] - half[0], x[0] + half[0], rings.r, True)
+        along = parts_in_cells(x[1] - half[1], x[1] + half[1], rings.z, False)
+        e = (across @ cells @ along - L[k, [0, 3, 4]].sum()) / 3.0
+        L[k, [0, 3, 4]] += (1.0 - p.alone[k, 0]) * e
+    xx, yy, zz, xy = p.sigma.T
+    power = p.V @ (xx * L[:, 0] + xy * (L[:, 1] + L[:, 2]) + yy * L[:, 3] + zz * L[:, 4])
+    assert (force * v).sum() == pytest.approx(-power, rel=1e-10)
+    assert abs(force[..., 1].sum()) <= 1e-12 * np.abs(force[..., 1]).sum()
+    rank.grid_to_particles(DT)
+    order = rank.population.order
+    hoop = rank.particles.F[order][np.argsort(rank.particles.id[order]), 4]
+    assert np.abs(hoop - (p.F[:, 4] * (1 + DT * L[:, 4]))[np.argsort(p.id)]).max() <= 1e-11
 
 
 @pytest.mark.parametrize("kind", KINDS)

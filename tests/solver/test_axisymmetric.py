@@ -124,7 +124,7 @@ def test_totals_across_the_axis_vanish():
         ({"dimensions": 3}, "geometry: axisymmetric is for 2 dimensions"),
         ({"grid.origin": [-1.0, 0.0]}, "grid.origin.0: x is the radius"),
         ({"method.shape": "bspline-quadratic"}, "method.shape: bspline-quadratic has no axisymm"),
-        ({"method.volumetric": "mean"}, "method.volumetric: mean is not known"),
+        ({"grid.origin": [0.1, 0.0]}, "grid.origin.0: begins within a cell from the axis"),
         ({"boundaries": {"x-min": "fixed"}}, "boundaries.x-min: is the axis"),
         ({"gravity": [1.0, 0.0]}, "gravity: acts along the axis"),
         ({"bodies.b.velocity": [1.0, 0.0]}, "bodies.b.velocity: is along the axis"),

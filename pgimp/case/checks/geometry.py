@@ -33,15 +33,15 @@ def check_geometry(dimensions: int, geometry: str, grid: Grid, method: Shape) ->
             f"x is the radius, from the axis at 0 on, but the grid begins at {grid.origin[0]:g}; "
             "begin at 0, or above for what has a hole",
         )
+    elif len(grid.origin) == 2 and 0.0 < grid.origin[0] < grid.cell[0]:
+        yield Problem(
+            ("grid", "origin", 0),
+            f"begins within a cell from the axis, {grid.origin[0]:g}; begin at 0, or a cell away",
+        )
     if not method.rings:
         yield Problem(
             ("method", "shape"),
             f"{method.name} has no axisymmetric weights; take gimp, finite-gimp, cpdi or mpm",
-        )
-    elif method.volumetric == "mean":
-        yield Problem(
-            ("method", "volumetric"),
-            "mean is not known in axisymmetry yet; leave it out (pointwise)",
         )
 
 

@@ -132,7 +132,7 @@ def _hoop_force(loads, frame, particles, p):
         return volume
 
     def force(loads, frame, particles, p):
-        hoop = particles.sigma[p, 2] - viscous_pressure(loads.viscosity, particles, p)
+        hoop = particles.sigma[p, 2] - set_apart(loads, frame, particles, p)
         spread = moment(wall(loads.approached, 0), particles, p, 0)
         return pack(spread, -particles.V[p] * hoop, 0.0, 0.0)
 

@@ -105,7 +105,7 @@ def _gather_lines(G, support, d, offset, counts, stride, Z, what):
             )  # fmt: skip
             U, A = w * u + U, w * a + A
             D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
-            M = _plus_rates(mean, factor(mean, buffer, d, i, j), m, M)
+            M = _plus_rates(mean, factor(mean, what.H, buffer, d, i, j), m, M)
             T = _plus_hoop(buffer, i, j, u, T)
         return U, A, (*D, *T), M
 

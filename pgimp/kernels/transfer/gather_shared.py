@@ -98,12 +98,12 @@ def _take_one_by_one(layout, field, mean, four, buffer, sums):
         begin = four.layer * window.stride[0]
         for j in range(four.size):
             offset = begin + first_offset(buffer, j)
-            keep_sums(
-                sums, j, *gather(
-                    shape, field.G, Support(buffer, j), offset, window.stride, frame.origin, mean,
-                    (0.0,),
-                )[:3],
+            U, A, D, M = gather(
+                shape, field.G, Support(buffer, j), offset, window.stride, frame.origin, mean,
+                (0.0,),
             )  # fmt: skip
+            keep_sums(sums, j, U, A, D)
+            keep_rates(M, buffer, j)
         repeat_sums(sums, four.size, (0.0, 0.0, 0.0))
         u, a = collected(sums, 0, frame.origin), collected(sums, 1, frame.origin)
         hoop = collected(sums, 4, frame.origin)

@@ -38,6 +38,8 @@ def ring_weights(shape, half, f, r):
         Weights, gradients, weights of the hoop.
     centroid : float or Vec4
         Distance of the mass's centroid from r.
+    plain : tuple
+        Gradients of the box itself.
     """
 
 
@@ -49,7 +51,7 @@ def _ring_weights(shape, half, f, r):
         first, ends = moments(shape, half, f, g)
         return (
             plus_scaled(by, first, w), plus_scaled(by, ends, g), scaled(by, w),
-            half * half * (1.0 / 3.0) * by,
+            half * half * (1.0 / 3.0) * by, g,
         )  # fmt: skip
 
     return ring

@@ -133,7 +133,7 @@ def _scatter_lines(G, support, d, offset, counts, stride, Z, what):
             at = offset + i * stride[0]
             part = Share(
                 _sloped(w, A, e, C), _plus_hoop(buffer, i, j, H, _force(w, B, g, S[0])),
-                scaled(w, S[1:]), scaled(w, C[1:]), factored(factor(M, buffer, d, i, j), M), (),
+                scaled(w, S[1:]), scaled(w, C[1:]), factored(factor(M, H, buffer, d, i, j), M), (),
             )  # fmt: skip
             lines(G, support, d + 1, at, counts[1:], stride[1:], Z, part)
 

@@ -25,6 +25,9 @@ _DIRECTION, _QUANTITY, _OFFSET, MEANS = 48, 16, 144, 152
 #: The direction, in axisymmetry, whose weights are those of the hoop.
 HOOP = 2
 
+#: There half-width, place and radius of four rings, in cells, and the gradients of their boxes.
+PLAIN, BOX = HOOP * _DIRECTION + _QUANTITY, HOOP * _DIRECTION + 2 * _QUANTITY
+
 
 def _arms(w, f, cell):
     """Weights times the vertices' coordinates relative to the particle's."""
@@ -88,10 +91,12 @@ def _along_first_direction(shape, frame, buffer, arms, half, x, vertex):
     def along_radius(shape, frame, buffer, arms, half, x, vertex):
         inverse = frame.inverse[0]
         f = (x - frame.origin[0]) * inverse - (vertex - frame.ghost)
-        w, g, t, centroid = ring_weights(shape, half, f, x * inverse)
+        w, g, t, centroid, plain = ring_weights(shape, half, f, x * inverse)
         keep_vectors(buffer, 0, w)
         keep_vectors(buffer, _QUANTITY, scaled(inverse, g))
         keep_hoop(buffer, scaled(inverse, t))
+        keep_vectors(buffer, BOX, (half, f, x * inverse))
+        keep_vectors(buffer, PLAIN, plain)
         if armed:
             keep_vectors(buffer, 2 * _QUANTITY, _arms(w, f + centroid, frame.cell[0]))
 

@@ -8,9 +8,10 @@ the parts phi_cp of its box in them:
     D_p = sum_c phi_cp D_c,    L_p <- L_p + (D_p - tr L_p)/d 1,
 
 after Nagtegaal, Parks and Rice (1974) and Hughes (1980), with d the number of directions (in plane
-strain the correction lies in the plane). The force is the adjoint. The stress less the mean of its
-d normal components acts through grad S_vp as before, the mean less the viscous pressure through
-dD_p/dv_v. So the power of the forces on the vertices is the power of the stresses, V_p sigma : L_p.
+strain the correction lies in the plane; in axisymmetry d is 3). The force is the adjoint. The
+stress less the mean of its d normal components acts through grad S_vp as before, the mean less the
+viscous pressure through dD_p/dv_v. So the power of the forces on the vertices is the power of the
+stresses, V_p sigma : L_p.
 
 This needs neither sums over cells nor messages: parts in cells, and means over them, are products
 by direction. Along one direction, a box's gradient g_i at vertex i is the mean over the box of the
@@ -34,11 +35,14 @@ Under gravity liquids are always taken as isolated. With the means of cells they
 motions of the vertices that change no mean, and sink.
 """
 
+from math import pi
+
 from numba.core import types
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, pack, store, vector
+from pgimp.kernels.transfer.first_vertex import is_axial, off_axis
 from pgimp.kernels.transfer.lane_io import put_row, take, take_row
 from pgimp.kernels.transfer.supports import MEANS
 from pgimp.kernels.transfer.transpose import gathered_mass
@@ -51,15 +55,15 @@ DENSE, SPARSE = 0.58, 0.45
 _GATHERED = MEANS + 48
 
 
-def _average(particles, p, like):
-    """Mean of as many normal components of the stress of particle `p` as `like` has entries."""
+def _average(particles, p, frame):
+    """Mean of the normal components of the stress of particle `p` that do work."""
 
 
 @specialise(_average)
-def _average_of(particles, p, like):
-    if len(like) == 2:
-        return lambda particles, p, like: 0.5 * (particles.sigma[p, 0] + particles.sigma[p, 1])
-    return lambda particles, p, like: (
+def _average_of(particles, p, frame):
+    if len(frame.types[0]) == 2 and not is_axial(frame):
+        return lambda particles, p, frame: 0.5 * (particles.sigma[p, 0] + particles.sigma[p, 1])
+    return lambda particles, p, frame: (
         (particles.sigma[p, 0] + particles.sigma[p, 1] + particles.sigma[p, 2]) * (1.0 / 3.0)
     )
 
@@ -77,7 +81,7 @@ def _set_apart(loads, frame, particles, p):
         return lambda loads, frame, particles, p: viscous_pressure(loads.viscosity, particles, p)
 
     def mean_but_alone(loads, frame, particles, p):
-        s, alone = _average(particles, p, frame.origin), particles.alone[p, 0]
+        s, alone = _average(particles, p, frame), particles.alone[p, 0]
         return s - alone * (s - viscous_pressure(loads.viscosity, particles, p))
 
     return mean_but_alone
@@ -99,7 +103,7 @@ def _mean_force(loads, frame, particles, p):
     def force(loads, frame, particles, p):
         q = viscous_pressure(loads.viscosity, particles, p)
         V = particles.V[p] * (particles.alone[p, 0] - 1.0)
-        f = V * (_average(particles, p, frame.origin) - q)
+        f = V * (_average(particles, p, frame) - q)
         return pack(0.0, f, f, third * f)
 
     return force
@@ -147,8 +151,8 @@ def with_means(mean, frame, particles, rows, buffer, sums, count, L):
 def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
     if hasattr(mean, "count"):  # ()
         return lambda mean, frame, particles, rows, buffer, sums, count, L: L
-    D = {4: 2, 9: 3}[len(L)]
-    dense, sparse, part = DENSE**D, SPARSE**D, 1.0 / D
+    D = {4: 2, 5: 2, 9: 3}[len(L)]
+    dense, sparse, part = DENSE**D, SPARSE**D, {4: 1.0 / 2, 5: 1.0 / 3, 9: 1.0 / 3}[len(L)]
 
     def with_rates(mean, frame, particles, rows, buffer, sums, count, L):
         alone = take_row(particles.alone, rows, 0, (0.0,))[0]
@@ -156,6 +160,7 @@ def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
         around = gathered_mass(sums) * take(particles.V, rows)
         for d in range(D):
             around = around * frame.inverse[d]
+        around = _section(frame, particles, rows, around)
         fill = around / take(particles.m, rows)
         now = min(max((dense - fill) * (1.0 / (dense - sparse)), 0.0), 1.0)
         now = max(now, _always_alone(mean, particles, rows))
@@ -163,6 +168,19 @@ def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
         return _with_trace(L, e)
 
     return with_rates
+
+
+def _section(frame, particles, rows, V):
+    """Sections of four volumes V of rings; outside of axisymmetry V itself."""
+
+
+@specialise(_section)
+def _section_of(frame, particles, rows, V):
+    if not is_axial(frame):
+        return lambda frame, particles, rows, V: V
+    return lambda frame, particles, rows, V: (
+        V / (2.0 * pi * off_axis(frame, take_row(particles.x, rows, 0, frame.origin))[0])
+    )
 
 
 def _always_alone(mean, particles, rows):
@@ -189,6 +207,8 @@ def _with_trace(L, e):
 def _with_trace_of(L, e):
     if len(L) == 4:
         return lambda L, e: (L[0] + e, L[1], L[2], L[3] + e)
+    if len(L) == 5:
+        return lambda L, e: (L[0] + e, L[1], L[2], L[3] + e, L[4] + e)
     return lambda L, e: (L[0] + e, L[1], L[2], L[3], L[4] + e, L[5], L[6], L[7], L[8] + e)
 
 

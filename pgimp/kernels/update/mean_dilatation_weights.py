@@ -7,9 +7,13 @@ direction are the a and g of the particle's box. In P2G they turn `mean_force` i
 velocities into D_p.
 """
 
+from numba.core import types
+
 from pgimp.jit.kernel import specialise
-from pgimp.jit.vectors.simd import number, pack, vector, where
-from pgimp.kernels.transfer.supports import MEANS, entry, four_entries, keep_vectors
+from pgimp.jit.tuples import scaled
+from pgimp.jit.vectors.simd import load, number, pack, vector, where
+from pgimp.kernels.transfer.first_vertex import is_axial
+from pgimp.kernels.transfer.supports import BOX, MEANS, PLAIN, entry, four_entries, keep_vectors
 
 
 def keep_means(mean, shape, frame, buffer):
@@ -23,6 +27,15 @@ def keep_means(mean, shape, frame, buffer):
 def _keep_means(mean, shape, frame, buffer):
     if hasattr(mean, "count"):  # ()
         return lambda mean, shape, frame, buffer: None
+
+    def rings(mean, shape, frame, buffer):
+        a, g = means_of_rings(shape, buffer)
+        keep_vectors(buffer, MEANS, a)
+        keep_vectors(buffer, PLAIN, scaled(frame.inverse[0], g))
+        _along(shape, buffer, 1, frame.cell[1:])
+
+    if is_axial(frame):
+        return rings
     return lambda mean, shape, frame, buffer: _along(shape, buffer, 0, frame.cell)
 
 
@@ -69,19 +82,67 @@ def _means_of_parts(shape, buffer, d, cell):
     return {3: three, 4: four}[shape.instance_class.vertices()]
 
 
-def factor(mean, buffer, d, i, j):
+def means_of_rings(shape, buffer):
+    """As `means_of_parts`, along the radius; with the factors of the radial component.
+
+    Parts weigh with their mean radius. The rate of a cell between the radii a and b = a + h, with
+    the middle m, has from a radial velocity (b v_b - a v_a)/(m h). From an axial one at a it has
+    1/2 - h/(12 m) of what a cell of plane strain has, at b 1/2 + h/(12 m).
+    """
+
+
+@specialise(means_of_rings)
+def _means_of_rings(shape, buffer):
+    def three(shape, buffer):
+        half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
+        first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 8), r - f
+        p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
+        k, m = 1.0 / (v + 0.5), 1.0 / (v + 1.5)
+        return (
+            p * (0.5 - k * (1.0 / 12.0)),
+            p * (0.5 + k * (1.0 / 12.0)) + q * (0.5 - m * (1.0 / 12.0)),
+            q * (0.5 + m * (1.0 / 12.0)),
+        ), (-p * k * v, (p * k - q * m) * (v + 1.0), q * m * (v + 2.0))
+
+    def four(shape, buffer):
+        half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
+        first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 12), r - f
+        inner = 1.0 - first - last
+        p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
+        s = inner * (r - half + half * (2.0 * first + inner)) / r
+        k, n, m = 1.0 / (v + 0.5), 1.0 / (v + 1.5), 1.0 / (v + 2.5)
+        return (
+            p * (0.5 - k * (1.0 / 12.0)),
+            p * (0.5 + k * (1.0 / 12.0)) + s * (0.5 - n * (1.0 / 12.0)),
+            s * (0.5 + n * (1.0 / 12.0)) + q * (0.5 - m * (1.0 / 12.0)),
+            q * (0.5 + m * (1.0 / 12.0)),
+        ), (
+            -p * k * v, (p * k - s * n) * (v + 1.0), (s * n - q * m) * (v + 2.0),
+            q * m * (v + 3.0),
+        )  # fmt: skip
+
+    return {3: three, 4: four}[shape.instance_class.vertices()]
+
+
+def factor(mean, hoop, buffer, d, i, j):
     """Factors of direction `d` in dD_p/dv_v of its vertex `i`, for particle `j` of four.
 
     A vector like a velocity or a force in its record: g for the component along `d`, else a. An
-    unused weight unless there is a `mean`.
+    unused weight unless there is a `mean`. Along the radius there is a `hoop`, which is () else.
     """
 
 
 @specialise(factor)
-def _factor(mean, buffer, d, i, j):
+def _factor(mean, hoop, buffer, d, i, j):
     if hasattr(mean, "count"):  # ()
-        return lambda mean, buffer, d, i, j: entry(buffer, d, 0, i, j)
-    return lambda mean, buffer, d, i, j: where(
+        return lambda mean, hoop, buffer, d, i, j: entry(buffer, d, 0, i, j)
+    if not (isinstance(hoop, types.BaseTuple) and len(hoop) == 0):
+        return lambda mean, hoop, buffer, d, i, j: where(
+            pack(0.0, 1.0, 2.0, 3.0) == 1.0,
+            number(buffer, PLAIN + 4 * i + j),
+            number(buffer, MEANS + 4 * i + j),
+        )
+    return lambda mean, hoop, buffer, d, i, j: where(
         pack(0.0, 1.0, 2.0, 3.0) == d + 1.0,
         entry(buffer, d, 1, i, j),
         number(buffer, MEANS + 16 * d + 4 * i + j),
@@ -95,9 +156,9 @@ def factors(mean, buffer, d, i, j, like):
 @specialise(factors)
 def _factors(mean, buffer, d, i, j, like):
     if len(like) == 1:
-        return lambda mean, buffer, d, i, j, like: (factor(mean, buffer, d, i, j),)
+        return lambda mean, buffer, d, i, j, like: (factor(mean, (), buffer, d, i, j),)
     return lambda mean, buffer, d, i, j, like: (
-        factor(mean, buffer, d, i, j),
+        factor(mean, (), buffer, d, i, j),
         *factors(mean, buffer, d, i + 1, j, like[1:]),
     )
 
