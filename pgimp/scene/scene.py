@@ -8,7 +8,7 @@ from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene
-from pgimp.kernels.data.frame import InitialFrame, MixedFrame, identity
+from pgimp.kernels.data.frame import AxialInitialFrame, InitialFrame, MixedFrame, identity
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.lagrangian.cell_sums import MOST
 from pgimp.kernels.loads.loads import Loads
@@ -76,7 +76,8 @@ class Scene:
             axial=case.axisymmetric,
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
-        start, shape = InitialFrame(*domain.frame), case.method
+        kind = AxialInitialFrame if case.axisymmetric else InitialFrame
+        start, shape = kind(*domain.frame), case.method
         frame = start if settings.initial else domain.frame
         of_body = np.array(materials.body_material, np.int64)
         self.setting = KernelScene(
@@ -98,6 +99,7 @@ class Scene:
         return (
             self.settings.initial
             and self.dimension > 1
+            and not self.case.axisymmetric
             and method.in_cell
             and max(method.particles_per_cell) <= MOST
             and not (loads.force or self.case.staged.rebonds)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from pgimp.case.body import Body
 from pgimp.case.grid import Grid
 from pgimp.geometry.regions.points import Points
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip
+from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.materials.base import Material
 from pgimp.physics.rigid import Free, RigidBody
 from pgimp.physics.shapes.base import Shape
@@ -76,16 +77,23 @@ def check_rings(
     materials: Mapping[str, Material],
     bodies: Mapping[str, Body],
     rigid_bodies: Mapping[str, RigidBody],
+    boundaries: Mapping[str, Boundary],
+    contact: Sequence[ContactEntry],
+    method: Shape,
 ) -> Problems:
     """Check that bodies and loads are of a kind that exists in axisymmetry."""
     if geometry != "axisymmetric":
         return
+    initial = [name for name, body in bodies.items() if body.configuration == "initial"]
+    approached = any(entry.approaches for entry in boundaries.values())
+    meets = contact or rigid_bodies or approached or len(initial) < len(bodies)
+    if initial and (meets or method.volumetric == "mean"):
+        yield Problem(
+            ("bodies", initial[0], "configuration"),
+            "initial is known in axisymmetry without contact, rigid bodies, separating walls, "
+            "bodies in the current configuration and mean dilatation only; take current",
+        )
     for name, body in bodies.items():
-        if body.configuration == "initial":
-            yield Problem(
-                ("bodies", name, "configuration"),
-                "initial is not known in axisymmetry yet; take current",
-            )
         if isinstance(body.region, Points):
             yield Problem(
                 ("bodies", name, "region"),

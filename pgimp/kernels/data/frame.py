@@ -61,6 +61,12 @@ class AxialFrame(Frame):
     __slots__ = ()
 
 
+class AxialInitialFrame(Frame):
+    """Position of a grid of the initial configuration of an axisymmetric scene."""
+
+    __slots__ = ()
+
+
 class MixedFrame(NamedTuple):
     """Position of the grid for bodies of both configurations, for the canonical order.
 

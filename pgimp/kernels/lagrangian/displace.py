@@ -14,6 +14,7 @@ from pgimp.kernels.data.arguments import FourParticles
 from pgimp.kernels.transfer.g2p import materials_of
 from pgimp.kernels.transfer.gather_shared import take_from_grid
 from pgimp.kernels.transfer.lane_io import LANES, coordinates, four_rows, put, put_row, take
+from pgimp.kernels.transfer.rings import ring_motion
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, supports
 from pgimp.kernels.transfer.transpose import SUMS
 from pgimp.physics.materials.parameters.evaluate import evaluate_four
@@ -41,7 +42,8 @@ def displace_particles(setting, plain, field, particles, order):
             rows = four_rows(order.rows, k, start[layer + 1])
             four = FourParticles(rows, min(LANES, start[layer + 1] - k), k, layer, number)
             supports(shape, frame, window, particles, rows, number, buffer, ())
-            u, v, grad, _, _ = take_from_grid((shape, plain), field, (), four, buffer, sums)
+            u, v, grad, _, hoop = take_from_grid((shape, plain), field, (), four, buffer, sums)
+            u = ring_motion(frame, particles, four, hoop, u)
             put_row(particles.x, rows, 0, plus_scaled(1.0, u, coordinates(frame, particles, rows)))
             put_row(particles.v, rows, 0, v)
             _put_elastic(setting, particles, rows, grad)

@@ -10,7 +10,7 @@ from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.data.velocity_fields import field_of
-from pgimp.kernels.sums.sums import ANGULAR, KINETIC, MOMENTUM
+from pgimp.kernels.sums.sums import ANGULAR, KINETIC, MOMENTUM, remaining_across
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, entry, first_offset, supports
 
@@ -55,7 +55,7 @@ def motion_sums(setting, field, particles, order, sums):
     """
     shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
     values, D = field.motion.values, len(setting.frame.origin)
-    vertices = _vertex_count(shape)
+    vertices, across = _vertex_count(shape), remaining_across(frame)
     ny, nz = vertices if D > 1 else 1, vertices if D > 2 else 1
     buffer = stack(SUPPORT_SIZE)
     for layer in range(len(start) - 1):
@@ -95,10 +95,10 @@ def motion_sums(setting, field, particles, order, sums):
                     y, vy = particles.x[p, 1], particles.v[p, 1]
                 if D > 2:
                     z, vz = particles.x[p, 2], particles.v[p, 2]
-                row[MOMENTUM] += m * (px - vx)
+                row[MOMENTUM] += across * (m * (px - vx))
                 row[MOMENTUM + 1] += m * (py - vy)
                 row[MOMENTUM + 2] += m * (pz - vz)
                 row[ANGULAR] += m * (ax - (y * vz - z * vy))
                 row[ANGULAR + 1] += m * (ay - (z * vx - x * vz))
-                row[ANGULAR + 2] += m * (az - (x * vy - y * vx))
+                row[ANGULAR + 2] += across * (m * (az - (x * vy - y * vx)))
                 row[KINETIC] += 0.5 * m * (square - (vx * vx + vy * vy + vz * vz))

@@ -35,12 +35,12 @@ def _book_losses(row, materials, k, args, state, V0):
     return book if lose else lambda row, materials, k, args, state, V0: None
 
 
-def _across(frame):
+def remaining_across(frame):
     """Part of a sum along x that remains: 0 of rings, round whose axis it vanishes; else 1."""
 
 
-@specialise(_across)
-def _across_of(frame):
+@specialise(remaining_across)
+def _remaining_across(frame):
     return (lambda frame: 0.0) if is_axial(frame) else (lambda frame: 1.0)
 
 
@@ -57,7 +57,7 @@ def layer_sums(setting, particles, order, sums):
         materials have any.
     """
     like, start, D = setting.identity, order.start, len(setting.frame.origin)
-    across = _across(setting.frame)
+    across = remaining_across(setting.frame)
     for layer in range(len(start) - 1):
         for k in range(start[layer], start[layer + 1]):
             p = order.rows[k]

@@ -12,7 +12,7 @@ from pgimp.kernels.grid.filling import FillingSums, filling_share
 from pgimp.kernels.grid.wall_gap import moment, wall
 from pgimp.kernels.transfer.first_vertex import deformation, is_axial, is_initial
 from pgimp.kernels.update.mean_dilatation import set_apart
-from pgimp.kernels.update.piola import kept_force
+from pgimp.kernels.update.piola import kept_force, kept_hoop
 from pgimp.kernels.update.viscosity import viscous_pressure
 
 #: The entry of a vertex's record with the correction of the sums of volumes.
@@ -111,7 +111,7 @@ def _summed_offset_of(gradient, d):
     return lambda gradient, d: scaled(0.0, d)
 
 
-def hoop_force(loads, frame, particles, p):
+def hoop_force(loads, frame, particles, p, forces, j):
     """The vector (m_p w_x, -V_p sigma_zz, 0, 0) of a ring, times T the hoop's part of its sums.
 
     Of volumes (0, V_p, 0, 0): with it S has the sums of a closed surface. () outside of
@@ -120,18 +120,20 @@ def hoop_force(loads, frame, particles, p):
 
 
 @specialise(hoop_force)
-def _hoop_force(loads, frame, particles, p):
+def _hoop_force(loads, frame, particles, p, forces, j):
     if not is_axial(frame) or loads.instance_class is FillingSums:
-        return lambda loads, frame, particles, p: ()
+        return lambda loads, frame, particles, p, forces, j: ()
     if loads.instance_class is VolumeSums:
 
-        def volume(loads, frame, particles, p):
+        def volume(loads, frame, particles, p, forces, j):
             V = particles.V0[p] * determinant(deformation(frame, particles, p))
             return pack(0.0, V, 0.0, 0.0)
 
         return volume
+    if is_initial(frame):
+        return lambda loads, frame, particles, p, forces, j: kept_hoop(forces, j)
 
-    def force(loads, frame, particles, p):
+    def force(loads, frame, particles, p, forces, j):
         hoop = particles.sigma[p, 2] - set_apart(loads, frame, particles, p)
         spread = moment(wall(loads.approached, 0), particles, p, 0)
         return pack(spread, -particles.V[p] * hoop, 0.0, 0.0)

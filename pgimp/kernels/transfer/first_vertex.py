@@ -6,7 +6,13 @@ import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four p
 from pgimp.jit.kernel import exact, specialise
 from pgimp.jit.tuples import joined, read
 from pgimp.jit.vectors.simd import vec4, vector
-from pgimp.kernels.data.frame import AxialFrame, InitialFrame, MixedFrame, identity
+from pgimp.kernels.data.frame import (
+    AxialFrame,
+    AxialInitialFrame,
+    InitialFrame,
+    MixedFrame,
+    identity,
+)
 from pgimp.physics.shapes.base import size
 
 #: Part of a cell by which an initial support may begin before its first vertex:
@@ -19,7 +25,7 @@ AXIS = 1e-3
 
 def is_initial(frame):
     """Whether a frame, given by its Numba type, belongs to the initial configuration."""
-    return frame.instance_class is InitialFrame
+    return frame.instance_class in (InitialFrame, AxialInitialFrame)
 
 
 def is_mixed(frame):
@@ -29,7 +35,7 @@ def is_mixed(frame):
 
 def is_axial(frame):
     """Whether a frame, given by its Numba type, belongs to an axisymmetric scene."""
-    return frame.instance_class is AxialFrame
+    return frame.instance_class in (AxialFrame, AxialInitialFrame)
 
 
 def undeformed(frame):

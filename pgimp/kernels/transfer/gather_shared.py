@@ -66,7 +66,7 @@ def _take_from_grid(layout, field, mean, four, buffer, sums):
         )
         return u, a, row_major(D), held, ()
 
-    if is_initial(layout[1]):
+    if is_initial(layout[1]) and not is_axial(layout[1]):
         return where_shared
     return lambda layout, field, mean, four, buffer, sums: _take_separately(
         layout, field, mean, four, buffer, sums

@@ -17,8 +17,8 @@ radius then grows as the hoop stretch does, to rounding.
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled, scaled
-from pgimp.kernels.transfer.first_vertex import is_axial, off_axis
-from pgimp.kernels.transfer.lane_io import take_row
+from pgimp.kernels.transfer.first_vertex import is_axial
+from pgimp.kernels.transfer.lane_io import coordinates
 from pgimp.physics.shapes.base import moments, weights
 
 
@@ -77,7 +77,6 @@ def _ring_motion(frame, particles, four, hoop, u):
         return lambda frame, particles, four, hoop, u: u
 
     def motion(frame, particles, four, hoop, u):
-        r = off_axis(frame, take_row(particles.x, four.rows, 0, u))[0]
-        return scaled(r, hoop)
+        return scaled(coordinates(frame, particles, four.rows)[0], hoop)
 
     return motion

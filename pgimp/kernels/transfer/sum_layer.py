@@ -94,7 +94,7 @@ def _sum_layer(setting, field, particles, loads, rows, span, number):
                 B = second(loads, frame, particles, p)
                 C = arms(loads, frame, particles, p)
                 M = mean_force(loads, frame, particles, p)
-                share = Share(A, B, S, C, M, hoop_force(loads, frame, particles, p))
+                share = Share(A, B, S, C, M, hoop_force(loads, frame, particles, p, forces, j))
                 scatter(shape, scratch, Support(buffer, j), offset, window.stride, share)
                 scatter_mean_lagrangian(
                     loads.mean_lagrangian, (shape, frame), scratch, Support(weights, j), offset,

@@ -9,8 +9,8 @@ from pgimp.jit.algebra import cofactor, full, multiply
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.rows import transpose
-from pgimp.jit.vectors.simd import load, store, vector
-from pgimp.kernels.transfer.first_vertex import is_initial
+from pgimp.jit.vectors.simd import load, number, pack, store, vector
+from pgimp.kernels.transfer.first_vertex import is_axial, is_initial
 from pgimp.kernels.transfer.lane_io import deformations, take, take_row
 from pgimp.kernels.update.viscosity import trace
 
@@ -72,7 +72,12 @@ def _keep_all_columns(buffer, at, P):
         _keep(buffer, at + 16, P[1], P[4], P[7])
         _keep(buffer, at + 32, P[2], P[5], P[8])
 
-    return {1: keep1, 4: keep2, 9: keep3}[len(P)]
+    def keep_rings(buffer, at, P):
+        _keep(buffer, at, P[0], P[2], 0.0)
+        _keep(buffer, at + 16, P[1], P[3], 0.0)
+        store(buffer, BY_CELLS, P[4])
+
+    return {1: keep1, 4: keep2, 5: keep_rings, 9: keep3}[len(P)]
 
 
 def keep_forces(loads, frame, particles, rows, buffer):
@@ -92,7 +97,7 @@ def _keep_forces(loads, frame, particles, rows, buffer):
     def keep_pointwise(loads, frame, particles, rows, buffer):
         sigma = take_row(particles.sigma, rows, 0, like)
         sigma = less_pressure(loads.viscosity, particles, rows, sigma)
-        P = multiply(full(sigma), cofactor(deformations(frame, particles, rows)))
+        P = multiply(stresses(frame, sigma), cofactor(deformations(frame, particles, rows)))
         keep_columns(buffer, 0, scaled(-take(particles.V0, rows), P))
 
     def keep_both(loads, frame, particles, rows, buffer):
@@ -109,6 +114,26 @@ def _keep_forces(loads, frame, particles, rows, buffer):
 
     mean = loads.types[loads.fields.index("mean_lagrangian")]
     return keep_pointwise if hasattr(mean, "count") else keep_both
+
+
+def stresses(frame, sigma):
+    """Stresses as matrices, with zz where F has it."""
+
+
+@specialise(stresses)
+def _stresses(frame, sigma):
+    if is_axial(frame):
+        return lambda frame, sigma: (*full(sigma), sigma[2])
+    return lambda frame, sigma: full(sigma)
+
+
+def kept_hoop(buffer, j):
+    """The vector (0, -V0 P_zz, 0, 0) of ring number `j` of four."""
+
+
+@specialise(kept_hoop)
+def _kept_hoop(buffer, j):
+    return lambda buffer, j: pack(0.0, number(buffer, BY_CELLS + j), 0.0, 0.0)
 
 
 def kept_force(buffer, at, j, like):

@@ -79,6 +79,11 @@ class FixedCpdiParameters(FixedSize):
         g2 = q * b1
         return (w0, 1.0 - w0 - 0.5 * b1, 0.5 * b1), (g0, -g0 - g2, g2)
 
+    @staticmethod
+    def moments(shape, half, f, g):
+        """As `CpdiParameters.moments`."""
+        return scaled(half * half * (1.0 / 3.0), g), scaled(0.0, g)
+
 
 class Cpdi(WideShape):
     """Boxes whose ends move with the grid (convected particle domains): bars do not tear."""

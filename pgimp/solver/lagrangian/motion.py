@@ -54,7 +54,7 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     if gradients is not None:
         L = gradients
     elif particles.L.shape[1]:
-        L = particles.L.reshape(L.shape)
+        L = particles.L[:, : D * D].reshape(L.shape)  # at the start the hoop has no rate
     centre = (
         np.array(scene.domain.frame.origin)
         + 0.5 * np.array(scene.domain.frame.cells) * scene.domain.frame.cell

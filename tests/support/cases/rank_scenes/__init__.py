@@ -19,7 +19,7 @@ from rank_scenes.initial_bodies import both_configurations, initial, initial_con
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves
 from rank_scenes.meetings import meeting, staged
-from rank_scenes.rings import rings
+from rank_scenes.rings import rings, rings_initial
 from rank_scenes.squeezed_blocks import SIZED
 
 #: What tests take from here besides.
@@ -73,6 +73,7 @@ SCENES = (
             affine,
             varied,
             rings,
+            rings_initial,
         )
     }
     | SIZED

@@ -41,3 +41,35 @@ def rings():
     )
     case["geometry"], case["method"]["affine"] = "axisymmetric", True
     return case
+
+
+def rings_initial():
+    """A bar and a loaded tube in the initial configuration; one yields, one is held."""
+    bodies = {
+        "bar": box([0.0, 1.6], [2.1, 5.0], [0.0, -3.0]),
+        "tube": box([5.1, 1.0], [7.9, 6.2], [0.0, 1.0], "rubber"),
+    }
+    case = scene(
+        2,
+        bodies,
+        cells=[12, 8],
+        end=1.0,
+        step={"courant": 0.3},
+        materials={"soft": METALS["soft"], "rubber": SOFT},
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "slip"},
+        tractions={"bore": {"body": "tube", "face": "x-min", "pressure": 8.0}},
+        constraints={
+            "grip": {
+                "body": "tube", "region": {"half-space": {"point": [0, 5.4], "normal": [0, -1]}},
+                "velocity": [None, 0.5],
+            }
+        },
+        output={"every": 0.25, "fields": EVERYTHING, "grid": ["mass", "velocity"]},
+        history={"every": {"steps": 10}},
+        probes={"rim": {"body": "bar", "at": [2.0, 2.0]}},
+    )  # fmt: skip
+    case["geometry"] = "axisymmetric"
+    for body in bodies.values():
+        body["configuration"] = "initial"
+    return case
