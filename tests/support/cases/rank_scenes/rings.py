@@ -46,7 +46,7 @@ def rings():
 def rings_initial():
     """A bar and a loaded tube in the initial configuration; one yields, one is held."""
     bodies = {
-        "bar": box([0.0, 1.6], [2.1, 5.0], [0.0, -3.0]),
+        "bar": box([0.0, 0.0], [2.1, 3.4], [0.0, -3.0]),
         "tube": box([5.1, 1.0], [7.9, 6.2], [0.0, 1.0], "rubber"),
     }
     case = scene(
