@@ -2,7 +2,7 @@
 
 To add one, say a load: write a function ``(rng, scene) -> None`` that changes ``scene.case``, the
 dictionary of a case file (and ``scene.files``, files by name, if the case names any), and returns
-without a change where it does not fit. Then add a line to `FEATURES`: its name, the function, the
+without a change where it does not fit, perhaps False, to be not named. Then add a line to `FEATURES`: its name, the function, the
 part of scenes that get it, and whether it changes what Numba compiles (another type or number of
 parameters). What is compiled is chosen once for a group of scenes, as compiling takes longer than
 running: such a feature is in all scenes of a group or in none, and where it draws what is compiled
@@ -21,6 +21,7 @@ from proofs.scenes.contact import contact, free, rigid_bodies
 from proofs.scenes.loads import components, constraint, gravity, traction
 from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
 from proofs.scenes.output import checkpoints, frames, grid_frames, history, probes, small_files
+from proofs.scenes.rings import along_the_axis, rings
 from proofs.scenes.stages import stages
 
 SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
@@ -181,6 +182,7 @@ FEATURES = (
     Feature("method", method),
     Feature("B-splines", splines, 0.15, compiled=True),
     Feature("corners", of_corners, 0.06, compiled=True),
+    Feature("rings", rings, 0.3, compiled=True),
     Feature("mirrors", of_method((*BOXES, "cpdi-corners"), wall="mirror"), 0.4, compiled=True),
     Feature("affine", of_method(affine=True), 0.35, compiled=True),
     Feature("mean dilatation", of_method(BOXES, volumetric="mean"), 0.35, compiled=True),
@@ -208,6 +210,7 @@ FEATURES = (
     Feature("both configurations", both, 0.12, compiled=True),
     Feature("variation", varied, 0.25, compiled=True),
     Feature("stages", stages, 0.25),
+    Feature("along the axis", along_the_axis),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),
@@ -227,7 +230,7 @@ def make(seed, number, group):
         rng = Chance(seed, number, group, feature.name)
         chance = rng.kind if feature.compiled else rng
         if feature.share == 1.0 or chance.random() < feature.share:
-            feature.add(rng, scene)
-            names.append(feature.name)
+            if feature.add(rng, scene) is not False:
+                names.append(feature.name)
     title = f"scene {number} of group {group}, seed {seed}"
     return {"title": title, **scene.case}, scene.files, names
