@@ -103,12 +103,12 @@ class Domain:
         if self._walls is not None:
             self._walls[:, GRAVITY] = np.repeat(self._gravity, 2)
 
-    def around(self, centroids: np.ndarray) -> np.ndarray | float:
-        """Way of parts with these centroids, (n, D), round the axis; 1 outside of axisymmetry.
+    def around(self, centroids: np.ndarray) -> np.ndarray:
+        """Way of parts with these centroids, (n, D), round the axis.
 
         Times their areas it is the volumes of their rings (Pappus).
         """
-        return 2.0 * np.pi * centroids[:, 0] if isinstance(self.frame, AxialFrame) else 1.0
+        return np.asarray(2.0 * np.pi * centroids[:, 0])
 
     def tent_volume(self, place: Sequence[float]) -> float:
         """Integral of a vertex's tent about a position: a cell's volume, or its ring's."""

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 from pgimp.case.body import Body
 from pgimp.case.grid import Grid
-from pgimp.geometry.regions.points import Points
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.contact.pairs import ContactEntry
@@ -94,11 +93,6 @@ def check_rings(
             "bodies in the current configuration and mean dilatation only; take current",
         )
     for name, body in bodies.items():
-        if isinstance(body.region, Points):
-            yield Problem(
-                ("bodies", name, "region"),
-                "particles from a file are not known in axisymmetry yet; take a region",
-            )
         if not isinstance(body.velocity, tuple) or _radial(body.velocity):
             yield Problem(
                 ("bodies", name, "velocity"),

@@ -2,14 +2,14 @@
 
 To add one, say a load: write a function ``(rng, scene) -> None`` that changes ``scene.case``, the
 dictionary of a case file (and ``scene.files``, files by name, if the case names any), and returns
-without a change where it does not fit, perhaps False, to be not named. Then add a line to `FEATURES`: its name, the function, the
-part of scenes that get it, and whether it changes what Numba compiles (another type or number of
-parameters). What is compiled is chosen once for a group of scenes, as compiling takes longer than
-running: such a feature is in all scenes of a group or in none, and where it draws what is compiled
-it uses ``rng.kind``, which draws the same for all of them. Everything else is drawn from `rng`.
-Features come in the order of the table: the domain first, then what lies in it. Here are those of
-the domain and the method; a new kind of region goes into `bodies.REGIONS`, a new material into
-`materials.MATERIALS`.
+without a change where it does not fit, perhaps False, to be not named. Then add a line to
+`FEATURES`: its name, the function, the part of scenes that get it, and whether it changes what
+Numba compiles (another type or number of parameters). What is compiled is chosen once for a group
+of scenes, as compiling takes longer than running: such a feature is in all scenes of a group or in
+none, and where it draws what is compiled it uses ``rng.kind``, which draws the same for all of
+them. Everything else is drawn from `rng`. Features come in the order of the table: the domain
+first, then what lies in it. Here are those of the domain and the method; a new kind of region goes
+into `bodies.REGIONS`, a new material into `materials.MATERIALS`.
 """
 
 import random
