@@ -9,6 +9,7 @@ from flowing import blast, channel, dam_break, excavation, footing, gate, sand_c
 from looking import block3d, block3d_initial, block3d_paraview
 from meeting import corner, drum, hertz, hertz_line
 from metal import plate_impact, taylor_bar, thick_tube
+from rings import taylor_axisymmetric, tube
 from rolls import rolling, rolling_ball
 from scenes import bar_vibration, disks, graded, incline, pile, upsetting
 from studies.harness import chosen
@@ -16,7 +17,7 @@ from studies.harness import chosen
 PICTURES = {function.__name__.replace("_", "-"): function for function in (
     compaction, block3d, block3d_initial, block3d_paraview, disks, rolling, rolling_ball, incline,
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
-    taylor_bar, thick_tube, vortex, spinning_block, sod, channel, sand_column, slope, graded,
+    taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, sod, channel, sand_column, slope, graded,
     excavation, footing, dam_break, gate, blast, error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")

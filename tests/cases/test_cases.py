@@ -102,6 +102,30 @@ def test_a_cylinder_becomes_a_mushroom(runs):
     assert (np.abs(lost) < 0.1 * energy).all()
 
 
+def test_a_bar_of_rings_is_the_same_mushroom(runs):
+    """Four cells to the radius: length and plastic strain, and energies of the whole bar."""
+    run = runs("taylor-axisymmetric")
+    frame, history = run.frame(-1), run.history
+    length = (frame["position"][:, 1] + frame["radius"]).max()
+    assert length == pytest.approx(21.6e-3, rel=0.01)
+    assert frame["plastic-strain"].max() > 1.5
+    energy = 0.5 * 8930.0 * np.pi * 3.2e-3**2 * 32.4e-3 * 227.0**2
+    assert history["kinetic-energy"][0] == pytest.approx(energy, rel=1e-12)
+    assert 0.95 < history["plastic-work"][-1] / energy < 1.0
+    assert history["kinetic-energy"][-1] < 0.02 * energy
+
+
+def test_a_tube_is_pressed_apart(runs):
+    """Eight cells to the wall: Lame's displacement at the bore, and the mean of the hoop stress."""
+    frame = runs("tube").frame(-1)
+    r, pressure = frame["position"][:, 0], 6.283185307e7
+    young, poisson, part = 1.661538461538e11, 0.03846153846154, pressure / 3.0
+    exact = part * (1 + poisson) / young * ((1 - 2 * poisson) * r + 1.0 / r)
+    assert frame["displacement"][:, 0] == pytest.approx(exact, rel=0.01)
+    hoop = part * (1.0 + 1.0 / r**2)
+    assert np.abs(frame["stress"][:, 2] - hoop).mean() < 0.01 * hoop.max()
+
+
 def test_a_tube_yields_from_its_bore(runs):
     """Five cells to the bore's radius: Hill's pressure to 5 %, also while a part is elastic."""
     run = runs("thick-tube")

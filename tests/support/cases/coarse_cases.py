@@ -30,7 +30,9 @@ COARSER = {
         "grid.size=[0.0336,0.0096,0.0096]",
         "output.every=4.0e-5",
     ],
+    "taylor-axisymmetric": ["grid.cell=[8.0e-4,8.0e-4]", "output.every=4.0e-5"],
     "thick-tube": ["grid.cell=[0.2,0.2]"],
+    "tube": ["grid.cell=[0.0625,0.0625]"],
     "vortex": ["grid.cell=[0.1,0.1]", "time.step=1.0e-2", "time.end=0.6", "output.every=0.3"],
     "spinning-block": [
         "grid.cell=[0.2,0.2,0.2]",

@@ -1,0 +1,53 @@
+"""The axisymmetric cases: a tube under pressure, and Taylor's bar as rings."""
+
+import numpy as np
+from common import BLUE, GREY, RED, boxes, frame_at, plt, run, save
+
+
+def tube(redraw):
+    """Stresses and displacement over the radius at the end, against Lame's."""
+    results = run("tube", redraw, ranks=1)
+    frame = results.frame(-1)
+    r = frame["position"][:, 0]
+    order = np.argsort(r)
+    x, a, b, p = np.linspace(0.5, 1.0, 60), 0.5, 1.0, 6.283185307e7
+    part = p * a**2 / (b**2 - a**2)
+    young, poisson = 1.661538461538e11, 0.03846153846154
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.2))
+    for column, sign, colour, label in ((0, -1, BLUE, "radial"), (2, 1, RED, "hoop")):
+        axes[0].plot(r[order], frame["stress"][order, column] / 1e6, ".", color=colour, label=label)
+        axes[0].plot(x, part * (1 + sign * b**2 / x**2) / 1e6, "k--", lw=0.8)
+    moved = part * (1 + poisson) / young * ((1 - 2 * poisson) * x + b**2 / x)
+    axes[1].plot(r[order], 1e3 * frame["displacement"][order, 0], ".", color=BLUE)
+    axes[1].plot(x, 1e3 * moved, "k--", lw=0.8, label="exact")
+    axes[0].set(xlabel="radius [m]", ylabel="stress [MPa]")
+    axes[1].set(xlabel="radius [m]", ylabel="displacement [mm]", ylim=(0, None))
+    axes[0].legend()
+    axes[1].legend()
+    save(figure, "tube")
+
+
+def taylor_axisymmetric(redraw):
+    """The section at four instants, to both sides of the axis; where energy goes."""
+    results = run("taylor-axisymmetric", redraw)
+    figure = plt.figure(figsize=(9, 4.4))
+    grid = figure.add_gridspec(1, 6)
+    axes = [figure.add_subplot(grid[0, column], aspect="equal") for column in range(4)]
+    for axis, time in zip(axes, (0.0, 2e-5, 4e-5, 8e-5), strict=True):
+        frame = frame_at(results, time)
+        place, radius = 1e3 * frame["position"], 1e3 * frame["radius"]
+        for side in (1.0, -1.0):
+            mirrored = place * (side, 1.0, 1.0)
+            shown = boxes(axis, mirrored, radius, frame["plastic-strain"], (0.0, 2.0))
+        axis.axhline(0.0, color="k", lw=1.0)
+        axis.axvline(0.0, color=GREY, lw=0.6, ls="-.")
+        axis.set(xlim=(-8, 8), ylim=(-1, 34), xlabel="[mm]", title=f"{1e6 * time:.0f} µs")
+        axis.set_yticks((0, 10, 20, 30), [""] * 4 if time else ("0", "10", "20", "30"))
+    figure.colorbar(shown, ax=axes, label="plastic strain", extend="max", shrink=0.8)
+    axis = figure.add_subplot(grid[0, 4:])
+    history = results.history
+    for name, colour in (("kinetic-energy", BLUE), ("plastic-work", RED), ("strain-energy", "0.5")):
+        axis.plot(1e6 * history["time"], history[name], color=colour, label=name)
+    axis.set(xlabel="time [µs]", ylabel="energy of the whole bar [J]")
+    axis.legend()
+    save(figure, "taylor-axisymmetric")
