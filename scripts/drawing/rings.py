@@ -49,5 +49,5 @@ def taylor_axisymmetric(redraw):
     for name, colour in (("kinetic-energy", BLUE), ("plastic-work", RED), ("strain-energy", "0.5")):
         axis.plot(1e6 * history["time"], history[name], color=colour, label=name)
     axis.set(xlabel="time [µs]", ylabel="energy of the whole bar [J]")
-    axis.legend()
+    axis.legend(loc="center right")
     save(figure, "taylor-axisymmetric")
