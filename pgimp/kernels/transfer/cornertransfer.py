@@ -159,7 +159,7 @@ def _scatter_corners(shape, G, support, offset, stride, share):
     part, like, steps = 0.5**D, (0.0,) * D, (4, 4 * D)
 
     def scatter(shape, G, support, offset, stride, share):
-        (buffer, j), (A, B, S, C, _) = support, share
+        (buffer, j), (A, B, S, C, _, _) = support, share
         T = _combinations(part, buffer, INVERSE + j, steps, S, like)
         C = _over_cells(part, C, shape.cell)
         K = _combinations(1.0, buffer, EDGES + j, steps, C, like)
