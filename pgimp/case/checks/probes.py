@@ -20,6 +20,7 @@ from pgimp.schema.sizes import AXES, WHOLE, Problems, length
 
 def check_probes(
     dimensions: int,
+    geometry: str,
     grid: Grid,
     every_body: Mapping[str, Body | RigidBody],
     bodies: Mapping[str, Body],
@@ -41,7 +42,8 @@ def check_probes(
         wrong = list(length((*path, "at"), entry.at, dimensions))
         yield from wrong
         if sound and not wrong and entry.body in bodies:
-            yield from _in_body((*path, "at"), entry, dimensions, grid, bodies)
+            if not any(check_regions(dimensions, geometry, grid, {entry.body: bodies[entry.body]})):
+                yield from _in_body((*path, "at"), entry, grid, bodies)
 
 
 def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Grid) -> Problems:
@@ -56,17 +58,11 @@ def _in_domain(path: tuple[str | int, ...], place: tuple[float, ...], grid: Grid
 
 
 def _in_body(
-    path: tuple[str | int, ...],
-    entry: PointProbe,
-    dimensions: int,
-    grid: Grid,
-    bodies: Mapping[str, Body],
+    path: tuple[str | int, ...], entry: PointProbe, grid: Grid, bodies: Mapping[str, Body]
 ) -> Problems:
     """Check that a position is in a body; for bodies from files, after they are read."""
     region = bodies[entry.body].region
-    if any(part.FROM_FILE for part in region.simple()):
-        return
-    if not any(check_regions(dimensions, grid, {entry.body: bodies[entry.body]})):
+    if not any(part.FROM_FILE for part in region.simple()):
         yield from check_near(path, entry, region, grid)
 
 
