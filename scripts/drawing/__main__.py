@@ -17,8 +17,8 @@ from studies.harness import chosen
 PICTURES = {function.__name__.replace("_", "-"): function for function in (
     compaction, block3d, block3d_initial, block3d_paraview, disks, rolling, rolling_ball, incline,
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
-    taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, sod, channel, sand_column, slope, graded,
-    excavation, footing, dam_break, gate, blast, error_and_cost,
+    taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, sod, channel,
+    sand_column, slope, graded, excavation, footing, dam_break, gate, blast, error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")
 parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))
