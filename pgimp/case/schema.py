@@ -31,6 +31,7 @@ from pgimp.case.steps import AUTO, CourantStep
 from pgimp.case.time import Time
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.constraints import ConstraintEntry
+from pgimp.physics.loads.damping import Damping
 from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.base import Count, Label, Model, Name
@@ -129,6 +130,11 @@ class Case(Model):
         default=None,
         description="body force that depends on place, velocity or time, besides gravity; null: "
         "none",
+    )
+    damping: Damping | None = Field(
+        default=None,
+        description="damping of all bodies at the vertices of the grid, for static solutions and "
+        "vibrations that die away; null: none",
     )
     boundaries: dict[str, Annotated[Any, ByWord(_boundaries, "boundary condition")]] = Field(
         default={},

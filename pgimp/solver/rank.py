@@ -15,7 +15,7 @@ from pgimp.decomposition.redistribute import redistribute
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.data.ledger import DAMPED, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.lagrangian.displace import displace_particles
 from pgimp.mpi.communicator import Communicator
@@ -25,6 +25,7 @@ from pgimp.solver.contact.clearances import Clearances
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
+from pgimp.solver.damping import damping_of
 from pgimp.solver.flows import Flows
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
 
@@ -68,6 +69,8 @@ class Rank:
         The contact of bodies, or one of its kinds.
     flows : Flows or None
         The filling of the vertices, in scenes with bodies that flow.
+    damping : VertexDamping or None
+        The damping, in scenes with it.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
@@ -111,6 +114,7 @@ class Rank:
         self.contact = contact_kind(scene)(scene, comm)
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, comm) if scene.interaction.flows else None
+        self.damping = damping_of(scene)
         self._lattice: LatticeCells | None = None
         self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
@@ -139,6 +143,7 @@ class Rank:
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
             len(scene.body_names) if scene.interaction.flows else 0,
+            DAMPED if scene.settings.damps else 0,
         )  # fmt: skip
 
     @property
@@ -262,6 +267,7 @@ class Rank:
         self.contact = contact_kind(scene)(scene, self.comm)
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, self.comm) if scene.interaction.flows else None
+        self.damping = damping_of(scene)
         self._allocate(self.slab)
         self.grid.store(window)
 

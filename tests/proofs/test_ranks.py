@@ -47,6 +47,7 @@ GO_ON = {
         "narrow",
         "initial",
         "initial_stages",
+        "damped",
         "varied",
     ),
 }

@@ -19,6 +19,7 @@ from pgimp.case.checks.bodies import (
     check_velocities,
 )
 from pgimp.case.checks.configuration import check_configuration, check_initial_output
+from pgimp.case.checks.damping import check_damping
 from pgimp.case.checks.domain import (
     check_body_force,
     check_boundaries,
@@ -143,6 +144,7 @@ _CHECKS = (
     check_constraints,
     check_contact,
     check_adhesion,
+    check_damping,
     check_configuration,
     check_initial_output,
     check_output,

@@ -21,6 +21,10 @@ RIGID_IMPULSE, RIGID_MOMENT, RIGID_WORK, TOOLED = 0, 3, 6, 7
 #: the vertices.
 CARRIED, ROOM, VOLUMES = 0, 1, 2
 
+#: Columns of `Ledger.damping`: energy taken so far; for kinetic damping the kinetic energy of the
+#: vertices after the last step and after the step before it.
+DAMPED_ENERGY, KINETIC_NOW, KINETIC_BEFORE, DAMPED = 0, 1, 2, 3
+
 
 class Ledger(NamedTuple):
     """Sums by plane; only planes that a rank owns count.
@@ -45,6 +49,8 @@ class Ledger(NamedTuple):
         Sums of the particles that left, as in `layer_sums`; (planes, 0, 0) where none may leave.
     filled : (planes, bodies, VOLUMES) float64
         Volumes of flowing bodies at the last filling; else (planes, 0, VOLUMES).
+    damping : (planes, DAMPED) float64
+        Sums of damping; (planes, 0) without it.
     """
 
     work: np.ndarray
@@ -56,6 +62,7 @@ class Ledger(NamedTuple):
     rigid_bodies: np.ndarray
     escaped: np.ndarray
     filled: np.ndarray
+    damping: np.ndarray
 
     @classmethod
     def empty(
@@ -67,6 +74,7 @@ class Ledger(NamedTuple):
         contacts: int = 0,
         rigid_bodies: int = 0,
         flows: int = 0,
+        damping: int = 0,
     ) -> Ledger:
         """Return the ledger of `planes` planes before the first step.
 
@@ -82,10 +90,12 @@ class Ledger(NamedTuple):
             Rigid bodies.
         flows : int
             Bodies, in scenes where any flows.
+        damping : int
+            `DAMPED` with damping.
         """
         shapes = (
             (), (faces, 3), (faces,), (constraints, 3), (faces, WALL_BOOKED), (contacts, BOOKED),
-            (rigid_bodies, TOOLED), escaped, (flows, VOLUMES),
+            (rigid_bodies, TOOLED), escaped, (flows, VOLUMES), (damping,),
         )  # fmt: skip
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 

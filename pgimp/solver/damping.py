@@ -1,0 +1,106 @@
+"""Damping of a rank's vertices and particles, in scenes with it: forces, and rest at peaks."""
+
+from __future__ import annotations
+
+from math import expm1
+
+import numpy as np
+
+from pgimp.kernels.data.ledger import DAMPED, DAMPED_ENERGY, KINETIC_BEFORE, KINETIC_NOW
+from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
+from pgimp.kernels.grid.damping import DampingForces, book_damping, damp_forces, note_kinetic_energy
+from pgimp.physics.loads.damping import Damping
+from pgimp.scene.scene import Scene
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.vertices import VertexUpdate
+
+
+class VertexDamping:
+    """Damping on one rank.
+
+    Parameters
+    ----------
+    entry : Damping
+        The entry of the case.
+    """
+
+    def __init__(self, entry: Damping) -> None:
+        self.entry = entry
+        self._forces = bool(entry.mass or entry.local)
+        self._impulse = np.empty(0)
+        self._now: DampingForces | None = None
+
+    def rest_at_peak(self, rank: RankState) -> None:
+        """Set all velocities to zero if the kinetic energy has passed a peak; collective.
+
+        The energies are sums by plane, each of one rank, added up in the planes' order. They are
+        stored with the other sums, so that a resumed run decides alike.
+        """
+        if not self.entry.kinetic:
+            return
+        now, before = np.add.reduce(_of_all_planes(rank), axis=0)[KINETIC_NOW : KINETIC_BEFORE + 1]
+        if now < before:
+            bring_to_rest(rank)
+
+    def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
+        """Add the forces of damping to the sums at the vertices, before the momentum update."""
+        if not self._forces:
+            return
+        size = len(rank.grid.G) // 8 * 3
+        if len(self._impulse) < size:
+            self._impulse = np.empty(size)
+        entry, dt = self.entry, update.t.dt
+        lost = -expm1(-entry.mass * dt) if entry.mass else 0.0
+        self._now = DampingForces(lost, entry.local or 0.0, self._impulse)
+        rank.call(damp_forces, rank.grid.field, update.forcing, self._now)
+
+    def book(self, rank: RankState, update: VertexUpdate) -> None:
+        """Book what damping took in a step, after all conditions and contact."""
+        if self._forces:
+            rank.call(book_damping, rank.grid.field, update.forcing, self._now, rank.ledger)
+        if self.entry.kinetic:
+            rank.call(note_kinetic_energy, rank.grid.field, rank.ledger)
+
+
+def damping_of(scene: Scene) -> VertexDamping | None:
+    """Return the damping of a scene, None without any."""
+    return VertexDamping(scene.case.damping) if scene.case.damping else None
+
+
+def _of_all_planes(rank: RankState) -> np.ndarray:
+    """The sums of damping of all planes, (planes, DAMPED); collective."""
+    grid = rank.grid
+    own, first = rank.ledger.damping[: grid.owned], grid.slab.first
+    if rank.comm.size == 1:
+        return own
+    every = np.zeros((rank.scene.domain.frame.vertices[0] + grid.vertices - 1, DAMPED))
+    every[first : first + len(own)] = own
+    found = np.empty_like(every)
+    rank.comm.Allreduce(every, found)  # a plane has but one owner: no sum is rounded
+    return found
+
+
+def bring_to_rest(rank: RankState) -> None:
+    """Set the velocities of all particles and vertices to zero, and book their kinetic energy."""
+    population, particles, grid = rank.population, rank.population.stored, rank.grid
+    rows, start = population.order, population.start
+    taken = np.zeros(len(rank.ledger.damping))
+    energy = 0.5 * particles.m[rows] * (particles.v[rows] ** 2).sum(axis=1)
+    layer = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    if rank.scene.settings.by_vertex:  # the vertices of these bodies have the energy
+        energy[rank.scene.settings.lagrangian[particles.body[rows]]] = 0.0
+    np.add.at(taken, layer, energy)  # one after the other, in canonical order
+    particles.v[rows] = 0.0
+    if particles.L.shape[1]:
+        particles.L[rows] = 0.0
+    if grid.motion:
+        values = grid.by_vertex(grid.kept.values)
+        velocity = values[..., KEPT_VELOCITY : KEPT_VELOCITY + 3]
+        square = values[..., KEPT_MASS] * (velocity**2).sum(axis=-1)
+        moving = (square > 0.0) & grid.kept.fields[:, None, None]
+        moving[grid.owned :] = False
+        np.add.at(taken, np.nonzero(moving)[0], 0.5 * square[moving])
+        velocity[:, grid.kept.fields] = 0.0
+        population.outdated |= rank.scene.by_cells
+    rank.ledger.damping[:, DAMPED_ENERGY] += taken
+    rank.ledger.damping[:, [KINETIC_NOW, KINETIC_BEFORE]] = 0.0
