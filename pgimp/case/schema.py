@@ -24,6 +24,7 @@ from pgimp.case.arrange_stages import arrange
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
 from pgimp.case.courant import largest_courant
+from pgimp.case.damping import Damping
 from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
@@ -31,7 +32,6 @@ from pgimp.case.steps import AUTO, CourantStep
 from pgimp.case.time import Time
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.constraints import ConstraintEntry
-from pgimp.physics.loads.damping import Damping
 from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.base import Count, Label, Model, Name

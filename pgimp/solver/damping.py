@@ -6,10 +6,10 @@ from math import expm1
 
 import numpy as np
 
+from pgimp.case.damping import Damping
 from pgimp.kernels.data.ledger import DAMPED, DAMPED_ENERGY, KINETIC_BEFORE, KINETIC_NOW
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.grid.damping import DampingForces, book_damping, damp_forces, note_kinetic_energy
-from pgimp.physics.loads.damping import Damping
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import VertexUpdate
@@ -50,8 +50,11 @@ class VertexDamping:
         if len(self._impulse) < size:
             self._impulse = np.empty(size)
         entry, dt = self.entry, update.t.dt
-        lost = -expm1(-entry.mass * dt) if entry.mass else 0.0
-        self._now = DampingForces(lost, entry.local or 0.0, self._impulse)
+        lost, used = 0.0, 1.0
+        if entry.mass:
+            lost = -expm1(-entry.mass * dt)
+            used = lost / (entry.mass * dt)
+        self._now = DampingForces(lost, used, entry.local or 0.0, self._impulse)
         rank.call(damp_forces, rank.grid.field, update.forcing, self._now)
 
     def book(self, rank: RankState, update: VertexUpdate) -> None:

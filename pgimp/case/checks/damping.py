@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pgimp.physics.loads.damping import Damping
+from pgimp.case.damping import Damping
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems

@@ -1,9 +1,9 @@
 """Damping of the vertices: forces against their velocities, before contact, faces and constraints.
 
-Mass-proportional damping is integrated exactly: a step leaves exp(-c dt) of a velocity. Local
-damping (Cundall) reduces the unbalanced force by a part of it, component by component, against the
-velocity; a motion with balanced forces, as steady flow, is not damped. What a face or a constraint
-holds stays held.
+Mass-proportional damping is integrated exactly over a step, with the step's other forces: of
+dv/dt = f/m - c v is left exp(-c dt) v + (1 - exp(-c dt))/c f/m. Local damping (Cundall) reduces the
+unbalanced force by a part of it, component by component, against the velocity; a motion with
+balanced forces, as steady flow, is not damped. What a face or a constraint holds stays held.
 """
 
 from typing import NamedTuple
@@ -24,6 +24,8 @@ class DampingForces(NamedTuple):
     ----------
     lost : float
         Part of the velocity that mass-proportional damping takes, 1 - exp(-c dt).
+    used : float
+        Part of the other forces that is left by it, (1 - exp(-c dt))/(c dt).
     local : float
         Part of the unbalanced force that local damping takes.
     impulse : (3 * vertices,) float64
@@ -31,6 +33,7 @@ class DampingForces(NamedTuple):
     """
 
     lost: float
+    used: float
     local: float
     impulse: FloatArray
 
@@ -69,12 +72,13 @@ def _damp(G, kept, r, dt, gravity, damping):
     inverse = 1.0 / m
     for d in range(3):
         v = velocity_before(*kept, G, r, d, inverse)
-        against = damping.local * abs(G[r + FORCE + d] + m * gravity[d])
-        force = -damping.lost / dt * (m * v)
+        unbalanced = G[r + FORCE + d] + m * gravity[d]
+        left = unbalanced
         if v > 0.0:
-            force -= against
+            left -= damping.local * abs(unbalanced)
         elif v < 0.0:
-            force += against
+            left += damping.local * abs(unbalanced)
+        force = damping.used * left - unbalanced - damping.lost / dt * (m * v)
         damping.impulse[at + d] = dt * force
         G[r + FORCE + d] += force
 
