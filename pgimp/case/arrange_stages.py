@@ -53,7 +53,14 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
         leaves = before.staged.escapes or bool(_leaving(now))
         rebonds = before.staged.rebonds or now.contact != before.contact
         now.__dict__["staged_as"] = Staged(
-            number + 1, stage.name, end, counted, gone, leaves, moved, rebonds,
+            number + 1,
+            stage.name,
+            end,
+            counted,
+            gone,
+            leaves,
+            moved,
+            rebonds,
             before.staged.damped or before.damping is not None,
         )
         found.append(now)

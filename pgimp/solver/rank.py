@@ -25,9 +25,9 @@ from pgimp.solver.contact.clearances import Clearances
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
-from pgimp.solver.damping import damping_of
 from pgimp.solver.flows import Flows
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
+from pgimp.solver.rest.damping import damping_of
 
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
@@ -142,8 +142,10 @@ class Rank:
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
-            len(scene.body_names) if scene.interaction.flows else 0,
-            DAMPED if scene.settings.damps else 0,
+            (
+                len(scene.body_names) if scene.interaction.flows else 0,
+                DAMPED if scene.settings.damps else 0,
+            ),
         )  # fmt: skip
 
     @property

@@ -161,6 +161,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "    configuration: current\n"
         "gravity: null\n"
         "body_force: null\n"
+        "damping: null\n"
         "boundaries: {}\n"
         "escape: {}\n"
         "tractions: {}\n"

@@ -73,8 +73,7 @@ class Ledger(NamedTuple):
         escaped: tuple[int, int] = (0, 0),
         contacts: int = 0,
         rigid_bodies: int = 0,
-        flows: int = 0,
-        damping: int = 0,
+        others: tuple[int, int] = (0, 0),
     ) -> Ledger:
         """Return the ledger of `planes` planes before the first step.
 
@@ -88,11 +87,10 @@ class Ledger(NamedTuple):
             Entries of contact.
         rigid_bodies : int
             Rigid bodies.
-        flows : int
-            Bodies, in scenes where any flows.
-        damping : int
-            `DAMPED` with damping.
+        others : (int, int)
+            Bodies, in scenes where any flows; `DAMPED` with damping.
         """
+        flows, damping = others
         shapes = (
             (), (faces, 3), (faces,), (constraints, 3), (faces, WALL_BOOKED), (contacts, BOOKED),
             (rigid_bodies, TOOLED), escaped, (flows, VOLUMES), (damping,),
