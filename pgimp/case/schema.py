@@ -28,6 +28,7 @@ from pgimp.case.damping import Damping
 from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
+from pgimp.case.start import StartEntry
 from pgimp.case.steps import AUTO, CourantStep
 from pgimp.case.time import Time
 from pgimp.physics.contact.pairs import ContactEntry
@@ -108,6 +109,7 @@ class Case(Model):
         description="the shape of the particles, which decides the method"
     )
     time: Time = Field(description="end and step")
+    start: StartEntry = Field(default=StartEntry(), description="the state at time 0")
     materials: dict[Name, Annotated[Any, ByField(_materials, "model", "model", _OUTSIDE)]] = Field(
         min_length=1,
         max_length=100,

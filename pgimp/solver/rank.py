@@ -144,7 +144,7 @@ class Rank:
             len(scene.interaction.rigid_bodies),
             (
                 len(scene.body_names) if scene.interaction.flows else 0,
-                DAMPED if scene.settings.damps else 0,
+                DAMPED if scene.settings.damps or scene.settings.settles else 0,
             ),
         )  # fmt: skip
 

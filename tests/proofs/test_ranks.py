@@ -48,6 +48,7 @@ GO_ON = {
         "initial",
         "initial_stages",
         "damped",
+        "settled",
         "varied",
     ),
 }

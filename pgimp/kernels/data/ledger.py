@@ -22,8 +22,9 @@ RIGID_IMPULSE, RIGID_MOMENT, RIGID_WORK, TOOLED = 0, 3, 6, 7
 CARRIED, ROOM, VOLUMES = 0, 1, 2
 
 #: Columns of `Ledger.damping`: energy taken so far; for kinetic damping the kinetic energy of the
-#: vertices after the last step and after the step before it.
-DAMPED_ENERGY, KINETIC_NOW, KINETIC_BEFORE, DAMPED = 0, 1, 2, 3
+#: vertices after the last step and after the step before it; while a run settles magnitudes of
+#: forces, summed over the vertices: of stresses and loads but gravity, and unbalanced.
+DAMPED_ENERGY, KINETIC_NOW, KINETIC_BEFORE, INTERNAL, UNBALANCED, DAMPED = 0, 1, 2, 3, 4, 5
 
 
 class Ledger(NamedTuple):
@@ -50,7 +51,7 @@ class Ledger(NamedTuple):
     filled : (planes, bodies, VOLUMES) float64
         Volumes of flowing bodies at the last filling; else (planes, 0, VOLUMES).
     damping : (planes, DAMPED) float64
-        Sums of damping; (planes, 0) without it.
+        Sums of damping and of settling; (planes, 0) without them.
     """
 
     work: np.ndarray

@@ -200,7 +200,7 @@ class Diagnostics:
         total[MASS] = every
         if self.first_energy is None:
             self.first_energy = float(total[KINETIC] + total[STRAIN])
-            if not done.number:
+            if not done.end:
                 self.told[: len(total) - SUMS] = total[SUMS:]
         escaped, added, most = np.zeros(scene.materials.sums), np.zeros(ERRORS), np.zeros(ERRORS)
         if scene.settings.escapes:

@@ -1,1 +1,1 @@
-"""Rest: damping of motion."""
+"""Rest: damping of motion, and settling before time 0."""

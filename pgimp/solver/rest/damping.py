@@ -7,12 +7,17 @@ from math import expm1
 import numpy as np
 
 from pgimp.case.damping import Damping
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.ledger import DAMPED, DAMPED_ENERGY, KINETIC_BEFORE, KINETIC_NOW
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.grid.damping import DampingForces, book_damping, damp_forces, note_kinetic_energy
+from pgimp.kernels.grid.unbalanced import sum_internal_forces, sum_unbalanced_forces
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import VertexUpdate
+
+#: Steps between two sums of forces while a run comes to rest.
+EVERY = 10
 
 
 class VertexDamping:
@@ -22,10 +27,12 @@ class VertexDamping:
     ----------
     entry : Damping
         The entry of the case.
+    settles : bool
+        Whether the run comes to rest: every `EVERY` steps the forces are summed.
     """
 
-    def __init__(self, entry: Damping) -> None:
-        self.entry = entry
+    def __init__(self, entry: Damping, settles: bool = False) -> None:
+        self.entry, self.settles = entry, settles
         self._forces = bool(entry.mass or entry.local)
         self._impulse = np.empty(0)
         self._now: DampingForces | None = None
@@ -38,36 +45,51 @@ class VertexDamping:
         """
         if not self.entry.kinetic:
             return
-        now, before = np.add.reduce(_of_all_planes(rank), axis=0)[KINETIC_NOW : KINETIC_BEFORE + 1]
+        now, before = total_sums(rank)[KINETIC_NOW : KINETIC_BEFORE + 1]
         if now < before:
             bring_to_rest(rank)
 
     def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
         """Add the forces of damping to the sums at the vertices, before the momentum update."""
+        field, forcing = rank.grid.field, update.forcing
+        if self.settles and needed(update.t.number % EVERY == 0):
+            rank.call(sum_internal_forces, field, forcing, rank.ledger)
         if not self._forces:
             return
         size = len(rank.grid.G) // 8 * 3
         if len(self._impulse) < size:
             self._impulse = np.empty(size)
         entry, dt = self.entry, update.t.dt
-        lost, used = 0.0, 1.0
-        if entry.mass:
-            lost = -expm1(-entry.mass * dt)
-            used = lost / (entry.mass * dt)
-        self._now = DampingForces(lost, used, entry.local or 0.0, self._impulse)
-        rank.call(damp_forces, rank.grid.field, update.forcing, self._now)
+        lost = -expm1(-entry.mass * dt) if entry.mass else 0.0
+        scratch = np.empty((len(rank.scene.domain.faces), 3))
+        self._now = DampingForces(lost, entry.local or 0.0, self._impulse, scratch)
+        frame = rank.scene.domain.frame
+        rank.call(damp_forces, frame, field, update.faces, forcing, self._now)
 
     def book(self, rank: RankState, update: VertexUpdate) -> None:
         """Book what damping took in a step, after all conditions and contact."""
+        field, forcing = rank.grid.field, update.forcing
         if self._forces:
-            rank.call(book_damping, rank.grid.field, update.forcing, self._now, rank.ledger)
+            rank.call(book_damping, field, forcing, self._now, rank.ledger)
         if self.entry.kinetic:
-            rank.call(note_kinetic_energy, rank.grid.field, rank.ledger)
+            rank.call(note_kinetic_energy, field, rank.ledger)
+        if self.settles and needed(update.t.number % EVERY == 0):
+            rank.call(sum_unbalanced_forces, field, forcing, self._impulse, rank.ledger)
 
 
 def damping_of(scene: Scene) -> VertexDamping | None:
     """Return the damping of a scene, None without any."""
     return VertexDamping(scene.case.damping) if scene.case.damping else None
+
+
+def damping_to_rest(scene: Scene) -> VertexDamping:
+    """Return the damping by which a scene comes to rest before time 0."""
+    return VertexDamping(scene.case.damping or Damping(kinetic=True), settles=True)
+
+
+def total_sums(rank: RankState) -> np.ndarray:
+    """The sums of damping over all planes, in their order, (DAMPED,); collective."""
+    return np.add.reduce(_of_all_planes(rank), axis=0)
 
 
 def _of_all_planes(rank: RankState) -> np.ndarray:
