@@ -213,7 +213,7 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
     has.work[:] = had.work
     if had.escaped.size:
         has.escaped[:] = had.escaped
-    if had.damping.size:
+    if had.damping.size and has.damping.size:
         has.damping[:, DAMPED_ENERGY] = had.damping[:, DAMPED_ENERGY]
 
 
