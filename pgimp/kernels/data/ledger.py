@@ -21,10 +21,12 @@ RIGID_IMPULSE, RIGID_MOMENT, RIGID_WORK, TOOLED = 0, 3, 6, 7
 #: the vertices.
 CARRIED, ROOM, VOLUMES = 0, 1, 2
 
-#: Columns of `Ledger.damping`: energy taken so far; for kinetic damping the kinetic energy of the
-#: vertices after the last step and after the step before it; while a run settles magnitudes of
-#: forces, summed over the vertices: of stresses and loads but gravity, and unbalanced.
-DAMPED_ENERGY, KINETIC_NOW, KINETIC_BEFORE, INTERNAL, UNBALANCED, DAMPED = 0, 1, 2, 3, 4, 5
+#: Columns of `Ledger.damping`: energy and momentum taken so far; for kinetic damping the kinetic
+#: energy of the vertices after the last step and after the step before it; while a run settles
+#: magnitudes of forces, summed over the vertices: of stresses and loads but gravity, and the
+#: unbalanced ones.
+DAMPED_ENERGY, DAMPED_MOMENTUM, TAKEN = 0, 1, 4
+KINETIC_NOW, KINETIC_BEFORE, INTERNAL, UNBALANCED, DAMPED = 4, 5, 6, 7, 8
 
 
 class Ledger(NamedTuple):

@@ -10,7 +10,7 @@ is.
 from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.data.ledger import DAMPED_ENERGY, KINETIC_BEFORE, KINETIC_NOW
+from pgimp.kernels.data.ledger import DAMPED_ENERGY, DAMPED_MOMENTUM, KINETIC_BEFORE, KINETIC_NOW
 from pgimp.kernels.data.motion import grid_rate, keeps, velocity_before
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.data.record import ACCELERATION, FORCE, MASS, RECORD, VELOCITY
@@ -109,7 +109,7 @@ def _damp(G, kept, holding, number, r, damping):
 
 @kernel
 def book_damping(field, forcing, damping, ledger):
-    """Book the energy that the damping's forces took: impulse times mean velocity in the step.
+    """Book energy and momentum that the damping's forces took; energy by the step's mean velocity.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def book_damping(field, forcing, damping, ledger):
     for i in range(field.owned):
         if field.active[i] == 0:
             continue
-        taken = 0.0
+        taken, px, py, pz = 0.0, 0.0, 0.0, 0.0
         for f in range(field_count(window)):
             first, left = i * window.stride[0] + f * field_size(window), used_rows(field, i, f)
             while left:
@@ -137,7 +137,13 @@ def book_damping(field, forcing, damping, ledger):
                     for d in range(3):
                         mean = G[r + VELOCITY + d] - 0.5 * dt * G[r + ACCELERATION + d]
                         taken -= damping.impulse[at + d] * mean
+                    px -= damping.impulse[at]
+                    py -= damping.impulse[at + 1]
+                    pz -= damping.impulse[at + 2]
         ledger.damping[i, DAMPED_ENERGY] += taken
+        ledger.damping[i, DAMPED_MOMENTUM] += px
+        ledger.damping[i, DAMPED_MOMENTUM + 1] += py
+        ledger.damping[i, DAMPED_MOMENTUM + 2] += pz
 
 
 @kernel

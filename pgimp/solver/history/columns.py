@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.kernels.data.ledger import DAMPED_ENERGY
+from pgimp.kernels.data.ledger import DAMPED_ENERGY, DAMPED_MOMENTUM
 from pgimp.kernels.sums.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 from pgimp.solver.history.contact_columns import MEETING, WALLS
 from pgimp.solver.history.error_columns import ERRORS
@@ -138,6 +138,12 @@ HISTORY = (
                 "dissipated-energy: force times mean velocity in each step, and with `kinetic` the "
                 "kinetic energy at each peak",
                 lambda s, _: s.damping[DAMPED_ENERGY],
+            ),
+            Column(
+                "damped-momentum-AXIS",
+                "mass length/time",
+                "momentum that it took since the start, likewise",
+                lambda s, _: s.along(s.damping, DAMPED_MOMENTUM),
             ),
         ),
     ),

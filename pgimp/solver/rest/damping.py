@@ -8,7 +8,14 @@ import numpy as np
 
 from pgimp.case.damping import Damping
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.data.ledger import DAMPED, DAMPED_ENERGY, KINETIC_BEFORE, KINETIC_NOW
+from pgimp.kernels.data.ledger import (
+    DAMPED,
+    DAMPED_ENERGY,
+    DAMPED_MOMENTUM,
+    KINETIC_BEFORE,
+    KINETIC_NOW,
+    TAKEN,
+)
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.grid.damping import DampingForces, book_damping, damp_forces, note_kinetic_energy
 from pgimp.kernels.grid.unbalanced import sum_internal_forces, sum_unbalanced_forces
@@ -106,26 +113,32 @@ def _of_all_planes(rank: RankState) -> np.ndarray:
 
 
 def bring_to_rest(rank: RankState) -> None:
-    """Set the velocities of all particles and vertices to zero, and book their kinetic energy."""
+    """Set the velocities of all particles and vertices to zero, and book what they had."""
     population, particles, grid = rank.population, rank.population.stored, rank.grid
     rows, start = population.order, population.start
-    taken = np.zeros(len(rank.ledger.damping))
-    energy = 0.5 * particles.m[rows] * (particles.v[rows] ** 2).sum(axis=1)
-    layer = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    if rank.scene.settings.by_vertex:  # the vertices of these bodies have the energy
-        energy[rank.scene.settings.lagrangian[particles.body[rows]]] = 0.0
-    np.add.at(taken, layer, energy)  # one after the other, in canonical order
+    taken = np.zeros((len(rank.ledger.damping), TAKEN))
+    m, v = particles.m[rows, None], particles.v[rows]
+    if rank.scene.settings.by_vertex:  # the vertices of these bodies have it
+        m = np.where(rank.scene.settings.lagrangian[particles.body[rows], None], 0.0, m)
+    _add(taken, np.repeat(np.arange(len(start) - 1), np.diff(start)), m, v)
     particles.v[rows] = 0.0
     if particles.L.shape[1]:
         particles.L[rows] = 0.0
     if grid.motion:
         values = grid.by_vertex(grid.kept.values)
         velocity = values[..., KEPT_VELOCITY : KEPT_VELOCITY + 3]
-        square = values[..., KEPT_MASS] * (velocity**2).sum(axis=-1)
-        moving = (square > 0.0) & grid.kept.fields[:, None, None]
+        moving = velocity.any(axis=-1) & grid.kept.fields[:, None, None]
         moving[grid.owned :] = False
-        np.add.at(taken, np.nonzero(moving)[0], 0.5 * square[moving])
+        m, v = values[..., KEPT_MASS][moving][:, None], velocity[moving]
+        _add(taken, np.nonzero(moving)[0], m, v)
         velocity[:, grid.kept.fields] = 0.0
         population.outdated |= rank.scene.by_cells
-    rank.ledger.damping[:, DAMPED_ENERGY] += taken
+    rank.ledger.damping[:, :TAKEN] += taken
     rank.ledger.damping[:, [KINETIC_NOW, KINETIC_BEFORE]] = 0.0
+
+
+def _add(taken: np.ndarray, plane: np.ndarray, m: np.ndarray, v: np.ndarray) -> None:
+    """Add energy and momentum to the sums by plane, one after the other in their order."""
+    np.add.at(taken[:, DAMPED_ENERGY], plane, (0.5 * m * v * v).sum(axis=1))
+    for d in range(v.shape[1]):
+        np.add.at(taken[:, DAMPED_MOMENTUM + d], plane, m[:, 0] * v[:, d])
