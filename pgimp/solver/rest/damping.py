@@ -17,6 +17,7 @@ from pgimp.kernels.data.ledger import (
     TAKEN,
 )
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
+from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.damping import DampingForces, book_damping, damp_forces, note_kinetic_energy
 from pgimp.kernels.grid.unbalanced import sum_internal_forces, sum_unbalanced_forces
 from pgimp.scene.scene import Scene
@@ -63,7 +64,7 @@ class VertexDamping:
             rank.call(sum_internal_forces, field, forcing, rank.ledger)
         if not self._forces:
             return
-        size = len(rank.grid.G) // 8 * 3
+        size = len(rank.grid.G) // RECORD * 3
         if len(self._impulse) < size:
             self._impulse = np.empty(size)
         entry, dt = self.entry, update.t.dt

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from pgimp.errors import RunError
@@ -31,7 +33,9 @@ def unbalanced_part(rank: Rank) -> float:
     """
     sums = total_sums(rank)
     unbalanced, scale = float(sums[UNBALANCED]), float(sums[INTERNAL]) + _tractions(rank)
-    return unbalanced / scale if unbalanced > 0.0 else 0.0
+    if not unbalanced > 0.0:
+        return 0.0
+    return unbalanced / scale if scale > 0.0 else inf
 
 
 def _tractions(rank: Rank) -> float:
