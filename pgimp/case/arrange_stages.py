@@ -31,6 +31,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
     first.__dict__["staged_as"] = Staged(escapes=bool(_leaving(first)))
     found, names = [first], {""}
+    data.pop("start")  # of the first stage alone
     for number, stage in enumerate(case.time.stages):
         before, where = found[-1], ("time", "stages", number)
         problems = list(check_by_itself(stage, before, names))
@@ -53,7 +54,15 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
         leaves = before.staged.escapes or bool(_leaving(now))
         rebonds = before.staged.rebonds or now.contact != before.contact
         now.__dict__["staged_as"] = Staged(
-            number + 1, stage.name, end, counted, gone, leaves, moved, rebonds
+            number + 1,
+            stage.name,
+            end,
+            counted,
+            gone,
+            leaves,
+            moved,
+            rebonds,
+            before.staged.damped or before.damping is not None,
         )
         found.append(now)
     return tuple(found), []

@@ -24,9 +24,11 @@ from pgimp.case.arrange_stages import arrange
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
 from pgimp.case.courant import largest_courant
+from pgimp.case.damping import Damping
 from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
+from pgimp.case.start import StartEntry
 from pgimp.case.steps import AUTO, CourantStep
 from pgimp.case.time import Time
 from pgimp.physics.contact.pairs import ContactEntry
@@ -113,6 +115,7 @@ class Case(Model):
         description="the shape of the particles, which decides the method"
     )
     time: Time = Field(description="end and step")
+    start: StartEntry = Field(default=StartEntry(), description="the state at time 0")
     materials: dict[Name, Annotated[Any, ByField(_materials, "model", "model", _OUTSIDE)]] = Field(
         min_length=1,
         max_length=100,
@@ -135,6 +138,11 @@ class Case(Model):
         default=None,
         description="body force that depends on place, velocity or time, besides gravity; null: "
         "none",
+    )
+    damping: Damping | None = Field(
+        default=None,
+        description="damping of all bodies at the vertices of the grid, for static solutions and "
+        "vibrations that die away; null: none",
     )
     boundaries: dict[str, Annotated[Any, ByWord(_boundaries, "boundary condition")]] = Field(
         default={},

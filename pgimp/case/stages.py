@@ -18,7 +18,7 @@ from pgimp.schema.tables import VaryingVector
 #: Sections whose named entries change key by key; sections whose entries are replaced; sections
 #: that change key by key themselves; sections that are replaced.
 BY_KEY, BY_ENTRY = ("materials", "tractions", "constraints"), ("boundaries", "escape")
-SECTIONS, WHOLE = ("method", "output", "history"), ("gravity", "body_force", "contact")
+SECTIONS, WHOLE = ("method", "output", "history"), ("gravity", "body_force", "damping", "contact")
 
 _Entries = dict[str, object]
 
@@ -68,6 +68,11 @@ class Stage(Model):
         description="as in the case, in place of it; null: none",
         json_schema_extra=_any_form,
     )
+    damping: object = Field(
+        default=None,
+        description="as in the case, in place of it; null: none",
+        json_schema_extra=_any_form,
+    )
     boundaries: _Entries = _keyed(
         "by face, conditions in place of those before; null: none from here on"
     )
@@ -112,6 +117,8 @@ class Staged(NamedTuple):
         Removed bodies of a material.
     escapes : bool
         Whether particles may leave, in this stage or a previous one.
+    damped : bool
+        Whether a previous stage has damping.
     displacements : dict of str to tuple
         Displacements that constraints have prescribed in previous stages, to be added.
     rebonds : bool
@@ -126,6 +133,7 @@ class Staged(NamedTuple):
     escapes: bool = False
     displacements: Mapping[str, tuple[float, ...]] = {}
     rebonds: bool = False
+    damped: bool = False
 
     @property
     def title(self) -> str:

@@ -126,6 +126,11 @@ class Progress:
             f"{self._rates[1] * self._sim.known_count:.3g} particle-steps/s  {load}"
             f"{duration(left)} left"
         )
+        if self._sim.settling:
+            text = (
+                f"settling: unbalanced force {self._sim.unbalanced:.2g}  step {step}  "
+                f"{self._rates[1] * self._sim.known_count:.3g} particle-steps/s"
+            )
         if self._bar is not None:
             try:
                 self._bar.update(self._task, completed=time, text=text, refresh=True)

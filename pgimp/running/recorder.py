@@ -156,6 +156,13 @@ class Recorder:
         if (checkpoint or sim.agreed_request == Request.CHECKPOINT) and not sim.stage_done:
             self.checkpoint()
 
+    def settle(self) -> None:
+        """Write a due or requested checkpoint after a step before time 0; collective."""
+        sim = self._sim
+        if self.checkpoints.due(sim) or sim.agreed_request == Request.CHECKPOINT:
+            sim.complete_reduction()
+            self.checkpoint()
+
     def end(self) -> None:
         """Write the state at the end of a stage, unless already written; collective."""
         self._look(None)

@@ -80,6 +80,8 @@ def resume(case: Case, comm: Communicator, directory: RunDirectory, log: Log) ->
             on_root(comm, partial(_require_lines, directory.path, case, about))
             clock = clock_of(began_as, before=state.counted)
             expected = clock.time(clock.after(state.step, state.time, state.dt))
+            if state.settling:
+                expected = 0.0
             if state.time > clock.end * (1.0 + 1e-12) or expected != state.time:
                 raise DamagedError("its time is not that of its step, or past the end of its case")
             if _ended(case, state) and before.get("state") == "done":
@@ -138,7 +140,7 @@ def _ended(case: Case, state: State) -> bool:
             f"{key}: {clock.end:.6g} has passed, the run is at t = {state.time:.6g} already; "
             "--overwrite starts over"
         )
-    last = state.stage == len(case.stages) - 1
+    last = state.stage == len(case.stages) - 1 and not state.settling
     return last and clock.finished(clock.after(state.step, state.time, state.dt))
 
 

@@ -59,13 +59,16 @@ def advance(
     progress = Progress(log, sim, case.time.last, terminal_columns() if log.speaks else 0)
     began, first = perf_counter(), sim.step
     try:
-        if about is None:
-            recorder.begin()
-        else:
-            for note in recorder.resume(about):
-                log.say(f"note: {note}")
+        stopped = False
+        if sim.settling:
+            if about:
+                recorder.checkpoints.resume(sim.comm, sim.step, about)
+            stopped = _settle(sim, recorder, progress, log, stop)
+            about = None
+        if not sim.settling:
+            _begin(recorder, about, log)
         # Signals before the first step, also during set-up, were deferred until here.
-        stopped = stop.agree(recorder.checkpoints.seconds if about is None else 0.0)
+        stopped = stopped or stop.agree(recorder.checkpoints.seconds if about is None else 0.0)
         while not (stopped or sim.finished):
             if sim.stage_done:
                 _next_stage(sim, recorder, log)
@@ -125,6 +128,36 @@ def advance(
         None if ended else f"stopped {stop}",
     )
     return ended
+
+
+def _begin(recorder: Recorder, about: About | None, log: Log) -> None:
+    """Write the state at time 0, or continue the output of a resumed run; collective."""
+    if about is None:
+        recorder.begin()
+        return
+    for note in recorder.resume(about):
+        log.say(f"note: {note}")
+
+
+def _settle(sim: Simulation, recorder: Recorder, progress: Progress, log: Log, stop: Stop) -> bool:
+    """Do the steps before time 0 until the run is at rest; whether it was stopped; collective."""
+    log.say("settling before time 0")
+    began, first = perf_counter(), sim.step
+    stopped = stop.agree(recorder.checkpoints.seconds)
+    while sim.settling and not stopped:
+        each = (perf_counter() - began) / (sim.step - first + 1)
+        sim.request = _request(sim, recorder, stop, each)
+        sim.advance(complete=False)
+        if sim.settling:
+            recorder.settle()
+        progress.step()
+        stopped = sim.agreed_request == Request.STOP
+    if not sim.settling:
+        log.say(
+            f"settled in {sim.step} steps: the unbalanced force is {sim.unbalanced:.3g} of the "
+            "forces of stresses and tractions; time 0 begins"
+        )
+    return stopped
 
 
 def _warn(sim: Simulation, log: Log) -> None:

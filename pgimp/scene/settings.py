@@ -26,6 +26,10 @@ class Settings:
         Parameters of the exact solution, if the case names one; `moves` if it gives the velocities.
     escapes : bool
         Whether particles may leave, in this stage or a previous one.
+    damps : bool
+        Whether there is damping, in this stage or a previous one.
+    settles : bool
+        Whether the run comes to rest before time 0.
     loses : bool
         Whether there may be fewer particles than at the start.
     origins : bool
@@ -48,6 +52,8 @@ class Settings:
         self.moves = bool(case.exact) and case.exact.moves
         self.escapes = "remove" in case.escape.values() or case.staged.escapes
         self.loses = self.escapes or bool(case.staged.removed)
+        self.damps = case.damping is not None or case.staged.damped
+        self.settles = case.start.settle is not None
         fields = case.output.fields
         self.origins = self.by_vertex or bool(case.exact) or "displacement" in fields
         self.controlled: bool | float = case.courant is not None

@@ -15,7 +15,7 @@ from pgimp.decomposition.redistribute import redistribute
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.data.ledger import DAMPED, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.lagrangian.displace import displace_particles
 from pgimp.mpi.communicator import Communicator
@@ -27,6 +27,7 @@ from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
+from pgimp.solver.rest.damping import damping_of
 
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
@@ -68,6 +69,8 @@ class Rank:
         The contact of bodies, or one of its kinds.
     flows : Flows or None
         The filling of the vertices, in scenes with bodies that flow.
+    damping : VertexDamping or None
+        The damping, in scenes with it.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
@@ -111,6 +114,7 @@ class Rank:
         self.contact = contact_kind(scene)(scene, comm)
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, comm) if scene.interaction.flows else None
+        self.damping = damping_of(scene)
         self._lattice: LatticeCells | None = None
         self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
@@ -138,7 +142,10 @@ class Rank:
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
-            len(scene.body_names) if scene.interaction.flows else 0,
+            (
+                len(scene.body_names) if scene.interaction.flows else 0,
+                DAMPED if scene.settings.damps or scene.settings.settles else 0,
+            ),
         )  # fmt: skip
 
     @property
@@ -262,6 +269,7 @@ class Rank:
         self.contact = contact_kind(scene)(scene, self.comm)
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, self.comm) if scene.interaction.flows else None
+        self.damping = damping_of(scene)
         self._allocate(self.slab)
         self.grid.store(window)
 

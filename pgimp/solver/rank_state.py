@@ -37,6 +37,7 @@ class RankState(Protocol):
     contact: Any
     clearances: Clearances
     flows: Any
+    damping: Any
     keeping: Keeping
 
     @property

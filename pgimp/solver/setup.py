@@ -35,6 +35,8 @@ from pgimp.solver.decomposition import partition
 from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
+from pgimp.solver.rest.damping import damping_to_rest
+from pgimp.solver.rest.settle import at_time_zero
 from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.start import Start
@@ -126,6 +128,8 @@ def begin(
     start.notes += stripes(start.case)
     start.warnings += nearness.warnings(start.case)
     release(start.case)
+    if scene.settings.settles:
+        start.settling, start.rank.damping = True, damping_to_rest(scene)
     if start.watch:
         start.watch.begin(start.rank)
     rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)
@@ -181,6 +185,9 @@ def resume(
     read_books(start.rank, source, state, start.diagnostic_sums)
     read_motion(start.rank, source)
     start.done = start.clock.after(state.step, state.time, state.dt)
+    if state.settling:
+        start.settling, start.rank.damping = True, damping_to_rest(scene)
+        start.done = at_time_zero(start.done)
     start.rate = state.rate
     if start.clock.held and state.held_rate:  # an older checkpoint has none: a window begins
         start.clock.held.numbers = state.held_rate

@@ -2,37 +2,40 @@
 
 from __future__ import annotations
 
+from math import nan
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pgimp.case.schema import Case
-from pgimp.decomposition.balance import Balance
-from pgimp.decomposition.population import Population
 from pgimp.errors import DamagedError, RunError
-from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver import setup
 from pgimp.solver.decomposition import RESORT, rebalance, resort
 from pgimp.solver.history.diagnostics import Diagnostics
-from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import Request, StepReduction
+from pgimp.solver.rest.settle import (
+    at_time_zero,
+    begin_at_rest,
+    is_due,
+    require_rest,
+    unbalanced_part,
+)
 from pgimp.solver.stages import enter
 from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.particle_errors import Failure, collect_errors
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import absent, look_ahead
+from pgimp.solver.state.progress import SimulationProgress
 from pgimp.solver.state.state import State
 from pgimp.solver.step import step
-from pgimp.solver.time.clock import CourantClock, FixedClock, Step
+from pgimp.solver.time.clock import Step
 from pgimp.solver.time.energy_watch import EnergyWatch
 
 if TYPE_CHECKING:
     from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 
 
-class Simulation:
+class Simulation(SimulationProgress):
     """A case on the ranks of a communicator; creating it and advancing it are collective.
 
     Parameters
@@ -52,6 +55,8 @@ class Simulation:
         Constant within a stage.
     columns : list of str
         Columns of the history of a run of several stages, the union of theirs; else empty.
+    settling, unbalanced : bool, float
+        Whether the run still comes to rest before time 0; the last `unbalanced_part` found.
     rank, balance : Rank, Balance
         This rank's part, and the load of all.
     done, doing : Step, Step or None
@@ -85,11 +90,7 @@ class Simulation:
 
     #: Creates the particles at the start.
     creation: type[Creation] = Creation
-    clock: FixedClock | CourantClock
     watch: EnergyWatch | None
-    rank: Rank
-    balance: Balance
-    done: Step
     count: int
     rate: float
     diagnostic_sums: Diagnostics
@@ -109,6 +110,7 @@ class Simulation:
         self.columns = look_ahead(scenes) if len(scenes) > 1 else []
         self.doing: Step | None = None
         self.failure: Failure | None = None
+        self.unbalanced = nan
         self.request = self.agreed_request = Request.NONE
         self.reduction = StepReduction(comm)
         if source is None or state is None:
@@ -124,74 +126,16 @@ class Simulation:
         self.rank, self.balance, self.count = start.rank, start.balance, start.count
         self.rate, self.diagnostic_sums = start.rate, start.diagnostic_sums
         self.notes, self.warnings = start.notes, start.warnings
+        self.settling = start.settling
 
     def now_as_start(self) -> Start:
         """Return the start of another stage."""
         start = Start(
             self.scene, self.comm, self.reduction, self.diagnostic_sums, self.done, self.stage,
-            self.count, self.rate, self.watch, self.notes, self.warnings,
+            self.settling, self.count, self.rate, self.watch, self.notes, self.warnings,
         )  # fmt: skip
         start.clock, start.balance, start.rank = self.clock, self.balance, self.rank
         return start
-
-    @property
-    def now(self) -> Step:
-        """The last step done on this rank; its end is the reported time."""
-        step = self.doing or self.done
-        return step._replace(end=self.clock.time(step))
-
-    @property
-    def time(self) -> float:
-        """Simulated time, with `doing`; likewise `step` and `dt`."""
-        return self.clock.time(self.doing or self.done)
-
-    @property
-    def step(self) -> int:
-        """Steps done."""
-        return (self.doing or self.done).number
-
-    @property
-    def dt(self) -> float:
-        """Length of the last step, 0 before the first."""
-        return (self.doing or self.done).dt
-
-    @property
-    def finished(self) -> bool:
-        """Whether the end of the last stage is reached."""
-        return self.stage == len(self.cases) - 1 and self.stage_done
-
-    @property
-    def stage_done(self) -> bool:
-        """Whether the end of the stage is reached."""
-        return self.clock.finished(self.doing or self.done)
-
-    @property
-    def agreed(self) -> bool:
-        """Whether the last step's reduction is complete."""
-        return not self.reduction.open
-
-    @property
-    def population(self) -> Population:
-        """The particles of this rank, and their order."""
-        return self.rank.population
-
-    @property
-    def particles(self) -> Particles:
-        """The particles of this rank, with holes; see `live`."""
-        return self.rank.population.particles
-
-    @property
-    def known_count(self) -> int:
-        """Particles of all ranks; with several ranks as of the last re-sort."""
-        return self.balance.total if self.comm.size > 1 else self.rank.count
-
-    def present(self) -> int:
-        """Current number of particles on all ranks; collective."""
-        return int(self.comm.allreduce(self.rank.count))
-
-    def live(self) -> np.ndarray:
-        """Rows of this rank's particles in canonical order, (n,) int64."""
-        return self.rank.live()
 
     def next_stage(self) -> None:
         """Begin the next stage, when one is done; collective.
@@ -245,7 +189,8 @@ class Simulation:
         reduction.begin(rate, request, balance.rebalance_requested, rank.vertex_bounds)
         sort = number % RESORT == 0
         watch = self.watch if self.watch and self.watch.due(number) else None
-        if complete or move or sort or watch or self.comm.size == 1:
+        look = self.settling and is_due(number)
+        if complete or move or sort or watch or look or self.comm.size == 1:
             self.complete_reduction()
         if watch:
             watch.look(rank, self.step, self.time, self.clock)
@@ -256,6 +201,17 @@ class Simulation:
             reduction.rebalance_requested = False
         if sort:
             resort(rank, balance, reduction, number)
+        if look:
+            self._look_for_rest()
+
+    def _look_for_rest(self) -> None:
+        """Begin the run at time 0 if it has come to rest; collective."""
+        settle = self.case.start.settle
+        self.unbalanced = unbalanced_part(self.rank)
+        if settle and self.unbalanced < settle.tolerance:
+            self.take(begin_at_rest(self.now_as_start()))
+        else:
+            require_rest(self.now_as_start(), self.unbalanced)
 
     @property
     def controlled(self) -> bool | float:
@@ -266,6 +222,8 @@ class Simulation:
         """Complete the last step's reduction; its top speed sets the next dt."""
         self.complete_reduction()
         step = self.clock.next(self.done, self.clock.follow(self.fastest))
+        if self.settling:
+            step = at_time_zero(step)
         if free := self.rank.free:
             free.require_slow(step)
             free.require_clear(self.done, step.dt)

@@ -14,7 +14,7 @@ import numpy as np
 from pgimp.case.checks.stages import reselects
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.data.ledger import TAKEN, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import STRAIN, SUMS
 from pgimp.scene.checks.facts import rest_rate
@@ -213,6 +213,8 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
     has.work[:] = had.work
     if had.escaped.size:
         has.escaped[:] = had.escaped
+    if had.damping.size and has.damping.size:
+        has.damping[:, :TAKEN] = had.damping[:, :TAKEN]
 
 
 def _free(rank: Rank) -> list[tuple[str, State]]:

@@ -62,6 +62,8 @@ def step(
     )
     contact.assign_fields(rank)
     lap("contact")
+    if damping := rank.damping:
+        damping.rest_at_peak(rank)
     marked = bool(scene.interaction.loads.constraints)
     sum_particles(rank, groups, loads, marked, by_cells=True)  # (16, 17, 18, 21, 22)
     lap("P2G")
@@ -74,11 +76,15 @@ def step(
     contact.detect(rank, t, rank.ledger)
     lap("contact")
     fold_mirrors(rank, update)
+    if damping:
+        damping.add_forces(rank, update)
     contact.update_momentum(rank, update)  # (14, 17)
     hold_constrained(rank, update)
     lap("momentum")
     contact.exchange(rank, update)
     lap("contact")
+    if damping:
+        damping.book(rank, update)
     reflect_mirrors(rank, update)
     keep_vertex_motion(rank, update)
     lap("momentum")

@@ -27,7 +27,7 @@ def source(tmp_path_factory):
         '"""Quadratic B-splines': "shapes/quadratic_spline.py",
         '"""A rough wall': "boundaries/rough.py",
         '"""Coulomb friction up': "contact/limited.py",
-        '"""Damping by mass': "loads/damping.py",
+        '"""Drag: a force': "loads/drag.py",
     }.items():
         (physics / path).write_text(block_of(beginning))
     (source / "tests/physics/materials/test_fluid.py").write_text(block_of('"""The fluid'))
@@ -36,7 +36,7 @@ def source(tmp_path_factory):
         "QuadraticSpline": physics / "shapes/__init__.py",
         "Rough": physics / "boundaries/__init__.py",
         "Limited": physics / "contact/__init__.py",
-        "Damping": physics / "loads/__init__.py",
+        "Drag": physics / "loads/__init__.py",
         "jacobian": physics / "fields.py",
         "centre of mass": source / "pgimp/solver/history/columns.py",
     }
@@ -74,7 +74,7 @@ def test_the_reference_has_what_is_added(source):
     page = python(source, "-m", "pgimp", "schema", "--markdown")
     for text in ("`fluid`", "`quadratic-spline`", "`centre-AXIS`", "`jacobian`"):
         assert text in page
-    assert "| `body_force.damping.rate` | of decay of a uniform velocity | 1/time |" in page
+    assert "| `body_force.drag.rate` | of decay of a uniform velocity | 1/time |" in page
 
 
 def test_material(source):
@@ -174,7 +174,7 @@ import numpy as np
 import pgimp
 
 changes = {f"bodies.{name}.velocity": [0.8, 0.3] for name in ("left", "right")}
-changes |= {"body_force": {"damping": {"rate": 2.0}}, "time.end": 1.0}
+changes |= {"body_force": {"drag": {"rate": 2.0}}, "time.end": 1.0}
 sim = pgimp.Simulation("case.yaml", overrides=changes)
 first = sim.diagnostics()
 sim.advance()

@@ -47,6 +47,8 @@ GO_ON = {
         "narrow",
         "initial",
         "initial_stages",
+        "damped",
+        "settled",
         "varied",
     ),
 }

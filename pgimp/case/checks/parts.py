@@ -19,6 +19,7 @@ from pgimp.case.checks.bodies import (
     check_velocities,
 )
 from pgimp.case.checks.configuration import check_configuration, check_initial_output
+from pgimp.case.checks.damping import check_damping
 from pgimp.case.checks.domain import (
     check_body_force,
     check_boundaries,
@@ -35,6 +36,7 @@ from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.probes import check_probes
 from pgimp.case.checks.regions import check_regions
 from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
+from pgimp.case.checks.settling import check_settling
 from pgimp.case.checks.variations import check_variations
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.materials.base import Material
@@ -147,6 +149,8 @@ _CHECKS = (
     check_constraints,
     check_contact,
     check_adhesion,
+    check_damping,
+    check_settling,
     check_configuration,
     check_initial_output,
     check_output,

@@ -21,6 +21,13 @@ RIGID_IMPULSE, RIGID_MOMENT, RIGID_WORK, TOOLED = 0, 3, 6, 7
 #: the vertices.
 CARRIED, ROOM, VOLUMES = 0, 1, 2
 
+#: Columns of `Ledger.damping`: energy and momentum taken so far; for kinetic damping the kinetic
+#: energy of the vertices after the last step and after the step before it; while a run settles
+#: magnitudes of forces, summed over the vertices: of stresses and loads but gravity, and the
+#: unbalanced ones.
+DAMPED_ENERGY, DAMPED_MOMENTUM, TAKEN = 0, 1, 4
+KINETIC_NOW, KINETIC_BEFORE, INTERNAL, UNBALANCED, DAMPED = 4, 5, 6, 7, 8
+
 
 class Ledger(NamedTuple):
     """Sums by plane; only planes that a rank owns count.
@@ -45,6 +52,8 @@ class Ledger(NamedTuple):
         Sums of the particles that left, as in `layer_sums`; (planes, 0, 0) where none may leave.
     filled : (planes, bodies, VOLUMES) float64
         Volumes of flowing bodies at the last filling; else (planes, 0, VOLUMES).
+    damping : (planes, DAMPED) float64
+        Sums of damping and of settling; (planes, 0) without them.
     """
 
     work: np.ndarray
@@ -56,6 +65,7 @@ class Ledger(NamedTuple):
     rigid_bodies: np.ndarray
     escaped: np.ndarray
     filled: np.ndarray
+    damping: np.ndarray
 
     @classmethod
     def empty(
@@ -66,7 +76,7 @@ class Ledger(NamedTuple):
         escaped: tuple[int, int] = (0, 0),
         contacts: int = 0,
         rigid_bodies: int = 0,
-        flows: int = 0,
+        others: tuple[int, int] = (0, 0),
     ) -> Ledger:
         """Return the ledger of `planes` planes before the first step.
 
@@ -80,12 +90,13 @@ class Ledger(NamedTuple):
             Entries of contact.
         rigid_bodies : int
             Rigid bodies.
-        flows : int
-            Bodies, in scenes where any flows.
+        others : (int, int)
+            Bodies, in scenes where any flows; `DAMPED` with damping.
         """
+        flows, damping = others
         shapes = (
             (), (faces, 3), (faces,), (constraints, 3), (faces, WALL_BOOKED), (contacts, BOOKED),
-            (rigid_bodies, TOOLED), escaped, (flows, VOLUMES),
+            (rigid_bodies, TOOLED), escaped, (flows, VOLUMES), (damping,),
         )  # fmt: skip
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 

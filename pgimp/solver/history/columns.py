@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.kernels.data.ledger import DAMPED_ENERGY, DAMPED_MOMENTUM
 from pgimp.kernels.sums.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 from pgimp.solver.history.contact_columns import MEETING, WALLS
 from pgimp.solver.history.error_columns import ERRORS
@@ -127,6 +128,25 @@ HISTORY = (
     ),
     _loss("viscous-work", "energy that viscous stresses of materials took, likewise"),
     _loss("heat", "energy that became heat in materials with a temperature: a part of the others"),
+    Group(
+        lambda scene: [""] if scene.settings.damps else [],
+        (
+            Column(
+                "damped-energy",
+                "energy",
+                "only with `damping`: energy that it took since the start, a part of "
+                "dissipated-energy: force times mean velocity in each step, and with `kinetic` the "
+                "kinetic energy at each peak",
+                lambda s, _: s.damping[DAMPED_ENERGY],
+            ),
+            Column(
+                "damped-momentum-AXIS",
+                "mass length/time",
+                "momentum that it took since the start, likewise",
+                lambda s, _: s.along(s.damping, DAMPED_MOMENTUM),
+            ),
+        ),
+    ),
     _gone(
         "escaped",
         lambda scene: scene.settings.escapes,

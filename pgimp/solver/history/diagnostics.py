@@ -10,6 +10,7 @@ import numpy as np
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import (
     BOOKED,
+    DAMPED,
     IMPULSE,
     RIGID_IMPULSE,
     RIGID_MOMENT,
@@ -125,6 +126,7 @@ def column_names(scene: Scene) -> list[str]:
                 rigid_bodies,
                 np.zeros(len(rigid_bodies), np.int64),
                 np.zeros((len(bodies), VOLUMES)),
+                np.zeros(DAMPED),
                 {},
                 errors,
                 errors,
@@ -181,14 +183,15 @@ class Diagnostics:
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
         booked = (
             impulse, own.outside_mass, own.contact, own.rigid_bodies, own.wall_energy, own.filled,
+            own.damping,
         )  # fmt: skip
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None:
             return None
         bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
-        impulse, outside_mass, contact, rigid_bodies, walls, filled = (
-            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(6)
+        impulse, outside_mass, contact, rigid_bodies, walls, filled, damping = (
+            np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(7)
         )
         inside = np.sum([part[6] for part in parts], axis=0)
         self._tell_inside(scene, done.end, inside)
@@ -197,7 +200,7 @@ class Diagnostics:
         total[MASS] = every
         if self.first_energy is None:
             self.first_energy = float(total[KINETIC] + total[STRAIN])
-            if not done.number:
+            if not done.end:
                 self.told[: len(total) - SUMS] = total[SUMS:]
         escaped, added, most = np.zeros(scene.materials.sums), np.zeros(ERRORS), np.zeros(ERRORS)
         if scene.settings.escapes:
@@ -215,7 +218,7 @@ class Diagnostics:
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
                 self.told, self.first_energy, work, force, outside_mass, walls, contact,
                 rigid_bodies,
-                inside, filled, rank.free.now if rank.free else {}, added, most,
+                inside, filled, damping, rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
 

@@ -61,6 +61,8 @@ class Totals(NamedTuple):
         Particles deeper in each than a quarter of a cell.
     filled : (bodies, VOLUMES) float64
         The ledger of volumes of flowing bodies.
+    damping : (DAMPED,) float64
+        The ledger of damping; (0,) without it.
     free : dict of int to (FreeBody, State)
         The free rigid bodies, by number, and their states.
     errors, greatest : (ERRORS,) float64
@@ -84,6 +86,7 @@ class Totals(NamedTuple):
     rigid_bodies: np.ndarray
     inside: np.ndarray
     filled: np.ndarray
+    damping: np.ndarray
     free: dict[int, tuple[FreeBody, State]]
     errors: np.ndarray
     greatest: np.ndarray

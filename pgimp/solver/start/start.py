@@ -29,6 +29,7 @@ class Start:
     diagnostic_sums: Diagnostics = field(default_factory=Diagnostics)
     done: Step = START
     stage: int = 0
+    settling: bool = False
     count: int = 0
     rate: float = 0.0
     watch: EnergyWatch | None = None

@@ -49,6 +49,7 @@ class State(BaseModel):
     watch: list[float] | None = Field(default=None, min_length=4, max_length=12)
     held_rate: list[NonNegativeFloat] | None = Field(default=None, min_length=7, max_length=7)
     stage: int = Field(ge=0, le=1000, default=0)
+    settling: bool = False
     counted: int = Field(ge=0, le=2**53, default=0)
     removed: list[float] | None = Field(default=None, max_length=100)
     changed: float = 0.0
@@ -119,6 +120,7 @@ def capture(
     watch: EnergyWatch | None = None,
     stage: int = 0,
     clock: FixedClock | CourantClock | None = None,
+    settling: bool = False,
 ) -> tuple[dict[str, object], Ordered, dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Capture the state of a simulation between two steps; collective.
 
@@ -140,6 +142,8 @@ def capture(
         Its number.
     clock : FixedClock or CourantClock, optional
         Its clock.
+    settling : bool
+        Whether the run still comes to rest before time 0.
 
     Returns
     -------
@@ -177,6 +181,7 @@ def capture(
         densest=rank.scene.materials.densest,
         watch=watch.numbers if watch else None,
         stage=stage,
+        settling=settling,
         counted=clock.before if clock else 0,
         held_rate=clock.held.numbers if clock and clock.held else None,
         removed=None if records.removed is None else records.removed.tolist(),

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.errors import EndlessError
+from pgimp.kernels.data.ledger import DAMPED_ENERGY
 from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, layer_sums
 from pgimp.solver.lagrangian.motion import complete_sums
 from pgimp.solver.time.clock import CourantClock, FixedClock
@@ -193,8 +194,11 @@ class EnergyWatch:
             for found in (sums, escaped)
             for which in (KINETIC, STRAIN, MASS)
         ]
-        # Energy taken by unilateral walls cannot come from nothing.
-        parts = rank.comm.allgather((own.work - own.wall_energy.sum(axis=(1, 2)), *rows))
+        # Energy taken by unilateral walls and by damping cannot come from nothing.
+        work = own.work - own.wall_energy.sum(axis=(1, 2))
+        if rank.damping:
+            work -= own.damping[:, DAMPED_ENERGY]
+        parts = rank.comm.allgather((work, *rows))
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
         kinetic, strain, mass = (a + b for a, b in zip(found[:3], found[3:], strict=True))
         return kinetic, strain, work, mass

@@ -2,8 +2,8 @@
 
 - Mass: that of the particles and of those that have left is constant.
 - Momentum (of rings along their axis) grows by the impulses of gravity, of tractions, and of what
-  faces and constraints say that they gave, to rounding. Gravity and tractions are summed here from
-  the particles.
+  faces and constraints say that they gave, less what damping took, to rounding. Gravity and
+  tractions are summed here from the particles.
 - External work is, to rounding, gravity's (weight times way of each particle), that of rigid
   bodies, and that of a prescribed motion (force times velocity), where there is no traction and at
   most one such motion. Faces at rest, and bodies that meet, do none: so books of what is at rest
@@ -137,7 +137,7 @@ class Books:
         )
         gained = sum(
             self._vector(line, name) - self._vector(last, name)
-            for name in ("momentum", "escaped.momentum", "removed.momentum")
+            for name in ("momentum", "escaped.momentum", "removed.momentum", "damped-momentum")
         )
         for name in self.case.rigid_bodies:
             impulse -= (line["time"] - last["time"]) * self._vector(line, f"tool.{name}.force")
@@ -212,7 +212,7 @@ class Books:
             gained = energy - energy[0] - work - np.array(self._explained)
             gained -= every.get("stages.strain-energy", 0.0)
             for name, values in every.items():
-                if name.endswith((".friction-heat", ".impact-loss")):
+                if name.endswith((".friction-heat", ".impact-loss", "damped-energy")):
                     gained += _kept(values)
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case

@@ -33,6 +33,20 @@ def gravity(rng, scene):
     )  # fmt: skip
 
 
+def damping(rng, scene):
+    """Of one or two kinds; local damping knows no forces of contact, and a free body has none."""
+    case, solid = scene.case, [b for b in scene.case["bodies"].values() if "rigid" not in b]
+    if any("density" in body.get("rigid", {}) for body in case["bodies"].values()):
+        return
+    initial = {body.get("configuration") == "initial" for body in solid}
+    meets = case.get("contact") or len(solid) < len(case["bodies"]) or initial != {False}
+    kinds = {"mass": number(rng, 0.1, 2.0) / scene.end, "kinetic": True}
+    if not meets:
+        kinds["local"] = number(rng, 0.05, 0.8)
+    chosen = [kind for kind in kinds if rng.kind.random() < 0.5] or ["mass"]
+    case["damping"] = {kind: kinds[kind] for kind in chosen}
+
+
 def traction(rng, scene):
     """A pressure or a traction on a face of a body that is a box; the first is made one."""
     bodies = {name: body for name, body in scene.case["bodies"].items() if not runs(scene, name)}

@@ -3,6 +3,7 @@
 from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
+from rank_scenes.damped_bodies import damped, settled
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
     cut,
@@ -68,6 +69,8 @@ SCENES = (
             initial_stages,
             initial_contact,
             both_configurations,
+            damped,
+            settled,
             cut,
             metals,
             affine,

@@ -1,0 +1,72 @@
+"""Checks of `start.settle`: nothing may move at time 0."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from pgimp.case.body import Body
+from pgimp.case.start import StartEntry
+from pgimp.physics.boundaries.base import Boundary
+from pgimp.physics.loads.constraints import ConstraintEntry
+from pgimp.physics.loads.motion import RigidMotion
+from pgimp.physics.rigid import Motion, RigidBody
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import Problems
+from pgimp.schema.tables import prescribed
+
+Path = tuple[str, ...]
+
+
+def check_settling(
+    start: StartEntry,
+    bodies: Mapping[str, Body],
+    rigid_bodies: Mapping[str, RigidBody],
+    boundaries: Mapping[str, Boundary],
+    constraints: Mapping[str, ConstraintEntry],
+    exact: object,
+) -> Problems:
+    """Check that all bodies can come to rest before time 0."""
+    if start.settle is None:
+        return
+    for path in _moving(bodies, rigid_bodies, boundaries, constraints):
+        yield Problem(
+            path,
+            "moves at time 0, and start.settle looks for rest under what acts then: begin with 0, "
+            "as a table over time, or leave start.settle out",
+        )
+    for name, body in rigid_bodies.items():
+        if body.free:
+            yield Problem(
+                ("start", "settle"),
+                f"is for bodies of a material; '{name}' is rigid and moves freely: give it a "
+                "motion, rigid: {velocity: ..}, or leave one of the two out",
+            )
+    if exact is not None:
+        yield Problem(
+            ("start", "settle"), "changes the initial state, which `exact` gives; leave one out"
+        )
+
+
+def _moving(
+    bodies: Mapping[str, Body],
+    rigid_bodies: Mapping[str, RigidBody],
+    boundaries: Mapping[str, Boundary],
+    constraints: Mapping[str, ConstraintEntry],
+) -> Iterator[Path]:
+    """Yield the paths of what moves at time 0."""
+    for name, body in bodies.items():
+        if isinstance(body.velocity, RigidMotion) or any(body.velocity or ()):
+            yield "bodies", name, "velocity"
+    for name, rigid in rigid_bodies.items():
+        if isinstance(rigid.rigid, Motion) and any(
+            any(part) for part in rigid.rigid.velocities(0.0)
+        ):
+            yield "bodies", name, "rigid"
+    for face, entry in boundaries.items():
+        if any(entry.motion(0.0) or ()) or any(
+            prescribed(getattr(entry, "velocity", ()), 0.0, 0.0)[1]
+        ):
+            yield "boundaries", face
+    for name, constraint in constraints.items():
+        if any(prescribed(constraint.velocity, 0.0, 0.0)[1]):
+            yield "constraints", name, "velocity"

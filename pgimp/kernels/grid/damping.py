@@ -1,0 +1,166 @@
+"""Damping of the vertices: forces against their velocities, before contact, faces and constraints.
+
+Mass-proportional damping leaves exp(-c dt) of the velocity that a vertex has as a step begins.
+Local damping (Cundall) reduces the unbalanced force by a part of it, component by component,
+against the velocity; a motion with balanced forces, as steady flow, is not damped. A component that
+a face or a constraint holds is balanced by it, and has no local damping: the reaction stays what it
+is.
+"""
+
+from typing import NamedTuple
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.data.ledger import DAMPED_ENERGY, DAMPED_MOMENTUM, KINETIC_BEFORE, KINETIC_NOW
+from pgimp.kernels.data.motion import grid_rate, keeps, velocity_before
+from pgimp.kernels.data.particles import FloatArray
+from pgimp.kernels.data.record import ACCELERATION, FORCE, MASS, RECORD, VELOCITY
+from pgimp.kernels.data.used_rows import next_rows, used_rows
+from pgimp.kernels.data.velocity_fields import field_count, field_size
+from pgimp.kernels.grid.conditions import Holding, hold
+from pgimp.kernels.grid.constraints import constrained_velocity
+
+
+class DampingForces(NamedTuple):
+    """Damping in one step.
+
+    Attributes
+    ----------
+    lost : float
+        Part of the velocity that mass-proportional damping takes, 1 - exp(-c dt).
+    local : float
+        Part of the unbalanced force that local damping takes.
+    impulse : (3 * vertices,) float64
+        The vertices' impulses by damping, set where the mass is above the cutoff.
+    scratch : (faces, 3) float64
+        For impulses of faces, which are not booked.
+    """
+
+    lost: float
+    local: float
+    impulse: FloatArray
+    scratch: FloatArray
+
+
+@kernel
+def damp_forces(frame, field, faces, forcing, damping):
+    """Add the damping's forces to the sums of a rank's active planes.
+
+    Parameters
+    ----------
+    frame, field, faces, forcing
+        As in `update_momentum`, before it.
+    damping : DampingForces
+        The damping; its impulses are set.
+    """
+    G, window, rate = field.G, field.window, forcing.loads.relaxation
+    for i in range(len(field.active)):
+        if field.active[i] == 0:
+            continue
+        for f in range(field_count(window)):
+            kept = (field.motion, keeps(field.motion, f))
+            holding = Holding(
+                faces, frame, forcing, damping.scratch, grid_rate(rate, field.motion, f)
+            )
+            first, left = i * window.stride[0] + f * field_size(window), used_rows(field, i, f)
+            while left:
+                begin, end, left = next_rows(field, left)
+                for j in range(begin, end):
+                    for k in range(window.extent[2]):
+                        r = first + j * window.stride[1] + k * window.stride[2]
+                        number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+                        if G[r + MASS] > forcing.mass_cutoff:
+                            _damp(G, kept, holding, number, r, damping)
+
+
+@inner_kernel
+def _damp(G, kept, holding, number, r, damping):
+    """Damp the vertex at `r`; `kept` is the vertices' motion, and whether they keep it."""
+    m, at, dt = G[r + MASS], r // RECORD * 3, holding.forcing.dt
+    inverse, g = 1.0 / m, holding.forcing.gravity
+    v = (
+        velocity_before(*kept, G, r, 0, inverse),
+        velocity_before(*kept, G, r, 1, inverse),
+        velocity_before(*kept, G, r, 2, inverse),
+    )
+    b = (
+        G[r + FORCE] * inverse + g[0],
+        G[r + FORCE + 1] * inverse + g[1],
+        G[r + FORCE + 2] * inverse + g[2],
+    )
+    local = (damping.local, damping.local, damping.local)
+    if damping.local > 0.0:
+        u = (v[0] + dt * b[0], v[1] + dt * b[1], v[2] + dt * b[2])
+        w, a = hold(holding, number, r, u, b, 0.0)
+        w = constrained_velocity(holding.forcing.marked, r, w)
+        local = (
+            damping.local if w[0] == u[0] and a[0] == b[0] else 0.0,
+            damping.local if w[1] == u[1] and a[1] == b[1] else 0.0,
+            damping.local if w[2] == u[2] and a[2] == b[2] else 0.0,
+        )
+    for d in range(3):
+        force = -damping.lost / dt * (m * v[d])
+        if v[d] > 0.0:
+            force -= local[d] * abs(m * b[d])
+        elif v[d] < 0.0:
+            force += local[d] * abs(m * b[d])
+        damping.impulse[at + d] = dt * force
+        G[r + FORCE + d] += force
+
+
+@kernel
+def book_damping(field, forcing, damping, ledger):
+    """Book energy and momentum that the damping's forces took; energy by the step's mean velocity.
+
+    Parameters
+    ----------
+    field, forcing, damping
+        As in `damp_forces`; the field has the velocities after all conditions and contact. The
+        mean of a velocity that a face holds is that velocity, whatever particles bring there.
+    ledger : Ledger
+        `damping` grows.
+    """
+    G, window, dt = field.G, field.window, forcing.dt
+    for i in range(field.owned):
+        if field.active[i] == 0:
+            continue
+        taken, px, py, pz = 0.0, 0.0, 0.0, 0.0
+        for f in range(field_count(window)):
+            first, left = i * window.stride[0] + f * field_size(window), used_rows(field, i, f)
+            while left:
+                begin, end, left = next_rows(field, left)
+                for r in range(
+                    first + begin * window.stride[1], first + end * window.stride[1], RECORD
+                ):
+                    if not G[r + MASS] > forcing.mass_cutoff:
+                        continue
+                    at = r // RECORD * 3
+                    for d in range(3):
+                        mean = G[r + VELOCITY + d] - 0.5 * dt * G[r + ACCELERATION + d]
+                        taken -= damping.impulse[at + d] * mean
+                    px -= damping.impulse[at]
+                    py -= damping.impulse[at + 1]
+                    pz -= damping.impulse[at + 2]
+        ledger.damping[i, DAMPED_ENERGY] += taken
+        ledger.damping[i, DAMPED_MOMENTUM] += px
+        ledger.damping[i, DAMPED_MOMENTUM + 1] += py
+        ledger.damping[i, DAMPED_MOMENTUM + 2] += pz
+
+
+@kernel
+def note_kinetic_energy(field, ledger):
+    """Set the kinetic energy of the vertices by plane, at the end of this step and of the last."""
+    G, window = field.G, field.window
+    for i in range(field.owned):
+        ledger.damping[i, KINETIC_BEFORE] = ledger.damping[i, KINETIC_NOW]
+        total = 0.0
+        for f in range(field_count(window)) if field.active[i] != 0 else range(0):
+            first, left = i * window.stride[0] + f * field_size(window), used_rows(field, i, f)
+            while left:
+                begin, end, left = next_rows(field, left)
+                for r in range(
+                    first + begin * window.stride[1], first + end * window.stride[1], RECORD
+                ):
+                    m, v = G[r + MASS], r + VELOCITY
+                    if m > 0.0:
+                        total += 0.5 * m * (G[v] ** 2 + G[v + 1] ** 2 + G[v + 2] ** 2)
+        ledger.damping[i, KINETIC_NOW] = total

@@ -1,0 +1,1 @@
+"""Rest: damping of motion, and settling before time 0."""

@@ -1,0 +1,106 @@
+"""Settling: a run comes to rest under the loads of time 0, and only then begins."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+
+from pgimp.errors import RunError
+from pgimp.kernels.data.ledger import INTERNAL, UNBALANCED
+from pgimp.solver.configurations import fastest
+from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.rank import Rank
+from pgimp.solver.rest.damping import EVERY, bring_to_rest, damping_of, total_sums
+from pgimp.solver.start.start import Start
+from pgimp.solver.time.clock import CourantClock, Step, clock_of
+
+
+def at_time_zero(step: Step) -> Step:
+    """Return a step of the run with the loads of time 0, which it does not leave."""
+    return step._replace(start=0.0, end=0.0)
+
+
+def is_due(step: int) -> bool:
+    """Whether forces are compared after this step."""
+    return step % EVERY == 0
+
+
+def unbalanced_part(rank: Rank) -> float:
+    """Unbalanced force over the forces of stresses and tractions, sums of magnitudes; collective.
+
+    Where stresses balance a traction, the sum over the vertices has neither: it is added.
+    """
+    sums = total_sums(rank)
+    unbalanced, scale = float(sums[UNBALANCED]), float(sums[INTERNAL]) + _tractions(rank)
+    if not unbalanced > 0.0:
+        return 0.0
+    return unbalanced / scale if scale > 0.0 else inf
+
+
+def _tractions(rank: Rank) -> float:
+    """Sum of the magnitudes of the particles' tractions at time 0; collective."""
+    tractions = rank.scene.interaction.loads.at(0.0).tractions
+    if not tractions:
+        return 0.0
+    p, (rows, start) = rank.population.stored, rank.population.ordered
+    sums = np.zeros(len(start) - 1)
+    layer = np.repeat(np.arange(len(sums)), np.diff(start))
+    for each in tractions:
+        force = float(np.sqrt(np.square(each.traction).sum())) + abs(each.pressure)
+        np.add.at(sums, layer, force * p.patch[rows, each.column])
+    return float(np.concatenate(rank.comm.allgather(sums)).sum())
+
+
+def require_rest(start: Start, part: float) -> None:
+    """Refuse a run that has not come to rest in its number of steps; on every rank.
+
+    Raises
+    ------
+    RunError
+        If it has not.
+    """
+    settle = start.case.start.settle
+    assert settle is not None
+    if start.done.number >= settle.steps:
+        raise RunError(
+            f"start.settle: no rest after {start.done.number} steps: the unbalanced force is "
+            f"{part:.3g} of the forces of stresses and tractions, not {settle.tolerance:.3g}\n"
+            "  try: more steps (start.settle.steps), a larger tolerance, another damping; look "
+            "for parts that nothing holds, and for loads that no rest can bear"
+        )
+
+
+def begin_at_rest(start: Start) -> Start:
+    """Begin the run at time 0 in the state that has been found; collective.
+
+    Stress, deformation and what materials remember stay; velocities, books and displacements
+    begin at zero. Bodies in the initial configuration keep their initial places, which their
+    weights follow from, so that their displacements count from there.
+    """
+    rank, scene, comm = start.rank, start.scene, start.comm
+    particles = rank.particles
+    bring_to_rest(rank)
+    if particles.q.shape[1]:
+        particles.q[:] = 0.0
+    if particles.origin.shape[1]:
+        rows = rank.live()
+        rows = rows[~scene.settings.lagrangian[particles.body[rows]]]
+        particles.origin[rows] = particles.x[rows]
+    for sums in rank.ledger:
+        sums[:] = 0.0
+    rank.clamped = rank.held = 0
+    rank.damping = damping_of(scene)
+    start.diagnostic_sums, start.settling = Diagnostics(), False
+    start.done = Step(start.done.number, 0.0, 0.0, 0.0)
+    controlled = scene.settings.controlled or True
+    rates = comm.allgather(fastest(scene, particles, rank.population.order, controlled))
+    start.rate = max(rates)
+    before = start.clock
+    start.clock = clock_of(start.case, before=start.done.number)
+    if isinstance(before, CourantClock) and isinstance(start.clock, CourantClock):
+        start.clock.rest_rate = before.rest_rate
+    if start.watch:
+        start.watch.begin(rank)
+        start.watch.shorten(start.clock)
+    return start

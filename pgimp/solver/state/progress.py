@@ -1,0 +1,92 @@
+"""Progress of a simulation: its time and steps, whether it has ended, and its particles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pgimp.decomposition.balance import Balance
+from pgimp.decomposition.population import Population
+from pgimp.kernels.data.particles import Particles
+from pgimp.mpi.communicator import Communicator
+from pgimp.solver.rank import Rank
+from pgimp.solver.reduction import StepReduction
+from pgimp.solver.time.clock import CourantClock, FixedClock, Step
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+
+
+class SimulationProgress:
+    """What follows from the attributes of `pgimp.solver.simulation.Simulation`."""
+
+    cases: tuple[Case, ...]
+    stage: int
+    comm: Communicator
+    clock: FixedClock | CourantClock
+    rank: Rank
+    balance: Balance
+    reduction: StepReduction
+    done: Step
+    doing: Step | None
+    settling: bool
+
+    @property
+    def now(self) -> Step:
+        """The last step done on this rank; its end is the reported time."""
+        step = self.doing or self.done
+        return step._replace(end=self.time)
+
+    @property
+    def time(self) -> float:
+        """Simulated time, with `doing`; likewise `step` and `dt`."""
+        return 0.0 if self.settling else self.clock.time(self.doing or self.done)
+
+    @property
+    def step(self) -> int:
+        """Steps done."""
+        return (self.doing or self.done).number
+
+    @property
+    def dt(self) -> float:
+        """Length of the last step, 0 before the first."""
+        return (self.doing or self.done).dt
+
+    @property
+    def finished(self) -> bool:
+        """Whether the end of the last stage is reached."""
+        return self.stage == len(self.cases) - 1 and self.stage_done
+
+    @property
+    def stage_done(self) -> bool:
+        """Whether the end of the stage is reached."""
+        return not self.settling and self.clock.finished(self.doing or self.done)
+
+    @property
+    def agreed(self) -> bool:
+        """Whether the last step's reduction is complete."""
+        return not self.reduction.open
+
+    @property
+    def population(self) -> Population:
+        """The particles of this rank, and their order."""
+        return self.rank.population
+
+    @property
+    def particles(self) -> Particles:
+        """The particles of this rank, with holes; see `live`."""
+        return self.rank.population.particles
+
+    @property
+    def known_count(self) -> int:
+        """Particles of all ranks; with several ranks as of the last re-sort."""
+        return self.balance.total if self.comm.size > 1 else self.rank.count
+
+    def present(self) -> int:
+        """Current number of particles on all ranks; collective."""
+        return int(self.comm.allreduce(self.rank.count))
+
+    def live(self) -> np.ndarray:
+        """Rows of this rank's particles in canonical order, (n,) int64."""
+        return self.rank.live()

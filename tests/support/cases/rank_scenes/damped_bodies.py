@@ -1,0 +1,68 @@
+"""Bodies that are damped on their way over the slabs."""
+
+from scenes import box, scene
+
+from rank_scenes.entries import EVERYTHING, GRID, PAIR
+
+
+def damped():
+    """Kinetic and mass-proportional damping, by stages, of bodies of both configurations.
+
+    A beam that is held and a heap of cut parts fall onto a floor; another body flies over them.
+    """
+    held = {"body": "beam", "region": {"box": {"min": [0.0, 3.0], "max": [1.0, 5.0]}}}
+    bodies = {
+        "beam": box([0.0, 3.0], [9.0, 5.0]) | {"configuration": "initial"},
+        "block": box([10.3, 0.6], [14.0, 3.1], [0.5, -1.0], "stiff"),
+        "flies": box([14.6, 3.0], [17.1, 5.0], [-4.0, 2.0]),
+    }
+    case = scene(
+        2,
+        bodies,
+        cells=[20, 8],
+        shape="finite-gimp",
+        end=0.7,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -3.0],
+        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        constraints={"grip": held | {"velocity": [0.0, {"table": [[0.0, 0.0], [1.0, 1.0]]}]}},
+        damping={"kinetic": True},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["method"]["affine"] = True
+    case["time"]["stages"] = [
+        {"name": "slow", "end": 0.9, "damping": {"mass": 3.0}},
+        {"name": "free", "end": 1.0, "damping": None},
+        {"name": "rest", "end": 1.6, "damping": {"kinetic": True}},
+    ]
+    return case
+
+
+def settled():
+    """Two bodies come to rest on a floor before time 0, with local damping, and are pulled then."""
+    held = {"body": "right", "region": {"box": {"min": [14.0, 0.0], "max": [16.0, 4.0]}}}
+    load = {"body": "left", "face": "x-min", "pressure": {"table": [[0.0, 2.0], [0.4, 6.0]]}}
+    bodies = {
+        "left": box([1.3, 0.0], [7.3, 3.2]),
+        "right": box([7.3, 0.0], [16.0, 4.0], None, "stiff"),
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[20, 7],
+        shape="cpdi",
+        end=0.8,
+        step={"courant": "auto"},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"y-min": {"separating": {"friction": 0.3}}},
+        constraints={"grip": held | {"velocity": [{"table": [[0.0, 0.0], [0.5, 2.0]]}, 0.0]}},
+        tractions={"push": load},
+        damping={"kinetic": True, "local": 0.2},
+        start={"settle": {"tolerance": 0.02}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
