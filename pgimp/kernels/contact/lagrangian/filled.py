@@ -173,7 +173,7 @@ def keep_possible(frame, obstacles, slack, acts, entries, contact_vertices, kept
         All walls at rest; boxes and rigid bodies as in `find_candidates`.
     slack : float
         Cells by which rigid bodies may move.
-    acts : (groups, groups + rigid bodies) int64
+    acts : (groups, groups + rigid bodies) int8
         How groups act on each other and on rigid bodies: `NEVER`, `WHERE_FILLED`, `ANYWHERE`.
     entries : ((m,) float64, (m,) int64)
         Greatest volume of each entry, changed to the filled part, and its group.
