@@ -4,7 +4,9 @@ import importlib
 import sys
 from pathlib import Path
 
-PROOFS = ("kill", "signals", "cases", "checkpoints", "long", "liquids", "scenes", "heaps", "bits")
+PROOFS = (
+    "kill", "signals", "cases", "checkpoints", "long", "liquids", "scenes", "heaps", "kept", "bits",
+)  # fmt: skip
 
 if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[1])

@@ -16,7 +16,7 @@ from proofs.jobs import Job, differences, options_of, scratch
 from proofs.scenes import books as scene_books
 from proofs.scenes import runs as scene_runs
 from proofs.scenes import shrink as scene_shrink
-from proofs.scenes.features import FEATURES, make
+from proofs.scenes.features import FEATURES, SHAPES, make
 
 import pgimp
 from pgimp.errors import PgimpError
@@ -37,7 +37,7 @@ def main(words):
         "scenes", words, 500, short="few kinds of scenes",
         first={"type": int, "default": 0, "help": "number of the first scene"},
         scene={"type": int, "help": "this one alone"},
-        having={"metavar": "FEATURE", "help": "only kinds of scenes that have it"},
+        having={"metavar": "FEATURE", "action": "append", "help": "only kinds of scenes with it"},
         each={"type": int, "default": GROUP, "help": "scenes of a kind, with --having"},
         jobs={"type": int, "default": 1, "help": "groups at a time"},
         shrink={"type": float, "default": 300.0, "help": "seconds for a failing scene"},
@@ -75,13 +75,21 @@ def main(words):
 
 
 def having(options):
-    """Numbers of scenes of the kinds that have a feature, without end."""
-    known = [feature.name for feature in FEATURES]
-    if options.having not in known:
+    """Numbers of scenes of the kinds that have some features, or a shape, without end."""
+    known, wanted = [feature.name for feature in FEATURES] + [*SHAPES], {*options.having}
+    if not wanted <= {*known}:
         raise SystemExit(f"scripts/faults scenes: --having is one of {', '.join(known)}")
     for group in itertools.count(options.first // GROUP):
-        if options.having in make(options.seed, GROUP * group, group)[2]:
-            yield from range(GROUP * group, GROUP * group + min(options.each, GROUP))
+        case, _, names = make(options.seed, GROUP * group, group)
+        if wanted <= {*names, case["method"]["shape"]}:
+            scenes = range(GROUP * group, GROUP * (group + 1))
+            found = (n for n in scenes if _meets(options, n) or "contact" not in wanted)
+            yield from itertools.islice(found, options.each)
+
+
+def _meets(options, number):
+    """Whether a scene has contact: its feature adds nothing to a body alone."""
+    return "contact" in make(options.seed, number, number // GROUP)[0]
 
 
 def read(folder, numbers):

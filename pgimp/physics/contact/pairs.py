@@ -87,7 +87,7 @@ class Pairs(NamedTuple):
 
     Attributes
     ----------
-    entry : (bodies, bodies) int64
+    entry : (bodies, bodies) int16
         Number of the pair's entry, from 1, in the row of the body with the smaller number. It is
         negative if the entry names the other body first, 0 if the bodies pass through each other.
     way : (entries + 1,) int64
@@ -113,17 +113,20 @@ class Pairs(NamedTuple):
     def of(cls, entries: Sequence[ContactEntry], bodies: Sequence[str]) -> Pairs:
         """Find the law of each pair; an entry for all applies to pairs that no other one names."""
         count = len(bodies)
-        entry = np.full((count, count), len(entries) + 1, np.int64)
+        # Small numbers, and no lists of all pairs: there may be thousands of bodies.
+        entry = np.full((count, count), len(entries) + 1, np.int16)
         number = {name: i for i, name in enumerate(bodies)}
         for i, each in enumerate(entries, 1):
             if each.bodies == "all":
-                entry[np.triu_indices(count, 1)] = i
+                for a in range(count):
+                    entry[a, a + 1 :] = i
         for i, each in enumerate(entries, 1):
             for first, second in each.pairs():
                 a, b = number[first], number[second]
                 entry[min(a, b), max(a, b)] = i if a < b else -i
         way = np.array([*(each.law.way for each in entries), TIED], np.int64)
-        entry[way[np.abs(entry) - 1] == IGNORE] = 0
+        for ignored in np.flatnonzero(way == IGNORE) + 1:
+            entry[np.abs(entry) == ignored] = 0
         kinds = [kind for kind in map(parameters_of, LAWS.values()) if kind]
         kind, parameters = np.zeros(len(way), np.int64), np.zeros((len(way), _width(kinds)))
         for i, each in enumerate(entries):
@@ -138,8 +141,10 @@ class Pairs(NamedTuple):
 
     def ties(self, count: int) -> bool:
         """Whether any of the first `count` bodies are tied."""
-        pairs = np.abs(self.entry[np.triu_indices(count, 1)])
-        return bool((self.way[pairs[pairs > 0] - 1] == TIED).any())
+        tied = np.flatnonzero(self.way == TIED) + 1
+        return any(
+            bool((np.abs(self.entry[a, a + 1 : count, None]) == tied).any()) for a in range(count)
+        )
 
 
 def parameters_of(law: type[ContactLaw]) -> type[NamedTuple] | None:

@@ -18,6 +18,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
 from pgimp.geometry.regions import Points
+from pgimp.geometry.sweep import close_pairs
 from pgimp.physics.contact.pairs import sharing
 from pgimp.scene.bodies.lattice_body import LEAST_FRACTION, LatticeBody
 from pgimp.scene.bodies.point_cloud import Cloud
@@ -139,28 +140,19 @@ class Lattice:
             raise CaseError(f"bodies.{self.names[body]}.region: {error}") from None
 
     def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
-        """Pairs of bodies that may share a cell, with that part of the lattice.
+        """Pairs of bodies whose boxes reach into the same cells, with that part of the lattice.
 
         `pgimp.scene.checks.overlap` checks particles from files.
         """
-        for a, first in enumerate(self.bodies):
-            for b in range(a + 1, len(self.bodies)):
-                if isinstance(first, Cloud) or isinstance(self.bodies[b], Cloud):
-                    continue
-                both = list(zip(first.box, self.bodies[b].box, strict=True))
-                low = [max(begin for begin, _ in pair) for pair in both]
-                high = [min(end for _, end in pair) for pair in both]
-                near = [begin - end for begin, end in zip(low, high, strict=True)]
-                if all(gap <= 2 * n for gap, n in zip(near, self.per_cell, strict=True)):
-                    ends = zip(low, high, strict=True)
-                    yield a, b, self._whole_cells([(min(pair), max(pair)) for pair in ends])
-
-    def _whole_cells(self, box: Ranges) -> Ranges:
-        """Part of the lattice widened to whole cells, and by a cell to each side."""
-        return [
-            (max((a // n - 1) * n, 0), min((-(-b // n) + 1) * n, len(x)))
-            for (a, b), n, x in zip(box, self.per_cell, self.coordinates, strict=True)
-        ]
+        on_lattice = [n for n, body in enumerate(self.bodies) if isinstance(body, LatticeBody)]
+        every = np.array([self.bodies[n].box for n in on_lattice]).reshape(-1, len(self.edges), 2)
+        low, high, n = every[..., 0], every[..., 1], np.array(self.per_cell)
+        for i, j in close_pairs(low, high, n).tolist():
+            begin = np.maximum(low[i], low[j]) // n * n
+            end = -(-np.minimum(high[i], high[j]) // n) * n
+            if (begin < end).all():
+                part = list(zip(begin.tolist(), end.tolist(), strict=True))
+                yield on_lattice[i], on_lattice[j], part
 
     def find_overlaps(
         self, planes: tuple[int, int]

@@ -6,8 +6,8 @@ are errors, such as the same file twice: bodies in contact may overlap a little.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import combinations, product
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -71,10 +71,25 @@ def overlaps(
     for a, cloud in enumerate(bodies):
         if isinstance(cloud, Cloud) and (found := _coincident(cloud, planes, _SAME * min(box))):
             yield (a, a), f"bodies.{names[a]}.region: {found}; leave all but one out of the file"
-    for a, b in combinations(range(len(bodies)), 2):
-        first, second = bodies[a], bodies[b]
-        if isinstance(first, LatticeBody) and isinstance(second, LatticeBody):
-            continue
+    clouds = [isinstance(each, Cloud) for each in bodies]
+    from_files = [b for b, cloud in enumerate(clouds) if cloud]
+    for a in range(len(bodies)):
+        others = range(a + 1, len(bodies)) if clouds[a] else (b for b in from_files if b > a)
+        yield from _overlaps_of(a, others, names, bodies, box, planes)
+
+
+def _overlaps_of(
+    a: int,
+    others: Iterable[int],
+    names: Sequence[str],
+    bodies: Sequence[LatticeBody | Cloud],
+    box: Sequence[float],
+    planes: tuple[int, int],
+) -> Iterator[tuple[tuple[int, int], str]]:
+    """As `overlaps`, of a body with others behind it, one of each pair from a file."""
+    first = bodies[a]
+    for b in others:
+        second = bodies[b]
         low, high = _common(first.region.bounds(), second.region.bounds())
         if (low > high + min(box)).any() or planes[0] >= planes[1]:
             continue

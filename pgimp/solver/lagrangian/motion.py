@@ -122,7 +122,7 @@ def enter_motion(rank: Rank, before: Grid) -> None:
     """Hand the motion over to the grid of a stage; collective.
 
     What the stage's conditions change of velocities is booked in its first step. Fields that become
-    one move at the mean of their momenta.
+    one move at the mean of their momenta. Vertices that removed bodies leave have no motion.
 
     Parameters
     ----------
@@ -149,6 +149,7 @@ def enter_motion(rank: Rank, before: Grid) -> None:
     else:
         _regroup(rank, bodies, before, was, now)
     keep_masses(rank)
+    now[now[..., KEPT_MASS] == 0.0] = 0.0  # a resumed run has no room for those far from others
 
 
 def _field(grid: Grid, body: int) -> int:

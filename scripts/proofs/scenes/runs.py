@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from proofs.jobs import differences
-from proofs.scenes import thread_ranks
+from proofs.scenes import anew, thread_ranks
 from proofs.scenes.thread_messages import DesertedError
 
 from pgimp.errors import CaseError, PgimpError
@@ -43,6 +43,7 @@ def prepare():
     And as long ones are: with looks at the energy, and steps that lengthen.
     """
     thread_ranks.prepare()
+    anew.prepare()
     from pgimp.physics.materials.registry import import_file
 
     import_file(str(SOFTENING))
@@ -98,15 +99,15 @@ def _anywhere(balance, counts, step):
     return [0, *(int(n) for n in least + extra), layers]
 
 
-def run(case, folder, ranks, resume=False, stop_at=None):
+def run(case, folder, ranks, resume=False, stop_at=None, anew=False):
     """Outcome of a run of a case file into a folder, or with `resume` from where it stopped.
 
-    After the step `stop_at` the last rank asks to stop.
+    After the step `stop_at` the last rank asks to stop. With `anew` contact keeps nothing.
     """
     import pgimp
 
     def task(comm):
-        comm.stop_at = stop_at
+        comm.stop_at, comm.anew = stop_at, anew
         return pgimp.run(case, comm, folder, resume=resume, overwrite=not resume, quiet=True)
 
     results = thread_ranks.together(ranks, task)
@@ -162,6 +163,12 @@ def compare(case, folder, rng, steps, ranks=(2, 3)):
             kinds = sorted({Path(each).parts[0] for each in wrong})
             failures.append((f"bits: {', '.join(kinds)}", f"{name}: {', '.join(wrong)}"))
 
+    if any(f'"{key}"' in case.read_text() for key in ("contact", "rigid", "separating")):
+        where = folder / "anew"
+        check(where, "with contact made anew in each step", run(case, where, 1, anew=True))
+        shutil.rmtree(where, ignore_errors=True)
+        if failures:
+            return outcome, failures
     for count in (*ranks, rng.randint(5, 9)):
         where, other = folder / f"{count}", rng.choice((1, 2, 3, 4, rng.randint(5, 9)))
         stop = rng.randint(1, steps) if rng.random() < 0.6 else None

@@ -5,6 +5,8 @@ import pytest
 from point_files import write_csv
 from scenes import box, energy, field, finish, scene, start, wall
 
+import pgimp
+from pgimp.mpi.comm import Serial
 from pgimp.solver.lagrangian.motion import begin_motion
 
 pytestmark = pytest.mark.slow(120)
@@ -171,6 +173,25 @@ def test_stages_book_what_they_change(shape, edge, first):
     ]  # fmt: skip
     names = ("constraint.grip", *(f"reaction.{face}" for face in ("x-min", "y-min", "y-max")))
     assert gains(start(case), *names) < 1e-12
+
+
+def test_a_run_resumes_after_a_body_has_been_removed_far_from_the_others(tmp_path):
+    """Its vertices, which are no longer stored, have no motion in the checkpoint."""
+    bodies = {
+        "stays": initial(box([1.0, 1.0], [3.0, 3.0], [0.1, 0.2])),
+        "goes": initial(box([5.0, 9.0], [7.0, 11.0], [0.3, 0.0])),
+    }
+    case = scene(2, bodies, cells=[8, 12], end=0.1, step=0.01)
+    case["time"]["stages"] = [{"name": "gone", "end": 0.2, "remove": ["goes"]}]
+    case |= {"checkpoint": {"every": {"steps": 4}, "keep": 2}, "history": {"every": {"steps": 1}}}
+    whole = pgimp.run(case, Serial(), tmp_path / "run", quiet=True)
+    lines = (whole.path / "history.csv").read_bytes()
+    *_, last = sorted((whole.path / "checkpoints").iterdir())
+    last.unlink()
+    info = whole.path / "run.json"
+    info.write_text(info.read_text().replace('"state": "done"', '"state": "running"'))
+    pgimp.run(case, Serial(), tmp_path / "run", resume=True, quiet=True)
+    assert (whole.path / "history.csv").read_bytes() == lines
 
 
 @pytest.mark.parametrize("kind", ["slip", "fixed", "separating"])

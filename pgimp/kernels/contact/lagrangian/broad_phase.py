@@ -29,6 +29,10 @@ class Regions(NamedTuple):
         Number of the region's first block.
     marks : (blocks,) uint8
         Groups in or near a block, see `MARKS`; the last direction innermost.
+    start : (groups + 1,) int64
+        First item of each group in `of_group`.
+    of_group : (k,) int64
+        The regions of each group.
     """
 
     ends: FloatArray
@@ -37,6 +41,8 @@ class Regions(NamedTuple):
     size: IntArray
     first: IntArray
     marks: NDArray
+    start: IntArray
+    of_group: IntArray
 
 
 @kernel
@@ -68,12 +74,58 @@ def mark_blocks(frame, particles, rows, groups, regions):
     """Mark the blocks that contain particles; `groups` has the group of each body."""
     for p in rows:
         group = groups[particles.body[p]]
-        for r in range(len(regions.ends)):
-            for end in range(2):
-                if regions.groups[r, end] == group:
-                    block = _block_of(frame, particles, p, regions, r)
-                    if block >= 0:
-                        regions.marks[regions.first[r] + block] |= MARKS[end]
+        for n in range(regions.start[group], regions.start[group + 1]):
+            r = regions.of_group[n]
+            if regions.groups[r, 0] < 0:
+                continue
+            block = _block_of(frame, particles, p, regions, r)
+            if block >= 0:
+                end = 0 if regions.groups[r, 0] == group else 1
+                regions.marks[regions.first[r] + block] |= MARKS[end]
+
+
+@kernel
+def widen_marks(regions, counts, line):
+    """Mark blocks up to a number before or behind marked ones, along each direction in turn.
+
+    Parameters
+    ----------
+    regions : Regions
+    counts : (n, D) int64
+        That number, for the regions with blocks.
+    line : (blocks of the longest line,) uint8
+        Scratch.
+    """
+    D = counts.shape[1]
+    for r in range(len(counts)):
+        whole, stride = 1, 1
+        for d in range(D):
+            whole *= regions.blocks[r, d]
+        for axis in range(D - 1, -1, -1):
+            length = regions.blocks[r, axis]
+            for begin in range(whole):
+                if (begin // stride) % length == 0:
+                    first = regions.first[r] + begin
+                    _widen_line(regions.marks, first, stride, length, counts[r, axis], line)
+            stride *= length
+
+
+@inner_kernel
+def _widen_line(marks, first, stride, length, count, line):
+    """Mark blocks along one line."""
+    for i in range(length):
+        line[i] = marks[first + i * stride]
+    for mark in MARKS:
+        last = -count - 1
+        for i in range(length):
+            last = i if line[i] & mark else last
+            if i - last <= count:
+                marks[first + i * stride] |= mark
+        last = length + count
+        for i in range(length - 1, -1, -1):
+            last = i if line[i] & mark else last
+            if last - i <= count:
+                marks[first + i * stride] |= mark
 
 
 @kernel
@@ -99,10 +151,9 @@ def find_near(frame, particles, rows, groups, regions, near):
     found = 0
     for i in range(len(rows)):
         group = groups[particles.body[rows[i]]]
-        for r in range(len(regions.ends)):
-            one, other = regions.groups[r]
-            if one >= 0 and group != one and group != other:
-                continue
+        for n in range(regions.start[group], regions.start[group + 1]):
+            r = regions.of_group[n]
+            one = regions.groups[r, 0]
             block = _block_of(frame, particles, rows[i], regions, r)
             if block < 0:
                 continue

@@ -4,7 +4,7 @@ Contact needs a least filled part of both bodies, see `pgimp.kernels.contact.gap
 reach it within the slack, the sums of all particles there would be for nothing.
 """
 
-from math import inf
+from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.gap import LEAST_FILLED, LEAST_HELD
@@ -43,6 +43,27 @@ def _weight(frame, row, motion, slack, number, d):
     return _greatest_weight(max(away - slack, 0.0), row.half_width[d], row.cut)
 
 
+@inner_kernel
+def _greatest_growth(frame, motion, slack):
+    """Greatest ratio by which a particle's volume may grow until the next selection.
+
+    Gradients of weights add up to at most 2 over the cell, so F changes by dF, |dF_ij| <= 2 slack
+    cell_i / cell_j. A determinant is at most the product of its rows' lengths (Hadamard), here of
+    det(1 + dF F^-1): a particle that is compressed may grow by more.
+    """
+    growth, D = 1.0, len(frame.cell)
+    for i in range(D):
+        square = 0.0
+        for k in range(D):
+            most = 1.0 if k == i else 0.0
+            for j in range(D):
+                change = 2.0 * slack * frame.cell[i] * frame.inverse[j]
+                most += change * abs(motion.inverse_F[j, k])
+            square += most * most
+        growth *= sqrt(square)
+    return growth
+
+
 @kernel
 def bound_filled(frame, table, motion, slack, vertices, patches, most):
     """Find the greatest volume of each entry of patches until the next selection.
@@ -55,10 +76,8 @@ def bound_filled(frame, table, motion, slack, vertices, patches, most):
     most : (entries,) float64
         Set here.
     """
-    entry, begin, extent, growth = patches.entry, patches.begin, patches.extent, 1.0
+    entry, begin, extent = patches.entry, patches.begin, patches.extent
     most[:] = 0.0
-    for _ in range(len(frame.cell)):
-        growth *= 1.0 + 2.0 * slack
     for i in range(len(table)):
         p = patches.patch[i]
         if not patches.some[p]:
@@ -67,8 +86,9 @@ def bound_filled(frame, table, motion, slack, vertices, patches, most):
         x0, x1 = reached_range(frame, row, at, slack, vertices, 0)
         y0, y1 = reached_range(frame, row, at, slack, vertices, 1)
         z0, z1 = reached_range(frame, row, at, slack, vertices, 2)
+        greatest = at.volume * _greatest_growth(frame, at, slack)
         for x in range(x0, x1 + 1):
-            wx = growth * at.volume * _weight(frame, row, at, slack, x, 0)
+            wx = greatest * _weight(frame, row, at, slack, x, 0)
             for y in range(y0, y1 + 1):
                 wy = wx * _weight(frame, row, at, slack, y, 1)
                 o = ((x - begin[p, 0]) * extent[p, 1] + y - begin[p, 1]) * extent[p, 2]
@@ -153,7 +173,7 @@ def keep_possible(frame, obstacles, slack, acts, entries, contact_vertices, kept
         All walls at rest; boxes and rigid bodies as in `find_candidates`.
     slack : float
         Cells by which rigid bodies may move.
-    acts : (groups, groups + rigid bodies) int64
+    acts : (groups, groups + rigid bodies) int8
         How groups act on each other and on rigid bodies: `NEVER`, `WHERE_FILLED`, `ANYWHERE`.
     entries : ((m,) float64, (m,) int64)
         Greatest volume of each entry, changed to the filled part, and its group.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pgimp.geometry.sweep import close_pairs
 from pgimp.kernels.contact.lagrangian.filled import ANYWHERE, NEVER, WHERE_FILLED
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
@@ -19,7 +20,7 @@ def with_walls(scene: Scene) -> Pairs:
     names = [*scene.body_names, *scene.interaction.rigid_bodies.names]
     pairs = scene.interaction.pairs or Pairs.of((), names)
     n, m, known = len(scene.body_names), len(names), len(pairs.way)
-    entry = np.zeros((m + len(letting),) * 2, np.int64)
+    entry = np.zeros((m + len(letting),) * 2, np.int16)
     entry[:m, :m] = pairs.entry
     entry[:n, m:] = known + 1 + np.arange(len(letting))
     given = [coefficients(getattr(face.condition, "friction", 0.0)) for face in letting]
@@ -57,60 +58,66 @@ def bonded(
     vertices have different fields, as few as possible. Bodies in the current configuration (not
     `lagrangian`) move over the grid: tied ones are one group, and each group has its own field.
 
-    `colour_bodies` colours single bodies, whose boxes move: it compares pairs without a matrix of
-    them, and finds the steps for which that holds. Groups keep their vertices and fields until the
-    next stage, and are no boxes: one may surround a body that it does not touch.
+    `colour_bodies` colours single bodies, whose boxes move, and finds the steps for which that
+    holds. Groups keep their vertices and fields until the next stage, and are no boxes: one may
+    surround a body that it does not touch.
     """
     n = len(low)
-    apart = np.full((n, n), -np.inf)
+    near = close_pairs(low, high, reach + 2e-6)
+    apart = np.full(len(near), -np.inf)
     for d in range(low.shape[1]):
-        np.maximum(apart, low[:, None, d] - high[None, :, d] - reach[d], out=apart)
-    touch = np.maximum(apart, apart.T) < 1e-6
+        for one, other in (near.T, near.T[::-1]):
+            np.maximum(apart, low[one, d] - high[other, d] - reach[d], out=apart)
+    near = near[apart < 1e-6]
     group = np.arange(n)
-    for a in range(n):
-        for b in range(a + 1, n):
-            entry = abs(int(pairs.entry[a, b]))
-            if not entry or pairs.way[entry - 1] != TIED or lagrangian[a] != lagrangian[b]:
-                continue
-            if touch[a, b] or not lagrangian[a]:
-                group[group == group[b]] = group[a]
-    touch &= np.logical_and.outer(lagrangian, lagrangian)
+    for a, b in _tied(pairs, near, lagrangian).tolist():
+        if group[a] != group[b]:
+            group[group == group[b]] = group[a]
     _, group = np.unique(group, return_inverse=True)
+    beside: list[list[int]] = [[] for _ in range(n)]
+    for a, b in near[lagrangian[near].all(axis=1)].tolist():
+        beside[a].append(b)
+        beside[b].append(a)
     fields = np.zeros(n, np.int64)
-    done: list[int] = []
-    for one in range(int(group.max()) + 1):
-        mine = group == one
-        taken = {
-            int(fields[b]) for b in np.flatnonzero(touch[mine].any(axis=0)) if group[b] in done
-        }
-        if lagrangian[mine].all():
-            fields[mine] = next(f for f in range(n + 1) if f not in taken)
-            done.append(one)
+    mine = np.split(np.argsort(group, kind="stable"), np.cumsum(np.bincount(group))[:-1])
+    done = np.zeros(len(mine), bool)
+    for one, members in enumerate(mine):
+        if not lagrangian[members].all():
+            continue
+        taken = {int(fields[b]) for a in members for b in beside[a] if done[group[b]]}
+        fields[members] = next(f for f in range(n + 1) if f not in taken)
+        done[one] = True
     for one in np.unique(group[~lagrangian]):
         fields[group == one] = fields.max() + 1
     return tuple(fields.tolist()), group.astype(np.int64)
 
 
-def acting(pairs: Pairs, groups: np.ndarray, bodies: int) -> set[tuple[int, int]]:
-    """Return the pairs of groups that act on each other."""
-    found = set()
-    for a in range(bodies):
-        for b in range(a + 1, bodies):
-            if pairs.entry[a, b] != 0 and groups[a] != groups[b]:
-                found.add((int(min(groups[a], groups[b])), int(max(groups[a], groups[b]))))
-    return found
+def _tied(pairs: Pairs, near: np.ndarray, lagrangian: np.ndarray) -> np.ndarray:
+    """Tied pairs of bodies of one configuration, ascending; of the initial one only `near` ones."""
+    n, tied = len(lagrangian), np.flatnonzero(pairs.way == TIED) + 1
+    found = [near[np.isin(np.abs(pairs.entry[near[:, 0], near[:, 1]]), tied)]]
+    found[0] = found[0][lagrangian[found[0]].all(axis=1)]
+    current = np.flatnonzero(~lagrangian)
+    for a in current.tolist():
+        others = current[current > a]
+        some = others[np.isin(np.abs(pairs.entry[a, others]), tied)]
+        found.append(np.stack([np.full(len(some), a), some], axis=1))
+    every = np.concatenate(found).reshape(-1, 2)
+    return every[np.lexsort(every.T[::-1])] if n else every
 
 
 def interactions(pairs: Pairs, groups: np.ndarray, rigid_bodies: int) -> np.ndarray:
-    """How groups act on each other and on rigid bodies, see `keep_possible`."""
-    count, n = 1 + int(groups.max()), len(groups)
-    acts = np.full((count, count + rigid_bodies), NEVER)
-    for a in range(n):
-        for b in range(n + rigid_bodies):
-            entry = abs(int(pairs.entry[a, b]))
-            if entry == 0 or a == b:
-                continue
-            way = WHERE_FILLED if pairs.way[entry - 1] == UNILATERAL else ANYWHERE
-            other = groups[b] if b < n else count + b - n
-            acts[groups[a], other] = max(acts[groups[a], other], way)
-    return acts
+    """How groups act on each other and on rigid bodies, int8; see `keep_possible`."""
+    n, last = len(groups), len(groups) + rigid_bodies
+    ways = np.where(pairs.way == UNILATERAL, WHERE_FILLED, ANYWHERE).astype(np.int8)
+    acts = np.concatenate([[NEVER], ways]).astype(np.int8)[np.abs(pairs.entry[:n, :last])]
+    own = np.triu(acts[:, :n], 1)
+    acts[:, :n] = np.maximum(own, own.T)
+    if not np.array_equal(groups, np.arange(n)):
+        order = np.argsort(groups, kind="stable")
+        first = np.searchsorted(groups[order], np.arange(1 + int(groups.max())))
+        acts = np.maximum.reduceat(acts[order], first, axis=0)
+        own = np.maximum.reduceat(acts[:, :n][:, order], first, axis=1)
+        np.fill_diagonal(own, NEVER)
+        acts = np.concatenate([own, acts[:, n:]], axis=1)
+    return np.ascontiguousarray(acts)

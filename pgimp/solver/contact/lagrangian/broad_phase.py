@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from pgimp.decomposition.population import Population
+from pgimp.geometry.sweep import close_pairs
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
@@ -15,14 +14,16 @@ from pgimp.kernels.contact.lagrangian.broad_phase import (
     find_near,
     greatest_speed,
     mark_blocks,
+    widen_marks,
 )
+from pgimp.kernels.contact.lagrangian.filled import NEVER
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.lagrangian.bonds import acting
+from pgimp.solver.contact.lagrangian.bonds import interactions
 from pgimp.solver.contact.lagrangian.messages import gathered, greatest, united
 from pgimp.solver.time.clock import Step
 
@@ -53,6 +54,8 @@ def no_regions(D: int) -> Regions:
         none,
         none,
         marks,
+        np.zeros(2, np.int64),
+        none,
     )
 
 
@@ -88,6 +91,7 @@ class BroadPhase:
         self.any, self.travel = False, 0.0
         self.call = Bound()
         self._pause = 0
+        self._acting: tuple[np.ndarray, np.ndarray] | None = None
         self._regions = no_regions(scene.dimension)
 
     def restart(self) -> None:
@@ -153,43 +157,50 @@ class BroadPhase:
         self.travel = travel = speed * t.dt
         self._pause = max(1, min(LONGEST, int(0.4 * MARGIN / travel))) if travel > 0.0 else LONGEST
         away = reach(scene, scene.settings.follows) + MARGIN
-        ends: list[Any] = []
-        meeting: list[tuple[int, int]] = []
-        for a, b in sorted(acting(self.pairs, groups, len(groups))):
-            first = np.maximum(low[a], low[b]) - 2.0 * away
-            last = np.minimum(high[a], high[b]) + 2.0 * away
-            if (first <= last).all():
-                ends.append((first, last))
-                meeting.append((a, b))
+        pairs = self._meeting(low, high, groups, 4.0 * away)
+        first = np.maximum(low[pairs[:, 0]], low[pairs[:, 1]]) - 2.0 * away
+        last = np.minimum(high[pairs[:, 0]], high[pairs[:, 1]]) + 2.0 * away
+        meet = (first <= last).all(axis=1)
+        ends = [*np.stack([first[meet], last[meet]], axis=1)]
         for row in rigid_bodies.lattice if rigid_bodies else ():
             first, last = row["least"][:D] - away, row["most"][:D] + away
-            ends.append((first - frame.ghost, last - frame.ghost))
+            ends.append(np.array((first - frame.ghost, last - frame.ghost)))
         for axis, side, end, *_ in self.walls.planes.tolist():
             lattice = np.full((2, D), [[-np.inf], [np.inf]])
             lattice[int(side < 0), axis] = end - frame.ghost - side * (1.0 + away[axis])
             ends.append(lattice)
         boxes = np.array(ends).reshape(-1, 2, D)
-        self._regions = self._marked(population, groups, boxes, meeting)
+        self._regions = self._marked(population, groups, boxes, pairs[meet])
+
+    def _meeting(
+        self, low: np.ndarray, high: np.ndarray, groups: np.ndarray, wide: np.ndarray
+    ) -> np.ndarray:
+        """Pairs of groups that act on each other and may be within a distance, (n, 2) int64."""
+        if self._acting is None or self._acting[0] is not groups:
+            self._acting = groups, interactions(self.pairs, groups, 0)
+        pairs = close_pairs(low, high, wide)
+        return pairs[self._acting[1][pairs[:, 0], pairs[:, 1]] != NEVER]
 
     def _marked(
-        self, population: Population, groups: np.ndarray, ends: np.ndarray, meeting: Any
+        self, population: Population, groups: np.ndarray, ends: np.ndarray, meeting: np.ndarray
     ) -> Regions:
         """Regions with marks near either of their two groups; collective."""
-        count, n = len(ends), len(meeting)
-        blocks, size = np.ones((count, self.scene.dimension), np.int64), np.zeros(count, np.int64)
-        for r in range(n):
-            size[r] = 1
-            while True:
-                blocks[r] = np.ceil((ends[r, 1] - ends[r, 0]) / size[r])
-                if blocks[r].prod() <= BLOCKS:
-                    break
-                size[r] *= 2
+        count, n, D = len(ends), len(meeting), self.scene.dimension
+        blocks, size = np.ones((count, D), np.int64), np.zeros(count, np.int64)
+        size[:n] = 1
+        left = np.arange(n)
+        while len(left):
+            wide = np.ceil((ends[left, 1] - ends[left, 0]) / size[left, None])
+            blocks[left] = wide
+            left = left[wide.prod(axis=1) > BLOCKS]
+            size[left] *= 2
         first = np.concatenate([[0], np.cumsum(blocks[:n].prod(axis=1))])
         pairs = np.full((count, 2), -1, np.int64)
-        pairs[:n] = np.array(meeting, np.int64).reshape(-1, 2)
+        pairs[:n] = meeting
         marks = np.zeros(first[-1], np.uint8)
         places = np.concatenate([first[:-1], np.zeros(count - n, np.int64)])
-        regions = Regions(ends, pairs, blocks, size, places, marks)
+        listed = _by_group(pairs, n, 1 + int(groups.max()))
+        regions = Regions(ends, pairs, blocks, size, places, marks, *listed)
         if not needed(n):
             return regions
         order = population.order
@@ -198,10 +209,9 @@ class BroadPhase:
         )
         marks[:] = united(self.comm, marks)
         far = 2.0 * reach(self.scene, self.scene.settings.follows) + MARGIN
-        for r in range(n):
-            region = marks[first[r] : first[r + 1]].reshape(blocks[r])
-            for axis, distance in enumerate(far):
-                _widen(np.moveaxis(region, axis, 0), int(np.ceil(distance / size[r])))
+        counts = np.ceil(far / size[:n, None]).astype(np.int64)
+        line = np.empty(int(blocks[:n].max(initial=1)), np.uint8)
+        self.call(widen_marks, regions, counts, line)
         return regions
 
     def _select(self, population: Population, groups: np.ndarray) -> None:
@@ -222,9 +232,13 @@ class BroadPhase:
         self.any = greatest(self.comm, found) > 0
 
 
-def _widen(marks: np.ndarray, count: int) -> None:
-    """Mark blocks up to `count` before or behind marked ones, along the first axis."""
-    found = marks.copy()
-    for shift in range(1, min(count, len(marks) - 1) + 1):
-        marks[shift:] |= found[:-shift]
-        marks[:-shift] |= found[shift:]
+def _by_group(pairs: np.ndarray, meeting: int, groups: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where the regions of each group begin in a list, and the list.
+
+    The first regions are for two groups each, the others for any.
+    """
+    others = np.arange(meeting, len(pairs))
+    own = np.concatenate([pairs[:meeting].T.ravel(), np.repeat(np.arange(groups), len(others))])
+    regions = np.concatenate([np.tile(np.arange(meeting), 2), np.tile(others, groups)])
+    start = np.concatenate([[0], np.cumsum(np.bincount(own, minlength=groups))])
+    return start, regions[np.argsort(own, kind="stable")]

@@ -62,7 +62,7 @@ class Selector:
 
     Attributes
     ----------
-    acts : (groups, groups + rigid bodies) int64
+    acts : (groups, groups + rigid bodies) int8
         How groups act on each other and on rigid bodies.
     groups, fields : (bodies,) int64
         Groups of bonded bodies, and their velocity fields on the reference grid.
@@ -82,7 +82,7 @@ class Selector:
     ) -> None:
         self.scene, self.comm, self.call = scene, comm, Bound()
         self.acts, self._faces = (
-            np.zeros((1, 1 + len(scene.interaction.rigid_bodies)), np.int64),
+            np.zeros((1, 1 + len(scene.interaction.rigid_bodies)), np.int8),
             faces,
         )
         self._frame, self._plain = InitialFrame(*scene.domain.frame), plain(scene)
