@@ -66,6 +66,7 @@ def test_free_motion_falls_as_the_exponential(configuration):
     sim = finish(start(flight(configuration, {"mass": 0.7})))
     line = sim.diagnostics()
     assert line["momentum-x"] == pytest.approx(8.0 * np.exp(-0.7), rel=1e-12)
+    assert line["damped-momentum-x"] == pytest.approx(8.0 * -np.expm1(-0.7), rel=1e-12)
     first = 0.5 * 4.0 * 5.0
     assert line["kinetic-energy"] == pytest.approx(first * np.exp(-1.4), rel=1e-12)
     assert line["damped-energy"] == pytest.approx(first * -np.expm1(-1.4), rel=1e-12)
@@ -118,6 +119,8 @@ def test_kinetic_damping_takes_the_energy_of_a_peak_to_rounding():
         if taken:
             peaks += 1
             assert taken == pytest.approx(before["kinetic-energy"], rel=1e-10)
+            lost = line["damped-momentum-x"] - before["damped-momentum-x"]
+            assert lost == pytest.approx(before["momentum-x"], rel=1e-9)
         before = line
     assert 2 <= peaks <= 40
 

@@ -223,7 +223,7 @@ class Books:
             if (gained := float((own - own[0] + done).max()) / most) > RIGID:
                 text = f"{name} gains {gained:.3g} of its energy"
                 self.wrong.append(("books: free rigid body", text))
-        loads = ("boundaries", "constraints", "tractions", "gravity", "rigid_bodies")
+        loads = ("boundaries", "constraints", "tractions", "gravity", "rigid_bodies", "damping")
         held = any(getattr(case, load) for case in self.sim.cases for load in loads)
         if not held and self.D > 1 and len(self._lines) > 1:
             speed = math.sqrt(2.0 * energy.max() / self.mass)
