@@ -90,15 +90,18 @@ def _pairs_that_meet(case: Case, boxes: list[Box], times: np.ndarray, shared: np
     low, high = (np.array([getattr(box, end) for box in boxes]) for end in ("low", "high"))
     met: list[tuple[float, str]] = []
     for i, a in enumerate(boxes):
-        gap = np.maximum(low[i] - high[i + 1 :], low[i + 1 :] - high[i]) / cell
+        others = i + 1 + np.flatnonzero(shared[i, i + 1 :])
+        if len(others) == 0:
+            continue
+        gap = np.maximum(low[i] - high[others], low[others] - high[i]) / cell
         step = np.abs(np.diff(gap, axis=1, append=gap[:, -1:]))
         close = (gap - step < near).all(axis=2)
         apart = gap.max(axis=2)
         nearer = apart.min(axis=1) < apart[:, 0] - TOUCH
         later = close.any(axis=1) & nearer & (apart[:, 0] > TOUCH)
-        for j in np.flatnonzero(later & shared[i, i + 1 :]):
+        for j in np.flatnonzero(later):
             when = float(times[close[j].argmax()])
-            names = f"'{a.name}' and '{boxes[i + 1 + j].name}'"
+            names = f"'{a.name}' and '{boxes[others[j]].name}'"
             met.append((when, f"{names} (from t = {when:.2g} at the earliest)"))
     names = ", ".join(text for _, text in sorted(met)[:_NAMED])
     return names + (f" and {len(met) - _NAMED} more pairs" if len(met) > _NAMED else "")
