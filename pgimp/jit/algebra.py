@@ -157,19 +157,12 @@ def _skew(A):
     if len(A) == 1:
         return lambda A: (0.0,)
     if len(A) == 4:
-
-        def skew2(A):
-            xy = 0.5 * (A[1] - A[2])
-            return (0.0, xy, -xy, 0.0)
-
-        return skew2
+        return lambda A: (0.0, 0.5 * (A[1] - A[2]), -(0.5 * (A[1] - A[2])), 0.0)
     if len(A) == 5:
         return lambda A: (*skew(A[:4]), 0.0)
 
     def skew3(A):
-        xy = 0.5 * (A[1] - A[3])
-        xz = 0.5 * (A[2] - A[6])
-        yz = 0.5 * (A[5] - A[7])
+        xy, xz, yz = 0.5 * (A[1] - A[3]), 0.5 * (A[2] - A[6]), 0.5 * (A[5] - A[7])
         return (0.0, xy, xz, -xy, 0.0, yz, -xz, -yz, 0.0)
 
     return skew3
@@ -209,11 +202,8 @@ def _left_cauchy_green(F):
         )
     if len(F) == 5:
         return lambda F: (
-            F[0] * F[0] + F[1] * F[1],
-            F[2] * F[2] + F[3] * F[3],
-            F[4] * F[4],
-            F[0] * F[2] + F[1] * F[3],
-        )
+            *left_cauchy_green(F[:4])[:2], F[4] * F[4], left_cauchy_green(F[:4])[3],
+        )  # fmt: skip
     return lambda F: (
         F[0] * F[0] + F[1] * F[1] + F[2] * F[2],
         F[3] * F[3] + F[4] * F[4] + F[5] * F[5],
@@ -274,10 +264,8 @@ def _rotate(Q, S):
     if len(S) == 4:
 
         def rotate2(Q, S):
-            a = Q[0] * S[0] + Q[1] * S[3]
-            b = Q[0] * S[3] + Q[1] * S[1]
-            c = Q[2] * S[0] + Q[3] * S[3]
-            d = Q[2] * S[3] + Q[3] * S[1]
+            a, b = Q[0] * S[0] + Q[1] * S[3], Q[0] * S[3] + Q[1] * S[1]
+            c, d = Q[2] * S[0] + Q[3] * S[3], Q[2] * S[3] + Q[3] * S[1]
             return (a * Q[0] + b * Q[1], c * Q[2] + d * Q[3], S[2], a * Q[2] + b * Q[3])
 
         return rotate2
