@@ -140,6 +140,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         'title: ""\n'
         "units: none\n"
         "dimensions: 1\n"
+        "geometry: plane-strain\n"
         "grid: {origin: [0.0], size: [54.0], cell: [1.0]}\n"
         "method:\n"
         "  shape: gimp\n"

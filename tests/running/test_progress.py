@@ -81,7 +81,7 @@ def test_timing_table_of_several_ranks_tells_the_imbalance():
 def test_plain_progress_lines_grow_rare(monkeypatch, capsys):
     clock = SimpleNamespace(now=0.0)
     monkeypatch.setattr(progress, "perf_counter", lambda: clock.now)
-    sim = SimpleNamespace(time=0.0, step=0, dt=1e-4, known_count=1000)
+    sim = SimpleNamespace(time=0.0, step=0, dt=1e-4, known_count=1000, settling=False)
     sim.balance = SimpleNamespace(imbalance=None)
     bar = Progress(Log(speaks=True), sim, 100.0, 0)
     lines, looks = [], 0
@@ -105,7 +105,7 @@ def test_the_progress_line_tells_the_present_load(monkeypatch, capsys):
     clock = SimpleNamespace(now=0.0)
     monkeypatch.setattr(progress, "perf_counter", lambda: clock.now)
     load = SimpleNamespace(imbalance=0.042)
-    sim = SimpleNamespace(time=0.0, step=0, dt=1e-4, known_count=1000, balance=load)
+    sim = SimpleNamespace(time=0.0, step=0, dt=1e-4, known_count=1000, balance=load, settling=False)
     bar = Progress(Log(speaks=True), sim, 100.0, 0)
     for step in range(1, 60):
         sim.step, sim.time, clock.now = step, step * 1e-4, float(step)

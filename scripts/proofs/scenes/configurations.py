@@ -1,4 +1,7 @@
-"""The initial configuration, of all bodies of a random scene or of some."""
+"""The initial configuration of bodies of a random scene; axisymmetric scenes.
+
+There x is the radius; what cannot be on an axis is taken out at the end.
+"""
 
 from proofs.scenes.bodies import number
 from proofs.scenes.materials import runs
@@ -62,3 +65,75 @@ def both(rng, scene):
         _without_hourglass(scene)
     if len(case["bodies"]) > 1 and (laws or rng.random() < 0.8):
         case["contact"] = laws or [{"bodies": "all", "friction": number(rng, 0.0, 0.5)}]
+
+
+#: Shapes that have weights of rings.
+RING_SHAPES = ("gimp", "finite-gimp", "cpdi", "mpm")
+
+
+def rings(rng, scene):
+    """A scene of rings, from the axis on or some cells away."""
+    method = scene.case["method"]
+    if scene.dimension != 2 or method["shape"] not in RING_SHAPES:
+        return False
+    scene.case["geometry"] = "axisymmetric"
+    away = 0.0 if rng.random() < 0.6 else number(rng, 1.0, 20.0) * scene.cell[0]
+    scene.case["grid"]["origin"][0] = away
+    return True
+
+
+def _along(value):
+    """A vector, or one over time, without its component along the radius."""
+    if isinstance(value, dict):
+        return {"table": [[time, [0.0, row[1]]] for time, row in value["table"]]}
+    return None if value is None else [0.0, value[1]]
+
+
+def _flowing(entry):
+    """Whether an entry of a material flows."""
+    from pgimp.physics.materials import MATERIALS
+
+    law = MATERIALS.get(entry["model"])  # of one's own there is none
+    return law is not None and law.model_validate(entry).flow_speed > 0.0
+
+
+def along_the_axis(rng, scene):
+    """In scenes of rings bodies and gravity move along the axis alone; what flows is a solid."""
+    case = scene.case
+    if case.get("geometry") != "axisymmetric":
+        return
+    solid = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3}
+    for name, entry in case["materials"].items():
+        if _flowing(entry):
+            case["materials"][name] = solid | {"density": entry["density"]}
+    for part in (case, *case["time"].get("stages", ())):
+        if "gravity" in part:
+            part["gravity"] = _along(part["gravity"])
+        for key in ("boundaries", "escape"):
+            if case["grid"]["origin"][0] == 0.0:
+                part.get(key, {}).pop("x-min", None)
+    for name, body in list(case["bodies"].items()):
+        if "density" in body.get("rigid", {}):
+            del case["bodies"][name]
+        elif "rigid" in body:
+            body["rigid"] = {
+                key: _along(v) for key, v in body["rigid"].items() if key == "velocity"
+            }
+        else:
+            velocity = body.get("velocity")
+            if isinstance(velocity, dict):
+                velocity = velocity.get("translation")
+            body["velocity"] = _along(velocity) or [0.0, 0.0]
+    _alone(case)
+
+
+def _alone(case):
+    """Bodies in the initial configuration remain so if they meet nothing; all do or none."""
+    walls = case["boundaries"].values()
+    meets = "contact" in case or case["method"].get("volumetric") == "mean" or any(
+        kind == "separating" or "separating" in kind for kind in walls
+    )  # fmt: skip
+    kinds = {body.get("configuration") for body in case["bodies"].values()}
+    if meets or kinds != {"initial"}:
+        for body in case["bodies"].values():
+            body.pop("configuration", None)

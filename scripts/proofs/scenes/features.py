@@ -16,12 +16,11 @@ import random
 from typing import NamedTuple
 
 from proofs.scenes.bodies import add_bodies, number, vector
-from proofs.scenes.configurations import both, initial
+from proofs.scenes.configurations import along_the_axis, both, initial, rings
 from proofs.scenes.contact import contact, free, rigid_bodies
 from proofs.scenes.loads import components, constraint, damping, gravity, traction
 from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
 from proofs.scenes.output import checkpoints, frames, grid_frames, history, probes, small_files
-from proofs.scenes.rings import along_the_axis, rings
 from proofs.scenes.stages import stages
 
 SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
