@@ -177,9 +177,11 @@ def _line_of(G, buffer, d, i, offset, step, like, most):
         v = _numbers(G, offset + VELOCITY, like)
         a = _numbers(G, offset + ACCELERATION, like)
         return (
-            plus_scaled(w, v, U), plus_scaled(w, a, A), (plus_scaled(g, v, D[0]),),
+            plus_scaled(w, v, U),
+            plus_scaled(w, a, A),
+            (plus_scaled(g, v, D[0]),),
             w * G[offset + HELD] + held,
-        )  # fmt: skip
+        )
 
     return last if len(most) == 1 else more
 

@@ -240,10 +240,12 @@ class LagrangianContact(NoContact):
         capacity = 64 * rows + len(selection.start.local)
         while True:
             coupling = Coupling(
-                np.empty(rows + 1, np.int64), np.empty(capacity, np.int64),
-                np.empty((capacity, 4 if len(mirrors) else 1)), np.empty((rows, 3)),
+                np.empty(rows + 1, np.int64),
+                np.empty(capacity, np.int64),
+                np.empty((capacity, 4 if len(mirrors) else 1)),
+                np.empty((rows, 3)),
                 np.zeros((rows, len(mirrors), 3)),
-            )  # fmt: skip
+            )
             entries = call(
                 find_coupling, self.scene.domain.frame, (selection.table, near.motion),
                 (selection.start, selection.numbers), mirrors, slots[:rows], contact_vertices,
