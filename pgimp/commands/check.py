@@ -14,7 +14,7 @@ from pgimp.case.schema import Case
 from pgimp.jit.compiled.cache import announced
 from pgimp.mpi.comm import say
 from pgimp.running import forecast
-from pgimp.scene.checks import nearness, overstress
+from pgimp.scene.checks import nearness, overstress, series
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.later_constraints import idle_warnings
 from pgimp.scene.checks.locking import locking, stripes
@@ -126,6 +126,7 @@ def report(case: Case, verbose: bool = False) -> None:
         motion_warnings(known.scenes),
         nearness.bonded(scene, known.lattice, known.counts),
         nearness.warnings(case),
+        series.warnings(whole),
         forecast.warnings(whole, steps),
     )
     for text in dict.fromkeys(every):

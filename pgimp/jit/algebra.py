@@ -201,9 +201,7 @@ def _left_cauchy_green(F):
             F[0] * F[2] + F[1] * F[3],
         )
     if len(F) == 5:
-        return lambda F: (
-            *left_cauchy_green(F[:4])[:2], F[4] * F[4], left_cauchy_green(F[:4])[3],
-        )  # fmt: skip
+        return lambda F: (*left_cauchy_green(F[:4])[:2], F[4] * F[4], left_cauchy_green(F[:4])[3])
     return lambda F: (
         F[0] * F[0] + F[1] * F[1] + F[2] * F[2],
         F[3] * F[3] + F[4] * F[4] + F[5] * F[5],

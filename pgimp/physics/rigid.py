@@ -9,10 +9,11 @@ from pydantic import Field, model_validator
 
 from pgimp.geometry.regions import RegionEntry
 from pgimp.physics.loads.motion import RigidMotion
-from pgimp.schema.base import Model, Number, Positive, Vector
+from pgimp.schema.base import Model, Positive, Vector
 from pgimp.schema.dispatch import Either, WithKey
 from pgimp.schema.problems import Problem, raise_problems
-from pgimp.schema.tables import Table, VaryingVector, VectorTable
+from pgimp.schema.tables import Varying, VaryingVector, VectorFunction
+from pgimp.schema.time_functions import TimeFunction
 
 Triple = tuple[float, float, float]
 
@@ -24,10 +25,9 @@ class Turning(Model):
     axis: Vector = Field(
         default=(0.0, 0.0, 1.0), description="direction of the axis, of any length; z in 2D"
     )
-    rate: Annotated[
-        float | Table,
-        Either("a number or {table: [[time, value], ...]}", {float: Number, dict: Table}),
-    ] = Field(description="angular velocity, counter-clockwise about the axis positive [1/time]")
+    rate: Varying = Field(
+        description="angular velocity, counter-clockwise about the axis positive [1/time]"
+    )
 
     @model_validator(mode="after")
     def _check_axis(self) -> Turning:
@@ -38,7 +38,7 @@ class Turning(Model):
 
     def angle(self, t: float) -> float:
         """Return the angle of rotation from time 0 to `t`."""
-        return self.rate.integral(t) if isinstance(self.rate, Table) else self.rate * t
+        return self.rate.integral(t) if isinstance(self.rate, TimeFunction) else self.rate * t
 
 
 class Pose(NamedTuple):
@@ -75,7 +75,7 @@ class Motion(Model):
         """Return the displacement of the reference point from time 0 to `t`."""
         if self.velocity is None:
             return (0.0, 0.0, 0.0)
-        if isinstance(self.velocity, VectorTable):
+        if isinstance(self.velocity, VectorFunction):
             shift = self.velocity.integral(t)
         else:
             shift = tuple(v * t for v in self.velocity)
@@ -112,7 +112,7 @@ class Motion(Model):
     def velocities(self, t: float) -> tuple[Triple, Triple]:
         """Return the velocity of the reference point and the angular velocity at time `t`."""
         velocity: tuple[float, ...] = ()
-        if isinstance(self.velocity, VectorTable):
+        if isinstance(self.velocity, VectorFunction):
             velocity = self.velocity.value(t)
         elif self.velocity is not None:
             velocity = self.velocity
@@ -120,7 +120,7 @@ class Motion(Model):
         rate = 0.0
         if self.rotation:
             turns = self.rotation.rate
-            rate = turns.value(t) if isinstance(turns, Table) else turns
+            rate = turns.value(t) if isinstance(turns, TimeFunction) else turns
         u, v, w = (rate * n for n in self.axis)
         return (x, y, z), (u, v, w)
 
@@ -128,9 +128,9 @@ class Motion(Model):
         """Return the greatest velocity of the reference point, and angular velocity."""
         velocity, rate = self.velocity, self.rotation.rate if self.rotation else 0.0
         values = [velocity or ()]
-        if isinstance(velocity, VectorTable):
-            values = [value for _, value in velocity.table]
-        rates = [value for _, value in rate.table] if isinstance(rate, Table) else [rate]
+        if isinstance(velocity, VectorFunction):
+            values = [value for _, value in velocity.rows]
+        rates = [value for _, value in rate.rows] if isinstance(rate, TimeFunction) else [rate]
         return max(hypot(*value) for value in values), max(map(abs, rates))
 
 

@@ -23,7 +23,7 @@ from pgimp.scene.faces import (
     walls_approached,
 )
 from pgimp.scene.settings import Settings
-from pgimp.schema.tables import VectorTable
+from pgimp.schema.tables import VectorFunction
 
 
 class Domain:
@@ -121,13 +121,13 @@ class Domain:
 
     def gravity(self, t: float) -> tuple[float, float, float]:
         """Gravity at a time, force per mass; zero in directions that the scene does not have."""
-        return self._gravity_at(t) if isinstance(self._pull, VectorTable) else self._gravity
+        return self._gravity_at(t) if isinstance(self._pull, VectorFunction) else self._gravity
 
     def _gravity_at(self, t: float) -> tuple[float, float, float]:
         b = self._pull
         if b is None:
             return (0.0, 0.0, 0.0)
-        value = b.value(t) if isinstance(b, VectorTable) else b
+        value = b.value(t) if isinstance(b, VectorFunction) else b
         x, y, z = (*(float(c) for c in value), 0.0, 0.0)[:3]
         return (x, y, z)
 
@@ -147,7 +147,7 @@ class Domain:
         found = self._walls
         if found is None:
             found = walls(self.faces, self.frame, end)
-        elif not isinstance(self._pull, VectorTable):
+        elif not isinstance(self._pull, VectorFunction):
             return found
         found[:, GRAVITY] = np.repeat(self.gravity(start), 2)
         return found

@@ -148,9 +148,12 @@ class Variations:
         distinct, which = np.unique(values, axis=0, return_inverse=True)
         which, make, pack = which.reshape(-1), entry.maker(), layout.packer()
         found = ParticleParameters(
-            np.zeros((len(distinct), self.width)), np.empty(len(distinct)), np.empty(len(distinct)),
-            np.zeros((len(distinct), self._states)), distinct,
-        )  # fmt: skip
+            np.zeros((len(distinct), self.width)),
+            np.empty(len(distinct)),
+            np.empty(len(distinct)),
+            np.zeros((len(distinct), self._states)),
+            distinct,
+        )
         for i, row in enumerate(distinct.tolist()):
             try:
                 one: Any = make(dict(zip(layout.paths, row, strict=True)))

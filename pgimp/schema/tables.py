@@ -1,91 +1,47 @@
-"""Values from a table over time: linear between rows, constant beyond both ends.
-
-Plain Python arithmetic on float64, one order of operations: the same bits on every rank.
-"""
+"""Vectors and prescribed velocities over time, of numbers in `pgimp.schema.time_functions`."""
 
 from __future__ import annotations
 
-import math
-from bisect import bisect_right
-from collections.abc import Sequence
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
 from functools import cached_property
-from itertools import accumulate, pairwise
-from typing import Annotated, TypeVar
+from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field, GetJsonSchemaHandler, TypeAdapter, model_serializer, model_validator
 
 from pgimp.schema.base import Model, Number, Vector
-from pgimp.schema.dispatch import Either
-from pgimp.schema.problems import Problem, raise_problems
-
-V = TypeVar("V")
-
-
-def _neighbours(rows: Sequence[tuple[float, V]], t: float) -> tuple[tuple[float, V], ...]:
-    """Return the rows before and after `t`, the same row twice beyond the ends."""
-    after = bisect_right(rows, t, key=lambda row: row[0])
-    return rows[max(after - 1, 0)], rows[min(after, len(rows) - 1)]
-
-
-def _between(t: float, t0: float, t1: float, v0: float, v1: float) -> float:
-    if t0 == t1:
-        return v0
-    return v0 + (v1 - v0) / (t1 - t0) * (t - t0)
+from pgimp.schema.dispatch import Dispatch, Either, plain
+from pgimp.schema.problems import raise_problems
+from pgimp.schema.sizes import Problems, length
+from pgimp.schema.time_functions import (
+    ALLOWED,
+    OVER_TIME,
+    Table,
+    TimeFunction,
+    between,
+    neighbours,
+    row_problems,
+)
 
 
-def _row_problems(rows: Sequence[tuple[float, tuple[float, ...]]]) -> list[Problem]:
-    """Return problems between rows: times that do not increase, overflow between values."""
-    problems = []
-    for i in range(1, len(rows)):
-        (t0, v0), (t1, v1) = rows[i - 1], rows[i]
-        if t1 <= t0:
-            text = f"the times of a table must increase, but {t1!r} follows {t0!r}"
-            problems.append(Problem(("table", i, 0), text))
-        elif len(v0) != len(v1):
-            text = f"expected {len(v0)} values as in the row before, got {len(v1)}"
-            problems.append(Problem(("table", i, 1), text))
-        elif not all(
-            math.isfinite(_between(t1, t0, t1, a, b)) for a, b in zip(v0, v1, strict=True)
-        ):
-            text = "the change from the row before is too large for a float64"
-            problems.append(Problem(("table", i), text))
-    return problems
+class VectorFunction(Model):
+    """A vector over time, held at both ends."""
+
+    @abstractmethod
+    def value(self, t: float) -> tuple[float, ...]:
+        """Return the value at time `t`, shape (D,)."""
+
+    @abstractmethod
+    def integral(self, t: float) -> tuple[float, ...]:
+        """Return the integral of the value from time 0 to `t`, shape (D,)."""
+
+    @property
+    @abstractmethod
+    def rows(self) -> Sequence[tuple[float, tuple[float, ...]]]:
+        """Instants with the values there, see `TimeFunction.rows`."""
 
 
-class Table(Model):
-    """A number over time: linear between the rows, held at both ends."""
-
-    table: tuple[tuple[Number, Number], ...] = Field(
-        min_length=1, description="rows [time, value], the times strictly increasing"
-    )
-
-    @model_validator(mode="after")
-    def _check_rows(self) -> Table:
-        raise_problems("Table", _row_problems([(t, (v,)) for t, v in self.table]))
-        return self
-
-    def value(self, t: float) -> float:
-        """Return the value at time `t`."""
-        (t0, v0), (t1, v1) = _neighbours(self.table, t)
-        return _between(t, t0, t1, v0, v1)
-
-    @cached_property
-    def _integrals(self) -> tuple[float, ...]:
-        """Integrals of the value from the first row to each row."""
-        pieces = ((t1 - t0) * (0.5 * v0 + 0.5 * v1) for (t0, v0), (t1, v1) in pairwise(self.table))
-        return tuple(accumulate(pieces, initial=0.0))
-
-    def _from_first_row(self, t: float) -> float:
-        row = max(bisect_right(self.table, t, key=lambda row: row[0]) - 1, 0)
-        start, value = self.table[row]
-        return self._integrals[row] + (t - start) * (0.5 * value + 0.5 * self.value(t))
-
-    def integral(self, t: float) -> float:
-        """Return the integral of the value from time 0 to `t`."""
-        return self._from_first_row(t) - self._from_first_row(0.0)
-
-
-class VectorTable(Model):
+class VectorTable(VectorFunction):
     """A vector over time: linear between the rows, held at both ends."""
 
     table: tuple[tuple[Number, Vector], ...] = Field(
@@ -94,13 +50,18 @@ class VectorTable(Model):
 
     @model_validator(mode="after")
     def _check_rows(self) -> VectorTable:
-        raise_problems("VectorTable", _row_problems(self.table))
+        raise_problems("VectorTable", list(row_problems(self.table)))
         return self
 
+    @property
+    def rows(self) -> Sequence[tuple[float, tuple[float, ...]]]:
+        """See `VectorFunction`."""
+        return self.table
+
     def value(self, t: float) -> tuple[float, ...]:
-        """Return the value at time `t`, shape (D,)."""
-        (t0, v0), (t1, v1) = _neighbours(self.table, t)
-        return tuple(_between(t, t0, t1, a, b) for a, b in zip(v0, v1, strict=True))
+        """See `VectorFunction`."""
+        (t0, v0), (t1, v1) = neighbours(self.table, t)
+        return tuple(between(t, t0, t1, a, b) for a, b in zip(v0, v1, strict=True))
 
     @cached_property
     def _components(self) -> tuple[Table, ...]:
@@ -111,34 +72,115 @@ class VectorTable(Model):
         )
 
     def integral(self, t: float) -> tuple[float, ...]:
-        """Return the integral of the value from time 0 to `t`, shape (D,)."""
+        """See `VectorFunction`."""
         return tuple(component.integral(t) for component in self._components)
 
 
+Varying = Annotated[
+    float | TimeFunction, Either(f"a number, {ALLOWED}", {float: Number, dict: OVER_TIME})
+]
+"""A number, constant or over time."""
+
+MayVary = Annotated[
+    float | TimeFunction | None,
+    Either(f"a number, null or {ALLOWED}", {float: Number, dict: OVER_TIME, None: None}),
+]
+"""A number, constant or over time, or none."""
+
+Component = Annotated[
+    float | TimeFunction | None,
+    Either(f"a number, null (free), {ALLOWED}", {float: Number, dict: OVER_TIME, None: None}),
+]
+"""One component of a prescribed velocity."""
+
+
+class Components(VectorFunction):
+    """A vector of which some components vary in time."""
+
+    components: tuple[Varying, ...]
+
+    @model_serializer
+    def _as_list(self) -> tuple[Any, ...]:
+        return tuple(
+            OVER_TIME.write(each) if isinstance(each, TimeFunction) else each
+            for each in self.components
+        )
+
+    def value(self, t: float) -> tuple[float, ...]:
+        """See `VectorFunction`."""
+        return tuple(c.value(t) if isinstance(c, TimeFunction) else c for c in self.components)
+
+    def integral(self, t: float) -> tuple[float, ...]:
+        """See `VectorFunction`."""
+        return tuple(
+            c.integral(t) if isinstance(c, TimeFunction) else c * t for c in self.components
+        )
+
+    @property
+    def rows(self) -> Sequence[tuple[float, tuple[float, ...]]]:
+        """See `VectorFunction`."""
+        every = [c.rows for c in self.components if isinstance(c, TimeFunction)]
+        times = sorted({t for rows in every for t, _ in rows})
+        return tuple((t, self.value(t)) for t in times)
+
+
+class _Entries(Dispatch):
+    """A list of numbers, some of which may vary in time."""
+
+    def __init__(self) -> None:
+        some = Annotated[tuple[Varying, ...], Field(min_length=1, max_length=3)]
+        self.constant, self.varying = TypeAdapter(Vector), TypeAdapter(some)
+
+    def validate(self, value: object) -> object:
+        """See `Dispatch`."""
+        entries = value if isinstance(value, list | tuple) else ()
+        if not any(isinstance(entry, dict | TimeFunction) for entry in entries):
+            return self.constant.validate_python(value)
+        return Components(components=self.varying.validate_python(tuple(entries)))
+
+    def write(self, value: object) -> object:
+        """See `Dispatch`."""
+        return plain(value)
+
+    def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
+        """See `Dispatch`."""
+        return handler(self.varying.core_schema)
+
+
 VaryingVector = Annotated[
-    tuple[float, ...] | VectorTable | None,
+    tuple[float, ...] | VectorFunction | None,
     Either(
         "one number a direction or {table: [[time, [..]], ...]}",
-        {tuple: Vector, dict: VectorTable, None: None},
+        {tuple: _Entries(), dict: VectorTable, None: None},
     ),
 ]
 """A vector, constant or over time."""
-
-Component = Annotated[
-    float | Table | None,
-    Either(
-        "a number, null (free) or {table: [[time, value], ...]}",
-        {float: Number, dict: Table, None: None},
-    ),
-]
-"""One component of a prescribed velocity."""
 
 Held = tuple[bool, bool, bool]
 Triple = tuple[float, float, float]
 
 
+def entries_of(value: object) -> Iterator[tuple[tuple[str | int, ...], tuple[float, ...]]]:
+    """Yield the vectors that a constant or varying one has, with their paths."""
+    if isinstance(value, VectorFunction):
+        table = isinstance(value, VectorTable)
+        for i, (_, row) in enumerate(value.rows):
+            yield (("table", i, 1) if table else ()), row
+    elif isinstance(value, tuple):
+        yield (), value
+
+
+def lengths(path: tuple[str | int, ...], value: object, dimensions: int) -> Problems:
+    """Check that a vector, constant or over time, has one entry a direction."""
+    found = {}
+    for at, row in entries_of(value):
+        for each in length((*path, *at), row, dimensions):
+            found[each.path] = each
+    yield from found.values()
+
+
 def prescribed(
-    velocity: Sequence[float | Table | None], start: float, end: float
+    velocity: Sequence[float | TimeFunction | None], start: float, end: float
 ) -> tuple[Held, Triple, Triple]:
     """Return the held components in a step, their values at its end, and their rates over it.
 
@@ -149,7 +191,7 @@ def prescribed(
         if component is None:
             continue
         held[d] = True
-        if isinstance(component, Table):
+        if isinstance(component, TimeFunction):
             values[d] = component.value(end)
             if end > start:
                 rates[d] = (values[d] - component.value(start)) / (end - start)

@@ -204,9 +204,13 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
     """Copy the ledger into the ledger of the next stage."""
     faces, constraints, contact, rigid_bodies = zip(_booked(old), _booked(new), strict=True)
     kinds = {
-        "impulse": faces, "outside_mass": faces, "constraint_impulse": constraints,
-        "wall_energy": faces, "contact": contact, "rigid_bodies": rigid_bodies,
-    }  # fmt: skip
+        "impulse": faces,
+        "outside_mass": faces,
+        "constraint_impulse": constraints,
+        "wall_energy": faces,
+        "contact": contact,
+        "rigid_bodies": rigid_bodies,
+    }
     for name, (before, after) in kinds.items():
         by_name = np.moveaxis(getattr(had, name), 1, 0)
         getattr(has, name)[:] = np.moveaxis(_rows(before, after, by_name), 0, 1)

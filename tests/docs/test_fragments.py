@@ -55,6 +55,8 @@ FRAGMENTS = (
     ("probes:\n", lambda: file_of("bar-vibration"), ()),
     ("materials:\n  clay:", lambda: scene(2, ("clay",)), ()),
     ("young:\n", lambda: scene(2), ("materials", "rubber")),
+    ("gravity: [{sine", lambda: scene(2), ()),
+    ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.
 OTHERS = ("format: 1\n", "# yaml-language-server: $schema=pgimp-schema.json\n")
@@ -82,8 +84,10 @@ def test_every_block_is_read():
 
 
 @pytest.mark.parametrize(("beginning", "base", "keys"), FRAGMENTS, ids=lambda v: str(v)[:20])
-def test_blocks_are_parts_of_cases(beginning, base, keys):
+def test_blocks_are_parts_of_cases(beginning, base, keys, tmp_path, monkeypatch):
     """So is the case without it; a key of the block that is written otherwise is refused."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "quake.csv").write_text("time, ax\n0.0, 0.0\n0.1, 0.2\n0.2, -0.2\n")
     read(base())
     case = merged(beginning, base(), keys)
     read(case)

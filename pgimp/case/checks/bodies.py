@@ -20,6 +20,7 @@ from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
 from pgimp.schema.sizes import Problems, faces, length
+from pgimp.schema.tables import lengths
 
 
 def check_materials(bodies: Mapping[str, Body], declared: Iterable[str]) -> Problems:
@@ -88,9 +89,7 @@ def check_tractions(
                 "(boundaries)"
             )
             yield Problem((*path, "body"), text)
-        yield from length((*path, "traction"), entry.traction, dimensions)
-        for i, (_, value) in enumerate(getattr(entry.traction, "table", ())):
-            yield from length((*path, "traction", "table", i, 1), value, dimensions)
+        yield from lengths((*path, "traction"), entry.traction, dimensions)
 
 
 def check_constraints(

@@ -23,6 +23,7 @@ from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
 from pgimp.schema.sizes import WHOLE, Problems, faces, length, nearest_whole, whole
+from pgimp.schema.tables import lengths
 
 MOST_CELLS = 10_000_000
 """Along one direction."""
@@ -149,9 +150,7 @@ def check_body_force(dimensions: int, body_force: BodyForceEntry | None) -> Prob
 
 def check_gravity(dimensions: int, gravity: object) -> Problems:
     """Check that gravity fits the dimensions."""
-    yield from length(("gravity",), gravity, dimensions)
-    for i, (_, value) in enumerate(getattr(gravity, "table", ())):
-        yield from length(("gravity", "table", i, 1), value, dimensions)
+    yield from lengths(("gravity",), gravity, dimensions)
 
 
 def check_boundaries(dimensions: int, boundaries: Mapping[str, Boundary]) -> Problems:

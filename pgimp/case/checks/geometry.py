@@ -14,6 +14,7 @@ from pgimp.physics.rigid import Free, RigidBody
 from pgimp.physics.shapes.base import Shape
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
+from pgimp.schema.tables import entries_of
 
 
 def check_geometry(dimensions: int, geometry: str, grid: Grid, method: Shape) -> Problems:
@@ -117,7 +118,5 @@ def check_rings(
 
 
 def _radial(value: object) -> bool:
-    """Whether a vector, or one of a table, has a component along the radius."""
-    rows = [row for _, row in getattr(value, "table", ())]
-    rows += [value] if isinstance(value, tuple) else []
-    return any(len(row) == 2 and row[0] != 0.0 for row in rows)
+    """Whether a vector has a component along the radius, at any time."""
+    return any(len(row) == 2 and row[0] != 0.0 for _, row in entries_of(value))

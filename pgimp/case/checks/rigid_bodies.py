@@ -13,6 +13,7 @@ from pgimp.physics.rigid import FREEDOMS, Free, Motion, RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems, length
+from pgimp.schema.tables import lengths
 
 
 def check_rigid_bodies(
@@ -73,11 +74,7 @@ def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: F
 
 def _motion(path: tuple[str | int, ...], dimensions: int, motion: Motion) -> Problems:
     """Check that the motion of a rigid body fits the dimensions."""
-    if isinstance(motion.velocity, tuple):
-        yield from length((*path, "velocity"), motion.velocity, dimensions)
-    elif motion.velocity is not None:
-        for i, (_, value) in enumerate(motion.velocity.table):
-            yield from length((*path, "velocity", "table", i, 1), value, dimensions)
+    yield from lengths((*path, "velocity"), motion.velocity, dimensions)
     if motion.rotation is None:
         return
     if dimensions == 1:

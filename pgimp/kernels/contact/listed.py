@@ -58,9 +58,12 @@ class VertexList(NamedTuple):
     def empty(cls, planes: int) -> "VertexList":
         """Return a list without room."""
         return cls(
-            np.zeros(planes + 1, np.int64), np.zeros(3, np.int64), np.zeros(0, LISTED_VERTEX),
-            np.zeros(0, LISTED_FIELD), np.zeros(0, LISTED_PAIR),
-        )  # fmt: skip
+            np.zeros(planes + 1, np.int64),
+            np.zeros(3, np.int64),
+            np.zeros(0, LISTED_VERTEX),
+            np.zeros(0, LISTED_FIELD),
+            np.zeros(0, LISTED_PAIR),
+        )
 
     def fits(self) -> bool:
         """Whether there was room for all that was found."""
@@ -71,6 +74,7 @@ class VertexList(NamedTuple):
         """Return a list with room for what was found, and some more."""
         vertices, fields, pairs = (self.found * 5 // 4 + 16).tolist()
         return self._replace(
-            vertices=np.zeros(vertices, LISTED_VERTEX), fields=np.zeros(fields, LISTED_FIELD),
+            vertices=np.zeros(vertices, LISTED_VERTEX),
+            fields=np.zeros(fields, LISTED_FIELD),
             pairs=np.zeros(pairs, LISTED_PAIR),
-        )  # fmt: skip
+        )

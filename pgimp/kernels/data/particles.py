@@ -191,10 +191,13 @@ class Particles(NamedTuple):
     ratio: Annotated[
         FloatArray,
         Column(
-            "F over the deformation gradient at its place, likewise", "1",
-            lambda c: int(c.around), above=0.0, initial=1.0,
+            "F over the deformation gradient at its place, likewise",
+            "1",
+            lambda c: int(c.around),
+            above=0.0,
+            initial=1.0,
         ),
-    ]  # fmt: skip
+    ]
     own: Annotated[
         FloatArray, Column("parameters of the material that vary in space", "", lambda c: c.own)
     ]

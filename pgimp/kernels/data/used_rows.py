@@ -237,9 +237,12 @@ def _add_layer(field, source, target, low, high):
                 begin, end, left = next_rows(field, left)
                 first = f * field_size(window)
                 _add_between(
-                    field, source, target * window.stride[0], first + begin * window.stride[1],
+                    field,
+                    source,
+                    target * window.stride[0],
+                    first + begin * window.stride[1],
                     first + end * window.stride[1],
-                )  # fmt: skip
+                )
 
     return add_range if _is_single(field) else add_rows
 

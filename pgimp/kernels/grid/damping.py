@@ -18,6 +18,7 @@ from pgimp.kernels.data.used_rows import next_rows, used_rows
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import Holding, hold
 from pgimp.kernels.grid.constraints import constrained_velocity
+from pgimp.kernels.grid.unbalanced import plane_sum
 
 
 class DampingForces(NamedTuple):
@@ -149,18 +150,12 @@ def book_damping(field, forcing, damping, ledger):
 @kernel
 def note_kinetic_energy(field, ledger):
     """Set the kinetic energy of the vertices by plane, at the end of this step and of the last."""
-    G, window = field.G, field.window
     for i in range(field.owned):
         ledger.damping[i, KINETIC_BEFORE] = ledger.damping[i, KINETIC_NOW]
-        total = 0.0
-        for f in range(field_count(window)) if field.active[i] != 0 else range(0):
-            first, left = i * window.stride[0] + f * field_size(window), used_rows(field, i, f)
-            while left:
-                begin, end, left = next_rows(field, left)
-                for r in range(
-                    first + begin * window.stride[1], first + end * window.stride[1], RECORD
-                ):
-                    m, v = G[r + MASS], r + VELOCITY
-                    if m > 0.0:
-                        total += 0.5 * m * (G[v] ** 2 + G[v + 1] ** 2 + G[v + 2] ** 2)
-        ledger.damping[i, KINETIC_NOW] = total
+        ledger.damping[i, KINETIC_NOW] = plane_sum(field, i, 0.0, _kinetic_energy, 0.0)
+
+
+@inner_kernel
+def _kinetic_energy(G, r, unused):
+    v = r + VELOCITY
+    return 0.5 * G[r + MASS] * (G[v] ** 2 + G[v + 1] ** 2 + G[v + 2] ** 2)

@@ -2,7 +2,7 @@
 
 from math import sqrt
 
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.data.ledger import INTERNAL, UNBALANCED
 from pgimp.kernels.data.record import ACCELERATION, FORCE, MASS, RECORD
 from pgimp.kernels.data.used_rows import next_rows, used_rows
@@ -20,23 +20,14 @@ def sum_internal_forces(field, forcing, ledger):
     ledger : Ledger
         `damping` is set.
     """
-    G, window = field.G, field.window
     for i in range(field.owned):
-        ledger.damping[i, INTERNAL] = 0.0
-        if field.active[i] == 0:
-            continue
-        total = 0.0
-        for f in range(field_count(window)):
-            first, left = i * window.stride[0] + f * field_size(window), used_rows(field, i, f)
-            while left:
-                begin, end, left = next_rows(field, left)
-                for r in range(
-                    first + begin * window.stride[1], first + end * window.stride[1], RECORD
-                ):
-                    if G[r + MASS] > forcing.mass_cutoff:
-                        h = r + FORCE
-                        total += sqrt(G[h] ** 2 + G[h + 1] ** 2 + G[h + 2] ** 2)
-        ledger.damping[i, INTERNAL] = total
+        ledger.damping[i, INTERNAL] = plane_sum(field, i, forcing.mass_cutoff, _internal_force, 0.0)
+
+
+@inner_kernel
+def _internal_force(G, r, unused):
+    h = r + FORCE
+    return sqrt(G[h] ** 2 + G[h + 1] ** 2 + G[h + 2] ** 2)
 
 
 @kernel
@@ -53,26 +44,37 @@ def sum_unbalanced_forces(field, forcing, impulse, ledger):
     ledger : Ledger
         `damping` is set.
     """
-    G, window, damped = field.G, field.window, len(impulse) > 0
+    damping = (impulse, forcing.dt)
     for i in range(field.owned):
-        ledger.damping[i, UNBALANCED] = 0.0
-        if field.active[i] == 0:
-            continue
-        total = 0.0
-        for f in range(field_count(window)):
-            first, left = i * window.stride[0] + f * field_size(window), used_rows(field, i, f)
-            while left:
-                begin, end, left = next_rows(field, left)
-                for r in range(
-                    first + begin * window.stride[1], first + end * window.stride[1], RECORD
-                ):
-                    if not G[r + MASS] > forcing.mass_cutoff:
-                        continue
-                    square = 0.0
-                    for d in range(3):
-                        force = G[r + MASS] * G[r + ACCELERATION + d]
-                        if damped and force != 0.0:
-                            force -= impulse[r // RECORD * 3 + d] / forcing.dt
-                        square += force * force
-                    total += sqrt(square)
-        ledger.damping[i, UNBALANCED] = total
+        ledger.damping[i, UNBALANCED] = plane_sum(
+            field, i, forcing.mass_cutoff, _unbalanced_force, damping
+        )
+
+
+@inner_kernel
+def _unbalanced_force(G, r, damping):
+    impulse, dt = damping
+    square = 0.0
+    for d in range(3):
+        force = G[r + MASS] * G[r + ACCELERATION + d]
+        if len(impulse) > 0 and force != 0.0:
+            force -= impulse[r // RECORD * 3 + d] / dt
+        square += force * force
+    return sqrt(square)
+
+
+@inner_kernel
+def plane_sum(field, i, cutoff, value, arguments):
+    """Sum of `value(G, r, arguments)` over the vertices of plane `i` with a mass above `cutoff`."""
+    G, window = field.G, field.window
+    total = 0.0
+    for f in range(field_count(window)) if field.active[i] != 0 else range(0):
+        first, left = i * window.stride[0] + f * field_size(window), used_rows(field, i, f)
+        while left:
+            begin, end, left = next_rows(field, left)
+            for r in range(
+                first + begin * window.stride[1], first + end * window.stride[1], RECORD
+            ):
+                if G[r + MASS] > cutoff:
+                    total += value(G, r, arguments)
+    return total

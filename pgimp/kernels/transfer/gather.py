@@ -100,9 +100,8 @@ def _gather_lines(G, support, d, offset, counts, stride, Z, what):
         for i in range(counts[0]):
             w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
             u, a, b, m = lines(
-                G, support, d + 1, offset + i * stride[0], counts[1:], stride[1:], Z,
-                Sums(mean, ()),
-            )  # fmt: skip
+                G, support, d + 1, offset + i * stride[0], counts[1:], stride[1:], Z, Sums(mean, ())
+            )
             U, A = w * u + U, w * a + A
             D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
             M = _plus_rates(mean, factor(mean, what.H, buffer, d, i, j), m, M)

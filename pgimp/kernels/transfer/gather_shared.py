@@ -7,7 +7,7 @@ groups of four follow from the canonical order, constant in that configuration, 
 not depend on ranks.
 """
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import vector
@@ -80,36 +80,34 @@ def _take_separately(layout, field, mean, four, buffer, sums):
 @specialise(_take_separately)
 def _take_one_by_one(layout, field, mean, four, buffer, sums):
     def one_by_one(layout, field, mean, four, buffer, sums):
-        (shape, frame), window = layout, field.window
-        begin = four.layer * window.stride[0]
-        for j in range(four.size):
-            offset = begin + first_offset(buffer, j)
-            U, A, D, M = gather(
-                shape, field.G, Support(buffer, j), offset, window.stride, frame.origin, mean, ()
-            )
-            keep_sums(sums, j, U, A, D)
-            keep_rates(M, buffer, j)
-        repeat_sums(sums, four.size, frame.origin)
-        u, a = collected(sums, 0, frame.origin), collected(sums, 1, frame.origin)
-        return u, a, gradients(sums, 2, frame.origin), held_weights(sums), ()
+        like = layout[1].origin
+        _gather_each(layout, field, mean, four, buffer, sums, ())
+        repeat_sums(sums, four.size, like)
+        u, a = collected(sums, 0, like), collected(sums, 1, like)
+        return u, a, gradients(sums, 2, like), held_weights(sums), ()
 
     def rings(layout, field, mean, four, buffer, sums):
-        (shape, frame), window = layout, field.window
-        begin = four.layer * window.stride[0]
-        for j in range(four.size):
-            offset = begin + first_offset(buffer, j)
-            U, A, D, M = gather(
-                shape, field.G, Support(buffer, j), offset, window.stride, frame.origin, mean,
-                (0.0,),
-            )  # fmt: skip
-            keep_sums(sums, j, U, A, D)
-            keep_rates(M, buffer, j)
+        like = layout[1].origin
+        _gather_each(layout, field, mean, four, buffer, sums, (0.0,))
         repeat_sums(sums, four.size, (0.0, 0.0, 0.0))
-        u, a = collected(sums, 0, frame.origin), collected(sums, 1, frame.origin)
-        hoop = collected(sums, 4, frame.origin)
-        return u, a, (*gradients(sums, 2, frame.origin), hoop[0]), held_weights(sums), hoop
+        u, a, hoop = collected(sums, 0, like), collected(sums, 1, like), collected(sums, 4, like)
+        return u, a, (*gradients(sums, 2, like), hoop[0]), held_weights(sums), hoop
 
     return rings if is_axial(layout[1]) else one_by_one
+
+
+@inner_kernel
+def _gather_each(layout, field, mean, four, buffer, sums, hoop):
+    """Gather for four particles into `sums`; `hoop` is one zero in axisymmetry, else empty."""
+    (shape, frame), window = layout, field.window
+    begin = four.layer * window.stride[0]
+    for j in range(four.size):
+        offset, support = begin + first_offset(buffer, j), Support(buffer, j)
+        U, A, D, M = gather(
+            shape, field.G, support, offset, window.stride, frame.origin, mean, hoop
+        )
+        keep_sums(sums, j, U, A, D)
+        keep_rates(M, buffer, j)
 
 
 def row_major(D):
@@ -177,9 +175,11 @@ def _line_of(G, buffer, d, i, offset, step, like, most):
         v = _numbers(G, offset + VELOCITY, like)
         a = _numbers(G, offset + ACCELERATION, like)
         return (
-            plus_scaled(w, v, U), plus_scaled(w, a, A), (plus_scaled(g, v, D[0]),),
+            plus_scaled(w, v, U),
+            plus_scaled(w, a, A),
+            (plus_scaled(g, v, D[0]),),
             w * G[offset + HELD] + held,
-        )  # fmt: skip
+        )
 
     return last if len(most) == 1 else more
 

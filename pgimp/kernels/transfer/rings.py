@@ -50,9 +50,12 @@ def _ring_weights(shape, half, f, r):
         w, g = weights(shape, half, f)
         first, ends = moments(shape, half, f, g)
         return (
-            plus_scaled(by, first, w), plus_scaled(by, ends, g), scaled(by, w),
-            half * half * (1.0 / 3.0) * by, g,
-        )  # fmt: skip
+            plus_scaled(by, first, w),
+            plus_scaled(by, ends, g),
+            scaled(by, w),
+            half * half * (1.0 / 3.0) * by,
+            g,
+        )
 
     return ring
 

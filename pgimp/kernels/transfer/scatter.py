@@ -132,9 +132,13 @@ def _scatter_lines(G, support, d, offset, counts, stride, Z, what):
             e = entry(buffer, d, 2, i, j)
             at = offset + i * stride[0]
             part = Share(
-                _sloped(w, A, e, C), _plus_hoop(buffer, i, j, H, _force(w, B, g, S[0])),
-                scaled(w, S[1:]), scaled(w, C[1:]), factored(factor(M, H, buffer, d, i, j), M), (),
-            )  # fmt: skip
+                _sloped(w, A, e, C),
+                _plus_hoop(buffer, i, j, H, _force(w, B, g, S[0])),
+                scaled(w, S[1:]),
+                scaled(w, C[1:]),
+                factored(factor(M, H, buffer, d, i, j), M),
+                (),
+            )
             lines(G, support, d + 1, at, counts[1:], stride[1:], Z, part)
 
     return scatter

@@ -116,10 +116,7 @@ def _means_of_rings(shape, buffer):
             p * (0.5 + k * (1.0 / 12.0)) + s * (0.5 - n * (1.0 / 12.0)),
             s * (0.5 + n * (1.0 / 12.0)) + q * (0.5 - m * (1.0 / 12.0)),
             q * (0.5 + m * (1.0 / 12.0)),
-        ), (
-            -p * k * v, (p * k - s * n) * (v + 1.0), (s * n - q * m) * (v + 2.0),
-            q * m * (v + 3.0),
-        )  # fmt: skip
+        ), (-p * k * v, (p * k - s * n) * (v + 1.0), (s * n - q * m) * (v + 2.0), q * m * (v + 3.0))
 
     return {3: three, 4: four}[shape.instance_class.vertices()]
 

@@ -32,8 +32,9 @@ def update_velocity(frame, forcing, particles, four, gathered, ledger):
 def _update_velocity(frame, forcing, particles, four, gathered, ledger):
     if is_initial(frame):  # vertices keep the velocities
         return lambda frame, forcing, particles, four, gathered, ledger: (
-            ring_motion(frame, particles, four, gathered[2], gathered[0]), gathered[0],
-        )  # fmt: skip
+            ring_motion(frame, particles, four, gathered[2], gathered[0]),
+            gathered[0],
+        )
 
     def update(frame, forcing, particles, four, gathered, ledger):
         u, a, hoop = gathered

@@ -5,7 +5,8 @@ from typing import ClassVar, NamedTuple
 from pydantic import Field
 
 from pgimp.physics.boundaries.base import Boundary
-from pgimp.schema.tables import Component, Table, prescribed
+from pgimp.schema.tables import Component, prescribed
+from pgimp.schema.time_functions import TimeFunction
 
 
 class VelocityParameters(NamedTuple):
@@ -40,7 +41,7 @@ class Velocity(Boundary):
     @property
     def varies(self) -> bool:
         """See `Boundary.varies`."""
-        return any(isinstance(component, Table) for component in self.velocity)
+        return any(isinstance(component, TimeFunction) for component in self.velocity)
 
     def speed(self, axis: int, end: float) -> float | None:
         """See `Boundary.speed`."""

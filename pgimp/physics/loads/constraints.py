@@ -8,7 +8,8 @@ from pydantic import Field
 
 from pgimp.geometry.regions import RegionEntry
 from pgimp.schema.base import Model, Name
-from pgimp.schema.tables import Component, Table, prescribed
+from pgimp.schema.tables import Component, prescribed
+from pgimp.schema.time_functions import TimeFunction
 
 
 class Constraint(NamedTuple):
@@ -34,7 +35,7 @@ class ConstraintEntry(Model):
     @property
     def varies(self) -> bool:
         """Whether the parameters depend on time."""
-        return any(isinstance(component, Table) for component in self.velocity)
+        return any(isinstance(component, TimeFunction) for component in self.velocity)
 
     def parameters(self, start: float, end: float) -> Constraint:
         """Parameters of the kernels for a step from `start` to `end`."""
@@ -43,6 +44,6 @@ class ConstraintEntry(Model):
     def displacement(self, t: float) -> tuple[float | None, ...]:
         """Return the displacement prescribed from time 0 to `t`, None for free components."""
         return tuple(
-            v.integral(t) if isinstance(v, Table) else None if v is None else v * t
+            v.integral(t) if isinstance(v, TimeFunction) else None if v is None else v * t
             for v in self.velocity
         )

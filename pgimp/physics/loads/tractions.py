@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.schema.base import Model, Name, Number
-from pgimp.schema.dispatch import Either
+from pgimp.schema.base import Model, Name
 from pgimp.schema.problems import Problem, raise_problems
-from pgimp.schema.tables import Table, VaryingVector, VectorTable
+from pgimp.schema.tables import MayVary, VaryingVector, VectorFunction
+from pgimp.schema.time_functions import TimeFunction
 
 #: Part of a column's area below which it is rounding, or negative after merging a small part.
 _LEAST = 1e-9
@@ -94,12 +94,7 @@ class TractionEntry(Model):
         description="force per current area: a vector, or a table over time, linear in between "
         "and held at both ends [stress]",
     )
-    pressure: Annotated[
-        float | Table | None,
-        Either(
-            "a number or {table: [[time, value], ...]}", {float: Number, dict: Table, None: None}
-        ),
-    ] = Field(
+    pressure: MayVary = Field(
         default=None,
         description="force per current area against the face's current normal: positive pushes "
         "into the body; a number or a table over time [stress]",
@@ -115,7 +110,7 @@ class TractionEntry(Model):
     @property
     def varies(self) -> bool:
         """Whether the parameters depend on time."""
-        return isinstance(self.traction, VectorTable) or isinstance(self.pressure, Table)
+        return isinstance(self.traction, VectorFunction) or isinstance(self.pressure, TimeFunction)
 
     @property
     def axis(self) -> int:
@@ -142,8 +137,8 @@ class TractionEntry(Model):
             The time.
         """
         q, b = self.pressure, self.traction
-        pressure = 0.0 if q is None else q.value(t) if isinstance(q, Table) else float(q)
-        vector = () if b is None else b.value(t) if isinstance(b, VectorTable) else b
+        pressure = 0.0 if q is None else q.value(t) if isinstance(q, TimeFunction) else float(q)
+        vector = () if b is None else b.value(t) if isinstance(b, VectorFunction) else b
         x, y, z = (*(float(c) for c in vector), 0.0, 0.0, 0.0)[:3]
         chi, wide = spread.chi, [0.0 if spread.chi == "point" else float(h) for h in spread.half]
         # A sum of tents falls from one to zero between a particle's centre and its outer end.

@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from pgimp.physics.variation.base import NoValueError, Path, Places, Reals, Variation
-from pgimp.physics.variation.profile import read_profile
 from pgimp.schema.base import Number
 from pgimp.schema.dispatch import Either
 from pgimp.schema.paths import FileName
 from pgimp.schema.problems import Problem, raise_problems
+from pgimp.schema.profile import read_profile
 from pgimp.schema.sizes import AXES
 
 #: Tolerance for rounding beyond the ends of a table, over the table's length.

@@ -12,7 +12,8 @@ import numpy as np
 
 from pgimp.geometry.regions import Points
 from pgimp.scene.checks.supports import held_at
-from pgimp.schema.tables import Table, VectorTable
+from pgimp.schema.tables import VectorFunction
+from pgimp.schema.time_functions import TimeFunction
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
@@ -91,12 +92,14 @@ def _fall(case: Case, times: np.ndarray) -> np.ndarray:
     b, D = case.gravity, case.dimensions
     if b is None:
         return np.zeros((len(times), D))
-    return np.array([b.value(t) if isinstance(b, VectorTable) else b for t in times], float)
+    return np.array([b.value(t) if isinstance(b, VectorFunction) else b for t in times], float)
 
 
-def _prescribed(velocity: Sequence[Table | float | None], times: np.ndarray) -> np.ndarray:
+def _prescribed(velocity: Sequence[TimeFunction | float | None], times: np.ndarray) -> np.ndarray:
     """Prescribed velocity over time; zero where a component is free."""
-    columns = [[v.value(t) if isinstance(v, Table) else v or 0.0 for t in times] for v in velocity]
+    columns = [
+        [v.value(t) if isinstance(v, TimeFunction) else v or 0.0 for t in times] for v in velocity
+    ]
     return np.array(columns, float).T
 
 

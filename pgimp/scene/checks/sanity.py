@@ -13,7 +13,8 @@ from pgimp.physics.variation.randomfield import RandomVariation
 from pgimp.scene.checks.facts import BodyFacts, Findings
 from pgimp.scene.checks.supports import held_at, own_weight
 from pgimp.scene.checks.units import unlikely
-from pgimp.schema.tables import Table, VectorTable
+from pgimp.schema.tables import VectorFunction
+from pgimp.schema.time_functions import TimeFunction
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
@@ -68,10 +69,12 @@ def strains(case: Case, body: BodyFacts) -> dict[str, float]:
 
 
 def _greatest(load: Any) -> float:
-    """Return the greatest size over time of a number or vector, constant or by a table."""
+    """Return the greatest size over time of a number or vector, constant or over time."""
     if load is None:
         return 0.0
-    values = [row[1] for row in load.table] if isinstance(load, Table | VectorTable) else [load]
+    values = [load]
+    if isinstance(load, TimeFunction | VectorFunction):
+        values = [value for _, value in load.rows]
     return max(float(np.linalg.norm(value)) for value in values)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pgimp.scene.checks.facts import BodyFacts
-from pgimp.schema.tables import VectorTable
+from pgimp.schema.tables import VectorFunction
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
@@ -82,10 +82,10 @@ def held_at(condition: Any, axis: int, side: int) -> tuple[bool, ...]:
 
 
 def greatest(load: object, dimensions: int) -> np.ndarray:
-    """Greatest size over time of each component of a vector, constant or by a table; (D,)."""
+    """Greatest size over time of each component of a vector, constant or over time; (D,)."""
     if load is None:
         return np.zeros(dimensions)
-    rows = [row[1] for row in load.table] if isinstance(load, VectorTable) else [load]
+    rows = [row for _, row in load.rows] if isinstance(load, VectorFunction) else [load]
     return np.abs(np.array(rows, float)).max(axis=0)
 
 

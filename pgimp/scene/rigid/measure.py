@@ -15,7 +15,7 @@ from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.rigid import Free, Motion, RigidBody
 from pgimp.scene.rigid.bulk import Bulk, bulk, everywhere
-from pgimp.schema.tables import VectorTable
+from pgimp.schema.tables import VectorFunction
 
 #: Instants at which a body that does not turn is placed, to find the part that enters the domain.
 _INSTANTS = 2000
@@ -139,8 +139,8 @@ def _within(case: Case, frame: Frame, entry: RigidBody) -> _Ends | None:
         return None
     D, end, velocity = len(frame.cell), case.time.end, motion.velocity
     times = np.linspace(0.0, end, _INSTANTS if motion.moves else 1)
-    if isinstance(velocity, VectorTable):
-        rows = np.array([time for time, _ in velocity.table])
+    if isinstance(velocity, VectorFunction):
+        rows = np.array([time for time, _ in velocity.rows])
         times = np.concatenate([times, rows[(rows > 0.0) & (rows < end)]])
     paths = np.array([motion.displacement(float(t))[:D] for t in times])
     slack = (MARGIN + 1.0) * np.array(frame.cell)

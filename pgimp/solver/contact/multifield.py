@@ -228,9 +228,13 @@ class MultifieldContact(NoContact):
         old = self.data and (len(self.data.vertex_counts), len(self.data.fields))
         if not old or old[0] != grid.planes or old[1] < most + len(rigid_bodies):
             self.data = Contact.empty(
-                self.pairs, sums.G, grid.planes, most + most // 4, len(scene.domain.faces),
+                self.pairs,
+                sums.G,
+                grid.planes,
+                most + most // 4,
+                len(scene.domain.faces),
                 rigid_bodies.in_planes(grid.planes) if rigid_bodies else (),
-            )  # fmt: skip
+            )
         near = self.data.near
         if rigid_bodies and near.shape != grid.window.extent:
             near = np.zeros(grid.window.extent, np.int8)

@@ -219,10 +219,14 @@ def _keys(grid: Grid, fields: int) -> np.ndarray:
     """Keys of a rank's vertices, (planes, y, z, fields) int64."""
     ny, nz = (*grid.frame.vertices, 1, 1)[1:3]
     x, y, z, f = np.meshgrid(
-        *(np.arange(n) + low for n, low in zip((grid.planes, *grid.window.extent[1:], fields),
-                                               (*grid.window.lower, 0), strict=True)),
+        *(
+            np.arange(n) + low
+            for n, low in zip(
+                (grid.planes, *grid.window.extent[1:], fields), (*grid.window.lower, 0), strict=True
+            )
+        ),
         indexing="ij",
-    )  # fmt: skip
+    )
     return ((x * ny + y) * nz + z) * fields + f
 
 

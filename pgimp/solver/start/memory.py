@@ -207,12 +207,15 @@ def estimate(
         if entry.surface == "cut"
     ) * 8 * (1 + D) * share * (1.0 if ranks == 1 else 2.0)  # fmt: skip
     counting = Part(
-        "finding the particles on a lattice of "
-        f"{' x '.join(f'{n:,}' for n in lattice)} boxes",
-        lattice[0] * (32.0 * names + 40) + 32 * layers + 16.0 * sum(lattice) + 24.0 * max(lattice)
-        + volumes + measured,
+        f"finding the particles on a lattice of {' x '.join(f'{n:,}' for n in lattice)} boxes",
+        lattice[0] * (32.0 * names + 40)
+        + 32 * layers
+        + 16.0 * sum(lattice)
+        + 24.0 * max(lattice)
+        + volumes
+        + measured,
         "a grid with fewer cells (grid.size, grid.cell), or fewer bodies",
-    )  # fmt: skip
+    )
 
     rigid = Part(
         f"the distances from {len(scene.interaction.rigid_bodies)} rigid bodies",

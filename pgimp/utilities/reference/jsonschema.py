@@ -8,11 +8,15 @@ from pgimp.case.schema import Case
 from pgimp.geometry.regions import REGION
 from pgimp.physics.variation import KINDS, VARIATION
 from pgimp.schema.registries import COMMENT, ByKey
+from pgimp.schema.time_functions import OVER_TIME, Table
 
 Schema = dict[str, Any]
 
 #: Schema of a material's number that varies in space.
 VARIES: Schema = {"$ref": f"#/$defs/{VARIATION.what}"}
+
+#: Schema of a number over time.
+TIMED: Schema = {"$ref": f"#/$defs/{OVER_TIME.what}"}
 
 
 def json_schema() -> Schema:
@@ -23,7 +27,9 @@ def json_schema() -> Schema:
     """
     definitions: Schema = {}
     schema = _collect(Case.model_json_schema(), definitions)
-    definitions[REGION.what] = {"oneOf": _regions(REGION, definitions)}
+    definitions[REGION.what] = {"oneOf": _named(REGION, definitions)}
+    table = _collect(Table.model_json_schema(), definitions)
+    definitions[OVER_TIME.what] = {"oneOf": [table, *_named(OVER_TIME, definitions)[1:]]}
     definitions[VARIATION.what] = {
         "oneOf": [_collect(kind.model_json_schema(), definitions) for kind in KINDS.values()]
     }
@@ -64,7 +70,7 @@ def study_schema() -> Schema:
     return schema
 
 
-def _regions(region: ByKey, definitions: Schema) -> list[Schema]:
+def _named(kind: ByKey, definitions: Schema) -> list[Schema]:
     return [
         {
             "type": "object",
@@ -72,7 +78,7 @@ def _regions(region: ByKey, definitions: Schema) -> list[Schema]:
             "required": [name],
             "additionalProperties": False,
         }
-        for name, entry in region.registry().items()
+        for name, entry in kind.registry().items()
     ]
 
 

@@ -11,8 +11,9 @@ from pgimp.physics.columns import GRID, PLACE, POINT, WHEN, Vertex
 from pgimp.physics.fields import ALWAYS, FAILURE, OPTIONAL, Field
 from pgimp.physics.variation import KINDS, VARIATION
 from pgimp.schema.base import LARGEST_COUNT
+from pgimp.schema.time_functions import OVER_TIME
 from pgimp.solver.history.columns import HISTORY
-from pgimp.utilities.reference.jsonschema import VARIES, Schema, json_schema, study_schema
+from pgimp.utilities.reference.jsonschema import TIMED, VARIES, Schema, json_schema, study_schema
 
 _UNIT = re.compile(
     r"\s*\[((?:length|mass|time|stress|force|energy|volume|dimensions|[\d\s/^()])+)\]"
@@ -46,6 +47,13 @@ depth, surface: 12.0}`. See [docs/variation.md](../docs/variation.md).
 """
 
 
+_TIME = """\
+Where a table over time may stand, `{table: [[time, value], ..]}`, one of these may, too. So may
+they, or a table, for a component of a vector: `gravity: [0.0, {ramp: {to: -9.81, duration: 1.0}}]`.
+See [docs/loads-in-time.md](../docs/loads-in-time.md).
+"""
+
+
 class _Section(NamedTuple):
     """Keys of a registered type."""
 
@@ -64,6 +72,11 @@ def reference() -> str:
         pages += [f"### {section.heading}\n", section.schema["description"] + "\n"]
         if below := list(_rows(section.path, section.schema, schema["$defs"], [])):
             pages.append(_table(_HEAD, below))
+    pages += ["## Functions of time\n", _TIME]
+    for form in schema["$defs"][OVER_TIME.what]["oneOf"][1:]:
+        ((name, content),) = form["properties"].items()
+        pages += [f"### `{{{name}: ..}}`\n", content["description"] + "\n"]
+        pages.append(_table(_HEAD, _rows("", content, schema["$defs"], [])))
     pages += ["## Parameters that vary in space\n", _VARIATIONS]
     for name, form in zip(KINDS, schema["$defs"][VARIATION.what]["oneOf"], strict=True):
         pages += [f"### `{{{name}: ..}}`\n", form["description"] + "\n"]
@@ -210,7 +223,7 @@ def _forms(schema: Schema, definitions: Schema) -> list[Schema]:
         form
         for choice in choices
         if choice != VARIES  # the same everywhere, so stated once
-        for form in _forms(choice, definitions)
+        for form in _forms(choice, definitions)[: 1 if choice == TIMED else None]  # likewise
     ]
 
 

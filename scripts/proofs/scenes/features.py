@@ -18,7 +18,7 @@ from typing import NamedTuple
 from proofs.scenes.bodies import add_bodies, number, vector
 from proofs.scenes.configurations import along_the_axis, both, initial, rings
 from proofs.scenes.contact import contact, free, rigid_bodies
-from proofs.scenes.loads import components, constraint, damping, gravity, traction
+from proofs.scenes.loads import components, constraint, damping, gravity, over_time, traction
 from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
 from proofs.scenes.output import checkpoints, frames, grid_frames, history, probes, small_files
 from proofs.scenes.stages import stages
@@ -209,6 +209,7 @@ FEATURES = (
     Feature("both configurations", both, 0.12, compiled=True),
     Feature("damping", damping, 0.2, compiled=True),
     Feature("variation", varied, 0.25, compiled=True),
+    Feature("functions of time", over_time, 0.4),
     Feature("stages", stages, 0.25),
     Feature("along the axis", along_the_axis),
     Feature("frames", frames),

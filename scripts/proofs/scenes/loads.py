@@ -11,6 +11,38 @@ def table(rng, scene, most, size=None):
     return {"table": [[time, value()] for time in times]}
 
 
+def over_time(rng, scene):
+    """Ramps and sinusoids in place of some tables of numbers; gravity by components."""
+    case = scene.case
+    if isinstance(case.get("gravity"), dict):
+        rows = case["gravity"]["table"]
+        case["gravity"] = [
+            {"table": [[time, row[d]] for time, row in rows]} for d in range(scene.dimension)
+        ]
+    for key in ("gravity", "boundaries", "constraints", "tractions", "bodies"):
+        if key in case:
+            case[key] = _smooth(rng, scene, case[key])
+
+
+def _smooth(rng, scene, value):
+    """A part of a case with ramps and sinusoids in place of some tables of numbers."""
+    if isinstance(value, list):
+        return [_smooth(rng, scene, each) for each in value]
+    if not isinstance(value, dict):
+        return value
+    if "table" not in value:
+        return {key: _smooth(rng, scene, each) for key, each in value.items()}
+    (begin, first), (end, last) = value["table"][0], value["table"][-1]
+    if isinstance(first, list) or rng.random() < 0.2:
+        return value
+    if rng.random() < 0.5:
+        duration = max(end - begin, 0.1 * scene.end)
+        return {"ramp": {"from": first, "to": last, "begin": begin, "duration": duration}}
+    sine = {"amplitude": 0.5 * (last - first), "mean": 0.5 * (last + first), "begin": begin}
+    sine |= {"frequency": number(rng, 0.5, 4.0) / scene.end, "phase": number(rng, -3.0, 3.0)}
+    return {"sine": sine | ({"end": end} if end > begin and rng.random() < 0.5 else {})}
+
+
 def components(rng, scene, most):
     """A prescribed velocity: by component a number, a table, or free; one is held at least."""
     found = []

@@ -94,10 +94,12 @@ def _boxed(region):
 
 
 def _plain(value):
-    """A value without tables: the first of each."""
+    """A value that does not vary in time: the first of each table, the last of each ramp."""
     if isinstance(value, dict):
         if "table" in value:
             return value["table"][0][1]
+        if "ramp" in value or "sine" in value:
+            return value["ramp"]["to"] if "ramp" in value else value["sine"]["mean"]
         return {key: _plain(each) for key, each in value.items()}
     return [_plain(each) for each in value] if isinstance(value, list) else value
 

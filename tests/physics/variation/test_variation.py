@@ -12,8 +12,8 @@ from pgimp.errors import CaseError, UsageError
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.parameters.layout import layout_of
 from pgimp.physics.variation import VARIATION, NoValueError, Places
-from pgimp.physics.variation.profile import read_profile
 from pgimp.physics.variation.waves import lognormal, waves
+from pgimp.schema.profile import read_profile
 
 SOLID = {"model": "hooke", "young": 100.0, "poisson": 0.3, "density": 2.0}
 

@@ -58,6 +58,21 @@ def test_a_part_gives_what_the_whole_does(dimension, floor):
     np.testing.assert_allclose(mine[own], found[order], rtol=0.0, atol=1e-10)
 
 
+def test_contact_in_the_initial_configuration_keeps_symmetry():
+    """Sweeps go through the vertices one after the other: to the tolerance of the impulses."""
+    case = pressed(2, part=False)
+    del case["method"]["wall"]
+    case["method"]["shape"], case["time"]["end"] = "gimp", 10.0
+    for body in case["bodies"].values():
+        body["configuration"] = "initial"
+    first = field(start(case), "x").copy()
+    last = field(finish(start(case)), "x")
+    mirror = np.array([-1.0, 1.0])
+    one, other = (np.lexsort(np.round(x, 6).T) for x in (first, first * mirror))
+    assert np.abs(last - first).max() > 1.0
+    np.testing.assert_allclose(last[one], last[other] * mirror, rtol=0.0, atol=1e-4)
+
+
 def between_rigid(dimension, part):
     """A plate that a rigid ball from below presses on one that moves freely, or the part of it."""
     cut = dimension - 1

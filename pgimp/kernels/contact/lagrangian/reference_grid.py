@@ -24,9 +24,13 @@ FACE_PLANE = structure(
 #: A reference vertex: velocity and mass, inverse mass by component (0 if held by a face or a
 #: constraint), and the contact impulse that these bear. Vectors of four numbers, see `NUMBERS`.
 REFERENCE_VERTEX = structure(
-    ("velocity", "f8", 3), ("mass", "f8"), ("inverse_mass", "f8", 3), ("_", "f8"),
-    ("held_impulse", "f8", 3), ("__", "f8"),
-)  # fmt: skip
+    ("velocity", "f8", 3),
+    ("mass", "f8"),
+    ("inverse_mass", "f8", 3),
+    ("_", "f8"),
+    ("held_impulse", "f8", 3),
+    ("__", "f8"),
+)
 
 #: Numbers in a reference vertex, and the first one of each vector.
 NUMBERS, OF_VELOCITY, OF_INVERSE_MASS, OF_HELD_IMPULSE = 12, 0, 4, 8

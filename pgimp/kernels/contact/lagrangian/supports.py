@@ -42,7 +42,7 @@ class Supports(NamedTuple):
         """Allocate the supports of `count` particles; `local` is from `local_vertices`."""
         return cls(
             np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)), local
-        )  # fmt: skip
+        )
 
 
 def local_vertices(vertices: int, dimensions: int) -> NDArray[np.uint32]:

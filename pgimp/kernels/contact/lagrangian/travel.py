@@ -82,8 +82,10 @@ def track(frame, field, table, local, mirrors) -> Tracked:
     for p in range(patches):
         for q in range(len(local)):
             number = (
-                firsts[p, 0] + local[q, 0], firsts[p, 1] + local[q, 1], firsts[p, 2] + local[q, 2]
-            )  # fmt: skip
+                firsts[p, 0] + local[q, 0],
+                firsts[p, 1] + local[q, 1],
+                firsts[p, 2] + local[q, 2],
+            )
             x, y, z = image_of(mirrors, number)
             x, y, z = x - window.lower[0], y - window.lower[1], z - window.lower[2]
             if x < 0 or x >= len(field.active) or y < 0 or y >= window.extent[1]:

@@ -229,10 +229,12 @@ class Selector:
         rank[order] = np.arange(len(order))
         reach = call(find_reach, frame, table, motion, slack, vertices, patches, rank, len(order))
         contact_vertices = contact_vertices._replace(
-            keys=patches.keys[order], start=reach.start, particle=reach.particle,
+            keys=patches.keys[order],
+            start=reach.start,
+            particle=reach.particle,
             reached=Reached.empty(len(order), len(reach.particle)),
             sums=np.empty(len(order), VERTEX_SUMS),
-        )  # fmt: skip
+        )
         table = table[reach.rows]
         start, fields = Supports.empty(len(table), self.local), 1 + int(self.fields.max())
         half, x = (np.ascontiguousarray(table[name]) for name in ("half_width", "weight_position"))
