@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +31,8 @@ class Source(NamedTuple):
         The material of each body.
     rank : int
         The rank.
+    periods : tuple of (float, float)
+        Low end and period of the domain by direction, 0 where it is not periodic; () without any.
     """
 
     particles: Any
@@ -38,6 +40,7 @@ class Source(NamedTuple):
     dimension: int
     body_material: tuple[int, ...]
     rank: int = 0
+    periods: tuple[tuple[float, float], ...] = ()
 
     def take(self, symbol: str) -> Array:
         """Return the selected rows of an array of the particles: (n,) or (n, k)."""
@@ -109,8 +112,22 @@ def material(source: Source) -> Array:
 
 
 def position(source: Source) -> Array:
-    """Return the centres, zero in missing directions."""
-    return _padded(source.take("x"), 3)
+    """Return the centres, zero in missing directions; within the domain where it is periodic."""
+    return _padded(within(source.take("x"), source.periods), 3)
+
+
+def within(x: Array, periods: Sequence[tuple[float, float]]) -> Array:
+    """Return positions (n, D) within a periodic domain, see `Source.periods`."""
+    for d, (low, period) in enumerate(periods):
+        if period > 0.0:
+            x[:, d] -= np.floor((x[:, d] - low) / period) * period
+    return x
+
+
+def unwrapped(source: Source) -> Array:
+    """Return the centres, with the turns through periodic faces."""
+    turns = source.take("winding") * np.array([period for _, period in source.periods])
+    return _padded(source.take("x") + turns, 3)
 
 
 def volume(source: Source) -> Array:
@@ -240,6 +257,13 @@ OPTIONAL = {
     ),
     "displacement": Field(
         displacement, "position less initial position [length]", components="x y z", kind="Vector"
+    ),
+    "unwrapped": Field(
+        unwrapped,
+        "position with the turns through periodic faces, as if the domain went on [length]; in "
+        "domains that are periodic",
+        components="x y z",
+        kind="Vector",
     ),
     "deformation": Field(
         deformation,

@@ -21,6 +21,15 @@ def cell_numbers(vertices: tuple[int, ...]) -> int:
     return blocks * _BREADTHS << BLOCK * (len(vertices) - 1)
 
 
+@inner_kernel
+def cells_of_layer(frame):
+    """Distance of the numbers that `locate` gives in a layer from those of the next."""
+    blocks = 1
+    for d in range(1, len(frame.cells)):
+        blocks *= ((frame.cells[d] + 1 + 2 * frame.ghost) >> BLOCK) + 1
+    return blocks * _BREADTHS << (BLOCK * (len(frame.cells) - 1))
+
+
 def vertices_of(cell: np.ndarray, vertices: tuple[int, ...]) -> np.ndarray:
     """First vertices, (n, D), of the supports with the given numbers."""
     across = len(vertices) - 1
