@@ -95,13 +95,15 @@ def sum_particles(
 
 
 def finish_sums(rank: RankState, marked: bool = False) -> None:
-    """Add the neighbours' sums, and set the masses of vertices that keep them; collective.
-
-    Both copies of the vertices at seams are one from here on, see `pgimp.kernels.grid.seam`.
-    """
+    """Add the neighbours' sums, and set the masses of vertices that keep them; collective."""
     rank.halo.finish(rank.grid)
     if rank.scene.by_cells:
         rank.call(recall_masses, rank.grid.field)
+    join_seams(rank, marked)
+
+
+def join_seams(rank: RankState, marked: bool) -> None:
+    """Make one of both copies of the vertices at seams, see `pgimp.kernels.grid.seam`."""
     for seam in rank.scene.domain.seams:
         rank.call(join_seam, rank.scene.domain.frame, rank.grid.field, seam)
         if marked:
