@@ -87,7 +87,7 @@ def join_volumes(frame, field, volumes, used, seam):
 
 @kernel
 def part_seam(frame, field, seam):
-    """Give the vertices beyond a seam the velocity and acceleration of the same ones inside.
+    """Give the vertices beyond a seam mass, velocity and acceleration of the same ones inside.
 
     Of two seams the one that was joined last comes first.
     """
@@ -100,7 +100,7 @@ def part_seam(frame, field, seam):
                 g, r = _copies(frame, field, seam, i, f, n)
                 if G[g + MASS] != _BEYOND - seam.axis:
                     continue
-                G[g + HELD] = G[r + HELD]
+                G[g + MASS], G[g + HELD] = G[r + MASS], G[r + HELD]
                 for d in range(3):
                     G[g + VELOCITY + d] = G[r + VELOCITY + d]
                     G[g + ACCELERATION + d] = G[r + ACCELERATION + d]
