@@ -170,16 +170,25 @@ def merge(particles, order, start, left, first, arrivals, order_out, start_out):
 
 @inner_kernel
 def _rank_in_order(particles, order, low, high, arrival):
-    """First offset in ``order[low:high]`` of a particle after `arrival` by (cell, id)."""
-    cell, number = particles.cell[arrival], particles.id[arrival]
+    """First offset in ``order[low:high]`` of a particle after `arrival` by (cell, id).
+
+    Particles that leave the layer are passed over: a seam changes their cells.
+    """
+    cell, number, layer = particles.cell[arrival], particles.id[arrival], particles.layer[arrival]
     while low < high:
         middle = (low + high) // 2
-        p = order[middle]
+        stays = middle
+        while stays < high and particles.layer[order[stays]] != layer:
+            stays += 1
+        if stays == high:
+            high = middle
+            continue
+        p = order[stays]
         after = particles.cell[p] > cell
         if particles.cell[p] == cell:
             after = particles.id[p] > number
         if after:
             high = middle
         else:
-            low = middle + 1
+            low = stays + 1
     return low
