@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from pgimp.case.body import Body
 from pgimp.case.grid import Grid
 from pgimp.case.output import Output
+from pgimp.geometry.regions import Points
 from pgimp.physics.boundaries.base import Boundary
+from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads import BODY_FORCES
 from pgimp.physics.loads.bodyforce import BodyForceEntry
+from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.rigid import RigidBody
 from pgimp.physics.shapes.base import Shape
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
-from pgimp.schema.sizes import Problems
+from pgimp.schema.sizes import WHOLE, Problems
 
 
 def periodic_axes(boundaries: Mapping[str, Boundary]) -> list[int]:
@@ -63,6 +66,9 @@ def check_periodic_bodies(
     boundaries: Mapping[str, Boundary],
     bodies: Mapping[str, Body],
     rigid_bodies: Mapping[str, RigidBody],
+    contact: Sequence[ContactEntry],
+    tractions: Mapping[str, TractionEntry],
+    grid: Grid,
     body_force: BodyForceEntry | None,
 ) -> Problems:
     """Check that bodies and loads are of a kind that knows a periodic domain."""
@@ -70,11 +76,20 @@ def check_periodic_bodies(
     if not axes:
         return
     faces = f"{'xyz'[axes[0]]}-min and {'xyz'[axes[0]]}-max are periodic"
-    for name, body in bodies.items():
-        if body.configuration == "initial":
+    initial = [name for name, body in bodies.items() if body.configuration == "initial"]
+    approached = any(entry.approaches for entry in boundaries.values())
+    for name in initial:
+        if contact or approached or len(initial) < len(bodies):
             yield Problem(
                 ("bodies", name, "configuration"),
-                f"{faces}, which bodies in the initial configuration do not know yet; take current",
+                f"{faces}, where bodies in the initial configuration meet nothing yet: no contact, "
+                "separating walls, or bodies in the current configuration; take current",
+            )
+        elif not isinstance(bodies[name].velocity, tuple):
+            yield Problem(
+                ("bodies", name, "velocity"),
+                f"{faces}, where the vertices of bodies in the initial configuration begin at one "
+                "velocity, [..]; take configuration: current",
             )
     for name in rigid_bodies:
         yield Problem(
@@ -82,6 +97,17 @@ def check_periodic_bodies(
             f"{faces}, and rigid bodies have no images beyond them yet; take walls (fixed, slip, "
             "velocity, separating) along the other directions, or a stiff body of a material",
         )
+    for name, entry in tractions.items():
+        body, axis = bodies.get(entry.body), "xyz".index(entry.face[0])
+        if axis in axes and body is not None and not isinstance(body.region, Points):
+            end = body.region.bounds()[entry.face.endswith("max")][axis]
+            face = (grid.corner if entry.face.endswith("max") else grid.origin)[axis]
+            if abs(end - face) <= WHOLE * grid.size[axis]:
+                yield Problem(
+                    ("tractions", name, "face"),
+                    f"{entry.face} of '{entry.body}' is on a periodic face, behind which it may go "
+                    "on; a body with an end there begins within the domain",
+                )
     if body_force is not None:
         yield Problem(
             ("body_force", name_of(body_force, BODY_FORCES)),

@@ -209,6 +209,8 @@ def read_motion(rank: Rank, source: CheckpointFile) -> None:
             raise DamagedError("its motion of vertices is not of this scene")
 
     all_or_none(rank.comm, read, DamagedError)
+    if scene.domain.ring is not None:  # planes behind the last layer are the first ones
+        rank.share_motion()
     keep_masses(rank)
 
 
