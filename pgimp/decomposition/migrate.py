@@ -126,9 +126,7 @@ class Migration:
         Sent so far by this rank.
     """
 
-    def __init__(
-        self, comm: Communicator, slab: Slab, particles: Particles, ring: int = 0
-    ) -> None:
+    def __init__(self, comm: Communicator, slab: Slab, particles: Particles, ring: int = 0) -> None:
         self.messages = self.bytes = 0
         columns, self._ring = particles.width, ring
         lower, upper = (

@@ -95,10 +95,8 @@ def _outside(frame, exits, x):
     """Return whether a particle has left the domain, and whether it may."""
     error = 0
     for d in range(len(x)):
-        if is_periodic(exits, d):
-            continue
         xi = (x[d] - frame.origin[d]) * frame.inverse[d]
-        if not (xi >= 0.0 and xi <= frame.cells[d]):
+        if not ((xi >= 0.0 and xi <= frame.cells[d]) or is_periodic(exits, d)):
             if exits >> (2 * d + (xi > 0.0)) & 1 == 0:
                 return OUTSIDE
             error = _LEAVES
@@ -286,8 +284,7 @@ def _examine(limits, particles, four, good, found, report, ledger, counts):
             if exits >= 1 << PERIODIC:
                 for d in range(len(xj)):
                     width = lane(vector(half[d]), j)
-                    turns = turn(frame, exits, particles, p, d, width)
-                    if d == 0 and turns != 0:
+                    if turn(frame, exits, particles, p, d, width) != 0 and d == 0:
                         layer_now = int(first_vertex(frame, 0, width, particles.x[p, 0]))
                 xj = read(particles.x, p, 0, frame.origin)
             for d in range(1, len(xj)):

@@ -1,4 +1,4 @@
-"""Periodic domains: bodies cross the seam, meet across it, and go on in the initial configuration."""
+"""Periodic domains: bodies cross seams and meet across them; layers of fluid and solids."""
 
 from scenes import SOFT, box, scene
 
