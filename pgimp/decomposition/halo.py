@@ -72,7 +72,7 @@ class Halo:
         self.overlap, self.piece = switched_on(SWITCH, *_MEANING), PIECE
         self._alone = not slab.neighbours
         #: Whether this rank is its own neighbour, on a ring.
-        self._own = slab.layers > 0 and slab.lower == slab.upper == comm.rank
+        self._own = slab.neighbours and slab.lower == slab.upper == comm.rank
         self.messages = self.bytes = 0
         layers = slab.layers
         self._first = shared if slab.lower is not None else 0

@@ -130,7 +130,9 @@ class Migration:
         self.messages = self.bytes = 0
         columns, self._ring = particles.width, ring
         lower, upper = (
-            None if neighbour in (None, comm.rank) else _Link(comm, neighbour, columns, above)
+            None
+            if neighbour is None or neighbour == comm.rank
+            else _Link(comm, neighbour, columns, above)
             for neighbour, above in ((slab.lower, False), (slab.upper, True))
         )
         self._lower, self._upper = lower, upper
