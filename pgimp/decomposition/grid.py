@@ -245,6 +245,8 @@ class Grid:
 
     def join_marks(self, axis: int) -> None:
         """Unite the constraints of both copies of the vertices at a seam across y or z."""
+        if not self.planes:
+            return
         frame, extent = self.frame, self.window.extent
         marks = np.moveaxis(self.marks.reshape(self.planes, -1, *extent[1:]), axis + 1, 0)
         end = frame.ghost + frame.cells[axis] - self.window.lower[axis]
