@@ -282,10 +282,8 @@ def _examine(limits, particles, four, good, found, report, ledger, counts):
                 failed += 1
                 continue
             if exits >= 1 << PERIODIC:
-                for d in range(len(xj)):
-                    width = lane(vector(half[d]), j)
-                    if turn(frame, exits, particles, p, d, width) != 0 and d == 0:
-                        layer_now = int(first_vertex(frame, 0, width, particles.x[p, 0]))
+                columns = particles.x, particles.origin, particles.winding, particles.cell
+                layer_now = turn(frame, exits, columns, p, half, j, layer_now)
                 xj = read(particles.x, p, 0, frame.origin)
             for d in range(1, len(xj)):
                 i = first_vertex(frame, d, lane(vector(half[d]), j), xj[d])

@@ -7,7 +7,9 @@ high face. So each layer has all particles of its supports, at the seam as insid
 
 from math import floor
 
-from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.vectors.lanes import of_lane
+from pgimp.jit.vectors.simd import vec4
 from pgimp.kernels.order.order import cells_of_layer
 from pgimp.kernels.transfer.first_vertex import coordinate, first_vertex, half_widths
 
@@ -25,24 +27,27 @@ def is_periodic(exits, d):
 
 
 @inner_kernel
-def turn(frame, exits, particles, p, d, half):
+def _turn(frame, columns, p, d, half, now):
     """Move particle `p` by whole periods along `d`, if its first vertex is beyond the seam.
 
     Parameters
     ----------
-    frame, exits, particles
-        See `Frame`, `KernelScene`, `Particles`.
+    frame : Frame
+        See there.
+    columns : tuple of arrays
+        See `turn`.
     half : float
         The particle's half-width along `d`, in cells.
+    now : float
+        Its coordinate, which decides.
 
     Returns
     -------
     int
         The periods that it was moved down.
     """
-    if not is_periodic(exits, d):
-        return 0
-    low, cells, now = frame.ghost, frame.cells[d], coordinate(frame, particles, p, d)
+    position, origin, winding, cell = columns
+    low, cells = frame.ghost, frame.cells[d]
     turns = floor((first_vertex(frame, d, half, now) - low) / cells)
     if turns == 0:
         return 0
@@ -56,21 +61,59 @@ def turn(frame, exits, particles, p, d, half):
     while first_vertex(frame, d, half, x) >= low + cells:
         x -= step
         step *= 2.0
-    particles.x[p, d] = x
-    if particles.origin.shape[1] > 0:  # so that displacements stay
-        same = particles.origin[p, d] == now
-        particles.origin[p, d] = x if same else particles.origin[p, d] - turns * size
-    particles.winding[p, d] += turns
+    position[p, d] = x
+    if origin.shape[1] > 0:  # so that displacements stay
+        origin[p, d] = x if origin[p, d] == now else origin[p, d] - turns * size
+    winding[p, d] += turns
     if d == 0:
         # As if it had come from the layers before the ring, or behind it: the order is geometric.
-        particles.cell[p] -= turns * cells * cells_of_layer(frame)
+        cell[p] -= turns * cells * cells_of_layer(frame)
     return turns
+
+
+@inner_kernel
+def _turn_over(frame, exits, columns, p, half, layer):
+    """See `turn`; `half` is of one particle."""
+    for d in range(len(half)):
+        if is_periodic(exits, d):
+            if _turn(frame, columns, p, d, half[d], columns[0][p, d]) != 0 and d == 0:
+                layer = int(first_vertex(frame, 0, half[0], columns[0][p, 0]))
+    return layer
+
+
+def turn(frame, exits, columns, p, half, j, layer):
+    """Move particle `p` by whole periods where its support is beyond a seam; return its layer.
+
+    Parameters
+    ----------
+    frame, exits
+        See `Frame`, `KernelScene`.
+    columns : tuple of arrays
+        Of the particles: position, initial position, turns, cell.
+    half : tuple
+        Half-widths of four particles in cells, of which `p` is number `j`; or of all.
+    layer : int
+        Its layer before.
+    """
+
+
+@specialise(turn)
+def _turn_of(frame, exits, columns, p, half, j, layer):
+    if half[0] == vec4:
+        return lambda frame, exits, columns, p, half, j, layer: _turn_over(
+            frame, exits, columns, p, of_lane(half, j), layer
+        )
+    return lambda frame, exits, columns, p, half, j, layer: _turn_over(
+        frame, exits, columns, p, half, layer
+    )
 
 
 @kernel
 def turn_all(shape, frame, exits, particles, rows):
     """Move the particles in `rows` by whole periods where their supports are beyond a seam."""
+    columns = particles.x, particles.origin, particles.winding, particles.cell
     for p in rows:
         half = half_widths(shape, frame, particles, p)
         for d in range(len(frame.origin)):
-            turn(frame, exits, particles, p, d, half[d])
+            if is_periodic(exits, d):
+                _turn(frame, columns, p, d, half[d], coordinate(frame, particles, p, d))
