@@ -54,6 +54,8 @@ class Grid:
         from the grid.
     lagrangian : (bodies,) bool, optional
         Bodies in the initial configuration, whose vertices keep their motion.
+    periodic : sequence of bool, optional
+        Directions in which the domain is periodic; the window has all of those across.
 
     Attributes
     ----------
@@ -92,11 +94,13 @@ class Grid:
         fields: Sequence[int] = (),
         bounds: tuple[tuple[float, float], ...] | None = None,
         lagrangian: np.ndarray | None = None,
+        periodic: Sequence[bool] = (),
     ) -> None:
         self.frame = frame
         self.lag = lag
         self._fixed_bounds = bounds
         self._lagrangian = lagrangian
+        self._periodic = tuple(periodic) or (False,) * len(frame.cells)
         self.fields = tuple(fields)
         self.vertices = vertices
         self.slab = slab
@@ -139,9 +143,11 @@ class Grid:
         for d in range(1, len(self.frame.cells)):
             last = self.frame.vertices[d] - self.vertices
             low, high = max(0, int(base[0, d - 1])), min(last, int(base[1, d - 1]))
+            inner = min(low + self.lag, last) if low else 0, max(high - self.lag, 0)
+            if self._periodic[d]:
+                low, high = inner = self.frame.ghost, self.frame.ghost + self.frame.cells[d] - 1
             self.base[:, d - 1] = low, high
-            self.inner_bounds[0, d - 1] = min(low + self.lag, last) if low else 0
-            self.inner_bounds[1, d - 1] = max(high - self.lag, 0) if high < last else last
+            self.inner_bounds[:, d - 1] = inner[0], inner[1] if high < last else last
             lower[d], extent[d] = low, high - low + self.vertices
         self._room.clear()
         self._arrange((lower[0], lower[1], lower[2]), (extent[0], extent[1], extent[2]))
@@ -237,6 +243,15 @@ class Grid:
             self._marks = np.zeros(len(self.G) // RECORD, np.int64)
         return self._marks
 
+    def join_marks(self, axis: int) -> None:
+        """Unite the constraints of both copies of the vertices at a seam across y or z."""
+        if not self.planes:
+            return
+        frame, extent = self.frame, self.window.extent
+        marks = np.moveaxis(self.marks.reshape(self.planes, -1, *extent[1:]), axis + 1, 0)
+        end = frame.ghost + frame.cells[axis] - self.window.lower[axis]
+        marks[end - frame.cells[axis] :][: len(marks[end:])] |= marks[end:]
+
     def _bounds(self) -> tuple[tuple[float, float], ...]:
         """Coordinates within which a particle is certainly in the domain and within `inner_bounds`.
 
@@ -246,6 +261,8 @@ class Grid:
         bounds = []
         for d, cells in enumerate(self.frame.cells):
             low, high = 0.0, float(cells)
+            if d == 0 and self._periodic[0]:  # the layer tells whether it is within
+                low, high = -2.0, cells + 2.0
             if d > 0:
                 # A support has its first vertex between floor(xi - 1) and floor(xi).
                 low = max(low, float(self.inner_bounds[0, d - 1] - self.frame.ghost) + 1.0)

@@ -23,7 +23,7 @@ from pgimp.mpi.communicator import Communicator, Request
 from pgimp.mpi.switches import switched_on
 
 _UP, _DOWN = 1, 2
-_MARKS = 4
+_MARKS_UP, _MARKS_DOWN = 4, 9
 
 #: Environment variable that turns overlap off: "0" sums all layers first, with the same bits.
 SWITCH = "PGIMP_OVERLAP"
@@ -71,6 +71,8 @@ class Halo:
         self.comm, self.slab, self.shared = comm, slab, shared
         self.overlap, self.piece = switched_on(SWITCH, *_MEANING), PIECE
         self._alone = not slab.neighbours
+        #: Whether this rank is its own neighbour, on a ring.
+        self._own = slab.neighbours and slab.lower == slab.upper == comm.rank
         self.messages = self.bytes = 0
         layers = slab.layers
         self._first = shared if slab.lower is not None else 0
@@ -89,7 +91,7 @@ class Halo:
         if not self._alone and end > begin:
             outer = np.concatenate([every[:begin], every[end:]])
             self._halves.append((outer, every[begin:end]))
-        self._kept = False
+        self._kept = self._ready = self._marked = False
         self._grid: np.ndarray | None = None
         self._marks: np.ndarray | None = None
         self._received = aligned(0)
@@ -142,6 +144,9 @@ class Halo:
         """
         if self._alone:
             return
+        if self._own:
+            self._ready, self._marked = True, marked
+            return
         if self._started:
             for request in self._started:
                 request.Test()
@@ -150,14 +155,7 @@ class Halo:
             self._connect(grid)
         if marked and self._marks is not grid.marks:
             self._connect_marks(grid)
-        if self.slab.upper is not None:
-            top = self.slab.layers
-            for i in range(top, top + self.shared):
-                if not grid.active[i]:
-                    grid.active[i] = 1
-                    grid.clear(i)
-        if self.slab.lower is not None:
-            grid.active[: self.shared] = 1
+        self._activate(grid)
         self._started += self._requests
         if marked:
             self._started += self._mark_requests
@@ -168,6 +166,8 @@ class Halo:
 
     def finish(self, grid: Grid) -> None:
         """Complete the sums of the shared planes, and unite the marks there."""
+        if self._ready:
+            self._close_ring(grid)
         if not self._started:
             return
         for request in self._started:
@@ -177,6 +177,30 @@ class Halo:
             for planes, others in self._others:
                 planes |= others
         self._started.clear()
+
+    def _activate(self, grid: Grid) -> None:
+        """Let the planes take part that are shared."""
+        if self.slab.upper is not None:
+            top = self.slab.layers
+            for i in range(top, top + self.shared):
+                if not grid.active[i]:
+                    grid.active[i] = 1
+                    grid.clear(i)
+        if self.slab.lower is not None:
+            grid.active[: self.shared] = 1
+
+    def _close_ring(self, grid: Grid) -> None:
+        """Exchange the sums with this rank itself, as with a neighbour."""
+        self._ready = False
+        self._activate(grid)
+        plane, top, shared = grid.window.stride[0], self.slab.layers, self.shared
+        grid.G[: shared * plane] = grid.G[top * plane :][: shared * plane]
+        complete(grid.field, shared, top, self._kept, grid.partial)
+        if self._marked:
+            plane //= RECORD
+            ends = grid.marks[: shared * plane], grid.marks[top * plane :][: shared * plane]
+            ends[0][:] |= ends[1]
+            ends[1][:] = ends[0]
 
     def _connect(self, grid: Grid) -> None:
         """Make the requests for the arrays of `grid`."""
@@ -206,12 +230,16 @@ class Halo:
         marks, self._marks = grid.marks, grid.marks
         plane = grid.window.stride[0] // RECORD
         self._others, self._sizes[1] = [], self._sizes[0]
-        for neighbour, first in ((self.slab.lower, 0), (self.slab.upper, self.slab.layers)):
+        lower, upper = self.slab.lower, self.slab.upper
+        for neighbour, first, sends, receives in (
+            (lower, 0, _MARKS_DOWN, _MARKS_UP),
+            (upper, self.slab.layers, _MARKS_UP, _MARKS_DOWN),
+        ):
             if neighbour is not None:
                 planes = marks[first * plane : (first + self.shared) * plane]
                 others = np.empty_like(planes)
                 self._others.append((planes, others))
-                self._mark_requests.append(self.comm.Recv_init(others, neighbour, _MARKS))
-                self._mark_requests.append(self.comm.Send_init(planes, neighbour, _MARKS))
+                self._mark_requests.append(self.comm.Recv_init(others, neighbour, receives))
+                self._mark_requests.append(self.comm.Send_init(planes, neighbour, sends))
                 self._sizes[1] += planes.nbytes
         self._every += self._mark_requests

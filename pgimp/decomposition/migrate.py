@@ -15,7 +15,7 @@ from pgimp.kernels.data.particles import Columns, Particles
 from pgimp.kernels.order.layer_changes import pack_rows, partition_migrants, unpack_rows
 from pgimp.mpi.communicator import Communicator, Request
 
-_TAG, _REST = 3, 6
+_UP, _DOWN, _REST_UP, _REST_DOWN = 3, 10, 6, 11
 
 #: Records in a message's first buffer.
 CAPACITY = 32
@@ -44,13 +44,18 @@ def _grown(number: int) -> int:
 
 
 class _Link:
-    """The messages between a rank and one of its neighbours."""
+    """The messages between a rank and one of its neighbours.
 
-    def __init__(self, comm: Communicator, neighbour: int, columns: int) -> None:
+    Tags differ by direction: on a ring of two ranks both neighbours are one.
+    """
+
+    def __init__(self, comm: Communicator, neighbour: int, columns: int, above: bool) -> None:
         self.comm, self.neighbour, self.columns = comm, neighbour, columns
+        up, down = (_UP, _REST_UP), (_DOWN, _REST_DOWN)
+        self.sends, self.receives = (up, down) if above else (down, up)
         self.to_send, self.to_receive = CAPACITY, CAPACITY  # records in the first message
         self.outgoing, self.incoming = _wire(CAPACITY, columns), _wire(CAPACITY, columns)
-        self.receipt = comm.Recv_init(self.incoming, neighbour, _TAG)
+        self.receipt = comm.Recv_init(self.incoming, neighbour, self.receives[0])
         self.requests: list[Request] = []
 
     def send(self, columns: Columns, rows: np.ndarray) -> int:
@@ -65,10 +70,10 @@ class _Link:
             pack_rows(*columns, rows, self.outgoing, 1, self.columns)
         end = 1 + number * self.columns
         full = 1 + capacity * self.columns
-        requests = self.requests
-        requests.append(self.comm.Isend(self.outgoing[: min(end, full)], self.neighbour, _TAG))
+        requests, (first, rest) = self.requests, self.sends
+        requests.append(self.comm.Isend(self.outgoing[: min(end, full)], self.neighbour, first))
         if end > full:
-            requests.append(self.comm.Isend(self.outgoing[full:end], self.neighbour, _REST))
+            requests.append(self.comm.Isend(self.outgoing[full:end], self.neighbour, rest))
         return len(requests)
 
     def wait(self) -> int:
@@ -80,9 +85,9 @@ class _Link:
             first, self.incoming = self.incoming, _wire(self.to_receive, self.columns)
             self.incoming[: len(first)] = first
             rest = self.incoming[len(first) : 1 + number * self.columns]
-            self.comm.Recv(rest, self.neighbour, _REST)
+            self.comm.Recv(rest, self.neighbour, self.receives[1])
             self.receipt.Free()
-            self.receipt = self.comm.Recv_init(self.incoming, self.neighbour, _TAG)
+            self.receipt = self.comm.Recv_init(self.incoming, self.neighbour, self.receives[0])
         return number
 
     def end(self) -> None:
@@ -112,6 +117,8 @@ class Migration:
         This rank's slab.
     particles : Particles
         This rank's particles; only the columns matter.
+    ring : int
+        Number of layers of a ring; 0 where they form a line.
 
     Attributes
     ----------
@@ -119,12 +126,14 @@ class Migration:
         Sent so far by this rank.
     """
 
-    def __init__(self, comm: Communicator, slab: Slab, particles: Particles) -> None:
+    def __init__(self, comm: Communicator, slab: Slab, particles: Particles, ring: int = 0) -> None:
         self.messages = self.bytes = 0
-        columns = particles.width
+        columns, self._ring = particles.width, ring
         lower, upper = (
-            None if neighbour is None else _Link(comm, neighbour, columns)
-            for neighbour in (slab.lower, slab.upper)
+            None
+            if neighbour is None or neighbour == comm.rank
+            else _Link(comm, neighbour, columns, above)
+            for neighbour, above in ((slab.lower, False), (slab.upper, True))
         )
         self._lower, self._upper = lower, upper
         self._links = [link for link in (lower, upper) if link is not None]
@@ -153,7 +162,9 @@ class Migration:
             self._migrants = with_capacity(self._migrants, found)
             layer, order = population.particles.layer, population.order
             slab, kept = (population.first, population.layers), self._arrivals[self._stay :]
-            stay, down, up = partition_migrants(layer, order, offsets, *slab, kept, self._migrants)
+            stay, down, up = partition_migrants(
+                layer, order, offsets, *slab, self._ring, kept, self._migrants
+            )
             self._stay += stay
         if self._sent:
             return

@@ -25,6 +25,7 @@ def redistribute(
     extra: int,
     population: Population,
     sums: Sequence[np.ndarray],
+    ring: int | None = None,
 ) -> list[np.ndarray]:
     """Change the decomposition between two steps; collective.
 
@@ -44,14 +45,17 @@ def redistribute(
         This rank's particles; changed.
     sums : sequence of arrays (planes, ...) float64
         For the planes that this rank owns in the old decomposition.
+    ring : int, optional
+        See `slab_of`; there are no extra planes then.
 
     Returns
     -------
     list of arrays (planes, ...) float64
         For the planes that it owns in the new one.
     """
-    rank, before, after = comm.rank, slab_of(old, comm.rank), slab_of(new, comm.rank)
-    had, gets = _planes(old, extra, rank), _planes(new, extra, rank)
+    rank = comm.rank
+    before, after = slab_of(old, rank, ring), slab_of(new, rank, ring)
+    had, gets = _planes(old, extra, rank, ring), _planes(new, extra, rank, ring)
     start, order, layers = population.start, population.order, before.layers
     columns = population.particles.width
     each = max(1, _PIECE // columns)
@@ -78,9 +82,9 @@ def redistribute(
     # most one message is on its way out and one on its way in.
     for distance in _distances(old, new, extra):
         to, source = rank + distance, rank - distance
-        going = planes[span(had, had, _planes(new, extra, to))]
-        coming = new_planes[span(gets, gets, _planes(old, extra, source))]
-        leaving = rows_of(_planes(new, 0, to))
+        going = planes[span(had, had, _planes(new, extra, to, ring))]
+        coming = new_planes[span(gets, gets, _planes(old, extra, source, ring))]
+        leaving = rows_of(_planes(new, 0, to, ring))
         request = comm.Isend(np.ascontiguousarray(going), to, _TAG) if len(going) else None
         if len(coming):
             comm.Recv(coming, source, _TAG)
@@ -110,11 +114,11 @@ def redistribute(
     return [part.reshape(len(part), *shape) for part, shape in zip(parts, shapes, strict=True)]
 
 
-def _planes(cuts: list[int], extra: int, rank: int) -> Slab:
+def _planes(cuts: list[int], extra: int, rank: int, ring: int | None) -> Slab:
     """Planes that a rank owns; none for a number without a rank."""
     if not 0 <= rank < len(cuts) - 1:
-        return Slab(cuts[-1] + extra, 0, None, None)
-    return slab_of([*cuts[:-1], cuts[-1] + extra], rank)
+        return Slab((ring or 0) + cuts[-1] + extra, 0, None, None)
+    return slab_of([*cuts[:-1], cuts[-1] + extra], rank, ring)
 
 
 def _distances(old: list[int], new: list[int], extra: int) -> list[int]:

@@ -126,17 +126,24 @@ def imbalance_of(costs: np.ndarray, cuts: list[int]) -> float:
     return float(parts.max() / parts.mean()) - 1.0 if parts.any() else 0.0
 
 
-def slab_of(cuts: list[int], rank: int) -> Slab:
-    """Slab of a rank, from the result of `cut`."""
-    active = len(cuts) - 1
+def slab_of(cuts: list[int], rank: int, ring: int | None = None) -> Slab:
+    """Slab of a rank, from the result of `cut`.
+
+    Parameters
+    ----------
+    cuts, rank
+        The cuts, and the rank.
+    ring : int, optional
+        Number of the first layer of a ring, where faces across x are periodic. The first and the
+        last rank are then neighbours, and a single one is its own.
+    """
+    active, first = len(cuts) - 1, ring or 0
     if rank >= active:
-        return Slab(cuts[-1], 0, None, None)
-    return Slab(
-        cuts[rank],
-        cuts[rank + 1] - cuts[rank],
-        rank - 1 if rank > 0 else None,
-        rank + 1 if rank + 1 < active else None,
-    )
+        return Slab(first + cuts[-1], 0, None, None)
+    below, above = rank - 1 if rank > 0 else None, rank + 1 if rank + 1 < active else None
+    if ring is not None:
+        below, above = (rank - 1) % active, (rank + 1) % active
+    return Slab(first + cuts[rank], cuts[rank + 1] - cuts[rank], below, above)
 
 
 def common(a: Slab, b: Slab) -> tuple[int, int]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+
+from pgimp.physics.source import Source, within
 
 Array = np.ndarray
 
@@ -14,40 +16,6 @@ TENSOR = "xx yy zz xy yz xz"
 
 #: Prefix of the fields of spatially varying parameters, before their keys in the case.
 PREFIX = "parameter-"
-
-
-class Source(NamedTuple):
-    """Data from which fields are computed.
-
-    Attributes
-    ----------
-    particles : Particles
-        The rank's particles, in storage order with holes.
-    rows : ndarray of int64, shape (n,)
-        Storage indices of the selected particles.
-    dimension : int
-        Dimensions of the case: 1, 2 or 3.
-    body_material : tuple of int
-        The material of each body.
-    rank : int
-        The rank.
-    """
-
-    particles: Any
-    rows: Array
-    dimension: int
-    body_material: tuple[int, ...]
-    rank: int = 0
-
-    def take(self, symbol: str) -> Array:
-        """Return the selected rows of an array of the particles: (n,) or (n, k)."""
-        # Several times faster than indexing with the rows.
-        return np.take(getattr(self.particles, symbol), self.rows, axis=0)
-
-    @property
-    def axial(self) -> bool:
-        """Whether the particles are rings, whose F has a zz."""
-        return self.particles.F.shape[1] > self.dimension**2
 
 
 class Field(NamedTuple):
@@ -109,8 +77,14 @@ def material(source: Source) -> Array:
 
 
 def position(source: Source) -> Array:
-    """Return the centres, zero in missing directions."""
-    return _padded(source.take("x"), 3)
+    """Return the centres, zero in missing directions; within the domain where it is periodic."""
+    return _padded(within(source.take("x"), source.periods), 3)
+
+
+def unwrapped(source: Source) -> Array:
+    """Return the centres, with the turns through periodic faces."""
+    turns = source.take("winding") * np.array([period for _, period in source.periods])
+    return _padded(source.take("x") + turns, 3)
 
 
 def volume(source: Source) -> Array:
@@ -240,6 +214,13 @@ OPTIONAL = {
     ),
     "displacement": Field(
         displacement, "position less initial position [length]", components="x y z", kind="Vector"
+    ),
+    "unwrapped": Field(
+        unwrapped,
+        "position with the turns through periodic faces, as if the domain went on [length]; in "
+        "domains that are periodic",
+        components="x y z",
+        kind="Vector",
     ),
     "deformation": Field(
         deformation,

@@ -87,6 +87,8 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
     fields = [name for name in scene.fields if name not in BY_RANKS]
     if not scene.settings.origins:
         fields.remove("displacement")
+    if not scene.domain.ends:
+        fields.remove("unwrapped")
     file = ParticleFile(sim.case, scene, fields)
     shown = file.rows(comm, sim.particles.id[chosen], chosen, sim.count, complete=False)
     courant = _courant(sim, found)

@@ -11,8 +11,10 @@ from pgimp.kernels.data.frame import AxialFrame, Frame
 from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
+from pgimp.kernels.grid.seam import Seam
 from pgimp.kernels.grid.wall_gap import Sides
 from pgimp.kernels.order.order import cell_numbers
+from pgimp.kernels.update.turns import PERIODIC
 from pgimp.scene.faces import (
     AXES,
     Face,
@@ -43,6 +45,9 @@ class Domain:
     unilateral_walls : bool
         Whether bodies in the initial configuration meet unilateral walls: at their current
         position, not on their own grid.
+    periodic : tuple of bool
+        Directions in which the domain is periodic. `seams` are those across the planes; along x
+        layers form a ring.
     exits : int
         Faces through which particles may leave, by bit; see `KernelScene`.
     bounds : tuple of (float, float) or None
@@ -65,13 +70,20 @@ class Domain:
             raise CaseError("grid.cell: more cells than can be numbered; use larger ones")
         named = case.boundaries
         order = [f"{axis}-{end}" for axis in AXES for end in ("min", "max")]
-        self.faces = [Face(name, named[name]) for name in order if name in named]
+        self.faces = [
+            Face(name, named[name]) for name in order if name in named and not named[name].joins
+        ]
+        self.periodic = tuple(
+            f"{axis}-min" in named and named[f"{axis}-min"].joins
+            for axis in AXES[: case.dimensions]
+        )
+        self.seams = [Seam(axis) for axis, joined in enumerate(self.periodic) if joined and axis]
         self.unilateral_walls = remote and any(face.condition.approaches for face in self.faces)
         if self.unilateral_walls:
             self.faces.sort(key=lambda face: face.condition.approaches)
         self.exits = sum(
             1 << order.index(face) for face, way in case.escape.items() if way == "remove"
-        )
+        ) + sum(1 << PERIODIC + axis for axis, joined in enumerate(self.periodic) if joined)
         # Unilateral walls come last: where they meet other walls, they use the sums of both.
         self.mirrors = sorted(
             (
@@ -102,6 +114,28 @@ class Domain:
         self._walls = None if moves else walls(self.faces, self.frame, 0.0)
         if self._walls is not None:
             self._walls[:, GRAVITY] = np.repeat(self._gravity, 2)
+
+    @property
+    def ring(self) -> int | None:
+        """Number of the first layer of the ring along x; None where layers form a line."""
+        return self.frame.ghost if self.periodic[0] else None
+
+    @property
+    def ring_layers(self) -> int:
+        """Number of layers of the ring along x; 0 where they form a line."""
+        return self.frame.cells[0] if self.periodic[0] else 0
+
+    @property
+    def periods(self) -> np.ndarray:
+        """Period by direction, 0 where there is none, (D,)."""
+        return np.where(self.periodic, np.multiply(self.frame.cells, self.frame.cell), 0.0)
+
+    @property
+    def ends(self) -> tuple[tuple[float, float], ...]:
+        """Low end and period of each direction; () if none is periodic, see `fields.Source`."""
+        if not any(self.periodic):
+            return ()
+        return tuple(zip(self.frame.origin, self.periods.tolist(), strict=True))
 
     def around(self, centroids: np.ndarray) -> np.ndarray:
         """Way of parts with these centroids, (n, D), round the axis.

@@ -83,7 +83,11 @@ def table_of(parameters: Sequence[NamedTuple]) -> Faces:
 
     It has all registered conditions, used or not, so that kernels are compiled once.
     """
-    entries = [get_type_hints(entry.parameters)["return"] for entry in BOUNDARIES.values()]
+    entries = [
+        get_type_hints(entry.parameters)["return"]
+        for entry in BOUNDARIES.values()
+        if not entry.joins
+    ]
     kinds = {kind: _example(kind) for kind in entries}
     kinds |= {type(each): each for each in parameters if type(each) not in kinds}
     width = max(len(_numbers(each)) for each in kinds.values())

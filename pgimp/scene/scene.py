@@ -74,6 +74,7 @@ class Scene:
             own=materials.variations.width,
             liquid=bool(self.interaction.flows and self.interaction.flows.relaxes),
             axial=case.axisymmetric,
+            winding=any(domain.periodic),
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
         kind = AxialInitialFrame if case.axisymmetric else InitialFrame

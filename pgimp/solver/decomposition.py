@@ -6,8 +6,11 @@ from time import perf_counter, thread_time
 import numpy as np
 
 from pgimp.decomposition.balance import Balance
+from pgimp.decomposition.migrate import pack, unpack
 from pgimp.decomposition.slabs import Slab, cut, slab_of
+from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.order.order import layers_of
+from pgimp.kernels.update.turns import turn_all
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank import Rank
@@ -17,6 +20,9 @@ from pgimp.solver.window import shrink_window
 #: Steps between two re-sorts of the particles' rows, with a report of the load: a sort costs half a
 #: step. A step becomes slower by up to a thousandth with every step that the rows grow stale.
 RESORT = 48
+
+#: Tag of messages with the particles beyond a seam at the start, and the two beside it.
+_SEAM = 13
 
 
 def partition(
@@ -31,7 +37,7 @@ def partition(
     comm : communicator
         Of all ranks.
     counts : (layers,) int64
-        Particles of each layer.
+        Particles of each layer, or of each layer of a ring.
 
     Returns
     -------
@@ -42,8 +48,10 @@ def partition(
     list of str
         Notes for the user.
     """
-    vertices = scene.settings.vertices
+    vertices, ring = scene.settings.vertices, scene.domain.ring
     ends = scene.ends
+    if ring is not None and len(counts) > scene.domain.ring_layers:
+        counts = counts[ring : ring + scene.domain.ring_layers]
     cuts = cut(counts, comm.size, vertices - 1, ends)
     notes = []
     if idle := comm.size - (len(cuts) - 1):
@@ -54,7 +62,63 @@ def partition(
             f"at most {len(cuts) - 1} ranks ({each} layers each{outer}); use fewer ranks"
         )
     balance = Balance(cuts, int(counts.sum()), vertices, ends, RESORT)
-    return slab_of(cuts, comm.rank), balance, notes
+    return slab_of(cuts, comm.rank, ring), balance, notes
+
+
+def ring_counts(scene: Scene, counts: np.ndarray) -> np.ndarray:
+    """Particles of the layers on the grid, those beyond a ring along x in its layers."""
+    ring = scene.domain.ring
+    if ring is None:
+        return counts
+    found, end = counts.copy(), ring + scene.domain.ring_layers
+    found[ring : 2 * ring] += counts[end : end + ring]
+    found[end - ring : end] += counts[:ring]
+    found[:ring] = found[end:] = 0
+    return found
+
+
+def create_particles(
+    scene: Scene, slab: Slab, comm: Communicator, create: Callable[[Slab], tuple[Particles, int]]
+) -> tuple[Particles, int]:
+    """Create a slab's particles, those beyond a seam where they belong; collective.
+
+    Parameters
+    ----------
+    scene, slab, comm
+        The scene, this rank's slab, all ranks.
+    create : callable
+        Returns the particles in the layers of a slab, and their number; collective.
+    """
+    ring, domain = scene.domain.ring, scene.domain
+    wide, count_of = slab, domain.ring_layers
+    if ring is not None and slab.layers:  # layers beyond both ends of the grid
+        if slab.first == ring:
+            wide = wide._replace(first=0, layers=wide.layers + ring)
+        if slab.first + slab.layers == ring + count_of:
+            wide = wide._replace(layers=wide.layers + ring)
+    particles, count = create(wide)
+    if not any(domain.periodic):
+        return particles, count
+    rows = np.arange(count, dtype=np.int32)
+    turn_all(scene.settings.shape, scene.order_frame, domain.exits, particles, rows)
+    lower, upper = slab.lower, slab.upper
+    if ring is None or slab.layers == 0 or lower == comm.rank:
+        return particles, count
+    leaving = particles.winding[:count, 0]
+    first, last = slab.first == ring, slab.first + slab.layers == ring + count_of
+    ends = [(lower, -1)] * first + [(upper, 1)] * last
+    sent = [
+        comm.isend(pack(particles, np.flatnonzero(leaving == turns)), other, _SEAM - turns)
+        for other, turns in ends
+    ]
+    came = [comm.recv(source=other, tag=_SEAM + turns) for other, turns in ends]
+    for each in sent:
+        each.wait()
+    stay = np.flatnonzero(leaving == 0)
+    records = np.concatenate([pack(particles, stay), *came])
+    found = Particles.empty(max(1, len(records)), scene.created)
+    unpack(records, found, np.arange(len(records)))
+    return found, len(records)
 
 
 def slab_predicate(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarray]:

@@ -173,10 +173,13 @@ class Particles(Mapping[str, np.ndarray]):
 
     def _names(self) -> list[str]:
         followed = self._core.particles.origin.shape[1] > 0
+        turns = self._core.particles.winding.shape[1] > 0
         return [
             name
             for name in self._core.scene.fields
-            if name not in fields.FAILURE and (followed or name != "displacement")
+            if name not in fields.FAILURE
+            and (followed or name != "displacement")
+            and (turns or name != "unwrapped")
         ]
 
     def __iter__(self) -> Iterator[str]:
@@ -211,7 +214,10 @@ class Particles(Mapping[str, np.ndarray]):
         rows = core.live()
         rows = rows[np.argsort(core.particles.id[rows])]
         scene = core.scene
-        source = fields.Source(core.particles, rows, scene.dimension, scene.materials.body_material)
+        source = fields.Source(
+            core.particles, rows, scene.dimension, scene.materials.body_material,
+            periods=scene.domain.ends,
+        )  # fmt: skip
         return scene.fields[name].values(source)
 
     def to_pandas(self, *names: str) -> pandas.DataFrame:

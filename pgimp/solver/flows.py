@@ -15,6 +15,7 @@ from pgimp.kernels.grid.filling import (
     fold_filling,
     reflect_filling,
 )
+from pgimp.kernels.grid.seam import join_records
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.flows import SceneFlows
 from pgimp.scene.scene import Scene
@@ -77,6 +78,8 @@ class Flows:
         self._sums.fit(grid, flows.fields)
         self._sums.add(particles, order, np.arange(grid.planes))
         own, frame = self._sums.grid, self.scene.domain.frame
+        for seam in self.scene.domain.seams:
+            self.call(join_records, frame, own.field, seam)
         for wall in flows.walls:
             self.call(fold_filling, frame, own.field, wall)
         rigid_bodies, calming = rank.contact.rigid_bodies, self.sums.calming

@@ -129,10 +129,10 @@ class Rank:
         bounds = scene.domain.bounds if scene.settings.initial else None
         self.grid = Grid(
             scene.domain.frame, scene.settings.vertices, slab, lag, self.contact.fields, bounds,
-            scene.settings.lagrangian_bodies,
+            scene.settings.lagrangian_bodies, scene.domain.periodic,
         )  # fmt: skip
         self.halo = Halo(comm, slab, scene.settings.vertices - 1)
-        self.migration = Migration(comm, slab, self.particles)
+        self.migration = Migration(comm, slab, self.particles, scene.domain.ring_layers)
         self.keeping = Keeping(scene, comm, self.free, slab.layers)
         outflow = (
             (len(scene.body_names), scene.materials.sums) if scene.settings.escapes else (0, 0)
@@ -192,7 +192,8 @@ class Rank:
     @property
     def migrates(self) -> bool:
         """Whether particles may migrate to or from other ranks in a step."""
-        return self.slab.neighbours and not self.scene.settings.initial
+        apart = self.slab.neighbours and self.slab.lower != self.comm.rank
+        return apart and not self.scene.settings.initial
 
     @property
     def free(self) -> FreeBodies | None:
@@ -222,11 +223,12 @@ class Rank:
         old, new : list of int
             As from `pgimp.decomposition.slabs.cut`, equal on every rank.
         """
-        window, extra = self.grid.base, self.scene.settings.vertices - 1
+        window, ring = self.grid.base, self.scene.domain.ring
+        extra = self.scene.settings.vertices - 1 if ring is None else 0
         owned = (*self.booked(), *self.grid.owned_motion())
-        sums = redistribute(self.comm, old, new, extra, self.population, owned)
+        sums = redistribute(self.comm, old, new, extra, self.population, owned, ring)
         self.moved = True
-        self._allocate(slab_of(new, self.comm.rank))
+        self._allocate(slab_of(new, self.comm.rank, ring))
         self.contact.moved()
         self.grid.store(window)
         for mine, values in zip((*self.booked(), *self.grid.owned_motion()), sums, strict=True):
@@ -239,6 +241,9 @@ class Rank:
             return
         values, owned = self.grid.by_vertex(self.grid.kept.values), self.grid.owned
         lower, upper = self.slab.lower, self.slab.upper
+        if lower == self.comm.rank:
+            values[owned:] = values[: self.grid.shared_lower]
+            return
         sent = None
         if lower is not None:
             sent = self.comm.isend(values[: self.grid.shared_lower].copy(), lower, _MOTION)
@@ -251,7 +256,8 @@ class Rank:
         """Drop the particles' velocity gradients, which only the vertices' start needed."""
         particles = self.population.particles
         self.population.particles = particles._replace(L=np.zeros((particles.capacity, 0)))
-        self.migration = Migration(self.comm, self.slab, self.particles)
+        ring = self.scene.domain.ring_layers
+        self.migration = Migration(self.comm, self.slab, self.particles, ring)
 
     def enter(self, scene: Scene, particles: Particles) -> None:
         """Change to the scene of another stage between two steps; the ledger starts from zero.

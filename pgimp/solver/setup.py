@@ -31,7 +31,7 @@ from pgimp.scene.rigid.checks import require_apart, require_clear, require_same,
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.configurations import fastest
-from pgimp.solver.decomposition import partition
+from pgimp.solver.decomposition import create_particles, partition, ring_counts
 from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
@@ -95,10 +95,13 @@ def begin(
         layer,
     )
     on_lattice = np.bincount(layer, counts.sum(axis=0), scene.domain.frame.vertices[0])
-    slab = _decompose(start, creation.layer_counts(on_lattice))
-    particles, count = all_or_none(
-        comm, lambda: creation.create(slab, lattice, counts, layer), CaseError
-    )
+    slab = _decompose(start, ring_counts(scene, creation.layer_counts(on_lattice)))
+    particles, count = create_particles(
+        scene, slab, comm,
+        lambda own: all_or_none(
+            comm, lambda: creation.create(own, lattice, counts, layer), CaseError
+        ),
+    )  # fmt: skip
     scene.interaction.loads.require_all_hold(particles, count, comm)
     if later := later_constraints([each.case for each in scenes]):
         mine = held(later, particles.body[:count], particles.x[:count])

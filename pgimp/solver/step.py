@@ -67,7 +67,7 @@ def step(
     marked = bool(scene.interaction.loads.constraints)
     sum_particles(rank, groups, loads, marked, by_cells=True)  # (16, 17, 18, 21, 22)
     lap("P2G")
-    finish_sums(rank)
+    finish_sums(rank, marked)
     t = begin()
     lap("exchange")
 

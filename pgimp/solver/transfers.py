@@ -9,6 +9,7 @@ import numpy as np
 
 from pgimp.kernels.data.arguments import Forcing, Report
 from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
+from pgimp.kernels.grid.seam import join_seam
 from pgimp.kernels.lagrangian.advance import advance_cells
 from pgimp.kernels.lagrangian.cells import Cells
 from pgimp.kernels.lagrangian.keep import recall_masses
@@ -93,11 +94,20 @@ def sum_particles(
         rank.halo.proceed(grid, marked)
 
 
-def finish_sums(rank: RankState) -> None:
+def finish_sums(rank: RankState, marked: bool = False) -> None:
     """Add the neighbours' sums, and set the masses of vertices that keep them; collective."""
     rank.halo.finish(rank.grid)
     if rank.scene.by_cells:
         rank.call(recall_masses, rank.grid.field)
+    join_seams(rank, marked)
+
+
+def join_seams(rank: RankState, marked: bool) -> None:
+    """Make one of both copies of the vertices at seams, see `pgimp.kernels.grid.seam`."""
+    for seam in rank.scene.domain.seams:
+        rank.call(join_seam, rank.scene.domain.frame, rank.grid.field, seam)
+        if marked:
+            rank.grid.join_marks(seam.axis)
 
 
 def particle_forcing(

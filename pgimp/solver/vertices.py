@@ -9,6 +9,7 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
+from pgimp.kernels.grid.seam import join_volumes, part_seam
 from pgimp.kernels.lagrangian.keep import keep_motion
 from pgimp.kernels.loads.loads import Loads
 from pgimp.solver.rank_state import RankState
@@ -60,6 +61,8 @@ def vertex_forcing(rank: RankState, t: Step, loads: Loads) -> Forcing:
 def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Fold the sums beyond reflecting faces; find the clearances of unilateral ones."""
     scene, field, call, contact = rank.scene, rank.grid.field, rank.call, rank.contact.data
+    for seam in scene.domain.seams if contact else ():
+        call(join_volumes, scene.domain.frame, field, contact.volumes, contact.used, seam)
     for releases in (False, True):  # unilateral ones last: they include the sums of both
         for mirror in scene.domain.mirrors:
             if mirror.releases == releases:
@@ -85,7 +88,9 @@ def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:
 
 
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:
-    """Set the vertices beyond reflecting faces to the images of vertices inside."""
+    """Set the vertices beyond reflecting faces, and beyond seams, from vertices inside."""
     scene, field = rank.scene, rank.grid.field
     for mirror in reversed(scene.domain.mirrors):
         rank.call(reflect, scene.domain.frame, field, mirror, update.forcing, update.ledger)
+    for seam in reversed(scene.domain.seams):
+        rank.call(part_seam, scene.domain.frame, field, seam)

@@ -19,6 +19,9 @@ def shrink_window(rank: Rank, reduction: StepReduction) -> None:
     if rank.scene.settings.initial:
         return
     bounds = _bounds_of_all(rank)
+    for d, joined in enumerate(rank.scene.domain.periodic[1:]):
+        if joined:
+            bounds[:, d] = rank.grid.base[:, d]
     needed = np.prod(np.maximum(bounds[1] - bounds[0], 0) + 4.0)
     stored = np.prod(rank.grid.base[1] - rank.grid.base[0] + 1.0)
     if stored > 2.0 * needed + 64.0:

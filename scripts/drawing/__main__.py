@@ -4,7 +4,7 @@ import argparse
 
 from column import compaction
 from cost import error_and_cost
-from exact import shock, spinning_block, vortex
+from exact import plane_waves, shock, spinning_block, vortex
 from flowing import blast, channel, dam_break, excavation, footing, gate, sand_column, slope, sod
 from looking import block3d, block3d_initial, block3d_paraview
 from meeting import corner, drum, hertz, hertz_line
@@ -17,8 +17,9 @@ from studies.harness import chosen
 PICTURES = {function.__name__.replace("_", "-"): function for function in (
     compaction, block3d, block3d_initial, block3d_paraview, disks, rolling, rolling_ball, incline,
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
-    taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, sod, channel,
-    sand_column, slope, graded, excavation, footing, dam_break, gate, blast, error_and_cost,
+    taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, plane_waves, sod,
+    channel, sand_column, slope, graded, excavation, footing, dam_break, gate, blast,
+    error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")
 parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))

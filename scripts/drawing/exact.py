@@ -100,3 +100,27 @@ def spinning_block(redraw):
         log_ticks(axis.yaxis)
         axis.legend(fontsize=9)
     save(figure, "spinning-block")
+
+
+def plane_waves(redraw):
+    """Velocities at three instants, and the errors over time."""
+    results = run("plane-waves", redraw)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
+    for at, colour in ((0.0, BLUE), (0.375, GREEN), (0.5, RED)):
+        frame = frame_at(results, at)
+        x, v = frame["position"][:, 0], frame["velocity"][:, 1]
+        start = frame["unwrapped"][:, 0] - 0.5 * at
+        exact = 0.25 + 0.04 * np.pi * np.sin(2 * np.pi * start) * np.cos(4 * np.pi * at)
+        order = np.argsort(x)
+        left.plot(x[order], exact[order], color=colour, lw=1)
+        left.plot(x[order][::24], v[order][::24], "o", ms=3, color=colour, label=f"t = {at:g} s")
+    left.set(xlabel="x [m]", ylabel="velocity along y [m/s]", xlim=(0.0, 1.0))
+    left.legend(fontsize=9)
+    history = results.history[1:]
+    for kind, text, colour in (("l2", "mean square", BLUE), ("max", "greatest", RED)):
+        error = 1e3 * history[f"error.displacement-{kind}"]
+        right.semilogy(history["time"], error, color=colour, label=text)
+    right.set(xlabel="time [s]", ylabel="error: displacement [mm]")
+    log_ticks(right.yaxis)
+    right.legend(fontsize=9)
+    save(figure, "plane-waves")

@@ -67,6 +67,7 @@ def test_bar_vibrates_at_its_frequency(runs):
         ("shock", 0.11, 0.1),
         ("vortex", 0.6, 0.05),
         ("spinning-block", 0.2, 0.12),
+        ("plane-waves", 0.1, 0.001),
     ],
 )
 def test_errors_against_the_exact_solution_are_small(runs, name, most, displacement):

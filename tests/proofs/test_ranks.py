@@ -35,6 +35,7 @@ GO_ON = {
         "affine",
         "loaded",
         "narrow",
+        "layer",
     ),
     (5, 4): (
         "line_mpm",
@@ -50,6 +51,8 @@ GO_ON = {
         "damped",
         "settled",
         "varied",
+        "round_and_round",
+        "endless",
     ),
 }
 #: Scenes that run on three ranks too: those that go on from there, and those that tests look at.

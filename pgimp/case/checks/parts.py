@@ -33,6 +33,12 @@ from pgimp.case.checks.domain import (
 )
 from pgimp.case.checks.geometry import check_axis, check_geometry, check_rings
 from pgimp.case.checks.numbers import check_numbers
+from pgimp.case.checks.periodic import (
+    check_period,
+    check_periodic_bodies,
+    check_periodic_faces,
+    check_unwrapped,
+)
 from pgimp.case.checks.probes import check_probes
 from pgimp.case.checks.regions import check_regions
 from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
@@ -144,6 +150,10 @@ _CHECKS = (
     check_body_force,
     check_boundaries,
     check_escape,
+    check_periodic_faces,
+    check_period,
+    check_periodic_bodies,
+    check_unwrapped,
     check_fields,
     check_tractions,
     check_constraints,

@@ -131,6 +131,14 @@ def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
             "{bodies: all, law: tied}",
         )
     yield from check_planes_of_symmetry(before, now)
+    for face in sorted({*before.boundaries, *now.boundaries}):
+        joined = [face in case.boundaries and case.boundaries[face].joins for case in (before, now)]
+        if joined[0] != joined[1]:
+            yield Problem(
+                ("boundaries", face),
+                "a domain is periodic from the start, or not at all: this cannot change in a "
+                "stage; keep the face as it is",
+            )
     if _with_origins(now) and not _with_origins(before):
         yield Problem(
             ("output", "fields"),

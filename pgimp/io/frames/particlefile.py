@@ -145,7 +145,9 @@ class ParticleFile:
             # HDF5 cannot chunk an empty dataset.
             way = self._in_chunks if self._compressed and rows.count else self._in_place
             materials = tuple(scene.materials.body_material)
-            source = Source(particles, rows.storage, scene.dimension, materials, comm.rank)
+            source = Source(
+                particles, rows.storage, scene.dimension, materials, comm.rank, scene.domain.ends
+            )
             values = Values(self.types, self.kinds, source, instead)
             file = way(part, rows, attributes, values, what)
             file.error = file.error or values.error

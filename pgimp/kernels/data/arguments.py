@@ -32,6 +32,7 @@ class KernelScene(NamedTuple):
         Whether V follows det(F) V0.
     exits : int
         Bit 2 d + s is set for an open face, of direction d at the low (s = 0) or high end (1).
+        Bit 6 + d is set where direction d is periodic.
     """
 
     shape: Any

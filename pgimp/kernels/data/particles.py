@@ -42,6 +42,8 @@ class Carried(NamedTuple):
         Whether they have the gradient of J.
     axial : bool
         Whether matrices have a zz, out of the plane.
+    winding : bool
+        Whether they count their turns through periodic faces.
     """
 
     dimensions: int
@@ -57,6 +59,7 @@ class Carried(NamedTuple):
     own: int = 0
     liquid: bool = False
     axial: bool = False
+    winding: bool = False
 
 
 class Column(NamedTuple):
@@ -209,6 +212,13 @@ class Particles(NamedTuple):
             lambda c: c.dimensions if c.liquid else 0,
         ),
     ]
+    winding: Annotated[
+        IntArray,
+        Column(
+            "turns through periodic faces: periods from its position to the unwrapped one", "",
+            lambda c: c.dimensions if c.winding else 0, np.int64,
+        ),
+    ]  # fmt: skip
 
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":

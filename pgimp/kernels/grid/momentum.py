@@ -70,6 +70,8 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
                 while left:
                     begin, end, left = next_rows(field, left)
                     for r in range(first + begin * row, first + end * row, RECORD):
+                        if not G[r + MASS] > 0.0:  # also beyond mirrors and seams
+                            continue
                         v = r + VELOCITY
                         b_v = gravity[0] * G[v] + gravity[1] * G[v + 1] + gravity[2] * G[v + 2]
                         power += G[r + MASS] * b_v

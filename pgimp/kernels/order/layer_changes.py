@@ -9,7 +9,7 @@ from pgimp.kernels.update.checks import OUTFLOW
 
 
 @kernel
-def partition_migrants(layer, order, ranks_in_order, first, layers, kept, migrants):
+def partition_migrants(layer, order, ranks_in_order, first, layers, ring, kept, migrants):
     """Partition the particles that have changed their layer by whether they leave the slab.
 
     Parameters
@@ -22,6 +22,8 @@ def partition_migrants(layer, order, ranks_in_order, first, layers, kept, migran
         Offsets in `order`.
     first, layers : int
         The slab.
+    ring : int
+        Number of layers of a ring, where the layers below the lowest are the highest; else 0.
     kept, migrants : (k,) int32
         Filled with rows: `kept`, from its beginning, with particles that stay. `migrants` from its
         beginning with particles for the lower rank, back from its end for the upper rank.
@@ -36,15 +38,19 @@ def partition_migrants(layer, order, ranks_in_order, first, layers, kept, migran
         p = order[k]
         if layer[p] == OUTFLOW:
             continue
-        if layer[p] < first:
-            migrants[down] = p
-            down += 1
-        elif layer[p] >= first + layers:
-            up += 1
-            migrants[len(migrants) - up] = p
-        else:
+        above = layer[p] >= first + layers
+        if not above and layer[p] >= first:
             kept[stay] = p
             stay += 1
+            continue
+        if ring > 0:
+            above = (first - layer[p]) % ring != 1
+        if not above:
+            migrants[down] = p
+            down += 1
+        else:
+            up += 1
+            migrants[len(migrants) - up] = p
     return stay, down, up
 
 

@@ -21,6 +21,15 @@ def cell_numbers(vertices: tuple[int, ...]) -> int:
     return blocks * _BREADTHS << BLOCK * (len(vertices) - 1)
 
 
+@inner_kernel
+def cells_of_layer(frame):
+    """Distance of the numbers that `locate` gives in a layer from those of the next."""
+    blocks = 1
+    for d in range(1, len(frame.cells)):
+        blocks *= ((frame.cells[d] + 1 + 2 * frame.ghost) >> BLOCK) + 1
+    return blocks * _BREADTHS << (BLOCK * (len(frame.cells) - 1))
+
+
 def vertices_of(cell: np.ndarray, vertices: tuple[int, ...]) -> np.ndarray:
     """First vertices, (n, D), of the supports with the given numbers."""
     across = len(vertices) - 1
@@ -161,16 +170,25 @@ def merge(particles, order, start, left, first, arrivals, order_out, start_out):
 
 @inner_kernel
 def _rank_in_order(particles, order, low, high, arrival):
-    """First offset in ``order[low:high]`` of a particle after `arrival` by (cell, id)."""
-    cell, number = particles.cell[arrival], particles.id[arrival]
+    """First offset in ``order[low:high]`` of a particle after `arrival` by (cell, id).
+
+    Particles that leave the layer are passed over: a seam changes their cells.
+    """
+    cell, number, layer = particles.cell[arrival], particles.id[arrival], particles.layer[arrival]
     while low < high:
         middle = (low + high) // 2
-        p = order[middle]
+        stays = middle
+        while stays < high and particles.layer[order[stays]] != layer:
+            stays += 1
+        if stays == high:
+            high = middle
+            continue
+        p = order[stays]
         after = particles.cell[p] > cell
         if particles.cell[p] == cell:
             after = particles.id[p] > number
         if after:
             high = middle
         else:
-            low = middle + 1
+            low = stays + 1
     return low

@@ -3,7 +3,7 @@
 from math import isqrt, sqrt
 
 from pgimp.jit.algebra import determinant, symmetric
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.tuples import read
 from pgimp.kernels.transfer.first_vertex import is_axial
 from pgimp.kernels.update.pace import pace
@@ -44,6 +44,15 @@ def _remaining_across(frame):
     return (lambda frame: 0.0) if is_axial(frame) else (lambda frame: 1.0)
 
 
+@inner_kernel
+def unwrapped(frame, particles, p, d):
+    """Coordinate `d` of particle `p`, with its turns through periodic faces."""
+    x = particles.x[p, d]
+    if particles.winding.shape[1] > 0:
+        x += particles.winding[p, d] * (frame.cells[d] * frame.cell[d])
+    return x
+
+
 @kernel
 def layer_sums(setting, particles, order, sums):
     """Add up mass, momentum, angular momentum, first moment, kinetic and strain energy.
@@ -64,12 +73,12 @@ def layer_sums(setting, particles, order, sums):
             body = particles.body[p]
             row = sums[layer, body]
             m = particles.m[p]
-            x0, y0, z0 = particles.x[p, 0], 0.0, 0.0
+            x0, y0, z0 = unwrapped(setting.frame, particles, p, 0), 0.0, 0.0
             vx, vy, vz = particles.v[p, 0], 0.0, 0.0
             if D > 1:
-                y0, vy = particles.x[p, 1], particles.v[p, 1]
+                y0, vy = unwrapped(setting.frame, particles, p, 1), particles.v[p, 1]
             if D > 2:
-                z0, vz = particles.x[p, 2], particles.v[p, 2]
+                z0, vz = unwrapped(setting.frame, particles, p, 2), particles.v[p, 2]
             row[MASS] += m
             row[MOMENTUM] += across * (m * vx)
             row[MOMENTUM + 1] += m * vy

@@ -8,6 +8,7 @@ vertex's new velocity and acceleration, tuples of three. Faces that the case doe
 
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.fixed import Fixed
+from pgimp.physics.boundaries.periodic import Periodic
 from pgimp.physics.boundaries.separating import Separating
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.boundaries.velocity import Velocity
@@ -18,4 +19,5 @@ BOUNDARIES: dict[str, type[Boundary]] = {
     "slip": Slip,
     "separating": Separating,
     "velocity": Velocity,
+    "periodic": Periodic,
 }

@@ -23,6 +23,9 @@ class Boundary(Model):
     #: ``constrain(face, v, a)``; the clearance is the distance of bodies from the face [m].
     approaches: ClassVar[bool] = False
 
+    #: Whether the face is joined to the opposite one: the domain is periodic along its axis.
+    joins: ClassVar[bool] = False
+
     @property
     def varies(self) -> bool:
         """Whether the parameters depend on time and are computed for every step."""

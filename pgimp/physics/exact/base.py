@@ -18,8 +18,8 @@ class Solution(Model):
     forced: ClassVar[bool] = False
     #: Whether the solution gives the particles their initial velocity.
     moves: ClassVar[bool] = False
-    #: Material model of the solution.
-    model: ClassVar[str]
+    #: Material model of the solution, or several.
+    model: ClassVar[str | tuple[str, ...]]
 
     @property
     def walls(self) -> Mapping[str, tuple[str, ...]]:
@@ -41,14 +41,15 @@ class Solution(Model):
             return
         ((name, body),) = case.bodies.items()
         found = case.materials[body.material].model
-        if found != self.model:
+        models = (self.model,) if isinstance(self.model, str) else self.model
+        if found not in models:
             path = ("materials", body.material, "model")
-            yield Problem(path, f"the exact solution needs {self.model}, got {found}")
+            yield Problem(path, f"the exact solution needs {' or '.join(models)}, got {found}")
             return
         for keys in case.materials[body.material].variations:
             text = "the exact solution is that of a uniform body; give a number"
             yield Problem(("materials", body.material, *keys), text)
-        yield from self._wrong_walls(case.boundaries)
+        yield from self.wrong_walls(case.boundaries)
         if self.moves and any(body.velocity if isinstance(body.velocity, tuple) else (True,)):
             text = "the exact solution gives the initial velocity; leave this out"
             yield Problem(("bodies", name, "velocity"), text)
@@ -61,7 +62,8 @@ class Solution(Model):
             )
         yield from self.mismatches(case, name, body)
 
-    def _wrong_walls(self, boundaries: Any) -> Iterator[Problem]:
+    def wrong_walls(self, boundaries: Any) -> Iterator[Problem]:
+        """As `problems`, of the conditions on faces."""
         for face, allowed in self.walls.items():
             path, names = ("boundaries", face), " or ".join(allowed)
             if face not in boundaries:

@@ -112,6 +112,8 @@ def _integral(values: np.ndarray, times: np.ndarray) -> np.ndarray:
 def faces_with_condition(case: Case) -> Iterator[tuple[str, Boundary, int, int]]:
     """Faces with a condition, with their axis and side."""
     for face, condition in case.boundaries.items():
+        if condition.joins:
+            continue
         yield face, condition, AXES.index(face[0]), -1 if face.endswith("min") else 1
 
 

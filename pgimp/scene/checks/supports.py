@@ -51,6 +51,8 @@ def supports(case: Case, body: BodyFacts) -> Iterator[Support]:
     """
     grid = case.grid
     for face, condition in case.boundaries.items():
+        if condition.joins:
+            continue
         axis = AXES.index(face[0])
         low, high = list(body.low), list(body.high)
         if face.endswith("min"):

@@ -96,9 +96,9 @@ class MultifieldContact(NoContact):
 
     def _boxes(self, rank: RankState) -> np.ndarray:
         """Boxes of the bodies; collective."""
-        population, frame = rank.population, self.scene.domain.frame
+        population, domain = rank.population, self.scene.domain
         count = len(self.fields)
-        return body_boxes(frame, population.particles, population.order, count, self.comm)
+        return body_boxes(domain, population.particles, population.order, count, self.comm)
 
     def _share(
         self, rank: RankState, boxes: np.ndarray, fields: tuple[int, ...], steps: int
@@ -244,6 +244,8 @@ class MultifieldContact(NoContact):
         """Find the particles that may have weight on contact vertices, in some of the planes."""
         order, shared = population.ordered, grid.vertices - 1
         ranges, extent = self.data.vertex_ranges[planes], grid.window.extent
+        if any(self.scene.domain.periodic):  # also particles at the other side of a seam are near
+            return order
         y, z = (ranges["high"].max(axis=0) - ranges["low"].min(axis=0) + 1).tolist()
         if not needed(y * z <= _MOST_OF_A_PLANE * extent[1] * extent[2]):
             return order

@@ -19,9 +19,9 @@ from pgimp.kernels.contact.colouring import (
     find_intervals,
     find_neighbours,
 )
-from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
+from pgimp.scene.domain import Domain
 from pgimp.scene.scene import Scene
 
 #: Least number of steps without contact for bodies that share a field, and the most before the next
@@ -32,14 +32,19 @@ FEWEST, MOST = 2, 64
 #: planes are searched that far around them.
 NEAR = 16
 
+#: Cells by which boxes reach beyond a periodic domain, as its particles may.
+_FAR = 4.0
+
 
 def body_boxes(
-    frame: Frame, particles: Particles, rows: np.ndarray, bodies: int, comm: Communicator
+    domain: Domain, particles: Particles, rows: np.ndarray, bodies: int, comm: Communicator
 ) -> np.ndarray:
     """Least and greatest coordinates of each body's particles, (2, bodies, D) in cells; collective.
 
-    Bodies without particles have infinite ones.
+    Bodies without particles have infinite ones. Where the domain is periodic, boxes have all of it:
+    bodies may be near across the seam.
     """
+    frame = domain.frame
     boxes = np.full((2, bodies, len(frame.cell)), np.inf)
     boxes[1] = -np.inf
     bound_bodies(particles.x, particles.body, rows, boxes)
@@ -47,6 +52,10 @@ def body_boxes(
     if comm.size > 1:
         every = np.array(comm.allgather(boxes))
         boxes = np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
+    there = np.isfinite(boxes[0, :, 0])
+    for d, joined in enumerate(domain.periodic):
+        if joined:
+            boxes[0, there, d], boxes[1, there, d] = -_FAR, frame.cells[d] + _FAR
     return boxes
 
 

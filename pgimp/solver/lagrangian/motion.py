@@ -5,6 +5,7 @@ See `pgimp.kernels.data.motion`. Between two steps it is in `Grid.motion`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -68,6 +69,7 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
             particles.v[:] = L[:, :, d]
             momentum += _sums(rank)[1] * (x[d] - centre[d])[..., None]
     particles.v[:] = v
+    mass, momentum = _joined(rank, mass), _joined(rank, momentum)
     m = mass[..., None]
     velocity = np.divide(momentum, m, out=np.zeros_like(momentum), where=m > 0.0)
     if scene.settings.moves:
@@ -76,6 +78,19 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     grid.by_vertex(grid.kept.values)[:, kept, ..., _VELOCITY] = velocity[:, kept]
     if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
+
+
+def _joined(rank: Rank, values: np.ndarray) -> np.ndarray:
+    """Values at the vertices, summed over both copies of those at seams across y and z."""
+    frame, window = rank.grid.frame, rank.grid.window
+    for seam in rank.scene.domain.seams:
+        by_row = np.moveaxis(values, seam.axis + 1, 0)
+        first = frame.ghost + frame.cells[seam.axis] - window.lower[seam.axis]
+        beyond = by_row[first:]
+        inside = by_row[first - frame.cells[seam.axis] :][: len(beyond)]
+        inside += beyond
+        beyond[:] = inside
+    return values
 
 
 def _sums(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
@@ -98,19 +113,26 @@ def keep_masses(rank: Rank) -> None:
     rank.grid.by_vertex(rank.grid.kept.values)[..., KEPT_MASS] = _sums(rank)[0]
 
 
-def _coordinates(grid: Grid) -> list[np.ndarray]:
-    """Coordinates of the vertices along each direction, each (planes, 1, y, z)."""
+def _coordinates(grid: Grid, periodic: Sequence[bool] = ()) -> list[np.ndarray]:
+    """Coordinates of the vertices along each direction, each (planes, 1, y, z).
+
+    Those beyond the seam of a `periodic` direction have the coordinates of the same ones inside.
+    """
     frame, window = grid.frame, grid.window
     numbers = np.meshgrid(*map(np.arange, (grid.planes, *window.extent[1:])), indexing="ij")
-    return [
-        (frame.origin[d] + (numbers[d] + window.lower[d] - frame.ghost) * frame.cell[d])[:, None]
-        for d in range(len(frame.cell))
-    ]
+    found = []
+    for d in range(len(frame.cell)):
+        number = numbers[d] + window.lower[d] - frame.ghost
+        if any(periodic) and periodic[d]:
+            number %= frame.cells[d]
+        found.append((frame.origin[d] + number * frame.cell[d])[:, None])
+    return found
 
 
 def _exact(rank: Rank) -> np.ndarray:
     """Velocities of the exact solution at the vertices at time 0, (planes, 1, y, z, 3)."""
-    scene, x = rank.scene, np.stack(_coordinates(rank.grid), axis=-1)
+    scene = rank.scene
+    x = np.stack(_coordinates(rank.grid, scene.domain.periodic), axis=-1)
     v = np.zeros((*x.shape[:-1], 3))
     flat = np.zeros((x[..., 0].size, scene.dimension))
     initial_velocities(scene.settings.exact, scene.domain.frame, x.reshape(flat.shape), flat)
@@ -149,7 +171,8 @@ def enter_motion(rank: Rank, before: Grid) -> None:
     else:
         _regroup(rank, bodies, before, was, now)
     keep_masses(rank)
-    now[now[..., KEPT_MASS] == 0.0] = 0.0  # a resumed run has no room for those far from others
+    # A resumed run has no room for those far from others.
+    now[_joined(rank, now[..., KEPT_MASS].copy()) == 0.0] = 0.0
 
 
 def _field(grid: Grid, body: int) -> int:

@@ -74,7 +74,7 @@ def _rehearse(scene: Scene) -> None:
     complete(rank.grid.field, 0, 1, False, np.empty(0))
     if rank.grid.fields:  # bodies will come near others
         rank.grid.regroup(rank.grid.fields)
-    partition_migrants(particles.layer, rows, rows, 0, 1, rows.copy(), rows.copy())
+    partition_migrants(particles.layer, rows, rows, 0, 1, 0, rows.copy(), rows.copy())
     unpack(pack(particles, rows), particles, rows)
     layers_of(
         scene.settings.shape,

@@ -4,6 +4,9 @@ It is summed again from the current particles, as in the next step: the sums of 
 to their former positions. So a frame of the grid belongs to the particles of its time, also at the
 start, and after a resume. For bodies in the initial configuration it is the reference grid:
 vertices and cells keep their initial positions.
+
+Where the domain is periodic, vertices on its high faces are there as corners of cells, without
+mass: what they have is at the low faces.
 """
 
 from typing import NamedTuple
@@ -15,7 +18,7 @@ from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
-from pgimp.solver.transfers import sum_particles
+from pgimp.solver.transfers import join_seams, sum_particles
 from pgimp.solver.vertices import VertexUpdate, fold_mirrors, vertex_forcing
 from pgimp.storage.framefile import blocks
 
@@ -71,7 +74,7 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     dt : float
         Length of the step for the forces of contact; 0: without them.
     """
-    comm, scene, grid, slab = rank.comm, rank.scene, rank.grid, rank.slab
+    comm, scene, grid, slab, ends = rank.comm, rank.scene, rank.grid, rank.slab, _ends(rank)
     contacts = rank.contact.at_vertices and dt > 0.0
     if contacts:  # before the first step all bodies share a field
         rank.contact.assign_fields(rank)
@@ -79,10 +82,14 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     marked = contacts and bool(scene.interaction.loads.constraints)
     sum_particles(rank, groups, scene.interaction.loads.at(time), marked)
     rank.halo.finish(grid)
-    own, D = grid.owned, scene.dimension
-    extent = grid.window.extent
-    fields = grid.G.reshape(grid.planes, 1 + max(grid.fields, default=0), *extent[1:], RECORD)[:own]
+    join_seams(rank, marked)
+    D, extent, own = scene.dimension, grid.window.extent, grid.owned + ends[1]
+    fields = grid.G.reshape(grid.planes, 1 + max(grid.fields, default=0), *extent[1:], RECORD)
+    fields = fields[:own].copy() if any(scene.domain.periodic) else fields[:own]
     fields[grid.active[:own] == 0] = 0.0
+    fields[grid.owned :] = 0.0
+    if scene.domain.seams:
+        fields[fields[..., MASS] < 0.0] = 0.0
     if grid.motion:
         kept, mask = grid.by_vertex(grid.kept.values)[:own], grid.kept.fields
         velocity = kept[:, mask, ..., KEPT_VELOCITY : KEPT_VELOCITY + 3]
@@ -99,16 +106,19 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     first, total = counts[: comm.rank].sum(axis=0), counts.sum(axis=0)
     numbers = np.full((own + 1, *extent[1:]), -1, np.int64)
     numbers[:own][vertices] = first[0] + np.arange(counts[comm.rank, 0])
-    sent = None if slab.lower is None else comm.isend(numbers[0], slab.lower, _DOWN)
-    if slab.upper is not None:
-        numbers[own] = comm.recv(source=slab.upper, tag=_DOWN)
+    lower, upper = None if ends[0] else slab.lower, None if ends[1] else slab.upper
+    sent = None if lower is None else comm.isend(numbers[0], lower, _DOWN)
+    if upper is not None:
+        numbers[own] = comm.recv(source=upper, tag=_DOWN)
     if sent is not None:
         sent.wait()
     i, j, k = np.nonzero(cells)
     corners = [numbers[i + a, j + b, k + c] for a, b, c in _CORNERS[D - 1]]
 
     found, index = records[vertices], np.nonzero(vertices)
-    contact = _contact(rank, time, dt)[vertices] if contacts else np.zeros((len(found), 3))
+    contact = np.zeros((len(found), 3))
+    if contacts:
+        contact[: vertices[: grid.owned].sum()] = _contact(rank, time, dt)[vertices[: grid.owned]]
     position = np.zeros((len(found), 3))
     for d in range(D):
         number = index[d] + (grid.window.lower[d] - scene.domain.frame.ghost)
@@ -164,17 +174,36 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
         index = [np.zeros(len(x), np.int64)] * 3
         for d in range(rank.scene.dimension):
             cell = np.floor((x[:, d] - frame.origin[d]) * frame.inverse[d])
-            index[d] = cell.astype(np.int64) + (frame.ghost - window.lower[d])
+            index[d] = cell.astype(np.int64)
+            if d and rank.scene.domain.periodic[d]:
+                index[d] %= frame.cells[d]
+            index[d] += frame.ghost - window.lower[d]
         marks[tuple(index)] = True
     # A particle of the last layer may be in the next cell, whose vertex the upper rank has. Other
     # layers do not reach beyond, so that the plane before is complete.
-    sent = None
-    if slab.upper is not None:
-        sent = rank.comm.isend(marks[own - 1 : own + 1], slab.upper, _UP)
+    sent, last = None, marks[own - 1 : own + 1].copy()
+    if slab.upper == rank.comm.rank:
+        marks[0] |= last[1]
+    elif slab.upper is not None:
+        sent = rank.comm.isend(last, slab.upper, _UP)
     below = np.zeros(window.extent[1:], bool)
-    if slab.lower is not None:
+    if slab.lower not in (None, rank.comm.rank):
         below, shared = rank.comm.recv(source=slab.lower, tag=_UP)
         marks[0] |= shared
     if sent is not None:
         sent.wait()
-    return marks[:own], below
+    first, end = _ends(rank)
+    if first:  # the corners of the cells below are at the other side of the seam
+        below = np.zeros_like(below)
+    if end:
+        marks[own] = False
+    return marks[: own + end], below
+
+
+def _ends(rank: Rank) -> tuple[bool, bool]:
+    """Whether a rank has the first and the last layer of a ring."""
+    slab, domain = rank.slab, rank.scene.domain
+    if domain.ring is None or not slab.layers:
+        return False, False
+    end = slab.first + slab.layers == domain.ring + domain.ring_layers
+    return slab.first == domain.ring, end

@@ -85,11 +85,14 @@ class Point:
             np.array([self._row]),
             scene.dimension,
             tuple(scene.materials.body_material),
+            periods=scene.domain.ends,
         )
+        place = "unwrapped" if scene.domain.ends else "position"
         found = []
         for name, components in _followed(scene):
             if name == "displacement":
-                found.append(source.take("x")[0] - self.origin)
+                now = scene.fields[place].values(source)[0, : scene.dimension]
+                found.append(now - self.origin)
             else:
                 values = np.atleast_1d(scene.fields[name].values(source)[0])
                 found.append(values[list(components)])
@@ -135,11 +138,11 @@ class Place:
     def own(self, sim: Simulation) -> list[np.ndarray]:
         """Sums of the layers of this rank whose particles may reach the position, in order."""
         population, frame, sums = sim.population, sim.scene.domain.frame, []
-        p = population.particles
+        p, periods = population.particles, sim.scene.domain.periods
         cell = floor((self.place[0] - frame.origin[0]) * frame.inverse[0]) + frame.ghost
         # A particle is up to two cells beyond the first vertex of its support, now or initially.
         near = range(cell - 3, cell + 3)
-        if sim.scene.settings.initial or sim.scene.settings.mixed:
+        if sim.scene.settings.by_vertex or periods[0]:
             near = range(population.first, population.first + population.layers)
         for number in near:
             layer = number - population.first
@@ -148,7 +151,7 @@ class Place:
             rows = population.order[population.start[layer] : population.start[layer + 1]]
             weight = np.ones(len(rows))
             for d, at in enumerate(self.place):
-                distance = np.abs(p.x[rows, d] - at) * frame.inverse[d]
+                distance = _apart(p.x[rows, d] - at, periods[d]) * frame.inverse[d]
                 weight *= np.maximum(0.0, 1.0 - distance)
             rows, weight = rows[weight > 0.0], weight[weight > 0.0]
             if len(rows):
@@ -174,6 +177,21 @@ class Place:
         return _line(sim, names, np.hstack([mean.values(around) for mean in PLACE.values()]))
 
 
+def _apart(distance: np.ndarray, period: float) -> np.ndarray:
+    """Distances along a direction, to the nearest image where there is a period."""
+    if period > 0.0:
+        distance = distance - np.round(distance / period) * period
+    return np.abs(distance)
+
+
+def _begun(sim: Simulation, row: int) -> list[float]:
+    """Position of a particle, with its turns through periodic faces."""
+    p, periods = sim.particles, sim.scene.domain.periods
+    x = p.x[row] + p.winding[row] * periods if periods.any() else p.x[row]
+    found: list[float] = x.tolist()
+    return found
+
+
 def _line(sim: Simulation, names: list[str], values: np.ndarray | None) -> Line:
     """A line with `values` in the first columns, and nothing in the others."""
     line: Line = {"time": sim.time, "step": sim.step} | dict.fromkeys(names)
@@ -195,11 +213,11 @@ def nearest(sim: Simulation, body: int, at: Sequence[float]) -> Point:
         rows = rows[p.body[rows] == body]
         distance = np.zeros(len(rows))
         for d, x in enumerate(at):
-            distance += (p.x[rows, d] - x) ** 2
+            distance += _apart(p.x[rows, d] - x, sim.scene.domain.periods[d]) ** 2
         if len(rows):
             close = rows[distance == distance.min()]
             row = close[np.argmin(p.id[close])]
-            best: Any = (float(distance.min()), int(p.id[row]), tuple(p.x[row].tolist()))
+            best: Any = (float(distance.min()), int(p.id[row]), tuple(_begun(sim, row)))
             found = min(found, best) if found[1] >= 0 else best
     _, number, origin = min(each for each in sim.comm.allgather(found) if each[1] >= 0)
     return Point(number, origin)

@@ -209,6 +209,8 @@ def read_motion(rank: Rank, source: CheckpointFile) -> None:
             raise DamagedError("its motion of vertices is not of this scene")
 
     all_or_none(rank.comm, read, DamagedError)
+    if scene.domain.ring is not None:  # planes behind the last layer are the first ones
+        rank.share_motion()
     keep_masses(rank)
 
 
@@ -251,17 +253,20 @@ def _inconsistent(
     """Return the inconsistency of particles with this scene, as a step requires; else empty."""
     frame = scene.domain.frame
     x = (scene.weighed(p, np.arange(n)) - frame.origin) * frame.inverse
-    if ((x < 0.0) | (x > np.array(frame.cells, float))).any():
+    # Supports begin within the domain where it is periodic, not centres.
+    beyond = 2.0 * np.array(scene.domain.periodic)
+    if ((x < 0.0) | (x > np.array(frame.cells, float) + beyond)).any():
         return "the x of a particle is out of range"
     greatest = {
         "bodies": len(scene.body_names) - 1,
         "particles": count - 1,
-        "cells": cell_numbers(frame.vertices) - 1,
+        "cells": np.inf if scene.domain.periodic[0] else cell_numbers(frame.vertices) - 1,
         "constraints": len(scene.interaction.loads.constraints),
     }
     for name, column in COLUMNS.items():
         values = getattr(p, name)[:n]
-        if column.numbers and ((values < 0) | (values > greatest[column.numbers])).any():
+        least = -np.inf if greatest.get(column.numbers) == np.inf else 0
+        if column.numbers and ((values < least) | (values > greatest[column.numbers])).any():
             return f"the {name} of a particle is out of range"
         if column.least is not None and (values < column.least).any():
             return f"the {name} of a particle is out of range"

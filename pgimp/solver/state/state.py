@@ -6,7 +6,7 @@ the case, or only save time (the window, the holes between rows), are left out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -188,14 +188,26 @@ def capture(
         changed=records.changed,
         told=records.told.tolist(),
     )
-    whole = {"layers": np.concatenate([part[0] for part in parts]).astype(np.int64)}
+    layers, extra = rank.scene.domain.frame.vertices[0], rank.scene.settings.vertices - 1
+    before = rank.scene.domain.ring or 0
+
+    def by_layer(parts: Sequence[np.ndarray], count: int) -> np.ndarray:
+        """Join the ranks' parts; layers and planes outside of a ring have none."""
+        found = np.concatenate(parts)
+        if not before or not len(found):
+            return found
+        more = np.zeros((count, *found.shape[1:]), found.dtype)
+        more[before : before + len(found)] = found
+        return more
+
+    whole = {"layers": by_layer([part[0] for part in parts], layers).astype(np.int64)}
     for i, name in enumerate(own.datasets()):
-        whole[name] = np.concatenate([part[2][i] for part in parts])
+        whole[name] = by_layer([part[2][i] for part in parts], layers + extra)
     if rank.free:
         whole["free-bodies"] = np.array([state.numbers for state in rank.free.states])
     whole["velocity-fields"] = rank.contact.assignment
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]
-    whole[MOTION_PLANES] = np.concatenate([part[3] for part in parts])
+    whole[MOTION_PLANES] = by_layer([part[3] for part in parts], layers + extra)
     whole = {name: array for name, array in whole.items() if array.size}
     return state.model_dump(), Ordered(rank), whole, dict(zip(MOTION, motion, strict=True))

@@ -119,7 +119,8 @@ class Books:
         gravity = np.array(sim.scene.domain.gravity(start)[:D])
         impulse = last["mass"] * gravity + patch_forces(sim)
         ids, p = sim.particles.id[rows].tolist(), sim.particles
-        before, mass = (dict(zip(ids, of[rows], strict=True)) for of in (p.x, p.m))
+        x = unwrapped(sim, rows)
+        before, mass = (dict(zip(ids, of, strict=True)) for of in (x, p.m[rows]))
         seen, affine = Seen(), self.case.method.affine
         with seen.step() if self._accelerates or affine else contextlib.nullcontext():
             sim.advance()
@@ -155,7 +156,7 @@ class Books:
         rows = sim.live()
         if len(rows) < len(before):  # the way of those that have left is not known
             return
-        ids, x = sim.particles.id[rows].tolist(), sim.particles.x[rows]
+        ids, x = sim.particles.id[rows].tolist(), unwrapped(sim, rows)
         work = sum(mass[i] * (gravity @ (x[n] - before[i])) for n, i in enumerate(ids))
         for kind in ("boundaries", "constraints"):
             for name, entry in getattr(self.case, kind).items():
@@ -235,6 +236,12 @@ class Books:
         if self.turned > ANGULAR:
             text = f"it changes by {self.turned:.3g} of mass times speed times size"
             self.wrong.append(("books: angular momentum", text))
+
+
+def unwrapped(sim, rows):
+    """Positions with their turns through periodic faces."""
+    p, periods = sim.particles, sim.scene.domain.periods
+    return p.x[rows] + p.winding[rows] * periods if periods.any() else p.x[rows]
 
 
 def _conditions(case):

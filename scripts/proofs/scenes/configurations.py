@@ -1,4 +1,4 @@
-"""The initial configuration of bodies of a random scene; axisymmetric scenes.
+"""The initial configuration of bodies of a random scene; axisymmetric and periodic scenes.
 
 There x is the radius; what cannot be on an axis is taken out at the end.
 """
@@ -137,3 +137,42 @@ def _alone(case):
     if meets or kinds != {"initial"}:
         for body in case["bodies"].values():
             body.pop("configuration", None)
+
+
+def periodic(rng, scene):
+    """One or more directions, x in most scenes, without what no periodic domain has."""
+    from pgimp.physics.shapes import SHAPES
+
+    case = scene.case
+    shape = SHAPES[case["method"]["shape"]].model_validate(case["method"])
+    axes = [
+        axis for axis in range(scene.dimension)
+        if rng.kind.random() < (0.75, 0.5, 0.4)[axis] and scene.cells[axis] >= shape.vertices
+    ]  # fmt: skip
+    if case.get("geometry") == "axisymmetric":
+        axes = [axis for axis in axes if axis == 1]
+    if not axes:
+        return False
+    faces = [f"{'xyz'[axis]}-{end}" for axis in axes for end in ("min", "max")]
+    rigid = [name for name, body in case["bodies"].items() if "rigid" in body]
+    for name in rigid:
+        del case["bodies"][name]
+    laws = [
+        entry for entry in case.pop("contact", [])
+        if entry["bodies"] == "all" or not set(entry["bodies"]) & set(rigid)
+    ]  # fmt: skip
+    if laws and len(case["bodies"]) > 1:
+        case["contact"] = laws
+    case.pop("body_force", None)
+    for body in case["bodies"].values():
+        body.pop("configuration", None)
+    case["boundaries"] |= dict.fromkeys(faces, "periodic")
+    for part in (case, *case["time"].get("stages", ())):
+        for face in faces:
+            part.get("escape", {}).pop(face, None)
+            if part is not case:
+                part.get("boundaries", {}).pop(face, None)
+        if part is not case and rigid:
+            part.pop("contact", None)
+            part["remove"] = [name for name in part.get("remove", []) if name not in rigid]
+    return True

@@ -39,6 +39,8 @@ class Seen:
             v = rank.particles.v.copy()
             rank.particles.v[:] = 0.0
             sum_particles(rank, parts, loads, False)
+            if any(rank.scene.domain.periodic):
+                transfers.finish_sums(rank)
             self.carried = rank.grid.G.reshape(-1, RECORD).copy()
             rank.particles.v[:] = v
             sum_particles(rank, parts, loads, marked, by_cells)
@@ -57,6 +59,7 @@ class Seen:
             self.held = self.after if self.held is None else self.held
             planes = np.repeat(field.active != 0, field.window.stride[0] // RECORD)
             self.active = planes & (self.sums[:, 0] > 0.0) & (self.after[:, 0] > 0.0)
+            self.active[field.owned * field.window.stride[0] // RECORD :] = False
             if field.motion:
                 each = field.window.extent[1] * field.window.extent[2]
                 kept = np.repeat(field.motion.fields, each)

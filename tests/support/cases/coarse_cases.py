@@ -40,6 +40,7 @@ COARSER = {
         "time.end=0.5",
         "output.every=0.25",
     ],
+    "plane-waves": ["grid.cell=[0.03125,0.03125]", "time.step=2.5e-3", "output.every=0.25"],
     "disks": ["grid.cell=[0.04,0.04]", "output.every=0.5"],
     "incline": ["grid.cell=[0.1,0.1]", "time.end=0.6", "output.every=0.3"],
     "rolling": ["grid.cell=[0.05,0.05]", "time.end=0.5", "output.every=0.25"],

@@ -1,0 +1,26 @@
+"""Periodic faces: what leaves the domain at one face of a direction enters at the other.
+
+No vertex is held: vertices on and beyond the high face are those of the low one (`grid/seam.py` of
+the kernels, and the ring of slabs in `pgimp.decomposition`).
+"""
+
+from typing import ClassVar, NamedTuple
+
+from pgimp.physics.boundaries.base import Boundary
+from pgimp.physics.boundaries.fixed import FixedParameters
+
+
+class Periodic(Boundary):
+    """Joined to the opposite face, of which the case says the same."""
+
+    joins: ClassVar[bool] = True
+
+    mirrors: ClassVar[bool] = False
+
+    def speed(self, axis: int, end: float) -> float | None:
+        """See `Boundary.speed`."""
+        return None
+
+    def parameters(self, axis: int, side: int, start: float, end: float) -> NamedTuple:
+        """Refuse: no kernel is called for these faces."""
+        raise NotImplementedError(FixedParameters.__name__)
