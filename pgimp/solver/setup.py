@@ -130,6 +130,7 @@ def begin(
     release(start.case)
     if scene.settings.settles:
         start.settling, start.rank.damping = True, damping_to_rest(scene)
+        scene.domain.settling = True
     if start.watch:
         start.watch.begin(start.rank)
     rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)
@@ -187,6 +188,7 @@ def resume(
     start.done = start.clock.after(state.step, state.time, state.dt)
     if state.settling:
         start.settling, start.rank.damping = True, damping_to_rest(scene)
+        scene.domain.settling = True
         start.done = at_time_zero(start.done)
     start.rate = state.rate
     if start.clock.held and state.held_rate:  # an older checkpoint has none: a window begins

@@ -61,7 +61,7 @@ def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Fold the sums beyond reflecting faces; find the clearances of unilateral ones."""
     scene, field, call, contact = rank.scene, rank.grid.field, rank.call, rank.contact.data
     for releases in (False, True):  # unilateral ones last: they include the sums of both
-        for mirror in scene.domain.mirrors:
+        for mirror in (*scene.domain.followed, *scene.domain.mirrors):
             if mirror.releases == releases:
                 call(fold, scene.domain.frame, field, mirror, update.forcing, update.ledger)
                 if contact:
@@ -87,5 +87,5 @@ def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Set the vertices beyond reflecting faces to the images of vertices inside."""
     scene, field = rank.scene, rank.grid.field
-    for mirror in reversed(scene.domain.mirrors):
+    for mirror in reversed((*scene.domain.followed, *scene.domain.mirrors)):
         rank.call(reflect, scene.domain.frame, field, mirror, update.forcing, update.ledger)

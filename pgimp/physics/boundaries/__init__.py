@@ -6,6 +6,7 @@ called after the momentum update, for each vertex on the face and beyond it. Its
 vertex's new velocity and acceleration, tuples of three. Faces that the case does not name are open.
 """
 
+from pgimp.physics.boundaries.absorbing import Absorbing
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.fixed import Fixed
 from pgimp.physics.boundaries.separating import Separating
@@ -18,4 +19,5 @@ BOUNDARIES: dict[str, type[Boundary]] = {
     "slip": Slip,
     "separating": Separating,
     "velocity": Velocity,
+    "absorbing": Absorbing,
 }

@@ -23,10 +23,18 @@ class Boundary(Model):
     #: ``constrain(face, v, a)``; the clearance is the distance of bodies from the face [m].
     approaches: ClassVar[bool] = False
 
+    #: Whether waves leave through the face, see `pgimp.kernels.grid.absorbing`.
+    absorbs: ClassVar[bool] = False
+
     @property
     def varies(self) -> bool:
         """Whether the parameters depend on time and are computed for every step."""
         return False
+
+    @property
+    def at_rest(self) -> "Boundary":
+        """The condition while the run settles."""
+        return self
 
     def speed(self, axis: int, end: float) -> float | None:
         """Normal velocity of the face along `axis` at time `end`.
