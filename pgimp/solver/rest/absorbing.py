@@ -73,7 +73,7 @@ class AbsorbingFaces:
             return
         for number, face in domain.absorbing if find else ():
             if face.name not in self.found:
-                self.found[face.name] = _find(rank, update, number, face)
+                self.found[face.name] = _find(rank, update, number, face, [*self.found.values()])
         size = len(rank.grid.G) // RECORD * 3
         for name, state in self.found.items():
             impulse = self._impulses.get(name, np.empty(0))
@@ -140,10 +140,13 @@ def _wall(scene: Scene, face: Face) -> int:
     return frame.ghost + (frame.cells[face.axis] if face.side > 0 else 0)
 
 
-def _find(rank: RankState, update: VertexUpdate, number: int, face: Face) -> AbsorbingFace:
+def _find(
+    rank: RankState, update: VertexUpdate, number: int, face: Face, others: list[AbsorbingFace]
+) -> AbsorbingFace:
     """Find the state of a face: static forces, masses and wave speeds of its vertices; collective.
 
     A vertex is of one rank, and particles are in canonical order: bits do not depend on the ranks.
+    At edges `others`, found before, have their part of the force.
     """
     every = [np.concatenate(parts) for parts in zip(*rank.comm.allgather(_own(rank, update, face)),
                                                     strict=True)]  # fmt: skip
@@ -154,6 +157,8 @@ def _find(rank: RankState, update: VertexUpdate, number: int, face: Face) -> Abs
     if not len(numbers):
         none = np.zeros(3, np.int64)
         return _face(rank.scene, number, face, none, none, elsewhere[None])
+    for other in others:
+        forces -= _static_forces(other, numbers, masses)
     lower, upper = numbers.min(axis=0), numbers.max(axis=0) + 1
     values = np.zeros((*(upper - lower), NUMBERS))
     values[...] = elsewhere
@@ -166,6 +171,18 @@ def _find(rank: RankState, update: VertexUpdate, number: int, face: Face) -> Abs
         values[..., column] = np.where(known, c, values[..., column])
     rows = np.concatenate([values.reshape(-1, NUMBERS), elsewhere[None]])
     return _face(rank.scene, number, face, lower, upper - lower, rows)
+
+
+def _static_forces(face: AbsorbingFace, numbers: np.ndarray, masses: np.ndarray) -> np.ndarray:
+    """Static forces of a face on vertices, given by their numbers and masses, (n, 3)."""
+    at = numbers - face.lower
+    inside = ((at >= 0) & (at < face.extent)).all(axis=1)
+    found = np.zeros((len(numbers), 3))
+    if inside.any():
+        rows = face.values[np.ravel_multi_index(tuple(at[inside].T), tuple(face.extent))]
+        part = masses[inside] / np.maximum(masses[inside], rows[:, REACTION_MASS])
+        found[inside] = part[:, None] * rows[:, REACTION : REACTION + 3]
+    return found
 
 
 def _own(
