@@ -75,9 +75,7 @@ class Domain:
         self.unilateral_walls = remote and any(face.condition.approaches for face in self.faces)
         if self.unilateral_walls:
             self.faces.sort(key=lambda face: face.condition.approaches)
-        self.absorbing = [
-            (n, face) for n, face in enumerate(self.faces) if face.condition.absorbs
-        ]
+        self.absorbing = [(n, face) for n, face in enumerate(self.faces) if face.condition.absorbs]
         self.settling = False
         self.exits = sum(
             1 << order.index(face) for face, way in case.escape.items() if way == "remove"

@@ -26,6 +26,7 @@ from pgimp.scene.checks import nearness, overstress
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
 from pgimp.scene.checks.locking import locking, stripes
+from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
@@ -127,6 +128,7 @@ def begin(
     start.warnings += locking(start.case)
     start.notes += stripes(start.case)
     start.warnings += nearness.warnings(start.case)
+    start.warnings += unquiet(start.case)
     release(start.case)
     if scene.settings.settles:
         start.settling, start.rank.damping = True, damping_to_rest(scene)

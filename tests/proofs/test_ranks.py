@@ -49,6 +49,7 @@ GO_ON = {
         "initial_stages",
         "damped",
         "settled",
+        "quaking",
         "varied",
     ),
 }

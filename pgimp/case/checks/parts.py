@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from pgimp.case.checks.absorbing import check_absorbing
 from pgimp.case.checks.bodies import (
     check_constraints,
     check_materials,
@@ -143,6 +144,7 @@ _CHECKS = (
     check_gravity,
     check_body_force,
     check_boundaries,
+    check_absorbing,
     check_escape,
     check_fields,
     check_tractions,

@@ -89,8 +89,10 @@ def _held_part(field, first, cutoff, mass):
 
 
 @kernel
-def absorb(frame, field, forcing, face, impulse, ledger):
-    """Add the forces of an absorbing face to the sums of a rank's active planes.
+def absorb(frame, field, forcing, face, impulse, ledger, moving):
+    """Add forces of an absorbing face to the sums of a rank's active planes.
+
+    First the static forces of all faces, then their dashpots: these see all other forces.
 
     Parameters
     ----------
@@ -102,6 +104,8 @@ def absorb(frame, field, forcing, face, impulse, ledger):
         Set to the impulses of the dashpots.
     ledger : Ledger
         `impulse` grows.
+    moving : bool
+        Whether to add the forces of the dashpots, or the static forces.
     """
     known = face.values
     window, G, dt, g = field.window, field.G, forcing.dt, forcing.gravity
@@ -115,9 +119,7 @@ def absorb(frame, field, forcing, face, impulse, ledger):
         for j in range(j0, j1):
             for k in range(k0, k1):
                 first = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                at = _at(
-                    face, (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                )
+                at = _at(face, (i + window.lower[0], j + window.lower[1], k + window.lower[2]))
                 part = _held_part(field, first, forcing.mass_cutoff, known[at, REACTION_MASS])
                 for f in range(field_count(window)):
                     r = first + f * field_size(window)
@@ -126,16 +128,17 @@ def absorb(frame, field, forcing, face, impulse, ledger):
                         continue
                     inverse, kept = 1.0 / m, keeps(field.motion, f)
                     for d in range(3):
-                        held = known[at, REACTION + d] * (m * part)
-                        speed = known[at, PRESSURE_WAVE if d == face.axis else SHEAR_WAVE]
-                        rate = 2.0 * speed * inverse_h
-                        a = (G[r + FORCE + d] + held) * inverse + g[d]
-                        mean = velocity_before(field.motion, kept, G, r, d, inverse) + 0.5 * dt * a
-                        dashpot = -m * rate * mean / (1.0 + 0.5 * rate * dt)
-                        G[r + FORCE + d] += held + dashpot
-                        impulse[r // RECORD * 3 + d] = dt * dashpot
+                        force = known[at, REACTION + d] * (m * part)
+                        if moving:
+                            rate = 2.0 * known[at, PRESSURE_WAVE if d == face.axis else SHEAR_WAVE]
+                            rate *= inverse_h
+                            u = velocity_before(field.motion, kept, G, r, d, inverse)
+                            mean = u + 0.5 * dt * (G[r + FORCE + d] * inverse + g[d])
+                            force = -m * rate * mean / (1.0 + 0.5 * rate * dt)
+                            impulse[r // RECORD * 3 + d] = dt * force
+                        G[r + FORCE + d] += force
                         if i < field.owned:
-                            ledger.impulse[i, face.number, d] += dt * (held + dashpot)
+                            ledger.impulse[i, face.number, d] += dt * force
 
 
 @kernel
@@ -162,9 +165,7 @@ def book_absorbed(field, forcing, face, impulse, ledger):
         for j in range(j0, j1):
             for k in range(k0, k1):
                 first = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                at = _at(
-                    face, (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                )
+                at = _at(face, (i + window.lower[0], j + window.lower[1], k + window.lower[2]))
                 part = _held_part(field, first, forcing.mass_cutoff, known[at, REACTION_MASS])
                 for f in range(field_count(window)):
                     r = first + f * field_size(window)

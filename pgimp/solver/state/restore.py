@@ -9,7 +9,6 @@ import numpy as np
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.data.particles import COLUMNS, Particles
-from pgimp.kernels.grid.absorbing import NUMBERS
 from pgimp.kernels.order.order import cell_numbers, locate
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
@@ -20,7 +19,6 @@ from pgimp.solver.contact.velocity_fields import MOST
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, keep_masses, put_motion
 from pgimp.solver.rank import Rank
-from pgimp.solver.rest.absorbing import BOX, STATE, require_state
 from pgimp.solver.state.state import State
 
 if TYPE_CHECKING:
@@ -142,7 +140,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             found["free-bodies"] = states
         bodies = len(scene.body_names)
         if rank.absorbing:
-            found |= _absorbing(rank, source)
+            found |= rank.absorbing.stored(source, _whole)
         # An older checkpoint has no fields: they are assigned anew.
         if rank.contact.assignment.size and "velocity-fields" in source.whole:
             assignment = _whole(source, "velocity-fields", (1 + bodies,))
@@ -164,8 +162,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             mine[:] = found[name]
     if rank.free:
         rank.free.states = [FreeState.of(numbers.tolist()) for numbers in found["free-bodies"]]
-    for name in {name.removeprefix(BOX) for name in found if name.startswith(BOX)}:
-        rank.absorbing.restore(name, found[BOX + name], found[STATE + name])
+    if rank.absorbing:
+        rank.absorbing.restore(found)
     if "velocity-fields" in found:
         rank.contact.restore(rank, found["velocity-fields"])
     if rank.comm.rank == 0:
@@ -180,23 +178,6 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         none = np.zeros((0, 3))
         last = (found.get("last-impulse", none), found.get("last-force", none))
         records.last = (state.last_line, *last)
-
-
-def _absorbing(rank: Rank, source: CheckpointFile) -> dict[str, np.ndarray]:
-    """State of the absorbing faces that have one."""
-    found = {}
-    most = 1 + int(np.prod(rank.scene.domain.frame.vertices, dtype=float))
-    for _, face in rank.scene.domain.absorbing:
-        box, values = BOX + face.name, STATE + face.name
-        if box not in source.whole:
-            continue
-        shape = source.whole.get(values, (None, ()))[1]
-        if len(shape) != 2 or not 0 < shape[0] <= most or shape[1] != NUMBERS:
-            raise DamagedError(f"its absorbing face {face.name} is not of the scene's shape")
-        found[box] = _whole(source, box, (6,))
-        found[values] = _whole(source, values, shape)
-        require_state(face.name, found[box], found[values])
-    return found
 
 
 def read_motion(rank: Rank, source: CheckpointFile) -> None:

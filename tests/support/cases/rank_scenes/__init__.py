@@ -3,7 +3,7 @@
 from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
-from rank_scenes.damped_bodies import damped, settled
+from rank_scenes.damped_bodies import damped, quaking, settled
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
     cut,
@@ -71,6 +71,7 @@ SCENES = (
             both_configurations,
             damped,
             settled,
+            quaking,
             cut,
             metals,
             affine,
