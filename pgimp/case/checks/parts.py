@@ -33,6 +33,7 @@ from pgimp.case.checks.domain import (
     check_time,
 )
 from pgimp.case.checks.geometry import check_axis, check_geometry, check_rings
+from pgimp.case.checks.geostatic import check_geostatic
 from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.probes import check_probes
 from pgimp.case.checks.regions import check_regions
@@ -153,6 +154,7 @@ _CHECKS = (
     check_adhesion,
     check_damping,
     check_settling,
+    check_geostatic,
     check_configuration,
     check_initial_output,
     check_output,

@@ -16,7 +16,12 @@ if TYPE_CHECKING:
 
 def unquiet(case: Case) -> Iterator[str]:
     """Yield warnings of weight that absorbing faces do not bear, of the first stage."""
-    if case.start.settle is not None or not np.any(greatest(case.gravity, case.dimensions)):
+    start = case.start
+    if (
+        start.settle is not None
+        or start.stress is not None
+        or not np.any(greatest(case.gravity, case.dimensions))
+    ):
         return
     regions = [body.region for body in case.bodies.values()]
     if any(isinstance(region, Points) and region.summary.stress for region in regions):
@@ -26,5 +31,5 @@ def unquiet(case: Case) -> Iterator[str]:
             yield (
                 f"boundaries.{face}: an absorbing face bears what presses on it as the run begins, "
                 "and there is no stress then: under gravity the material pushes it outwards and "
-                "creeps; with start: {settle: {}} the run begins at rest"
+                "creeps; with start: {settle: {}} or {stress: {k0: ..}} the run begins at rest"
             )
