@@ -15,7 +15,7 @@ Both act before contact, other faces and constraints.
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.kernel import exact, inner_kernel, kernel
 from pgimp.kernels.data.ledger import WALL_LOSS
 from pgimp.kernels.data.motion import keeps, velocity_before
 from pgimp.kernels.data.particles import FloatArray, IntArray
@@ -88,6 +88,33 @@ def _held_part(field, first, cutoff, mass):
     return 1.0 / max(total, mass) if total > 0.0 else 0.0
 
 
+def _static_force(reaction, m, part):
+    """Part of the static force of a vertex on a field of mass m, see `_held_part`."""
+
+
+@exact(_static_force)  # all ranks that store a vertex must find the same force
+def _static(reaction, m, part):
+    return lambda reaction, m, part: reaction * (m * part)
+
+
+def _acceleration(force, inverse, gravity):
+    """Acceleration by a force, and gravity; `inverse` is 1 over the mass."""
+
+
+@exact(_acceleration)
+def _acceleration_by(force, inverse, gravity):
+    return lambda force, inverse, gravity: force * inverse + gravity
+
+
+def _dashpot(m, rate, u, a, dt):
+    """Force of the dashpots at the rate r on a mass m with the velocity u and acceleration a."""
+
+
+@exact(_dashpot)
+def _dashpot_force(m, rate, u, a, dt):
+    return lambda m, rate, u, a, dt: -m * rate * (u + 0.5 * dt * a) / (1.0 + 0.5 * rate * dt)
+
+
 @kernel
 def absorb(frame, field, forcing, face, impulse, ledger, moving):
     """Add forces of an absorbing face to the sums of a rank's active planes.
@@ -128,13 +155,12 @@ def absorb(frame, field, forcing, face, impulse, ledger, moving):
                         continue
                     inverse, kept = 1.0 / m, keeps(field.motion, f)
                     for d in range(3):
-                        force = known[at, REACTION + d] * (m * part)
+                        force = _static_force(known[at, REACTION + d], m, part)
                         if moving:
-                            rate = 2.0 * known[at, PRESSURE_WAVE if d == face.axis else SHEAR_WAVE]
-                            rate *= inverse_h
+                            speed = known[at, PRESSURE_WAVE if d == face.axis else SHEAR_WAVE]
                             u = velocity_before(field.motion, kept, G, r, d, inverse)
-                            mean = u + 0.5 * dt * (G[r + FORCE + d] * inverse + g[d])
-                            force = -m * rate * mean / (1.0 + 0.5 * rate * dt)
+                            a = _acceleration(G[r + FORCE + d], inverse, g[d])
+                            force = _dashpot(m, 2.0 * speed * inverse_h, u, a, dt)
                             impulse[r // RECORD * 3 + d] = dt * force
                         G[r + FORCE + d] += force
                         if i < field.owned:

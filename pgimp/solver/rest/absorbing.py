@@ -73,7 +73,7 @@ class AbsorbingFaces:
             self.found[face.name] = state
         size = len(rank.grid.G) // RECORD * 3
         for name in self.found:
-            if len(self._impulses.get(name, ())) < size:
+            if name not in self._impulses or len(self._impulses[name]) < size:
                 self._impulses[name] = np.empty(size)
         for moving in (False, True):
             for name, state in self.found.items():
