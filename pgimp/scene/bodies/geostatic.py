@@ -125,7 +125,7 @@ def _set_body(scene: Scene, p: Particles, rows: np.ndarray, name: str, weight: n
     wanted[:, axis] = -weight
     p.sigma[rows] = wanted
     if not (law.CARRIES_STRESS and law.CARRIES_PRESSURE):
-        _deform(scene, p, rows, name, wanted)
+        find_deformation(scene, p, rows, name, wanted)
     if isinstance(law, CamClay) and entry.ocr is not None:
         pressure, q = -wanted[:, :3].mean(axis=1), (1.0 - k0) * weight
         bears = pressure + (q / law.m) ** 2 / np.maximum(pressure, 1e-300)
@@ -135,7 +135,9 @@ def _set_body(scene: Scene, p: Particles, rows: np.ndarray, name: str, weight: n
         p.state[rows, at] = entry.ocr * bears
 
 
-def _deform(scene: Scene, p: Particles, rows: np.ndarray, name: str, wanted: np.ndarray) -> None:
+def find_deformation(
+    scene: Scene, p: Particles, rows: np.ndarray, name: str, wanted: np.ndarray
+) -> None:
     """Find the deformation under which the law gives a stress: its mean, or two components.
 
     Newton's method in the logarithms of the stretches, particle by particle.
@@ -167,13 +169,14 @@ def _deform(scene: Scene, p: Particles, rows: np.ndarray, name: str, wanted: np.
 
     n = len(groups)
     u, scale = np.zeros((len(rows), n)), np.abs(wanted).max(axis=1, initial=0.0)
-    best, at_best = np.full(len(rows), np.inf), u.copy()
+    best, at_best, going = np.full(len(rows), np.inf), u.copy(), np.ones(len(rows), bool)
     for _ in range(_STEPS):
         error = missing(u)
         size = np.abs(error).max(axis=1, initial=0.0)
-        better = size < best
+        better = (size < best) & going
         best[better], at_best[better] = size[better], u[better]
-        if not better.any():
+        going &= better  # each particle by itself: bits do not depend on the others
+        if not going.any():
             break
         slope = np.empty((len(rows), n, n))
         for k in range(n):

@@ -7,6 +7,7 @@ import pytest
 from scenes import box, scene, start
 
 from pgimp.case.schema import Case
+from pgimp.scene.bodies import geostatic
 
 pytestmark = pytest.mark.slow(90)
 
@@ -175,3 +176,13 @@ def test_what_has_no_such_stress_is_refused(law, change, text):
             case[key] = value
     with pytest.raises(ValueError, match=text):
         Case.model_validate(case)
+
+
+def test_a_particle_has_its_deformation_whatever_others_are_with_it():
+    sim = start(ground("neo-hookean", k0=0.9))
+    p, rows = sim.particles, sim.live()
+    wanted, together = p.sigma[rows].copy(), p.F[rows].copy()
+    wanted[:, 0], wanted[:, 1] = -0.9 * depth(sim, 1), -depth(sim, 1)
+    for row, sigma, F in zip(rows.tolist(), wanted, together, strict=True):
+        geostatic.find_deformation(sim.scene, p, np.array([row]), "body", sigma[None])
+        assert np.array_equal(p.F[row], F)
