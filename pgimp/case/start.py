@@ -2,11 +2,56 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Mapping
+from math import radians, sin
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from pgimp.schema.base import Count, Model, Number
+from pgimp.schema.base import Count, Model, Name, NonNegative, Number
+from pgimp.schema.dispatch import Either
+
+#: K0 by Jaky, for ground that was never loaded otherwise.
+JAKY = "1-sin-phi"
+
+Ratio = Annotated[
+    float | Literal["1-sin-phi"],
+    Either("a number or 1-sin-phi", {float: NonNegative, str: Literal["1-sin-phi"]}),
+]
+
+
+def friction_angle(material: Any) -> float | None:
+    """Angle of internal friction of a material, in degrees; None without one."""
+    angle: float | None = getattr(material, "friction_angle", None)
+    return angle
+
+
+class InitialStress(Model):
+    """The stress of the weight above each particle, as level ground at rest has it."""
+
+    k0: Annotated[
+        float | str | Mapping[str, float | str],
+        Either(
+            "a number, 1-sin-phi, or {BODY: ...}",
+            {float: NonNegative, str: Literal["1-sin-phi"], dict: dict[Name, Ratio]},
+        ),
+    ] = Field(
+        description="horizontal over vertical stress: a number; 1-sin-phi (Jaky), by the "
+        "friction-angle of the material; or by body, {sand: 1-sin-phi, rock: 1.0}; fluids have "
+        "their pressure [1]"
+    )
+    ocr: Annotated[Number, Field(ge=1.0)] | None = Field(
+        default=None,
+        description="overconsolidation ratio of cam-clay: its preconsolidation is that which just "
+        "bears the stress, times this; null: as the material says [1]",
+    )
+
+    def ratio(self, body: str, material: Any) -> float:
+        """Return k0 of a body and its material."""
+        value = self.k0[body] if isinstance(self.k0, Mapping) else self.k0
+        if value == JAKY:
+            return 1.0 - sin(radians(friction_angle(material) or 0.0))
+        return float(value)
 
 
 class Settle(Model):
@@ -24,6 +69,12 @@ class Settle(Model):
 
 class StartEntry(Model):
     """The start of a run."""
+
+    stress: InitialStress | None = Field(
+        default=None,
+        description="geostatic: bodies begin with the stress of the weight above each particle, "
+        "and with what of deformation and state belongs to it; before `settle`. null: none",
+    )
 
     settle: Settle | None = Field(
         default=None,

@@ -18,6 +18,7 @@ from pgimp.scene.checks import nearness, overstress, series
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.later_constraints import idle_warnings
 from pgimp.scene.checks.locking import locking, stripes
+from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.checks.sanity import body_warnings, case_warnings, small_step_warning
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.solver.start.memory import size_text
@@ -127,6 +128,7 @@ def report(case: Case, verbose: bool = False) -> None:
         nearness.bonded(scene, known.lattice, known.counts),
         nearness.warnings(case),
         series.warnings(whole),
+        unquiet(case),
         forecast.warnings(whole, steps),
     )
     for text in dict.fromkeys(every):

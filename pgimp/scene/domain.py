@@ -40,6 +40,8 @@ class Domain:
         initial configuration meet them.
     mirrors : list of Mirror
         Faces that reflect the part of supports beyond them.
+    followed : list of Mirror
+        Absorbing faces, with which all that lies beyond them moves.
     approached : list of Wall
         Faces that bodies approach; `sides_approached` is their sides for loads.
     unilateral_walls : bool
@@ -52,6 +54,10 @@ class Domain:
         Faces through which particles may leave, by bit; see `KernelScene`.
     bounds : tuple of (float, float) or None
         Coordinate limits of particles that the grid does not limit.
+    absorbing : list of (int, Face)
+        Absorbing faces and their numbers.
+    settling : bool
+        Whether the run comes to rest: absorbing faces then hold what is on them.
     """
 
     def __init__(self, case: Case, settings: Settings) -> None:
@@ -81,6 +87,8 @@ class Domain:
         self.unilateral_walls = remote and any(face.condition.approaches for face in self.faces)
         if self.unilateral_walls:
             self.faces.sort(key=lambda face: face.condition.approaches)
+        self.absorbing = [(n, face) for n, face in enumerate(self.faces) if face.condition.absorbs]
+        self.settling = False
         self.exits = sum(
             1 << order.index(face) for face, way in case.escape.items() if way == "remove"
         ) + sum(1 << PERIODIC + axis for axis, joined in enumerate(self.periodic) if joined)
@@ -95,6 +103,11 @@ class Domain:
             ),
             key=lambda mirror: mirror.releases,
         )
+        self.followed = [
+            Mirror(face.axis, face.side, number, False, False, True)
+            for number, face in self.absorbing
+            if method.chi != "point" and not remote
+        ]
         # Point particles give no gap: it would jump by half a cell as they move.
         near = [] if method.chi == "point" or remote else self.faces
         self.approached = walls_approached(near)
@@ -167,7 +180,7 @@ class Domain:
 
     def face_parameters(self, start: float, end: float) -> Faces | tuple[()]:
         """Conditions of the faces in a step, `Faces` or (); valid until the next call."""
-        return self._face_table.at(start, end)
+        return self._face_table.at(start, end, self.settling)
 
     def standing_faces(self) -> Faces | tuple[()]:
         """All faces with a condition, for kernels that only need their positions."""

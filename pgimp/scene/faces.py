@@ -114,13 +114,23 @@ class FaceTable:
 
     def __init__(self, faces: Sequence[Face]) -> None:
         self._table: Any = table_of([face.parameters(0.0, 0.0) for face in faces]) if faces else ()
+        self._settling: Any = self._table
+        if any(face.condition.absorbs for face in faces):
+            rest = [(face.condition.at_rest, face.axis, face.side) for face in faces]
+            self._settling = table_of(
+                [condition.parameters(axis, side, 0.0, 0.0) for condition, axis, side in rest]
+            )
         self._vary = [(n, face) for n, face in enumerate(faces) if face.condition.varies]
 
-    def at(self, start: float, end: float) -> Faces | tuple[()]:
-        """Return `Faces`, or () if there are none, for a step; valid until the next call."""
+    def at(self, start: float, end: float, settling: bool = False) -> Faces | tuple[()]:
+        """Return `Faces`, or () if there are none, for a step; valid until the next call.
+
+        While a run is `settling`, other conditions hold some of them, see `Boundary.at_rest`.
+        """
+        table = self._settling if settling else self._table
         for n, face in self._vary:
-            _set_row(self._table.rows[n], face.parameters(start, end))
-        return self._table
+            _set_row(table.rows[n], face.parameters(start, end))
+        return table
 
 
 def walls(faces: Sequence[Face], frame: Frame, end: float) -> np.ndarray:

@@ -93,7 +93,7 @@ class SceneFlows:
         self.walls = [
             Mirror(face.axis, face.side, n, False, False)
             for n, face in enumerate(faces)
-            if face.condition.speed(face.axis, 0.0) is not None
+            if face.condition.absorbs or face.condition.speed(face.axis, 0.0) is not None
         ]
         self.sides = np.zeros(6, bool)
         for wall in self.walls:

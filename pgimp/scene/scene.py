@@ -118,7 +118,7 @@ class Scene:
 
     def _ends(self) -> int:
         # A vertex beyond a face and its mirror image are on the same rank.
-        if self.domain.mirrors or self.interaction.flows:
+        if self.domain.mirrors or self.domain.followed or self.interaction.flows:
             return 2 * self.settings.vertices
         # A vertex beyond a unilateral wall uses the clearance of the vertex on the wall.
         return self.settings.vertices if self.domain.approached else 0

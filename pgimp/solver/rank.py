@@ -27,6 +27,7 @@ from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
+from pgimp.solver.rest.absorbing import absorbing_of
 from pgimp.solver.rest.damping import damping_of
 
 #: Phases of a step, as `Rank.timings` names them.
@@ -71,6 +72,8 @@ class Rank:
         The filling of the vertices, in scenes with bodies that flow.
     damping : VertexDamping or None
         The damping, in scenes with it.
+    absorbing : AbsorbingFaces or None
+        The absorbing faces, in scenes with them.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
@@ -115,6 +118,7 @@ class Rank:
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, comm) if scene.interaction.flows else None
         self.damping = damping_of(scene)
+        self.absorbing = absorbing_of(scene)
         self._lattice: LatticeCells | None = None
         self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
@@ -276,6 +280,7 @@ class Rank:
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, self.comm) if scene.interaction.flows else None
         self.damping = damping_of(scene)
+        self.absorbing = absorbing_of(scene, self.absorbing)
         self._allocate(self.slab)
         self.grid.store(window)
 

@@ -38,6 +38,7 @@ class RankState(Protocol):
     clearances: Clearances
     flows: Any
     damping: Any
+    absorbing: Any
     keeping: Keeping
 
     @property

@@ -21,11 +21,13 @@ from pgimp.kernels.once.prestress import remember_stress
 from pgimp.kernels.order.order import layers_of
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
+from pgimp.scene.bodies.geostatic import set_geostatic_stress
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks import nearness, overstress
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
 from pgimp.scene.checks.locking import locking, stripes
+from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
@@ -119,6 +121,8 @@ def begin(
             comm,
         )
     _compile(start, scenes[1:], 0)
+    if scene.case.start.stress is not None:
+        set_geostatic_stress(scene, particles, count, comm)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)
@@ -130,9 +134,11 @@ def begin(
     start.warnings += locking(start.case)
     start.notes += stripes(start.case)
     start.warnings += nearness.warnings(start.case)
+    start.warnings += unquiet(start.case)
     release(start.case)
     if scene.settings.settles:
         start.settling, start.rank.damping = True, damping_to_rest(scene)
+        scene.domain.settling = True
     if start.watch:
         start.watch.begin(start.rank)
     rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)
@@ -190,6 +196,7 @@ def resume(
     start.done = start.clock.after(state.step, state.time, state.dt)
     if state.settling:
         start.settling, start.rank.damping = True, damping_to_rest(scene)
+        scene.domain.settling = True
         start.done = at_time_zero(start.done)
     start.rate = state.rate
     if start.clock.held and state.held_rate:  # an older checkpoint has none: a window begins

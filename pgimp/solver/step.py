@@ -76,6 +76,8 @@ def step(
     contact.detect(rank, t, rank.ledger)
     lap("contact")
     fold_mirrors(rank, update)
+    if absorbing := rank.absorbing:
+        absorbing.add_forces(rank, update)
     if damping:
         damping.add_forces(rank, update)
     contact.update_momentum(rank, update)  # (14, 17)
@@ -85,6 +87,8 @@ def step(
     lap("contact")
     if damping:
         damping.book(rank, update)
+    if absorbing:
+        absorbing.book(rank, update)
     reflect_mirrors(rank, update)
     keep_vertex_motion(rank, update)
     lap("momentum")

@@ -223,6 +223,8 @@ def _holds(case, body, face):
     if any(each["body"] == body for each in case.get("constraints", {}).values()):
         return False
     entry = case.get("boundaries", {}).get(face)
+    if "absorbing" in (entry or ""):
+        return False
     if not isinstance(entry, dict):
         return entry is not None
     across = entry["velocity"]["xyz".index(face[0])]

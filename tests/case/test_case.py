@@ -151,7 +151,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "  volume: tracked\n"
         "  wall: ghost\n"
         "time: {end: 2.0, step: 0.0001, stages: []}\n"
-        "start: {settle: null}\n"
+        "start: {stress: null, settle: null}\n"
         "materials:\n"
         "  bar: {model: linear-1d, density: 1.0, viscosity: null, young: 1000000.0}\n"
         "bodies:\n"

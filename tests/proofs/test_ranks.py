@@ -50,6 +50,7 @@ GO_ON = {
         "initial_stages",
         "damped",
         "settled",
+        "quaking",
         "varied",
         "round_and_round",
         "endless",

@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from pgimp.case.checks.absorbing import check_absorbing
 from pgimp.case.checks.bodies import (
     check_constraints,
     check_materials,
@@ -32,6 +33,7 @@ from pgimp.case.checks.domain import (
     check_time,
 )
 from pgimp.case.checks.geometry import check_axis, check_geometry, check_rings
+from pgimp.case.checks.geostatic import check_geostatic
 from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.periodic import (
     check_period,
@@ -149,6 +151,7 @@ _CHECKS = (
     check_gravity,
     check_body_force,
     check_boundaries,
+    check_absorbing,
     check_escape,
     check_periodic_faces,
     check_period,
@@ -161,6 +164,7 @@ _CHECKS = (
     check_adhesion,
     check_damping,
     check_settling,
+    check_geostatic,
     check_configuration,
     check_initial_output,
     check_output,

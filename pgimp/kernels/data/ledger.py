@@ -43,7 +43,8 @@ class Ledger(NamedTuple):
     constraint_impulse : (planes, constraints, 3) float64
         Impulse of each constraint.
     wall_energy : (planes, faces, WALL_BOOKED) float64
-        Energy taken by each unilateral face, or each face that holds all components; else zeros.
+        Energy taken by each unilateral face, or each face that holds all components; the energy
+        that left through an absorbing face, as a loss; else zeros.
     contact : (planes, entries, BOOKED) float64
         Sums of each entry of contact.
     rigid_bodies : (planes, rigid bodies, TOOLED) float64

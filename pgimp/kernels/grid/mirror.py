@@ -12,6 +12,8 @@ m a dt over all vertices. Let m' be the mass beyond the face, and f' the normal 
 Reflection reverses both, so that the face's impulse is -2 (f' + m' a) dt, with the images' a. For
 the relaxed part of the velocity (`relaxed`), and for vertices that keep their motion, it is
 -2 (p' + f' dt + m' v) likewise.
+
+Beyond an absorbing face nothing is reversed: what lies there moves as the face does (`follows`).
 """
 
 from typing import NamedTuple
@@ -49,6 +51,8 @@ class Mirror(NamedTuple):
         Whether it is unilateral: nothing is reflected beyond a vertex that moves away.
     sticks : bool
         Whether all components are reversed, not only the one across it.
+    follows : bool
+        Whether vertices beyond it have the vertex on it as their image, and nothing is reversed.
     """
 
     axis: int
@@ -56,6 +60,7 @@ class Mirror(NamedTuple):
     number: int
     releases: bool
     sticks: bool
+    follows: bool = False
 
 
 class Image(NamedTuple):
@@ -187,7 +192,7 @@ def fold_volumes(frame, field, volumes, used, mirror):
             if r < 0 or G[g + MASS] != -1.0 - mirror.number:
                 continue
             for d in range(RECORD):
-                sign = -1.0 if d == FORCE + mirror.axis else 1.0
+                sign = -1.0 if d == FORCE + mirror.axis and not mirror.follows else 1.0
                 volumes[r + d] += sign * volumes[g + d]
             plane = r // window.stride[0]
             low = r - plane * window.stride[0]
@@ -224,7 +229,8 @@ def reflect(frame, field, mirror, forcing, ledger):
                     v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
                     impulse[i, mirror.number, d] -= given(rate, twice, dt, 0.0, 0.0, v, a)
                     work[i] -= twice * dt * gravity[d] * v
-            G[r + HELD] = also_held(G[r + HELD], axis)
+            if not mirror.follows:
+                G[r + HELD] = also_held(G[r + HELD], axis)
             G[g + HELD] = G[r + HELD]
             for d in range(3):
                 sign = -1.0 if _turns(mirror, d) else 1.0
@@ -235,7 +241,7 @@ def reflect(frame, field, mirror, forcing, ledger):
 @inner_kernel
 def _turns(mirror, d):
     """Whether a mirror reverses component `d`."""
-    return mirror.sticks or d == mirror.axis
+    return (mirror.sticks or d == mirror.axis) and not mirror.follows
 
 
 @inner_kernel
@@ -271,7 +277,8 @@ def image_of(frame, field, mirror, begin, n):
         return Image(i, -1, -1, -1)
     number = window.lower[axis] + (i if axis == 0 else (j if axis == 1 else k))
     wall = frame.ghost if side < 0 else frame.ghost + frame.cells[axis]
-    shift = -2 * (number - wall)
+    away = number - wall
+    shift = -away if mirror.follows else -2 * away
     image = number - window.lower[axis] + shift
     if image < 0 or image >= window.extent[axis]:
         return Image(i, -1, -1, -1)
@@ -279,4 +286,5 @@ def image_of(frame, field, mirror, begin, n):
         return Image(i, -1, -1, -1)
     beyond = begin + i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
     step = shift * window.stride[axis]
-    return Image(i, beyond, beyond + step, beyond + step // 2)
+    on_wall = beyond + step if mirror.follows else beyond + step // 2
+    return Image(i, beyond, beyond + step, on_wall)

@@ -3,6 +3,7 @@
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
 from pgimp.jit.tuples import read, scaled, write
+from pgimp.kernels.transfer.first_vertex import deformation
 from pgimp.kernels.update.stress import state_of
 from pgimp.kernels.update.varying import substitute_parameters
 from pgimp.physics.materials.parameters.evaluate import evaluate
@@ -30,7 +31,7 @@ def remember_stress(setting, particles, rows):
 
 @kernel
 def bearable_stress(setting, particles, rows, stresses):
-    """Stress of some undeformed particles after a unit of time at rest.
+    """Stress of some particles after a unit of time at rest.
 
     Parameters
     ----------
@@ -41,10 +42,10 @@ def bearable_stress(setting, particles, rows, stresses):
     stresses : (n, 3, 4 or 6) float64
         Gets the stresses.
     """
-    F, tensor = setting.identity, symmetric(setting.identity)
-    still = scaled(0.0, F)
+    tensor, still = symmetric(setting.identity), scaled(0.0, setting.identity)
     for i in range(len(rows)):
         p = rows[i]
+        F = deformation(setting.frame, particles, p)
         materials = substitute_parameters(setting, particles, p).materials
         number = setting.material_of[particles.body[p]]
         args = (F, determinant(F), read(particles.sigma, p, 0, tensor), still, 1.0)

@@ -6,6 +6,7 @@ called after the momentum update, for each vertex on the face and beyond it. Its
 vertex's new velocity and acceleration, tuples of three. Faces that the case does not name are open.
 """
 
+from pgimp.physics.boundaries.absorbing import Absorbing
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.fixed import Fixed
 from pgimp.physics.boundaries.periodic import Periodic
@@ -20,4 +21,5 @@ BOUNDARIES: dict[str, type[Boundary]] = {
     "separating": Separating,
     "velocity": Velocity,
     "periodic": Periodic,
+    "absorbing": Absorbing,
 }

@@ -26,10 +26,18 @@ class Boundary(Model):
     #: Whether the face is joined to the opposite one: the domain is periodic along its axis.
     joins: ClassVar[bool] = False
 
+    #: Whether waves leave through the face, see `pgimp.kernels.grid.absorbing`.
+    absorbs: ClassVar[bool] = False
+
     @property
     def varies(self) -> bool:
         """Whether the parameters depend on time and are computed for every step."""
         return False
+
+    @property
+    def at_rest(self) -> "Boundary":
+        """The condition while the run settles."""
+        return self
 
     def speed(self, axis: int, end: float) -> float | None:
         """Normal velocity of the face along `axis` at time `end`.

@@ -104,12 +104,14 @@ def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) ->
 
 
 def prestressed(scene: Scene) -> list[int]:
-    """Bodies whose particles store the stress from their file in other states."""
+    """Bodies whose particles store the stress of their start in other states."""
     return [
         number
         for number, body in enumerate(scene.case.bodies.values())
-        if isinstance(body.region, Points)
-        and body.region.summary.stress
+        if (
+            scene.case.start.stress is not None
+            or (isinstance(body.region, Points) and body.region.summary.stress)
+        )
         and scene.case.materials[body.material].states
         and has(
             type(scene.materials.parameters[scene.materials.body_material[number]]), "initial_state"

@@ -18,6 +18,14 @@ from pgimp.scene.scene import Scene
 _ROUNDING = 1e-6
 
 
+def yielding(scene: Scene) -> list[int]:
+    """Plastically flowing bodies that begin with a stress: from a file, or of the weight above."""
+    if scene.case.start.stress is None:
+        return stressed(scene)
+    bodies = enumerate(scene.case.bodies.values())
+    return [n for n, body in bodies if "plastic-work" in scene.case.materials[body.material].LOSSES]
+
+
 def stressed(scene: Scene) -> list[int]:
     """Plastically flowing bodies whose particles begin with the stress from a file."""
     return [
@@ -41,7 +49,7 @@ def measure(scene: Scene, particles: Particles, count: int, comm: Communicator) 
     comm : Comm
     """
     found: list[str] = []
-    for body in stressed(scene):
+    for body in yielding(scene):
         rows = np.flatnonzero(particles.body[:count] == body)
         found += _warnings(scene, body, comm.allgather(_cut(scene, particles, rows)))
     return found
@@ -91,8 +99,11 @@ def _warnings(
         share, most = max(part[2] for part in parts), max(part[3] for part in parts)
         name = scene.body_names[body]
         material = scene.case.bodies[name].material
+        where, source = f"bodies.{name}.region", "particles of the file"
+        if scene.case.start.stress is not None:
+            where, source = "start.stress", f"particles of '{name}'"
         yield (
-            f"bodies.{name}.region: the stress of {cut:,} of {every:,} particles of the file is "
+            f"{where}: the stress of {cut:,} of {every:,} {source} is "
             f"beyond the strength of '{material}' and is cut in the first step, a component by up "
             f"to {most:.3g}, {100.0 * share:.2g} % of a particle's greatest; give stresses that "
             "it bears, or more strength"

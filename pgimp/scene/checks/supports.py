@@ -74,7 +74,7 @@ def supports(case: Case, body: BodyFacts) -> Iterator[Support]:
 def held_at(condition: Any, axis: int, side: int) -> tuple[bool, ...]:
     """Return which components of a motion out of the domain a face's condition holds, (3,) bool."""
     v = (side * 1e300,) * 3
-    face = condition.parameters(axis, side, 0.0, 0.0)
+    face = condition.at_rest.parameters(axis, side, 0.0, 0.0)
     a = (0.0,) * 3
     if condition.approaches:
         held, _ = face.approach(face, v, a, 0.0)

@@ -29,6 +29,11 @@ def _letting(scene: Scene) -> list[int]:
     return [n for n, face in enumerate(scene.domain.faces) if face.condition.approaches]
 
 
+def _absorbing(scene: Scene) -> list[int]:
+    """Numbers of the absorbing faces."""
+    return [n for n, _ in scene.domain.absorbing]
+
+
 def _taking(scene: Scene) -> list[int]:
     """Numbers of the faces that may take energy: unilateral, or holding every component."""
     holding = [
@@ -47,6 +52,18 @@ WALLS = (
                 "for each `separating` face: energy that its friction turned into heat since the "
                 "start, force times way; a part of dissipated-energy, as friction-heat of contact",
                 lambda s, k: s.walls[_letting(s.scene)[k], WALL_HEAT],
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: [scene.domain.faces[n].name for n in _absorbing(scene)],
+        (
+            Column(
+                "radiated.FACE",
+                "energy",
+                "for each `absorbing` face: energy that left through it since the start, force of "
+                "its dashpots times mean velocity; a part of dissipated-energy",
+                lambda s, k: s.walls[_absorbing(s.scene)[k], WALL_LOSS],
             ),
         ),
     ),

@@ -90,7 +90,7 @@ def begin_at_rest(start: Start) -> Start:
     for sums in rank.ledger:
         sums[:] = 0.0
     rank.clamped = rank.held = 0
-    rank.damping = damping_of(scene)
+    rank.damping, scene.domain.settling = damping_of(scene), False
     start.diagnostic_sums, start.settling = Diagnostics(), False
     start.done = Step(start.done.number, 0.0, 0.0, 0.0)
     controlled = scene.settings.controlled or True

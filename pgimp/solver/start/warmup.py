@@ -89,7 +89,7 @@ def _rehearse(scene: Scene) -> None:
         distances(placed, 0, scene.interaction.rigid_bodies.frame, particles.x[:0], np.empty(0))
     if prestressed(scene):
         remember_stress(material, particles, chosen)
-    if stressed(scene):
+    if stressed(scene) or scene.case.start.stress is not None:
         bearable_stress(material, particles, chosen, particles.sigma[:0])
     if scene.settings.moves:
         initial_velocities(

@@ -148,6 +148,8 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     forcing = vertex_forcing(rank, t, scene.interaction.loads.at(time))
     update = VertexUpdate(t, scene.domain.face_parameters(t.start, t.end), forcing, scratch)
     fold_mirrors(rank, update)
+    if rank.absorbing:
+        rank.absorbing.add_forces(rank, update, find=False)
     if rank.damping:
         rank.damping.add_forces(rank, update)
     extent = grid.window.extent

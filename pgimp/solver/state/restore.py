@@ -139,6 +139,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
                 raise DamagedError("the rotation of a rigid body is none")
             found["free-bodies"] = states
         bodies = len(scene.body_names)
+        if rank.absorbing:
+            found |= rank.absorbing.stored(source, _whole)
         # An older checkpoint has no fields: they are assigned anew.
         if rank.contact.assignment.size and "velocity-fields" in source.whole:
             assignment = _whole(source, "velocity-fields", (1 + bodies,))
@@ -160,6 +162,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             mine[:] = found[name]
     if rank.free:
         rank.free.states = [FreeState.of(numbers.tolist()) for numbers in found["free-bodies"]]
+    if rank.absorbing:
+        rank.absorbing.restore(found)
     if "velocity-fields" in found:
         rank.contact.restore(rank, found["velocity-fields"])
     if rank.comm.rank == 0:

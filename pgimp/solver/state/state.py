@@ -205,6 +205,8 @@ def capture(
         whole[name] = by_layer([part[2][i] for part in parts], layers + extra)
     if rank.free:
         whole["free-bodies"] = np.array([state.numbers for state in rank.free.states])
+    if rank.absorbing:
+        whole |= rank.absorbing.datasets()
     whole["velocity-fields"] = rank.contact.assignment
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]

@@ -148,6 +148,8 @@ class Books:
         moves = any(hasattr(entry, "velocity") for entry in _conditions(self.case))
         # The mass of rings moves by the way of its centroid, their positions by that of the middle.
         known = not self.case.tractions and not (self.case.axisymmetric and self.case.gravity)
+        # Absorbing faces do the work of the forces with which they hold what was there at first.
+        known &= not any(entry.absorbs for entry in self.case.boundaries.values())
         if (len(forces) <= 1 or not moves) and known:
             self._check_work(line, last, gravity, before, mass, start)
 
@@ -213,7 +215,9 @@ class Books:
             gained = energy - energy[0] - work - np.array(self._explained)
             gained -= every.get("stages.strain-energy", 0.0)
             for name, values in every.items():
-                if name.endswith((".friction-heat", ".impact-loss", "damped-energy")):
+                if name.endswith((".friction-heat", ".impact-loss", "damped-energy")) or (
+                    name.startswith("radiated.")
+                ):
                     gained += _kept(values)
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case

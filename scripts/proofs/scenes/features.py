@@ -18,7 +18,15 @@ from typing import NamedTuple
 from proofs.scenes.bodies import add_bodies, number, vector
 from proofs.scenes.configurations import along_the_axis, both, initial, periodic, rings
 from proofs.scenes.contact import contact, free, rigid_bodies
-from proofs.scenes.loads import components, constraint, damping, gravity, over_time, traction
+from proofs.scenes.loads import (
+    components,
+    constraint,
+    damping,
+    gravity,
+    over_time,
+    traction,
+    weight_above,
+)
 from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
 from proofs.scenes.output import checkpoints, frames, grid_frames, history, probes, small_files
 from proofs.scenes.stages import stages
@@ -160,6 +168,16 @@ def rough(rng, scene):
             scene.case["boundaries"][face] = {"separating": {"friction": friction}}
 
 
+def absorbing(rng, scene):
+    """Some faces absorb; not those across the radius."""
+    axial = scene.case.get("geometry") == "axisymmetric"
+    faces = [face for face in scene.faces if not (axial and face.startswith("x"))]
+    chosen = [face for face in faces if rng.kind.random() < 0.4] or faces[-1:]
+    for face in chosen:
+        held = {"absorbing": {"held": "fixed"}}
+        scene.case["boundaries"][face] = "absorbing" if rng.random() < 0.7 else held
+
+
 def escape(rng, scene):
     """Most faces that are open let particles out; one that does not may end the run."""
     open_faces = [face for face in scene.faces if face not in scene.case["boundaries"]]
@@ -197,6 +215,7 @@ FEATURES = (
     Feature("bodies", add_bodies),
     Feature("walls", walls, 0.7, compiled=True),
     Feature("rough walls", rough, 0.3, compiled=True),
+    Feature("absorbing faces", absorbing, 0.12, compiled=True),
     Feature("escape", escape, 0.95),
     Feature("gravity", gravity, 0.5),
     Feature("traction", traction, 0.25, compiled=True),
@@ -207,6 +226,7 @@ FEATURES = (
     Feature("contact", contact, 0.35, compiled=True),
     Feature("initial configuration", initial, 0.2, compiled=True),
     Feature("both configurations", both, 0.12, compiled=True),
+    Feature("weight above", weight_above, 0.12, compiled=True),
     Feature("damping", damping, 0.2, compiled=True),
     Feature("variation", varied, 0.25, compiled=True),
     Feature("functions of time", over_time, 0.4),

@@ -65,6 +65,26 @@ def gravity(rng, scene):
     )  # fmt: skip
 
 
+def weight_above(rng, scene):
+    """Bodies begin with the stress of the weight above, along one axis."""
+    case, bodies = scene.case, scene.case["bodies"].values()
+    if any(
+        "density" in body.get("rigid", {})
+        or body.get("configuration")
+        or "points" in body["region"]
+        for body in bodies
+    ):
+        return False
+    axis = 1 if case.get("geometry") == "axisymmetric" else rng.randrange(scene.dimension)
+    most = 0.05 * scene.speed**2 / max(scene.cells)
+    pull = number(rng, 0.2 * most, most) * rng.choice((-1.0, 1.0))
+    case["gravity"] = [pull if d == axis else 0.0 for d in range(scene.dimension)]
+    solid = [name for name, body in case["bodies"].items() if "rigid" not in body]
+    each = {name: number(rng, 0.3, 1.5) for name in solid}
+    case["start"] = {"stress": {"k0": each if rng.random() < 0.5 else each[solid[0]]}}
+    return True
+
+
 def damping(rng, scene):
     """Of one or two kinds; local damping knows no forces of contact, and a free body has none."""
     case, solid = scene.case, [b for b in scene.case["bodies"].values() if "rigid" not in b]

@@ -84,7 +84,10 @@ def walls(rng, scene, now, stage):
         separates = kind == "separating" or (isinstance(kind, dict) and "separating" in kind)
         if separates or rng.random() < 0.5:
             continue
-        other = rng.choice(("fixed", "slip", None)) if len(faces) > 1 else "slip"
+        ways = ("fixed", "slip", None)
+        if any("absorbing" in each for each in scene.case["boundaries"].values()):
+            ways = (*ways, "absorbing")
+        other = rng.choice(ways) if len(faces) > 1 else "slip"
         stage.setdefault("boundaries", {})[face] = other
         faces[face] = other
         if other is None:

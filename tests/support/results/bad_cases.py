@@ -208,7 +208,7 @@ MISTAKES = [
     ("x-min: fixed", "z-min: fixed", "27: boundaries.z-min", "unknown face 'z-min'", "x-max, "),
     ("x-min: fixed", "left: fixed", "27: boundaries.left", "unknown face 'left'"),
     ("x-min: fixed", "x-min: fix", "27: boundaries.x-min", "did you mean 'fixed'?"),
-    ("x-min: fixed", "x-min: open", "27: boundaries.x-min", "known: fixed, separating, slip"),
+    ("x-min: fixed", "x-min: open", "27: boundaries.x-min", "known: absorbing, fixed"),
     ("x-min: fixed", "x-min: velocity", "27: boundaries.x-min", "expected {velocity: ...}"),
     ("x-min: fixed", "x-min: {fixed: true}", "27: boundaries.x-min", "the plain word 'fixed'"),
     ("x-min: fixed", "x-min: {traction: 1}", "27: boundaries.x-min.traction", "unknown boundary"),

@@ -3,7 +3,7 @@
 from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
-from rank_scenes.damped_bodies import damped, settled
+from rank_scenes.damped_bodies import damped, heavy, quaking, settled
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
     cut,
@@ -72,6 +72,8 @@ SCENES = (
             both_configurations,
             damped,
             settled,
+            quaking,
+            heavy,
             cut,
             metals,
             affine,

@@ -41,6 +41,75 @@ def damped():
     return case
 
 
+def quaking():
+    """Layers that slide on each other settle between absorbing faces; a wave comes; one face goes.
+
+    Faces begin to absorb at the start and in a stage.
+    """
+    bodies = {
+        "rock": box([0.0, 0.0], [20.0, 2.3], None, "stiff"),
+        "soil": box([0.0, 2.3], [20.0, 5.0]),
+    }
+    case = scene(
+        2,
+        bodies,
+        cells=[20, 7],
+        shape="finite-gimp",
+        end=0.6,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={
+            "x-min": "absorbing",
+            "x-max": "slip",
+            "y-min": {"absorbing": {"held": "fixed"}},
+        },
+        contact=[{"bodies": "all", "friction": 0.3}],
+        tractions={
+            "knock": {
+                "body": "soil",
+                "face": "y-max",
+                "traction": {"table": [[0.0, [0.0, 0.0]], [0.1, [1.0, -2.0]], [0.2, [0.0, 0.0]]]},
+            }
+        },
+        start={"settle": {"tolerance": 0.02}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["time"]["stages"] = [
+        {"name": "wide", "end": 1.0, "boundaries": {"x-max": "absorbing", "x-min": None}},
+        {"name": "all", "end": 1.4, "boundaries": {"x-min": "absorbing"}},
+    ]
+    return case
+
+
+def heavy():
+    """Layers across the slabs begin with the stress of their weight, which adds up over the ranks.
+
+    A pulse meets the absorbing face under them.
+    """
+    bodies = {
+        "low": box([0.0, 0.0], [9.3, 5.0], None, "stiff"),
+        "high": box([9.3, 0.0], [17.0, 5.0]),
+    }
+    load = {"body": "high", "face": "x-max", "pressure": {"table": [[0.0, 0.0], [0.1, 5.0]]}}
+    return scene(
+        2,
+        bodies,
+        cells=[20, 5],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[-0.5, 0.0],
+        boundaries={"x-min": "absorbing", "y-min": "slip", "y-max": "slip"},
+        tractions={"push": load},
+        start={"stress": {"k0": {"low": 0.4, "high": 0.6}}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+
+
 def settled():
     """Two bodies come to rest on a floor before time 0, with local damping, and are pulled then."""
     held = {"body": "right", "region": {"box": {"min": [14.0, 0.0], "max": [16.0, 4.0]}}}

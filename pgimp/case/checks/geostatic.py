@@ -1,0 +1,89 @@
+"""Checks of `start.stress`: the weight above, and the stress that it gives each material."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from pgimp.case.body import Body
+from pgimp.case.start import JAKY, InitialStress, StartEntry, friction_angle
+from pgimp.geometry.regions import Points
+from pgimp.physics.materials.base import Material
+from pgimp.physics.materials.cam_clay import CamClay
+from pgimp.physics.rigid import RigidBody
+from pgimp.schema.messages import unknown
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import Problems
+from pgimp.schema.tables import VectorFunction
+
+STRESS = ("start", "stress")
+
+
+def check_geostatic(
+    start: StartEntry,
+    gravity: object,
+    materials: Mapping[str, Material],
+    bodies: Mapping[str, Body],
+    rigid_bodies: Mapping[str, RigidBody],
+    exact: object,
+) -> Problems:
+    """Check that there is a weight along one axis, and that bodies have what its stress needs."""
+    if start.stress is None:
+        return
+    pull = gravity.value(0.0) if isinstance(gravity, VectorFunction) else gravity
+    parts = pull if isinstance(pull, list | tuple) else ()
+    if sum(part != 0.0 for part in parts) != 1:
+        yield Problem(
+            STRESS,
+            "is that of the weight above each particle: gravity has to act along one axis at time "
+            "0; else begin without stress, and settle",
+        )
+    for name, rigid in rigid_bodies.items():
+        if rigid.free:
+            yield Problem(
+                STRESS,
+                f"the rigid body '{name}' moves freely, and its weight is not known to the ground "
+                "under it: give it a motion at first, or let the run settle without it",
+            )
+    if exact is not None:
+        yield Problem(STRESS, "changes the initial state, which `exact` gives; leave one out")
+    if isinstance(start.stress.k0, Mapping):
+        for name in set(start.stress.k0) - set(bodies):
+            yield Problem((*STRESS, "k0", name), unknown("body", name, bodies))
+    laws = {name: materials.get(body.material) for name, body in bodies.items()}
+    yield from _unfit(start.stress, bodies, laws)
+    if start.stress.ocr is not None and not any(isinstance(x, CamClay) for x in laws.values()):
+        yield Problem((*STRESS, "ocr"), "is of cam-clay, and no body is of it; leave it out")
+
+
+def _unfit(
+    entry: InitialStress, bodies: Mapping[str, Body], laws: Mapping[str, Material | None]
+) -> Iterator[Problem]:
+    """Yield the problems of bodies."""
+    for name, body in bodies.items():
+        law = laws[name]
+        if isinstance(body.region, Points):
+            yield Problem(
+                STRESS,
+                f"the particles of '{name}' come from a file, whose columns are unknown: give "
+                "their stress there (stress-xx, ..), and leave start.stress out",
+            )
+        if law is None:
+            continue
+        by_body = isinstance(entry.k0, Mapping)
+        value = entry.k0.get(name) if isinstance(entry.k0, Mapping) else entry.k0
+        where = (*STRESS, "k0", name) if by_body else (*STRESS, "k0")
+        fluid = law.VOLUME_ONLY and not law.CARRIES_STRESS
+        if value is None and not fluid:
+            yield Problem((*STRESS, "k0"), f"has no entry of '{name}': add one")
+        if value == JAKY and friction_angle(law) is None and not fluid:
+            yield Problem(
+                where,
+                f"1-sin-phi needs the friction-angle of a soil, which '{body.material}' of "
+                f"'{name}' has not; give a number, by body: {{{name}: 0.5}}",
+            )
+        if body.configuration == "initial" and not (law.CARRIES_STRESS and law.CARRIES_PRESSURE):
+            yield Problem(
+                ("bodies", name, "configuration"),
+                f"initial begins undeformed, and the stress of '{body.material}' follows from the "
+                "deformation: take current, or hooke, or settle in place of start.stress",
+            )

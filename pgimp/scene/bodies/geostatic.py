@@ -1,0 +1,201 @@
+"""Geostatic stress: that of the weight above each particle, and of K0 across.
+
+The weight above is summed in the columns of the lattice, from the surface down: all of the points
+above, and half of the point itself, over the area of a column. On level ground that fills the
+lattice's boxes it is exact. A material gets the stress by what it remembers:
+
+- the stress itself, or states that follow from it: F stays 1;
+- the deviator alone, as its pressure follows from the volume: F is the same in all directions;
+- F alone: two stretches, along gravity and across it. Of a fluid, one, and the stress is pressure.
+
+The particle's volume and mass are those of the lattice, so that its initial volume is V/J.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.case.start import InitialStress
+from pgimp.errors import CaseError
+from pgimp.kernels.data.frame import identity
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.once.prestress import bearable_stress
+from pgimp.mpi.collective import all_or_none
+from pgimp.mpi.communicator import Communicator
+from pgimp.physics.materials.cam_clay import CamClay
+from pgimp.scene.scene import Scene
+
+#: Newton steps, at most; the change of a logarithm for a slope; the part of the wanted stress that
+#: may be missing in the end.
+_STEPS, _CHANGE, _MISSING = 60, -1e-6, 1e-9
+
+
+def set_geostatic_stress(
+    scene: Scene, particles: Particles, count: int, comm: Communicator
+) -> None:
+    """Set stress, deformation and states of the first `count` particles; collective.
+
+    Raises
+    ------
+    CaseError
+        On every rank, if a material has no such stress.
+    """
+    entry = scene.case.start.stress
+    assert entry is not None
+    weight = weight_above(scene, particles, count, comm)
+
+    def set_all() -> None:
+        for body, name in enumerate(scene.body_names):
+            rows = np.flatnonzero(particles.body[:count] == body)
+            _set_body(scene, particles, rows, name, weight[rows])
+
+    all_or_none(comm, set_all, CaseError)
+
+
+def vertical(scene: Scene) -> tuple[int, float]:
+    """Axis of gravity at time 0, and its component along it."""
+    gravity = scene.domain.gravity(0.0)
+    axis = int(np.argmax(np.abs(gravity)))
+    return axis, gravity[axis]
+
+
+def weight_above(scene: Scene, particles: Particles, count: int, comm: Communicator) -> np.ndarray:
+    """Weight of the column above each particle, over its area, (count,); collective.
+
+    Sums have the columns' order, so that their bits do not depend on the ranks.
+    """
+    axis, pull = vertical(scene)
+    frame, method = scene.domain.frame, scene.case.method
+    per_cell = np.array(method.particles_per_cell)
+    x, m = particles.x[:count], particles.m[:count]
+    area = np.prod(frame.cell) / np.prod(per_cell) / frame.cell[axis] * per_cell[axis]
+    areas = scene.domain.around(x) * area if scene.case.axisymmetric else area
+    number = np.floor((x - frame.origin) * frame.inverse * per_cell).astype(np.int64)
+    level = -number[:, axis] if pull < 0.0 else number[:, axis]
+    across = np.delete(number, axis, axis=1)
+    bounds = comm.allgather((level.min(initial=2**62), level.max(initial=-(2**62))))
+    top = min(low for low, _ in bounds)
+    levels = max(high for _, high in bounds) - top + 1
+    if axis > 0:  # whole columns are here
+        columns, column = np.unique(across, axis=0, return_inverse=True)
+        sums = _by_level(column.ravel(), level - top, m * abs(pull) / areas, len(columns), levels)
+        return _at(sums, np.zeros(len(columns)))[0][column.ravel(), level - top]
+    every = np.concatenate(comm.allgather(np.unique(across, axis=0)))
+    columns = np.unique(every, axis=0)
+    key = np.concatenate([columns, across])
+    column = np.unique(key, axis=0, return_inverse=True)[1].ravel()[len(columns) :]
+    sums = _by_level(column, level - top, m * abs(pull) / areas, len(columns), levels)
+    above, found = np.zeros(len(columns)), sums
+    ranks = range(comm.size) if pull > 0.0 else reversed(range(comm.size))
+    for rank in ranks:  # one after the other, from the surface down
+        if rank == comm.rank:
+            found, above = _at(sums, above)
+        above = comm.bcast(above, root=rank)
+    return np.asarray(found[column, level - top])
+
+
+def _by_level(
+    column: np.ndarray, level: np.ndarray, weight: np.ndarray, columns: int, levels: int
+) -> np.ndarray:
+    """Sums of weights by column and level, (columns, levels)."""
+    sums = np.zeros((columns, max(levels, 0)))
+    np.add.at(sums, (column, level), weight)
+    return sums
+
+
+def _at(sums: np.ndarray, above: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weight above the middle of each level, and above what comes below."""
+    every = np.cumsum(np.concatenate([above[:, None], sums], axis=1), axis=1)
+    return every[:, :-1] + 0.5 * sums, every[:, -1]
+
+
+def k0_of(entry: InitialStress, scene: Scene, name: str) -> float:
+    """Ratio of the horizontal to the vertical stress of a body."""
+    return entry.ratio(name, scene.case.materials[scene.case.bodies[name].material])
+
+
+def _set_body(scene: Scene, p: Particles, rows: np.ndarray, name: str, weight: np.ndarray) -> None:
+    """Set the stress of a body's particles, under the weight above them."""
+    entry, law = scene.case.start.stress, scene.case.materials[scene.case.bodies[name].material]
+    assert entry is not None
+    axis = vertical(scene)[0]
+    k0 = 1.0 if law.VOLUME_ONLY and not law.CARRIES_STRESS else k0_of(entry, scene, name)
+    wanted = np.zeros((len(rows), p.sigma.shape[1]))
+    wanted[:, :3] = -k0 * weight[:, None]
+    wanted[:, axis] = -weight
+    p.sigma[rows] = wanted
+    if not (law.CARRIES_STRESS and law.CARRIES_PRESSURE):
+        find_deformation(scene, p, rows, name, wanted)
+    if isinstance(law, CamClay) and entry.ocr is not None:
+        pressure, q = -wanted[:, :3].mean(axis=1), (1.0 - k0) * weight
+        bears = pressure + (q / law.m) ** 2 / np.maximum(pressure, 1e-300)
+        at = scene.materials.states.first(
+            "preconsolidation", scene.materials.names.index(scene.case.bodies[name].material)
+        )
+        p.state[rows, at] = entry.ocr * bears
+
+
+def find_deformation(
+    scene: Scene, p: Particles, rows: np.ndarray, name: str, wanted: np.ndarray
+) -> None:
+    """Find the deformation under which the law gives a stress: its mean, or two components.
+
+    Newton's method in the logarithms of the stretches, particle by particle.
+    """
+    D, axial = scene.dimension, scene.case.axisymmetric
+    law, axis = scene.case.materials[scene.case.bodies[name].material], vertical(scene)[0]
+    mean = law.VOLUME_ONLY or law.CARRIES_STRESS
+    # Directions of the unknowns: all, or the one along gravity and those across it.
+    directions = D + axial
+    groups = [list(range(directions))] if mean else [
+        [axis], [d for d in range(directions) if d != axis],
+    ]  # fmt: skip
+    groups = [group for group in groups if group]
+    one, place = np.array(identity(D, axial)), [d * (D + 1) for d in range(D)] + [D * D] * axial
+    setting, found = scene.setting.without_shape(), np.empty_like(wanted)
+
+    def goal(sigma: np.ndarray) -> np.ndarray:
+        if mean:
+            return np.asarray(sigma[:, :3].mean(axis=1))[:, None]
+        return np.stack([sigma[:, group[0]] for group in groups], axis=1)
+
+    def missing(u: np.ndarray) -> np.ndarray:
+        F = np.tile(one, (len(rows), 1))
+        for k, group in enumerate(groups):
+            F[:, [place[d] for d in group]] = np.exp(u[:, k, None])
+        p.F[rows] = F
+        bearable_stress(setting, p, rows, found)
+        return goal(found) - goal(wanted)
+
+    n = len(groups)
+    u, scale = np.zeros((len(rows), n)), np.abs(wanted).max(axis=1, initial=0.0)
+    best, at_best, going = np.full(len(rows), np.inf), u.copy(), np.ones(len(rows), bool)
+    for _ in range(_STEPS):
+        error = missing(u)
+        size = np.abs(error).max(axis=1, initial=0.0)
+        better = (size < best) & going
+        best[better], at_best[better] = size[better], u[better]
+        going &= better  # each particle by itself: bits do not depend on the others
+        if not going.any():
+            break
+        slope = np.empty((len(rows), n, n))
+        for k in range(n):
+            moved = u.copy()
+            moved[:, k] += _CHANGE
+            slope[:, :, k] = (missing(moved) - error) / _CHANGE
+        singular = ~(np.abs(np.linalg.det(slope)) > 0.0)
+        slope[singular] = np.eye(n)
+        step = np.linalg.solve(slope, error[:, :, None])[:, :, 0]
+        step[singular] = 0.0
+        u = u - np.clip(step, -0.2, 0.2)
+    missing(at_best)
+    if (best > _MISSING * scale).any():
+        worst = int(np.argmax(best - _MISSING * scale))
+        raise CaseError(
+            f"start.stress: '{name}' has no deformation with the stress of the weight above, "
+            f"{scale[worst]:.3g}, and this k0; take another k0, stiffer material, or settle"
+        )
+    if not law.CARRIES_STRESS:
+        p.sigma[rows] = found
+    J = np.linalg.det(p.F[rows][:, : D * D].reshape(-1, D, D)) * p.F[rows][:, D * D :].prod(axis=1)
+    p.V0[rows] = p.V[rows] / J

@@ -1,0 +1,35 @@
+"""Warnings of what does not begin at rest, where rest is meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pgimp.geometry.regions import Points
+from pgimp.scene.checks.supports import greatest
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+
+
+def unquiet(case: Case) -> Iterator[str]:
+    """Yield warnings of weight that absorbing faces do not bear, of the first stage."""
+    start = case.start
+    if (
+        start.settle is not None
+        or start.stress is not None
+        or not np.any(greatest(case.gravity, case.dimensions))
+    ):
+        return
+    regions = [body.region for body in case.bodies.values()]
+    if any(isinstance(region, Points) and region.summary.stress for region in regions):
+        return
+    for face, condition in case.boundaries.items():
+        if condition.absorbs:
+            yield (
+                f"boundaries.{face}: an absorbing face bears what presses on it as the run begins, "
+                "and there is no stress then: under gravity the material pushes it outwards and "
+                "creeps; with start: {settle: {}} or {stress: {k0: ..}} the run begins at rest"
+            )
