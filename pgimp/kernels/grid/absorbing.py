@@ -40,6 +40,9 @@ class AbsorbingFace(NamedTuple):
         and their number by direction.
     values : (vertices + 1, NUMBERS) float64
         Its vertices, row by row; the last row is of all others.
+    ring : tuple of 2 int
+        Number of the first plane that is another copy of one inside, and the planes of the ring
+        along x; 0 without periodic faces there.
     """
 
     axis: int
@@ -49,17 +52,21 @@ class AbsorbingFace(NamedTuple):
     lower: IntArray
     extent: IntArray
     values: FloatArray
+    ring: tuple[int, int]
 
 
 @inner_kernel
-def _at(face, number):
-    """Row of a vertex in `AbsorbingFace.values`."""
-    row = 0
+def _at(face, window, i, j, k):
+    """Row of a window's vertex in `AbsorbingFace.values`."""
+    row, first = 0, i + window.lower[0]
+    if face.ring[1] > 0 and first >= face.ring[0]:
+        first -= face.ring[1]
+    number = (first, j + window.lower[1], k + window.lower[2])
     for d in range(3):
-        i = number[d] - face.lower[d]
-        if not 0 <= i < face.extent[d]:
+        n = number[d] - face.lower[d]
+        if not 0 <= n < face.extent[d]:
             return len(face.values) - 1
-        row = row * face.extent[d] + i
+        row = row * face.extent[d] + n
     return row
 
 
@@ -146,7 +153,7 @@ def absorb(frame, field, forcing, face, impulse, ledger, moving):
         for j in range(j0, j1):
             for k in range(k0, k1):
                 first = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                at = _at(face, (i + window.lower[0], j + window.lower[1], k + window.lower[2]))
+                at = _at(face, window, i, j, k)
                 part = _held_part(field, first, forcing.mass_cutoff, known[at, REACTION_MASS])
                 for f in range(field_count(window)):
                     r = first + f * field_size(window)
@@ -191,7 +198,7 @@ def book_absorbed(field, forcing, face, impulse, ledger):
         for j in range(j0, j1):
             for k in range(k0, k1):
                 first = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                at = _at(face, (i + window.lower[0], j + window.lower[1], k + window.lower[2]))
+                at = _at(face, window, i, j, k)
                 part = _held_part(field, first, forcing.mass_cutoff, known[at, REACTION_MASS])
                 for f in range(field_count(window)):
                     r = first + f * field_size(window)

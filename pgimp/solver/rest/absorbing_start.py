@@ -32,8 +32,9 @@ def absorbing_face(
     scene: Scene, number: int, face: Face, lower: np.ndarray, extent: np.ndarray, values: np.ndarray
 ) -> AbsorbingFace:
     """Return the state of a face, see `AbsorbingFace`."""
-    wall = _wall(scene, face)
-    return AbsorbingFace(face.axis, face.side, number, wall, lower, extent, values)
+    wall, layers = _wall(scene, face), scene.domain.ring_layers
+    ring = scene.domain.frame.ghost + layers, layers
+    return AbsorbingFace(face.axis, face.side, number, wall, lower, extent, values, ring)
 
 
 def _wall(scene: Scene, face: Face) -> int:
