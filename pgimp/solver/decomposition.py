@@ -10,7 +10,7 @@ from pgimp.decomposition.migrate import pack, unpack
 from pgimp.decomposition.slabs import Slab, cut, slab_of
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.order.order import layers_of
-from pgimp.kernels.update.turns import turn_all
+from pgimp.kernels.update.turns import turn_particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank import Rank
@@ -100,7 +100,7 @@ def create_particles(
     if not any(domain.periodic):
         return particles, count
     rows = np.arange(count, dtype=np.int32)
-    turn_all(scene.settings.shape, scene.order_frame, domain.exits, particles, rows)
+    turn_particles(scene.settings.shape, scene.order_frame, domain.exits, particles, rows)
     lower, upper = slab.lower, slab.upper
     if ring is None or slab.layers == 0 or lower == comm.rank:
         return particles, count

@@ -16,6 +16,7 @@ from pgimp.kernels.lagrangian.keep import recall_masses
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import Others, particles_to_grid
+from pgimp.kernels.update.turns import turn_particles
 from pgimp.solver.configurations import ConfigurationGroup
 from pgimp.solver.lagrangian.cells import cleared, no_cells, report_cells
 from pgimp.solver.rank_state import RankState
@@ -179,4 +180,20 @@ def update_particles(
         rate, moved, outflow = max(rate, fastest), moved + away, outflow + left
         clamped, held = clamped + narrow, held + kept
     changed = rank.population.changed[first : first + moved]
+    if any(rank.scene.domain.periodic) and not rank.scene.settings.initial:
+        _turn(rank, changed)
     return RangeReport(changed, rate, outflow, clamped, held, tuple(failed))
+
+
+def _turn(rank: RankState, changed: np.ndarray) -> None:
+    """Move particles by a period that are beyond a seam: along x of those that `changed` layer."""
+    scene, grid, population = rank.scene, rank.grid, rank.population
+    rows = population.order[changed]
+    for d, joined in enumerate(scene.domain.periodic[1:]):
+        bounds, within = rank.vertex_bounds[:, d], grid.inner_bounds[:, d]
+        if joined and (bounds[0] < within[0] or bounds[1] > within[1]):
+            rows, bounds[:] = population.order, within
+    rank.call(
+        turn_particles, scene.settings.shape, scene.domain.frame, scene.domain.exits,
+        population.stored, rows,
+    )  # fmt: skip

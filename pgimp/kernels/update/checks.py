@@ -8,7 +8,7 @@ from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import bits, lane, vec4, vector
 from pgimp.kernels.grid.position_limits import hold_inside
 from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_initial, off_axis
-from pgimp.kernels.update.turns import PERIODIC, is_periodic, turn
+from pgimp.kernels.update.turns import is_periodic
 from pgimp.physics.shapes.stretch import LARGEST
 
 #: Errors of a particle.
@@ -281,10 +281,6 @@ def _examine(limits, particles, four, good, found, report, ledger, counts):
                     report.errors[failed, 1] = error
                 failed += 1
                 continue
-            if exits >= 1 << PERIODIC:
-                columns = particles.x, particles.origin, particles.winding, particles.cell
-                layer_now = turn(frame, exits, columns, p, half, j, layer_now)
-                xj = read(particles.x, p, 0, frame.origin)
             for d in range(1, len(xj)):
                 i = first_vertex(frame, d, lane(vector(half[d]), j), xj[d])
                 bounds[0, d - 1] = min(bounds[0, d - 1], i)

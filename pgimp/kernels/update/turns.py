@@ -5,11 +5,9 @@ it, and below the high one. A particle may therefore be up to its half-width and
 high face. So each layer has all particles of its supports, at the seam as inside.
 """
 
-from math import floor
+from math import floor, isfinite
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.jit.vectors.lanes import of_lane
-from pgimp.jit.vectors.simd import vec4
+from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.order.order import cells_of_layer
 from pgimp.kernels.transfer.first_vertex import coordinate, first_vertex, half_widths
 
@@ -35,7 +33,7 @@ def _turn(frame, columns, p, d, half, now):
     frame : Frame
         See there.
     columns : tuple of arrays
-        See `turn`.
+        Of the particles: position, initial position, turns, cell.
     half : float
         The particle's half-width along `d`, in cells.
     now : float
@@ -49,7 +47,7 @@ def _turn(frame, columns, p, d, half, now):
     position, origin, winding, cell = columns
     low, cells = frame.ghost, frame.cells[d]
     turns = floor((first_vertex(frame, d, half, now) - low) / cells)
-    if turns == 0:
+    if turns == 0 or abs(turns) > 1:  # farther away are particles at fault
         return 0
     size = cells * frame.cell[d]
     x = now - turns * size
@@ -71,49 +69,25 @@ def _turn(frame, columns, p, d, half, now):
     return turns
 
 
-@inner_kernel
-def _turn_over(frame, exits, columns, p, half, layer):
-    """See `turn`; `half` is of one particle."""
-    for d in range(len(half)):
-        if is_periodic(exits, d):
-            if _turn(frame, columns, p, d, half[d], columns[0][p, d]) != 0 and d == 0:
-                layer = int(first_vertex(frame, 0, half[0], columns[0][p, 0]))
-    return layer
+@kernel
+def turn_particles(shape, frame, exits, particles, rows):
+    """Move the particles in `rows` by whole periods where their supports are beyond a seam.
 
-
-def turn(frame, exits, columns, p, half, j, layer):
-    """Move particle `p` by whole periods where its support is beyond a seam; return its layer.
+    It is not in the loop of G2P, where it would cost scenes without periodic faces registers.
 
     Parameters
     ----------
-    frame, exits
-        See `Frame`, `KernelScene`.
-    columns : tuple of arrays
-        Of the particles: position, initial position, turns, cell.
-    half : tuple
-        Half-widths of four particles in cells, of which `p` is number `j`; or of all.
-    layer : int
-        Its layer before.
+    shape, frame, exits, particles
+        See `KernelScene`, `Particles`; layers may be beyond the ring along x.
+    rows : (n,) int32
+        The rows. Particles at fault, and those that have left, stay.
     """
-
-
-@specialise(turn)
-def _turn_of(frame, exits, columns, p, half, j, layer):
-    if half[0] == vec4:
-        return lambda frame, exits, columns, p, half, j, layer: _turn_over(
-            frame, exits, columns, p, of_lane(half, j), layer
-        )
-    return lambda frame, exits, columns, p, half, j, layer: _turn_over(
-        frame, exits, columns, p, half, layer
-    )
-
-
-@kernel
-def turn_all(shape, frame, exits, particles, rows):
-    """Move the particles in `rows` by whole periods where their supports are beyond a seam."""
     columns = particles.x, particles.origin, particles.winding, particles.cell
     for p in rows:
         half = half_widths(shape, frame, particles, p)
         for d in range(len(frame.origin)):
-            if is_periodic(exits, d):
-                _turn(frame, columns, p, d, half[d], coordinate(frame, particles, p, d))
+            now = coordinate(frame, particles, p, d)
+            if is_periodic(exits, d) and isfinite(now) and particles.layer[p] >= 0:
+                if _turn(frame, columns, p, d, half[d], now) != 0 and d == 0:
+                    now = coordinate(frame, particles, p, 0)
+                    particles.layer[p] = first_vertex(frame, 0, half[0], now)
