@@ -165,3 +165,26 @@ def test_uniform_flight_is_left_alone(shape, dimension, step):
     finish(sim)
     assert np.abs(field(sim, "v") - 0.5).max() < 1e-11
     assert np.abs(field(sim, "sigma")).max() < 1e-9
+
+
+@pytest.mark.parametrize("method", [{"wall": "mirror", "volumetric": "mean"}, {"affine": True}])
+def test_the_unit_of_mass_does_not_matter(method):
+    """By a power of two: the same bits. The body fills a corner, and slides along a wall."""
+    moved = []
+    for unit in (1.0, 2.0**-10):
+        case = scene(
+            2,
+            box([0.0, 0.0], [3.0, 2.5], [-0.1, -0.3]),
+            end=0.5,
+            step=0.01,
+            gravity=[0.0, -0.5],
+            boundaries={"x-min": "slip", "y-min": "slip"},
+        )
+        case["method"] |= method
+        for law in case["materials"].values():
+            law |= {name: law[name] * unit for name in ("young", "density")}
+        moved.append(finish(start(case)))
+    for name in ("x", "v", "F"):
+        mine, theirs = (field(sim, name) for sim in moved)
+        np.testing.assert_array_equal(mine, theirs)
+    assert np.abs(field(moved[0], "F")).max() > 1.001

@@ -232,6 +232,8 @@ def reflect(frame, field, mirror, forcing, ledger):
             if not mirror.follows:
                 G[r + HELD] = also_held(G[r + HELD], axis)
             G[g + HELD] = G[r + HELD]
+            if not keeps(field.motion, f):  # for the filled part of mean dilatation
+                G[g + MASS] = G[r + MASS]
             for d in range(3):
                 sign = -1.0 if _turns(mirror, d) else 1.0
                 G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
