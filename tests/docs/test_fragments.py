@@ -55,6 +55,7 @@ FRAGMENTS = (
     ("probes:\n", lambda: file_of("bar-vibration"), ()),
     ("materials:\n  clay:", lambda: scene(2, ("clay",)), ()),
     ("young:\n", lambda: scene(2), ("materials", "rubber")),
+    ("boundaries:\n  x-min: periodic", lambda: scene(2), ()),
     ("gravity: [{sine", lambda: scene(2), ()),
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
 )
