@@ -56,6 +56,7 @@ FRAGMENTS = (
     ("materials:\n  clay:", lambda: scene(2, ("clay",)), ()),
     ("young:\n", lambda: scene(2), ("materials", "rubber")),
     ("boundaries:\n  x-min: periodic", lambda: scene(2), ()),
+    ("output:\n  fields: [unwrapped", lambda: file_of("plane-waves"), ()),
     ("gravity: [{sine", lambda: scene(2), ()),
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
 )
