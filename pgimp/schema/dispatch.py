@@ -95,7 +95,8 @@ class Either(Dispatch):
 
     def write(self, value: object) -> object:
         """See `Dispatch`."""
-        return plain(value)
+        form = self.forms.get(_kind(value))
+        return form.write(value) if isinstance(form, Dispatch) else plain(value)
 
     def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """See `Dispatch`."""

@@ -18,7 +18,7 @@ from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.physics.fields import BY_RANKS, OPTIONAL
 from pgimp.running.checkpoints import present
 
-ALL = [name for name in OPTIONAL if name not in BY_RANKS]
+ALL = [name for name in OPTIONAL if name not in {*BY_RANKS, "unwrapped"}]
 #: What fills the disk, and the file that the message must name.
 FILLED_BY = {
     "frames": (

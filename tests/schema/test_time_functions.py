@@ -118,6 +118,29 @@ def test_a_case_of_a_run_needs_no_file_any_more(tmp_path):
     assert dump_case(again) == dump_case(first) and again.gravity == first.gravity
 
 
+def test_all_that_varies_is_written_as_it_is_read(tmp_path):
+    """Scalars and vectors of every load, of every form."""
+    sine = {"sine": {"amplitude": 0.1, "frequency": 3.0}}
+    ramp = {"ramp": {"to": 0.2, "duration": 0.3}}
+    case, name = case_with(tmp_path, [sine, ramp])
+    region = {"box": {"min": [1.0, 1.0], "max": [1.5, 2.0]}}
+    case["constraints"] = {"grip": {"body": "b", "region": region, "velocity": [sine, None]}}
+    case["boundaries"] = {"y-max": {"velocity": [ramp, {"table": [[0.0, 0.0], [1.0, 0.1]]}]}}
+    case["tractions"] = {
+        "one": {"body": "b", "face": "x-max", "pressure": ramp},
+        "two": {"body": "b", "face": "y-max", "traction": [0.0, sine]},
+    }
+    turns = {"about": [5.0, 5.0], "rate": sine}
+    case["bodies"]["wheel"] = {
+        "rigid": {"velocity": [ramp, 0.0], "rotation": turns},
+        "region": {"ball": {"centre": [5.0, 5.0], "radius": 1.5}},
+    }
+    case["contact"] = [{"bodies": "all"}]
+    first = read_case(json.dumps(case), name)
+    assert read_case(dump_case(first), name) == first
+    assert dump_case(read_case(dump_case(first), name)) == dump_case(first)
+
+
 def test_components_over_time_give_what_a_table_of_vectors_does(tmp_path):
     """The same bits, as the same numbers are added."""
     rows = [[0.0, 0.0], [0.1, 0.3], [0.4, -0.2]]

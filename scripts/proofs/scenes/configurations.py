@@ -164,10 +164,16 @@ def periodic(rng, scene):
     if laws and len(case["bodies"]) > 1:
         case["contact"] = laws
     case.pop("body_force", None)
+    loads = {name: load for name, load in case.pop("tractions", {}).items()
+             if load["face"] not in faces}  # fmt: skip
+    if loads:
+        case["tractions"] = loads
     for body in case["bodies"].values():
         body.pop("configuration", None)
     case["boundaries"] |= dict.fromkeys(faces, "periodic")
     for part in (case, *case["time"].get("stages", ())):
+        if not loads:
+            part.pop("tractions", None)
         for face in faces:
             part.get("escape", {}).pop(face, None)
             if part is not case:

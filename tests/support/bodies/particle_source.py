@@ -13,7 +13,8 @@ from pgimp.physics.fields import BY_RANKS, EVERY, OPTIONAL
 from pgimp.running.frames import Frames
 
 LATERAL = {1: 3, 2: 4, 3: 6}
-SAME = tuple(name for name in OPTIONAL if name not in BY_RANKS)
+#: Fields of domains that are not periodic.
+SAME = tuple(name for name in OPTIONAL if name not in {*BY_RANKS, "unwrapped"})
 
 
 def make_case(fields=SAME, **output):
@@ -38,6 +39,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         "V": random.uniform(0.5, 2.0, size=count),
         "m": random.uniform(0.5, 2.0, size=count),
         "origin": random.normal(size=(count, dimension)),
+        "winding": random.integers(-2, 3, size=(count, dimension)),
     }
     owner = random.integers(comm.size, size=count)
     owner[np.isin(owner, empty)] = 0
@@ -54,6 +56,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         materials=SimpleNamespace(names=("soft", "hard"), body_material=(1, 0)),
         settings=SimpleNamespace(loses=len(gone) > 0),
         fields=EVERY,
+        domain=SimpleNamespace(ends=()),
     )
     sim = SimpleNamespace(
         comm=comm,
