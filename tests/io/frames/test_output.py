@@ -19,7 +19,7 @@ from pgimp.io.frames import particlefile
 from pgimp.io.results.history import History, read
 from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial, world
-from pgimp.physics.fields import ALWAYS, BY_RANKS, FIELDS, Source
+from pgimp.physics.fields import ALWAYS, FIELDS, Source
 from pgimp.running.frames import Frames
 from pgimp.storage import framefile
 from pgimp.storage.rows import Rows
