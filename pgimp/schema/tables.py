@@ -12,16 +12,9 @@ from pydantic import Field, GetJsonSchemaHandler, TypeAdapter, model_serializer,
 from pgimp.schema.base import Model, Number, Vector
 from pgimp.schema.dispatch import Dispatch, Either, plain
 from pgimp.schema.problems import raise_problems
+from pgimp.schema.rows import between, neighbours, row_problems
 from pgimp.schema.sizes import Problems, length
-from pgimp.schema.time_functions import (
-    ALLOWED,
-    OVER_TIME,
-    Table,
-    TimeFunction,
-    between,
-    neighbours,
-    row_problems,
-)
+from pgimp.schema.time_functions import ALLOWED, OVER_TIME, Table, TimeFunction
 
 
 class VectorFunction(Model):

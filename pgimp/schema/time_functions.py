@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import accumulate, pairwise
-from typing import Any, TypeVar
+from typing import Any
 
 from pydantic import BaseModel, Field, model_validator
 
@@ -22,42 +22,13 @@ from pgimp.schema.paths import FileName
 from pgimp.schema.problems import Problem, problem, raise_problems
 from pgimp.schema.profile import read_profile
 from pgimp.schema.registries import ByKey
-
-V = TypeVar("V")
+from pgimp.schema.rows import between, neighbours, row_problems
 
 #: Most rows of a series from a file: the case of the run, which has them, is read again to resume.
 _MOST_ROWS = 50_000
 
 #: Quarters of a period at which the rows of a sinusoid are.
 _MOST_QUARTERS = 1000
-
-
-def neighbours(rows: Sequence[tuple[float, V]], t: float) -> tuple[tuple[float, V], ...]:
-    """Return the rows before and after `t`, the same row twice beyond the ends."""
-    after = bisect_right(rows, t, key=lambda row: row[0])
-    return rows[max(after - 1, 0)], rows[min(after, len(rows) - 1)]
-
-
-def between(t: float, t0: float, t1: float, v0: float, v1: float) -> float:
-    """Return the value at `t` of a line through two points."""
-    if t0 == t1:
-        return v0
-    return v0 + (v1 - v0) / (t1 - t0) * (t - t0)
-
-
-def row_problems(rows: Sequence[tuple[float, tuple[float, ...]]]) -> Iterator[Problem]:
-    """Yield problems between rows: times that do not increase, overflow between values."""
-    for i in range(1, len(rows)):
-        (t0, v0), (t1, v1) = rows[i - 1], rows[i]
-        if t1 <= t0:
-            text = f"the times of a table must increase, but {t1!r} follows {t0!r}"
-            yield Problem(("table", i, 0), text)
-        elif len(v0) != len(v1):
-            text = f"expected {len(v0)} values as in the row before, got {len(v1)}"
-            yield Problem(("table", i, 1), text)
-        elif not all(math.isfinite(between(t1, t0, t1, a, b)) for a, b in zip(v0, v1, strict=True)):
-            text = "the change from the row before is too large for a float64"
-            yield Problem(("table", i), text)
 
 
 class TimeFunction(Model):
@@ -158,6 +129,10 @@ class Series(Model):
         if len(rows) > _MOST_ROWS:
             text = f"has {len(rows)} rows, of at most {_MOST_ROWS}; thin it out"
             raise CaseError(f"the table {self.file} {text}")
+        if not all(math.isfinite(self.factor * v) for _, v in rows):
+            raise CaseError(
+                f"the table {self.file} times {self.factor:g} is too large for a float64"
+            )
         table = Table(table=tuple((t, self.factor * v) for t, v in rows))
         if self.integrate:
             times, last = [t for t, _ in rows], table._integrals[-1]
@@ -180,6 +155,12 @@ class Ramp(TimeFunction):
     to: Number = Field(description="the value after")
     begin: Number = Field(default=0.0, description="when it begins [time]")
     duration: Positive = Field(description="how long it takes [time]")
+
+    @model_validator(mode="after")
+    def _check_rise(self) -> Ramp:
+        if not math.isfinite(self.to - self.start):
+            raise_problems("Ramp", [Problem(("to",), "the rise is too large for a float64")])
+        return self
 
     @property
     def rows(self) -> Sequence[tuple[float, float]]:
@@ -210,7 +191,7 @@ class Sine(TimeFunction):
     """A sinusoid, mean + amplitude sin(2 pi frequency (t - begin) + phase)."""
 
     amplitude: Number = Field(description="the amplitude")
-    frequency: Positive = Field(description="periods in a unit of time [1/time]")
+    frequency: Positive = Field(le=1e100, description="periods in a unit of time [1/time]")
     phase: Number = Field(default=0.0, description="phase as it begins, in radians")
     mean: Number = Field(default=0.0, description="the value about which it swings")
     begin: Number = Field(default=0.0, description="when it begins; held before [time]")
@@ -218,6 +199,9 @@ class Sine(TimeFunction):
 
     @model_validator(mode="after")
     def _check_end(self) -> Sine:
+        if not math.isfinite(abs(self.mean) + abs(self.amplitude)):
+            text = "the greatest value is too large for a float64"
+            raise_problems("Sine", [Problem(("amplitude",), text)])
         if self.end is not None and not self.end > self.begin:
             text = f"it must end after it begins, at {self.begin!r}"
             raise_problems("Sine", [Problem(("end",), text)])

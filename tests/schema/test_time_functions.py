@@ -162,6 +162,10 @@ def test_a_body_in_free_fall_has_the_integral_of_a_sinusoidal_gravity(tmp_path):
     ("value", "parts"),
     [
         ({"rampp": {"to": 1.0}}, ("gravity.0.rampp: unknown function of time", "ramp")),
+        ({"ramp": {"from": -1e308, "to": 1e308, "duration": 1.0}}, ("gravity.0.ramp.to",)),
+        ({"sine": {"amplitude": 1e308, "mean": 1e308, "frequency": 1.0}}, ("sine.amplitude",)),
+        ({"sine": {"amplitude": 1.0, "frequency": 1e300}}, ("sine.frequency",)),
+        ({"series": {"file": "quake.csv", "column": "ax", "factor": 1e308}}, ("too large",)),
         ({"ramp": {"to": 1.0, "duration": 0.0}}, ("gravity.0.ramp.duration",)),
         ({"sine": {"amplitude": 1.0}}, ("gravity.0.sine.frequency: missing",)),
         ({"sine": {"amplitude": 1.0, "frequency": 1.0, "end": -1.0}}, ("must end after",)),
@@ -197,6 +201,10 @@ def test_a_series_that_ends_before_the_run_is_warned_of(tmp_path, capsys):
     case["boundaries"] = {"y-min": {"velocity": [{"series": series}, 0.0]}}
     (said,) = warnings(read_case(json.dumps(case), name))
     assert "boundaries.y-min.velocity.0" in said and "quake.csv ends at 0.4" in said
+    case["gravity"] = [{"series": dict(series)}, 0.0]
+    paths = [each.split(":")[0] for each in warnings(read_case(json.dumps(case), name))]
+    assert paths == ["gravity.0", "boundaries.y-min.velocity.0"]
+    case["gravity"] = [0.0, 0.0]
     series["baseline"] = True
     assert not list(warnings(read_case(json.dumps(case), name)))
     assert isinstance(read_case(json.dumps(case), name).boundaries["y-min"].velocity[0], Table)

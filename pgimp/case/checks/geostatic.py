@@ -47,7 +47,7 @@ def check_geostatic(
     if exact is not None:
         yield Problem(STRESS, "changes the initial state, which `exact` gives; leave one out")
     if isinstance(start.stress.k0, Mapping):
-        for name in set(start.stress.k0) - set(bodies):
+        for name in sorted(set(start.stress.k0) - set(bodies)):
             yield Problem((*STRESS, "k0", name), unknown("body", name, bodies))
     laws = {name: materials.get(body.material) for name, body in bodies.items()}
     yield from _unfit(start.stress, bodies, laws)

@@ -7,7 +7,6 @@ the kernels, and the ring of slabs in `pgimp.decomposition`).
 from typing import ClassVar, NamedTuple
 
 from pgimp.physics.boundaries.base import Boundary
-from pgimp.physics.boundaries.fixed import FixedParameters
 
 
 class Periodic(Boundary):
@@ -23,4 +22,4 @@ class Periodic(Boundary):
 
     def parameters(self, axis: int, side: int, start: float, end: float) -> NamedTuple:
         """Refuse: no kernel is called for these faces."""
-        raise NotImplementedError(FixedParameters.__name__)
+        raise NotImplementedError("periodic faces hold no vertex")

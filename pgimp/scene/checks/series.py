@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 from pgimp.case.schema import Case
 from pgimp.schema.messages import dotted
+from pgimp.schema.tables import Components
 from pgimp.schema.time_functions import Table
 
 #: Part of the greatest value below which a last value counts as zero.
@@ -32,6 +33,8 @@ def warnings(case: Case) -> Iterator[str]:
 
 def _tables(path: tuple[str | int, ...], value: Any) -> Iterator[tuple[Any, Table]]:
     """Yield the tables within a value of a case, with their paths."""
+    if isinstance(value, Components):  # a list in the case
+        value = value.components
     if isinstance(value, Table):
         yield path, value
     elif isinstance(value, BaseModel):
