@@ -70,10 +70,8 @@ class Rank:
         The contact of bodies, or one of its kinds.
     flows : Flows or None
         The filling of the vertices, in scenes with bodies that flow.
-    damping : VertexDamping or None
-        The damping, in scenes with it.
-    absorbing : AbsorbingFaces or None
-        The absorbing faces, in scenes with them.
+    damping, absorbing : VertexDamping, AbsorbingFaces, or None
+        Damping and absorbing faces, in scenes with them.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
@@ -258,9 +256,8 @@ class Rank:
 
     def drop_gradients(self) -> None:
         """Drop the particles' velocity gradients, which only the vertices' start needed."""
-        particles = self.population.particles
+        particles, ring = self.population.particles, self.scene.domain.ring_layers
         self.population.particles = particles._replace(L=np.zeros((particles.capacity, 0)))
-        ring = self.scene.domain.ring_layers
         self.migration = Migration(self.comm, self.slab, self.particles, ring)
 
     def enter(self, scene: Scene, particles: Particles) -> None:
