@@ -51,7 +51,7 @@ def throw(sim: Simulation, v: np.ndarray, L: np.ndarray) -> None:
     p, rows, D = sim.particles, sim.live(), sim.scene.dimension
     p.v[rows] = v
     if p.L.shape[1]:
-        p.L[rows] = L.reshape(len(rows), -1)
+        p.L[rows, : D * D] = L.reshape(len(rows), -1)
     gradients = np.zeros((p.capacity, D, D))
     gradients[rows] = L
     begin_motion(sim.rank, gradients)

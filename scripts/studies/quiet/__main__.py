@@ -1,0 +1,42 @@
+"""Measures faces without ends and ground at rest; see scripts/quiet."""
+
+from studies.harness import options_of, origin, table
+from studies.quiet import ground, long, oblique
+
+
+def main():
+    """Measure what is asked for, and write its tables."""
+    what = {"nargs": "*", "among": ("oblique", "ground", "long"), "metavar": "WHAT"}
+    options = options_of("quiet", what=what, steps={"type": int, "default": 100_000})
+    chosen = options.what or what["among"]
+    measured = f"Measured by `scripts/quiet` on one core of {origin()}."
+    if "oblique" in chosen:
+        titles = ["angle from the normal", *(f"{angle}°" for angle in oblique.ANGLES)]
+        rows = []
+        for wave in oblique.SPEED:
+            found = {wave: oblique.returned(wave), f"{wave}, plane waves": oblique.plane(wave)}
+            rows += [[name, *(f"{part:.2f}" for part in parts)] for name, parts in found.items()]
+        print(table(titles, rows, measured))
+    if "ground" in chosen:
+        rows = [
+            [name, "; ".join(f"{ground.unrest(case(), 1000):.0e}" for case in cases)]
+            for name, cases in ground.SCENES.items()
+        ]
+        titles = (
+            "ground, 4 to 7 cells high, after 1,000 steps",
+            "largest velocity over the wave speed",
+        )
+        print(table(titles, rows, measured))
+    if "long" in chosen:
+        steps = options.steps
+        rows = [
+            [name, f"largest velocity over the wave speed {ground.unrest(case, steps):.0e}"]
+            for name, case in long.rests().items()
+        ]
+        momentum, turns = long.rounds(steps)
+        said = f"momentum to {momentum:.0e} of itself, {turns:.0f} turns"
+        rows.append(["two blocks that meet between periodic faces", said])
+        for configuration in ("initial", "current"):
+            said = f"energy of the last tenth {long.ring(configuration, steps):.4f} of the first"
+            rows.append([f"a tube that breathes, `{configuration}`", said])
+        print(table(["scene", f"in {steps:,} steps"], rows, measured))
