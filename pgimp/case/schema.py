@@ -101,7 +101,7 @@ class Case(Model):
         default="none", description="a label only; any consistent set of length, mass and time"
     )
     dimensions: Annotated[Count, AfterValidator(_dimensions)] = Field(
-        description="1, 2 (plane strain, unless `geometry` says otherwise; per unit thickness) or 3",
+        description="1, 2 (per unit thickness, see `geometry`) or 3",
         json_schema_extra={"enum": [1, 2, 3]},
     )
     geometry: Literal["plane-strain", "plane-stress", "axisymmetric"] = Field(

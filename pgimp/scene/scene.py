@@ -8,7 +8,7 @@ from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene
-from pgimp.kernels.data.frame import FRAMES, InitialFrame, MixedFrame
+from pgimp.kernels.data.frame import FRAMES, MixedFrame
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.lagrangian.cell_sums import MOST
 from pgimp.kernels.loads.loads import Loads

@@ -62,7 +62,6 @@ class Carried(NamedTuple):
     plate: bool = False
     winding: bool = False
 
-
     @property
     def undeformed(self) -> tuple[float, ...]:
         """F of an undeformed particle."""
@@ -148,10 +147,7 @@ class Particles(NamedTuple):
     origin: Annotated[
         FloatArray, Column("initial position", "length", lambda c: c.dimensions if c.origin else 0)
     ]
-    L: Annotated[
-        FloatArray,
-        Column("velocity gradient, row by row", "1/time", _gradient),
-    ]
+    L: Annotated[FloatArray, Column("velocity gradient, row by row", "1/time", _gradient)]
     q: Annotated[FloatArray, Column("viscous pressure", "stress", lambda c: int(c.viscous))]
     patch: Annotated[
         FloatArray,

@@ -10,8 +10,8 @@ particles goes its own way and stops for itself, so that its bits do not depend 
 """
 
 from pgimp.jit.algebra import determinant, inverse, multiply, one_plus
-from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.kernel import specialise
+from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.simd import bits, vector, where
 from pgimp.kernels.transfer.first_vertex import is_initial
 from pgimp.kernels.transfer.lane_io import deformations, take

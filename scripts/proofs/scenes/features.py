@@ -16,7 +16,7 @@ import random
 from typing import NamedTuple
 
 from proofs.scenes.bodies import add_bodies, number, vector
-from proofs.scenes.configurations import along_the_axis, both, initial, periodic, rings
+from proofs.scenes.configurations import along_the_axis, both, initial, periodic, plates, rings
 from proofs.scenes.contact import contact, free, rigid_bodies
 from proofs.scenes.loads import (
     components,
@@ -232,6 +232,7 @@ FEATURES = (
     Feature("functions of time", over_time, 0.4),
     Feature("stages", stages, 0.25),
     Feature("along the axis", along_the_axis),
+    Feature("plane stress", plates, 0.12, compiled=True),
     Feature("periodic faces", periodic, 0.2, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
