@@ -146,7 +146,6 @@ def plates(rng, scene):
         return False
     case["geometry"] = "plane-stress"
     case["method"].pop("volumetric", None)
-    case.pop("start", None)
     for name, entry in case["materials"].items():
         if entry["model"] not in ("hooke", "neo-hookean", "von-mises"):
             case["materials"][name] = {
