@@ -101,12 +101,13 @@ class Case(Model):
         default="none", description="a label only; any consistent set of length, mass and time"
     )
     dimensions: Annotated[Count, AfterValidator(_dimensions)] = Field(
-        description="1, 2 (plane strain, per unit thickness) or 3",
+        description="1, 2 (per unit thickness, see `geometry`) or 3",
         json_schema_extra={"enum": [1, 2, 3]},
     )
-    geometry: Literal["plane-strain", "axisymmetric"] = Field(
+    geometry: Literal["plane-strain", "plane-stress", "axisymmetric"] = Field(
         default="plane-strain",
-        description="in 2 dimensions: plane-strain; or axisymmetric, where x is the radius, y the "
+        description="in 2 dimensions: plane-strain; plane-stress, where no stress acts across, and "
+        "all is per unit of the initial thickness; or axisymmetric, where x is the radius, y the "
         "axis at x = 0, and particles are rings: masses, volumes, forces and energies are of the "
         "whole body, all round the axis",
     )
@@ -207,6 +208,11 @@ class Case(Model):
         """Data from previous stages, if the case is a stage."""
         found: Staged = self.__dict__.get("staged_as", Staged())
         return found
+
+    @property
+    def plane_stress(self) -> bool:
+        """Whether no stress acts out of the plane."""
+        return self.geometry == "plane-stress"
 
     @property
     def axisymmetric(self) -> bool:

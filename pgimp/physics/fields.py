@@ -88,17 +88,19 @@ def unwrapped(source: Source) -> Array:
 
 
 def volume(source: Source) -> Array:
-    """Return the current volume; an area in plane strain, a length in 1D."""
+    """Return the current volume; an area in 2D but of rings and plates, a length in 1D."""
     return source.take("V")
 
 
 def radius(source: Source) -> Array:
     """Return half the side of the segment, square or cube of the current volume.
 
-    A ring has the square of its section.
+    A ring has the square of its section, a part of a plate the one of its area.
     """
     current = volume(source)
-    if source.axial:
+    if source.plate:
+        current = current / source.take("F")[:, 4].clip(1e-300)
+    elif source.stretches:
         current = current / (2.0 * np.pi * source.take("x")[:, 0].clip(1e-300))
     if source.dimension == 1:
         return 0.5 * current
@@ -142,7 +144,7 @@ def deformation(source: Source) -> Array:
     full = np.zeros((len(source.rows), 3, 3))
     full[:, range(dimension, 3), range(dimension, 3)] = 1.0
     full[:, :dimension, :dimension] = local[:, :own].reshape(-1, dimension, dimension)
-    if source.axial:  # the hoop's
+    if source.stretches:
         full[:, 2, 2] = local[:, own]
     return full.reshape(-1, 9)
 
@@ -158,7 +160,7 @@ def strain(source: Source) -> Array:
             for k in range(1, D):
                 product += local[:, k * D + i] * local[:, k * D + j]
             full[:, column] = 0.5 * (product - float(i == j))
-    if source.axial:  # the hoop's
+    if source.stretches:
         full[:, 2] = 0.5 * (local[:, D * D] ** 2 - 1.0)
     return full
 

@@ -27,6 +27,8 @@ class Source(NamedTuple):
         The rank.
     periods : tuple of (float, float)
         Low end and period of the domain by direction, 0 where it is not periodic; () without any.
+    plate : bool
+        Whether the particles are parts of a plate, in plane stress.
     """
 
     particles: Any
@@ -35,6 +37,7 @@ class Source(NamedTuple):
     body_material: tuple[int, ...]
     rank: int = 0
     periods: tuple[tuple[float, float], ...] = ()
+    plate: bool = False
 
     def take(self, symbol: str) -> Array:
         """Return the selected rows of an array of the particles: (n,) or (n, k)."""
@@ -42,8 +45,8 @@ class Source(NamedTuple):
         return np.take(getattr(self.particles, symbol), self.rows, axis=0)
 
     @property
-    def axial(self) -> bool:
-        """Whether the particles are rings, whose F has a zz."""
+    def stretches(self) -> bool:
+        """Whether F has a zz: the particles are rings, or parts of a plate."""
         return self.particles.F.shape[1] > self.dimension**2
 
 

@@ -196,8 +196,9 @@ def _drawable(sim: Simulation, found: _Found, rows: Array) -> dict[str, Array]:
     position[:, : scene.dimension] = places * scene.domain.frame.cell + scene.domain.frame.origin
     position[drawable, : scene.dimension] = p.x[rows[drawable]]
     radius = FIELDS["radius"].values
-    now = radius(Source(p, rows, scene.dimension, scene.materials.body_material))
-    then = radius(Source(p._replace(V=p.V0), rows, scene.dimension, scene.materials.body_material))
+    of = (rows, scene.dimension, scene.materials.body_material)
+    now = radius(Source(p, *of, plate=scene.carried.plate))
+    then = radius(Source(p._replace(V=p.V0), *of, plate=scene.carried.plate))
     kinds = dict(zip(found.rows.tolist(), found.kinds.tolist(), strict=True))
     return {
         "position": position,

@@ -8,7 +8,7 @@ from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene
-from pgimp.kernels.data.frame import AxialInitialFrame, InitialFrame, MixedFrame, identity
+from pgimp.kernels.data.frame import FRAMES, MixedFrame
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.lagrangian.cell_sums import MOST
 from pgimp.kernels.loads.loads import Loads
@@ -74,15 +74,15 @@ class Scene:
             own=materials.variations.width,
             liquid=bool(self.interaction.flows and self.interaction.flows.relaxes),
             axial=case.axisymmetric,
+            plate=case.plane_stress,
             winding=any(domain.periodic),
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
-        kind = AxialInitialFrame if case.axisymmetric else InitialFrame
-        start, shape = kind(*domain.frame), case.method
+        start, shape = FRAMES[case.geometry][1](*domain.frame), case.method
         frame = start if settings.initial else domain.frame
         of_body = np.array(materials.body_material, np.int64)
         self.setting = KernelScene(
-            settings.shape, frame, identity(D, case.axisymmetric),
+            settings.shape, frame, self.carried.undeformed,
             materials.variations.materials, of_body, shape.tracked, domain.exits,
         )  # fmt: skip
         self.setting_lagrangian = self.setting._replace(
@@ -100,7 +100,7 @@ class Scene:
         return (
             self.settings.initial
             and self.dimension > 1
-            and not self.case.axisymmetric
+            and self.case.geometry == "plane-strain"
             and method.in_cell
             and max(method.particles_per_cell) <= MOST
             and not (loads.force or self.case.staged.rebonds)

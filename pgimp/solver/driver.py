@@ -216,7 +216,7 @@ class Particles(Mapping[str, np.ndarray]):
         scene = core.scene
         source = fields.Source(
             core.particles, rows, scene.dimension, scene.materials.body_material,
-            periods=scene.domain.ends,
+            periods=scene.domain.ends, plate=scene.carried.plate,
         )  # fmt: skip
         return scene.fields[name].values(source)
 

@@ -47,6 +47,7 @@ FRAGMENTS = (
     ("time:\n  end: 0.6  ", lambda: file_of("excavation"), ()),
     ("contact:\n  - {bodies: [block, plate]", lambda: scene(2, bodies=("block", "plate")), ()),
     ("dimensions: 2\ngeometry: axisymmetric", lambda: scene(2), ()),
+    ("dimensions: 2\ngeometry: plane-stress", lambda: scene(2, ("sheet",)), ()),
     ("bodies:\n  bar:", lambda: scene(2), ()),
     ("bodies:\n  pile:", lambda: scene(1, ("concrete",)), ()),
     ("bodies:\n  part:", lambda: scene(3, ("steel",)), ()),

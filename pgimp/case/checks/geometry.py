@@ -1,4 +1,4 @@
-"""Checks of the geometry of a scene in two dimensions: what axisymmetry allows."""
+"""Checks of the geometry of a scene in two dimensions: what axisymmetry and plane stress allow."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from pgimp.case.body import Body
 from pgimp.case.grid import Grid
+from pgimp.case.start import StartEntry
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.contact.pairs import ContactEntry
@@ -44,6 +45,40 @@ def check_geometry(dimensions: int, geometry: str, grid: Grid, method: Shape) ->
             ("method", "shape"),
             f"{method.name} has no axisymmetric weights; take gimp, finite-gimp, cpdi or mpm",
         )
+
+
+def check_plane_stress(
+    dimensions: int,
+    geometry: str,
+    materials: Mapping[str, Material],
+    method: Shape,
+    start: StartEntry | None,
+    exact: object,
+) -> Problems:
+    """Check that the stress out of the plane can be zero."""
+    if geometry != "plane-stress":
+        return
+    if dimensions != 2:
+        yield Problem(
+            ("geometry",), f"plane-stress is for 2 dimensions, but the case has {dimensions}"
+        )
+    if method.volumetric == "mean":
+        yield Problem(
+            ("method", "volumetric"),
+            "mean is against locking, which plane stress does not have; take pointwise",
+        )
+    for name, law in materials.items():
+        if not law.PLANE_STRESS:
+            yield Problem(
+                ("materials", name, "model"),
+                f"{law.model} is not known in plane stress; hooke, neo-hookean and von-mises are",
+            )
+    if start is not None and start.stress is not None:
+        yield Problem(
+            ("start", "stress"), "has a part out of the plane; take settle, or plane-strain"
+        )
+    if exact is not None:
+        yield Problem(("exact",), "is not known in plane stress; leave it out")
 
 
 def check_axis(

@@ -32,7 +32,7 @@ from pgimp.case.checks.domain import (
     check_output,
     check_time,
 )
-from pgimp.case.checks.geometry import check_axis, check_geometry, check_rings
+from pgimp.case.checks.geometry import check_axis, check_geometry, check_plane_stress, check_rings
 from pgimp.case.checks.geostatic import check_geostatic
 from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.periodic import (
@@ -140,6 +140,7 @@ _CHECKS = (
     check_grid,
     check_method,
     check_geometry,
+    check_plane_stress,
     check_axis,
     check_rings,
     check_time,

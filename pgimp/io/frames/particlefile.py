@@ -146,8 +146,9 @@ class ParticleFile:
             way = self._in_chunks if self._compressed and rows.count else self._in_place
             materials = tuple(scene.materials.body_material)
             source = Source(
-                particles, rows.storage, scene.dimension, materials, comm.rank, scene.domain.ends
-            )
+                particles, rows.storage, scene.dimension, materials, comm.rank, scene.domain.ends,
+                scene.carried.plate,
+            )  # fmt: skip
             values = Values(self.types, self.kinds, source, instead)
             file = way(part, rows, attributes, values, what)
             file.error = file.error or values.error

@@ -27,10 +27,10 @@ class Frame(NamedTuple):
         return tuple(n + 1 + 2 * self.ghost for n in self.cells)
 
 
-def identity(dimensions: int, axial: bool) -> tuple[float, ...]:
-    """Return the matrix 1, row by row; with its zz where the scene is axisymmetric."""
+def identity(dimensions: int, stretches: bool) -> tuple[float, ...]:
+    """Return the matrix 1, row by row; with its zz if what is out of the plane `stretches`."""
     plane = tuple(float(i == j) for i in range(dimensions) for j in range(dimensions))
-    return (*plane, 1.0) if axial else plane
+    return (*plane, 1.0) if stretches else plane
 
 
 def volume_ratio(F: np.ndarray, dimensions: int) -> np.ndarray:
@@ -65,6 +65,29 @@ class AxialInitialFrame(Frame):
     """Position of a grid of the initial configuration of an axisymmetric scene."""
 
     __slots__ = ()
+
+
+class PlateFrame(Frame):
+    """Position of the grid of a scene in plane stress.
+
+    Particles are parts of a plate, free to grow thicker and thinner. Kernels choose by its type.
+    """
+
+    __slots__ = ()
+
+
+class PlateInitialFrame(Frame):
+    """Position of a grid of the initial configuration of a scene in plane stress."""
+
+    __slots__ = ()
+
+
+#: Frames of both configurations by the geometry of a case.
+FRAMES: dict[str, tuple[type[Frame], type[Frame]]] = {
+    "plane-strain": (Frame, InitialFrame),
+    "plane-stress": (PlateFrame, PlateInitialFrame),
+    "axisymmetric": (AxialFrame, AxialInitialFrame),
+}
 
 
 class MixedFrame(NamedTuple):

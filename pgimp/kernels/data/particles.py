@@ -40,8 +40,8 @@ class Carried(NamedTuple):
         Number of parameters of its material that vary.
     liquid : bool
         Whether they have the gradient of J.
-    axial : bool
-        Whether matrices have a zz, out of the plane.
+    axial, plate : bool
+        Whether they are rings, or parts of a plate: F has a zz, out of the plane.
     winding : bool
         Whether they count their turns through periodic faces.
     """
@@ -59,7 +59,13 @@ class Carried(NamedTuple):
     own: int = 0
     liquid: bool = False
     axial: bool = False
+    plate: bool = False
     winding: bool = False
+
+    @property
+    def undeformed(self) -> tuple[float, ...]:
+        """F of an undeformed particle."""
+        return identity(self.dimensions, self.axial or self.plate)
 
 
 class Column(NamedTuple):
@@ -99,7 +105,11 @@ def _directions(carried: Carried) -> int:
 
 
 def _matrix(carried: Carried) -> int:
-    return len(identity(carried.dimensions, carried.axial))
+    return len(carried.undeformed)
+
+
+def _gradient(carried: Carried) -> int:
+    return len(identity(carried.dimensions, carried.axial)) if carried.affine else 0
 
 
 class Particles(NamedTuple):
@@ -137,10 +147,7 @@ class Particles(NamedTuple):
     origin: Annotated[
         FloatArray, Column("initial position", "length", lambda c: c.dimensions if c.origin else 0)
     ]
-    L: Annotated[
-        FloatArray,
-        Column("velocity gradient, row by row", "1/time", lambda c: _matrix(c) if c.affine else 0),
-    ]
+    L: Annotated[FloatArray, Column("velocity gradient, row by row", "1/time", _gradient)]
     q: Annotated[FloatArray, Column("viscous pressure", "stress", lambda c: int(c.viscous))]
     patch: Annotated[
         FloatArray,
@@ -223,7 +230,7 @@ class Particles(NamedTuple):
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":
         """Arrays for `capacity` particles with all carried columns at their initial values."""
-        arrays, one = {}, np.array(identity(carried.dimensions, carried.axial))
+        arrays, one = {}, np.array(carried.undeformed)
         for name, column in COLUMNS.items():
             more = () if column.width is None else (column.width(carried),)
             arrays[name] = np.zeros((capacity, *more), column.dtype)

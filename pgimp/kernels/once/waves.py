@@ -5,7 +5,7 @@ from math import isqrt, sqrt
 from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.tuples import read, scaled
-from pgimp.kernels.transfer.first_vertex import deformation
+from pgimp.kernels.transfer.first_vertex import deformation, is_plate
 from pgimp.kernels.update.stress import state_of
 from pgimp.kernels.update.varying import substitute_parameters
 from pgimp.physics.materials.parameters.evaluate import evaluate
@@ -39,12 +39,23 @@ def small_wave_speeds(setting, particles, rows, length, speeds):
         number, state = setting.material_of[particles.body[p]], state_of(materials, particles, p, F)
         args = (F, determinant(F))
         c = evaluate("speed", materials, number, args, state)
-        speeds[i, 0] = c
         one = _shear_stress(setting, particles, p, materials, STRAIN, length / c)
         other = _shear_stress(setting, particles, p, materials, -STRAIN, length / c)
         before = _shear_stress(setting, particles, p, materials, 0.0, length / c)
         modulus = max(abs(one - before), abs(other - before)) / STRAIN
-        speeds[i, 1] = sqrt(modulus * particles.V[p] / particles.m[p])
+        s = sqrt(modulus * particles.V[p] / particles.m[p])
+        speeds[i, 0], speeds[i, 1] = _in_a_plate(setting.frame, c, s), s
+
+
+def _in_a_plate(frame, c, s):
+    """Speed of compression in plane stress, by the speeds c and s in space; else c."""
+
+
+@specialise(_in_a_plate)
+def _in_a_plate_of(frame, c, s):
+    if is_plate(frame):
+        return lambda frame, c, s: 2.0 * s * sqrt(1.0 - (s / c) ** 2)
+    return lambda frame, c, s: c
 
 
 def _shear_stress(setting, particles, p, materials, strain, dt):

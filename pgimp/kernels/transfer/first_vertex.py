@@ -11,6 +11,8 @@ from pgimp.kernels.data.frame import (
     AxialInitialFrame,
     InitialFrame,
     MixedFrame,
+    PlateFrame,
+    PlateInitialFrame,
     identity,
 )
 from pgimp.physics.shapes.base import size
@@ -25,7 +27,7 @@ AXIS = 1e-3
 
 def is_initial(frame):
     """Whether a frame, given by its Numba type, belongs to the initial configuration."""
-    return frame.instance_class in (InitialFrame, AxialInitialFrame)
+    return frame.instance_class in (InitialFrame, AxialInitialFrame, PlateInitialFrame)
 
 
 def is_mixed(frame):
@@ -38,9 +40,14 @@ def is_axial(frame):
     return frame.instance_class in (AxialFrame, AxialInitialFrame)
 
 
+def is_plate(frame):
+    """Whether a frame, given by its Numba type, belongs to a scene in plane stress."""
+    return frame.instance_class in (PlateFrame, PlateInitialFrame)
+
+
 def undeformed(frame):
     """Return the undeformed deformation gradient of a frame, given by its Numba type."""
-    return identity(len(frame.types[0]), is_axial(frame))
+    return identity(len(frame.types[0]), is_axial(frame) or is_plate(frame))
 
 
 def coordinate(frame, particles, p, d):

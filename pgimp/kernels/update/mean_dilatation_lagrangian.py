@@ -28,6 +28,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.simd import where
 from pgimp.kernels.data.record import MASS, VELOCITY
+from pgimp.kernels.transfer.first_vertex import is_plate
 from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.gather_shared import gather_shared, row_major
 from pgimp.kernels.transfer.lane_io import LANES, deformations, put_row, take, take_row
@@ -38,6 +39,7 @@ from pgimp.kernels.transfer.transpose import gathered_mass, gradients, keep_sums
 from pgimp.kernels.update.deformation import side, update_deformation, velocity_gradients
 from pgimp.kernels.update.mean_dilatation_weights import means_of_parts
 from pgimp.kernels.update.piola import BY_CELLS, kept_force
+from pgimp.kernels.update.plates import deform_plate
 
 #: d-th root of the filled part of its cells from which a particle is not isolated.
 LEAST = 0.4
@@ -197,6 +199,10 @@ def _deform(cells, setting, forcing, particles, four, numbers, D):
             update_deformation(setting, forcing, particles, four, numbers, D),
         )
 
+    if is_plate(setting.types[setting.fields.index("frame")]):
+        return lambda cells, setting, forcing, particles, four, numbers, D: deform_plate(
+            setting, forcing, particles, four, numbers, D
+        )
     if len(cells) == 0:
         return alike
     directions = len(setting.types[setting.fields.index("frame")].types[0])

@@ -10,7 +10,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, number, pack, store, vector
-from pgimp.kernels.transfer.first_vertex import is_axial, is_initial
+from pgimp.kernels.transfer.first_vertex import is_axial, is_initial, is_plate
 from pgimp.kernels.transfer.lane_io import deformations, take, take_row
 from pgimp.kernels.update.viscosity import trace
 
@@ -122,7 +122,7 @@ def stresses(frame, sigma):
 
 @specialise(stresses)
 def _stresses(frame, sigma):
-    if is_axial(frame):
+    if is_axial(frame) or is_plate(frame):
         return lambda frame, sigma: (*full(sigma), sigma[2])
     return lambda frame, sigma: full(sigma)
 

@@ -84,6 +84,10 @@ class Material(Varying):
     ELASTIC: ClassVar[bool] = False
     """Whether it springs back whatever it goes through: it never flows, yields or breaks."""
 
+    PLANE_STRESS: ClassVar[bool] = False
+    """Whether its stress out of the plane falls steadily as the thickness does, so that plane
+    stress can be found."""
+
     STATE: ClassVar[tuple[State, ...]] = ()
     """What its particles remember besides their stress; see `pgimp.physics.materials`."""
 

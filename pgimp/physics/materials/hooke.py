@@ -60,6 +60,7 @@ class Hooke(Material):
 
     CARRIES_STRESS: ClassVar[bool] = True
     ELASTIC: ClassVar[bool] = True
+    PLANE_STRESS: ClassVar[bool] = True
 
     model: Literal["hooke"] = Field(description="name of the model")
     young: Young

@@ -73,6 +73,7 @@ class NeoHookean(Material):
     """Compressible neo-Hookean solid, for large elastic deformation."""
 
     ELASTIC: ClassVar[bool] = True
+    PLANE_STRESS: ClassVar[bool] = True
 
     model: Literal["neo-hookean"] = Field(description="name of the model")
     young: Young

@@ -227,6 +227,7 @@ class VonMises(Material):
 
     CARRIES_STRESS: ClassVar[bool] = True
     CARRIES_PRESSURE: ClassVar[bool] = False
+    PLANE_STRESS: ClassVar[bool] = True
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
     STATE: ClassVar[tuple[State, ...]] = (PLASTIC_STRAIN, BACK_STRESS)
     SPELLINGS: ClassVar[dict[str, str]] = {"yield_stress": "yield-stress"}

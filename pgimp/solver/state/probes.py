@@ -86,6 +86,7 @@ class Point:
             scene.dimension,
             tuple(scene.materials.body_material),
             periods=scene.domain.ends,
+            plate=scene.carried.plate,
         )
         place = "unwrapped" if scene.domain.ends else "position"
         found = []

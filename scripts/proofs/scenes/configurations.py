@@ -139,6 +139,22 @@ def _alone(case):
             body.pop("configuration", None)
 
 
+def plates(rng, scene):
+    """A scene in plane stress, without mean dilatation, of laws that it knows."""
+    case = scene.case
+    if scene.dimension != 2 or "geometry" in case:
+        return False
+    case["geometry"] = "plane-stress"
+    case["method"].pop("volumetric", None)
+    for name, entry in case["materials"].items():
+        if entry["model"] not in ("hooke", "neo-hookean", "von-mises"):
+            case["materials"][name] = {
+                "model": "neo-hookean", "young": 100.0, "poisson": 0.3,
+                "density": entry["density"],
+            }  # fmt: skip
+    return True
+
+
 def periodic(rng, scene):
     """One or more directions, x in most scenes, without what no periodic domain has."""
     from pgimp.physics.shapes import SHAPES

@@ -16,7 +16,7 @@ import random
 from typing import NamedTuple
 
 from proofs.scenes.bodies import add_bodies, number, vector
-from proofs.scenes.configurations import along_the_axis, both, initial, periodic, rings
+from proofs.scenes.configurations import along_the_axis, both, initial, periodic, plates, rings
 from proofs.scenes.contact import contact, free, rigid_bodies
 from proofs.scenes.loads import (
     components,
@@ -209,6 +209,7 @@ FEATURES = (
     Feature("metals", metals, 0.2, compiled=True),
     Feature("flows", flows, 0.35, compiled=True),
     Feature("viscosity", viscosity, 0.2, compiled=True),
+    Feature("plane stress", plates, 0.12, compiled=True),
     Feature("time", time),
     Feature("steps chosen", courant, 0.12, compiled=True),
     Feature("many periods", long, 0.05, compiled=True),

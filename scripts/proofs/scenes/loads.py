@@ -68,7 +68,7 @@ def gravity(rng, scene):
 def weight_above(rng, scene):
     """Bodies begin with the stress of the weight above, along one axis."""
     case, bodies = scene.case, scene.case["bodies"].values()
-    if any(
+    if case.get("geometry") == "plane-stress" or any(
         "density" in body.get("rigid", {})
         or body.get("configuration")
         or "points" in body["region"]

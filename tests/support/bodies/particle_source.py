@@ -57,6 +57,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         settings=SimpleNamespace(loses=len(gone) > 0),
         fields=EVERY,
         domain=SimpleNamespace(ends=()),
+        carried=SimpleNamespace(plate=False),
     )
     sim = SimpleNamespace(
         comm=comm,

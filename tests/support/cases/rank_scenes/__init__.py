@@ -21,6 +21,7 @@ from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves
 from rank_scenes.meetings import meeting, staged
 from rank_scenes.periods import endless, layer, round_and_round
+from rank_scenes.plates import plates, plates_initial
 from rank_scenes.rings import rings, rings_initial
 from rank_scenes.squeezed_blocks import SIZED
 
@@ -79,6 +80,8 @@ SCENES = (
             affine,
             varied,
             rings,
+            plates,
+            plates_initial,
             rings_initial,
             round_and_round,
             layer,
