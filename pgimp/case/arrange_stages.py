@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
 from pgimp.case.stages import Stage, Staged, merged
+from pgimp.case.strength import strength_problems, weakened
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import Problem
 
@@ -30,11 +31,13 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     data["time"] = {key: value for key, value in data["time"].items() if key != "stages"}
     first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
     first.__dict__["staged_as"] = Staged(escapes=bool(_leaving(first)))
-    found, names = [first], {""}
+    found, names, strength = [first], {""}, None
     data.pop("start")  # of the first stage alone
     for number, stage in enumerate(case.time.stages):
         before, where = found[-1], ("time", "stages", number)
         problems = list(check_by_itself(stage, before, names))
+        strength = stage.strength if "strength" in stage.model_fields_set else strength
+        problems += strength_problems(strength, before.materials)
         names.add(stage.name)
         if problems:
             return (), [item._replace(path=(*where, *item.path)) for item in problems]
@@ -43,7 +46,8 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
         counted = _counted(before, stage)
         try:
             end = before.time.end if stage.end is None else stage.end
-            now = _of_stage(type(case), data, at, before.time.end, end, counted)
+            weak = weakened(strength, data, before.materials)
+            now = _of_stage(type(case), weak, at, before.time.end, end, counted)
         except ValidationError as error:
             problems = explain(type(case), error, data)
         else:

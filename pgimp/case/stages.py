@@ -13,6 +13,7 @@ from pydantic import Field, model_serializer
 
 from pgimp.case.start import Settle
 from pgimp.case.steps import AnyStep
+from pgimp.case.strength import Strength
 from pgimp.schema.base import Model, Name, Positive
 from pgimp.schema.tables import VaryingVector
 
@@ -71,6 +72,10 @@ class Stage(Model):
     materials: _Entries = _keyed(
         "by name, parameters that change, {soil: {cohesion: 2.0e3}}; not `model`, `density`, and "
         "what particles only start with"
+    )
+    strength: Strength | None = _change(
+        "soils are weaker than cases and stages have them, by a factor, from here on; of another "
+        "stage's it is in place; null: none"
     )
     gravity: VaryingVector = _change("as in the case, in place of it; null: none [length/time^2]")
     body_force: object = Field(

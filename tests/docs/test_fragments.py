@@ -45,6 +45,7 @@ def file_of(name):
 #: Beginnings of blocks, a case that each belongs to, and the keys below which it stands there.
 FRAGMENTS = (
     ("time:\n  end: 0.6  ", lambda: file_of("excavation"), ()),
+    ("stages:\n  - {name: dig", lambda: file_of("excavation"), ("time",)),
     ("contact:\n  - {bodies: [block, plate]", lambda: scene(2, bodies=("block", "plate")), ()),
     ("dimensions: 2\ngeometry: axisymmetric", lambda: scene(2), ()),
     ("bodies:\n  bar:", lambda: scene(2), ()),

@@ -29,8 +29,7 @@ from proofs.scenes.loads import (
 )
 from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
 from proofs.scenes.output import checkpoints, frames, grid_frames, history, probes, small_files
-from proofs.scenes.settling import settling
-from proofs.scenes.stages import stages
+from proofs.scenes.stages import settling, stages
 
 SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
 BOXES = ("gimp", "finite-gimp", "cpdi")
