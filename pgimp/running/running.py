@@ -95,12 +95,13 @@ def advance(
             _note_held(sim, log)
             ended = True
     except BaseException as error:
-        if isinstance(error, NoRestError) and not sim.preparing:
-            recorder.show()  # what moves
+        spent = perf_counter() - began - sum(recorder.seconds.values())
+        if isinstance(error, NoRestError) and not sim.preparing:  # what moves is seen
+            recorder.show()
         if sim.failure or isinstance(error, EndlessError | NoRestError):
             recorder.salvage()
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
-        directory.record_failure(state, sim.step, sim.time, describe(error))
+        directory.record_failure(state, sim.step, sim.time, describe(error), spent)
         if isinstance(error, RunError):
             stage = f"\n  in {sim.case.staged.title}" if len(sim.cases) > 1 else ""
             text = f"{error}{stage}\n  {recorder.kept()}"
@@ -147,8 +148,7 @@ def _begin(recorder: Recorder, about: About | None, log: Log) -> None:
 def _settle(sim: Simulation, recorder: Recorder, progress: Progress, log: Log, stop: Stop) -> bool:
     """Do the steps before time 0 until the run is at rest; whether it was stopped; collective."""
     log.say("settling before time 0")
-    began, first = perf_counter(), sim.step
-    stopped = stop.agree(recorder.checkpoints.seconds)
+    (began, first), stopped = (perf_counter(), sim.step), stop.agree(recorder.checkpoints.seconds)
     while sim.preparing and not stopped:
         each = (perf_counter() - began) / (sim.step - first + 1)
         sim.request = _request(sim, recorder, stop, each)

@@ -81,7 +81,7 @@ def test_without_any_soil_there_is_nothing_to_weaken():
 
 def test_soil_that_varies_in_space_is_refused():
     case = staged({"strength": {"factor": 1.1}})
-    law = {"gradient": {"along": [0.0, 1.0], "values": [[0.0, 1.0], [2.0, 2.0]]}}
+    law = {"random": {"mean": 1.0, "cov": 0.2, "correlation": 1.0}}
     case["materials"]["soil"] = SOIL | {"cohesion": law}
-    with pytest.raises(CaseError):
+    with pytest.raises(CaseError, match=r"stages\.0\.strength: 'soil' varies in space"):
         pgimp.load(case)

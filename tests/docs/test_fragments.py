@@ -46,6 +46,7 @@ def file_of(name):
 FRAGMENTS = (
     ("time:\n  end: 0.6  ", lambda: file_of("excavation"), ()),
     ("stages:\n  - {name: dig", lambda: file_of("excavation"), ("time",)),
+    ("time:\n  end: 0.01 ", lambda: file_of("excavation"), ()),
     ("contact:\n  - {bodies: [block, plate]", lambda: scene(2, bodies=("block", "plate")), ()),
     ("dimensions: 2\ngeometry: axisymmetric", lambda: scene(2), ()),
     ("bodies:\n  bar:", lambda: scene(2), ()),
@@ -62,7 +63,7 @@ FRAGMENTS = (
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.
-OTHERS = ("format: 1\n", "# yaml-language-server: $schema=pgimp-schema.json\n")
+OTHERS = ("format: 1\n", "# safety.yaml\n", "# yaml-language-server: $schema=pgimp-schema.json\n")
 
 
 def merged(beginning, case, keys):

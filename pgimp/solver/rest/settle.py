@@ -9,7 +9,7 @@ from math import inf
 
 import numpy as np
 
-from pgimp.errors import NoRestError
+from pgimp.errors import NO_REST, NoRestError
 from pgimp.kernels.data.ledger import INTERNAL, UNBALANCED
 from pgimp.solver.configurations import fastest
 from pgimp.solver.history.diagnostics import Diagnostics
@@ -75,7 +75,7 @@ def require_rest(start: Start, part: float) -> None:
     if steps >= settle.steps:
         key = f"time.stages.{staged.number - 1}.settle" if staged.number else "start.settle"
         raise NoRestError(
-            f"{key}: no rest after {steps} steps: the unbalanced force is "
+            f"{key}: {NO_REST} {steps} steps: the unbalanced force is "
             f"{part:.3g} of the forces of stresses and tractions, not {settle.tolerance:.3g}\n"
             f"  try: more steps ({key}.steps), a larger tolerance, another damping; look "
             "for parts that nothing holds, and for loads that no rest can bear"
