@@ -22,7 +22,7 @@ from pgimp.storage import atomic
 from pgimp.terminal import unescaped
 from pgimp.utilities.check.prepare import prepare
 from pgimp.utilities.study import brackets
-from pgimp.utilities.study.bisected import Bisection
+from pgimp.utilities.study.bisect_entry import Bisection
 from pgimp.utilities.study.bisection import Bracket, run_all
 from pgimp.utilities.study.measures import number
 from pgimp.utilities.study.plan import Plan, read_plan

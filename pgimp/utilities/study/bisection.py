@@ -8,8 +8,9 @@ from pathlib import Path
 
 from pgimp.running.log import Log
 from pgimp.running.progress import duration
-from pgimp.utilities.study.bisected import Bisected, Bisection
+from pgimp.utilities.study.bisect_entry import Bisection
 from pgimp.utilities.study.measures import number
+from pgimp.utilities.study.plan import Bisected
 from pgimp.utilities.study.runs import DONE, FAILED, Outcome, rests
 
 #: States of a trial: it has come to rest, or it has not.

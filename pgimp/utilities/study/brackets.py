@@ -7,7 +7,7 @@ import io
 from collections.abc import Sequence
 
 from pgimp.running.progress import duration
-from pgimp.utilities.study.bisected import Bisection
+from pgimp.utilities.study.bisect_entry import Bisection
 from pgimp.utilities.study.bisection import Bracket, result
 from pgimp.utilities.study.measures import number
 from pgimp.utilities.study.plan import Plan

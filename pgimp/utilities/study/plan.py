@@ -11,10 +11,22 @@ from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.errors import CaseError, UsageError
 from pgimp.schema.document import read
-from pgimp.utilities.study.bisected import Bisected
 from pgimp.utilities.study.cases import Cases, Planned
 from pgimp.utilities.study.schema import CASE, Study
 from pgimp.utilities.study.sweep import Change, Variant, short, variants
+
+
+@dataclass(frozen=True)
+class Bisected:
+    """A variant of the study whose runs differ in the bisected key."""
+
+    name: str
+    """Empty in a study without a sweep."""
+    study: Study
+    x: float
+    """Abscissa of the table."""
+    planned: Callable[[float], Planned]
+    """Makes the run of a value."""
 
 
 @dataclass(frozen=True)

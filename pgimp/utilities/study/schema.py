@@ -11,7 +11,7 @@ from pgimp.schema.base import Count, Label, Model, NonNegative, Number, Positive
 from pgimp.schema.dispatch import Either
 from pgimp.schema.messages import describe, got, unknown
 from pgimp.schema.problems import Problem, problem, raise_problems
-from pgimp.utilities.study.bisected import Bisection
+from pgimp.utilities.study.bisect_entry import Bisection
 
 LIMIT = "limit"
 """The reference that is extrapolated from the runs."""

@@ -98,6 +98,13 @@ def parameters(rng, scene, now, stage):
             stage.setdefault("materials", {})[name] = {key: entry[key]}
 
 
+def strength(rng, scene, now, stage):
+    """Soils are weaker, or again as strong as they were."""
+    soils = [each for each in now["materials"].values() if "friction-angle" in each]
+    if soils and not any(isinstance(v, dict) for each in soils for v in each.values()):
+        stage["strength"] = {"factor": number(rng, 1.0, 1.5)} if rng.random() < 0.7 else None
+
+
 def gravity(rng, scene, now, stage):
     """Another gravity, or none."""
     most = 0.05 * scene.speed**2 / max(scene.cells)
@@ -184,4 +191,7 @@ def friction(rng, scene, now, stage):
         stage["contact"] = entries
 
 
-CHANGES = (removed, parameters, gravity, walls, tractions, constraints, writing, damping, friction)
+CHANGES = (
+    removed, parameters, strength, gravity, walls, tractions, constraints, writing, damping,
+    friction,
+)  # fmt: skip

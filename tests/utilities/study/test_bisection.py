@@ -12,9 +12,9 @@ from scenes import box, scene
 from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.io.rundir.ownfiles import RUN
-from pgimp.utilities.study.bisected import Bisected, Bisection
+from pgimp.utilities.study.bisect_entry import Bisection
 from pgimp.utilities.study.bisection import Bracket, bisect, result
-from pgimp.utilities.study.plan import read_plan
+from pgimp.utilities.study.plan import Bisected, read_plan
 from pgimp.utilities.study.runs import DONE, FAILED, Outcome
 
 CLAY = {

@@ -1,19 +1,13 @@
-"""The entry `bisect` of a study, and the runs of its variants, made for each value."""
+"""The entry `bisect` of a study."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
 from pgimp.schema.base import Model, Number, Positive
 from pgimp.schema.problems import problem
-
-if TYPE_CHECKING:
-    from pgimp.utilities.study.cases import Planned
-    from pgimp.utilities.study.schema import Study
 
 
 def _two(value: tuple[float, ...]) -> tuple[float, ...]:
@@ -45,16 +39,3 @@ class Bisection(Model):
         default=None,
         description="a known result, to which the tables give the relative error; null: none",
     )
-
-
-@dataclass(frozen=True)
-class Bisected:
-    """A variant of the study whose runs differ in the bisected key."""
-
-    name: str
-    """Empty in a study without a sweep."""
-    study: Study
-    x: float
-    """Abscissa of the table."""
-    planned: Callable[[float], Planned]
-    """Makes the run of a value."""
