@@ -38,6 +38,16 @@ class EndlessError(RunError):
     """The run cannot go on, though no particle is at fault; on every rank together."""
 
 
+#: Words of the message of `NoRestError`, by which `pgimp study` knows it.
+NO_REST = "no rest after"
+
+
+class NoRestError(RunError):
+    """A run, or a stage, has not come to rest in its steps (exit status 3); on every rank."""
+
+    exit_status = 3
+
+
 class DamagedError(Exception):
     """A checkpoint cannot be used: what is wrong with it, in one line.
 

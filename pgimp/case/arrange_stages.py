@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
 from pgimp.case.stages import Stage, Staged, merged
+from pgimp.case.strength import strength_problems, weakened
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import Problem
 
@@ -30,11 +31,13 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     data["time"] = {key: value for key, value in data["time"].items() if key != "stages"}
     first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
     first.__dict__["staged_as"] = Staged(escapes=bool(_leaving(first)))
-    found, names = [first], {""}
+    found, names, strength = [first], {""}, None
     data.pop("start")  # of the first stage alone
     for number, stage in enumerate(case.time.stages):
         before, where = found[-1], ("time", "stages", number)
         problems = list(check_by_itself(stage, before, names))
+        strength = stage.strength if "strength" in stage.model_fields_set else strength
+        problems += strength_problems(strength, before.materials)
         names.add(stage.name)
         if problems:
             return (), [item._replace(path=(*where, *item.path)) for item in problems]
@@ -42,7 +45,9 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
         data = merged(data, stage, spellings)
         counted = _counted(before, stage)
         try:
-            now = _of_stage(type(case), data, at, before.time.end, stage.end, counted)
+            end = before.time.end if stage.end is None else stage.end
+            weak = weakened(strength, data, before.materials)
+            now = _of_stage(type(case), weak, at, before.time.end, end, counted)
         except ValidationError as error:
             problems = explain(type(case), error, data)
         else:
@@ -62,7 +67,8 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             leaves,
             moved,
             rebonds,
-            before.staged.damped or before.damping is not None,
+            before.staged.damped or before.damping is not None or before.rests,
+            before.staged.settled or before.rests,
         )
         found.append(now)
     return tuple(found), []
@@ -79,7 +85,7 @@ def _of_stage(
     """Return a typed case, with only the frame times `at` that are in the stage."""
     mine = tuple(time for time in at if start < time <= end or time == start == 0.0)
     data = {**data, "output": {**data["output"], "at": mine}}
-    return kind.model_validate(data, context={"counted": counted})
+    return kind.model_validate(data, context={"counted": counted, "began": start})
 
 
 def _leaving(case: Case) -> list[str]:
@@ -91,6 +97,8 @@ def _counted(before: Case, stage: Stage) -> float:
     step = before.time.step if stage.step is None else stage.step
     if not isinstance(step, float | int):
         return 0.0
+    if stage.settle:  # its steps take no time
+        return float(before.time.end)
     return before.staged.counted if step == before.time.step else float(before.time.end)
 
 
@@ -113,7 +121,7 @@ def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
 def _relocated(item: Problem, stage: Stage, where: Path) -> Problem:
     """Return a problem of a stage's case with the path of its cause in the stage."""
     section = item.path[0] if item.path else ""
-    if section == "time":
+    if section in ("time", "start"):
         return item._replace(path=(*where, *item.path[1:]))
     changes: object = stage.changes.get(str(section))
     if isinstance(changes, Mapping) and len(item.path) > 1 and item.path[1] not in changes:

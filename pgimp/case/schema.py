@@ -210,9 +210,9 @@ class Case(Model):
         return found
 
     @property
-    def plane_stress(self) -> bool:
-        """Whether no stress acts out of the plane."""
-        return self.geometry == "plane-stress"
+    def rests(self) -> bool:
+        """Whether the case is a stage after the first that comes to rest, and no more."""
+        return self.staged.number > 0 and self.start.settle is not None
 
     @property
     def axisymmetric(self) -> bool:
@@ -254,14 +254,15 @@ class Case(Model):
         if not isinstance(data, dict):
             return handler(data)
         data = _with_defaults(data)
-        counted = (info.context or {}).get("counted", 0.0)
+        context = info.context or {}
+        times = context.get("counted", 0.0), context.get("began", 0.0)
         try:
             case = handler(data)
         except ValidationError as error:
             problems = explain(cls, error, data)
-            problems.extend(check(sound_parts(cls, data, problems), counted))
+            problems.extend(check(sound_parts(cls, data, problems), *times))
         else:
-            problems = check({name: getattr(case, name) for name in cls.model_fields}, counted)
+            problems = check({name: getattr(case, name) for name in cls.model_fields}, *times)
             if case.exact is not None and not problems:
                 problems = list(case.exact.problems(case))
             if case.time.stages and not problems:

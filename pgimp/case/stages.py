@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 
 from pydantic import Field, model_serializer
 
+from pgimp.case.start import Settle
 from pgimp.case.steps import AnyStep
+from pgimp.case.strength import Strength
 from pgimp.schema.base import Model, Name, Positive
 from pgimp.schema.tables import VaryingVector
 
@@ -47,7 +49,16 @@ class Stage(Model):
     """A stage: its name, its end, and what changes as it begins."""
 
     name: Name = Field(description="its name, for messages")
-    end: Positive = Field(description="simulated time at which it is done [time]")
+    end: Positive | None = Field(
+        default=None,
+        description="simulated time at which it is done; one with `settle` has none [time]",
+    )
+    settle: Settle | None = Field(
+        default=None,
+        description="the stage comes to rest under its loads, with its `damping` (by default "
+        "kinetic), and is done then, at the time at which it began: steps go on, simulated time "
+        "does not. Displacements and books go on. {} takes the defaults; null: it does not settle",
+    )
     step: AnyStep | None = _change(
         "as `time.step`; a fixed one is counted from where the stage begins, if it is another than "
         "before"
@@ -61,6 +72,10 @@ class Stage(Model):
     materials: _Entries = _keyed(
         "by name, parameters that change, {soil: {cohesion: 2.0e3}}; not `model`, `density`, and "
         "what particles only start with"
+    )
+    strength: Strength | None = _change(
+        "soils are weaker than cases and stages have them, by a factor, from here on; of another "
+        "stage's it is in place; null: none"
     )
     gravity: VaryingVector = _change("as in the case, in place of it; null: none [length/time^2]")
     body_force: object = Field(
@@ -96,7 +111,7 @@ class Stage(Model):
     @property
     def changes(self) -> dict[str, Any]:
         """Changes by section, as written."""
-        named = ("name", "end", "step")
+        named = ("name", "end", "step", "settle")
         return {key: value for key, value in self.model_dump().items() if key not in named}
 
 
@@ -123,6 +138,8 @@ class Staged(NamedTuple):
         Displacements that constraints have prescribed in previous stages, to be added.
     rebonds : bool
         Whether a stage has given other entries of contact, which may bond bodies anew.
+    settled : bool
+        Whether a previous stage after the first has come to rest.
     """
 
     number: int = 0
@@ -134,6 +151,7 @@ class Staged(NamedTuple):
     displacements: Mapping[str, tuple[float, ...]] = {}
     rebonds: bool = False
     damped: bool = False
+    settled: bool = False
 
     @property
     def title(self) -> str:
@@ -173,7 +191,9 @@ def merged(
         data[section] = _updated(data[section], changes.get(section, {}))
     data |= {section: changes[section] for section in WHOLE if section in changes}
     step = stage.step if stage.step is not None else before["time"]["step"]
-    data["time"] = {"end": stage.end, "step": step}
+    end = before["time"]["end"] if stage.end is None else stage.end
+    data["time"] = {"end": end, "step": step}
+    data["start"] = {"settle": stage.settle and stage.settle.model_dump()}
     for name in stage.remove:
         if "rigid" in data["bodies"].get(name, {}):
             data["bodies"] = {key: body for key, body in data["bodies"].items() if key != name}

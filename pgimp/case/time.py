@@ -31,7 +31,7 @@ class Time(Model):
     @property
     def last(self) -> float:
         """Simulated time at the end of the last stage."""
-        return float(self.stages[-1].end if self.stages else self.end)
+        return float([self.end, *(each.end for each in self.stages if each.end)][-1])
 
     @property
     def steps(self) -> int | None:

@@ -8,7 +8,7 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -21,6 +21,9 @@ from pgimp.running.stop import Held
 from pgimp.storage import atomic
 from pgimp.terminal import unescaped
 from pgimp.utilities.check.prepare import prepare
+from pgimp.utilities.study import brackets
+from pgimp.utilities.study.bisect_entry import Bisection
+from pgimp.utilities.study.bisection import Bracket, run_all
 from pgimp.utilities.study.measures import number
 from pgimp.utilities.study.plan import Plan, read_plan
 from pgimp.utilities.study.runs import DONE, Outcome, command, perform
@@ -81,10 +84,14 @@ def execute(args: argparse.Namespace) -> int:
     plan = read_plan(args.study, prepare if args.list else None)
     folder = _folder(args, plan)
     if args.list:
-        for run in plan.runs:
+        values = plan.study.bisect.between if plan.study.bisect else ()
+        tried = [one.planned(value) for one in plan.bisected for value in values]
+        for run in (*plan.runs, *tried):
             print(shlex.join(command(plan.study, run, folder / "runs" / run.name)))
         return 0
     log = Log(True, args.quiet)
+    if plan.study.bisect:
+        return _bisect(plan, plan.study.bisect, folder, args.again, log)
     with _claimed(folder):
         outcomes = [Outcome(run) for run in plan.runs]
         try:
@@ -153,6 +160,25 @@ def _run_all(
             log.say(f"{i + 1}/{len(outcomes)} {run.name}: {text}")
 
 
+def _bisect(plan: Plan, entry: Bisection, folder: Path, again: bool, log: Log) -> int:
+    """Do the bisections of a study; return the exit status."""
+    found = [Bracket(variant) for variant in plan.bisected]
+    with _claimed(folder):
+        try:
+            with Held((signal.SIGINT, signal.SIGTERM, signal.SIGHUP)) as held:
+                run_all(found, entry, folder, again, log, held.check)
+        finally:
+            texts: dict[str, str | bytes] = {
+                COPY: plan.text,
+                TABLE: brackets.as_csv(plan, found, entry),
+                PAGE: brackets.as_markdown(plan, found, entry),
+            }
+            _store(folder, texts, None)
+    done = sum(bracket.ended for bracket in found)
+    log.say(f"{done} of {len(found)} bisections have a result; see {folder / PAGE}")
+    return 0 if done == len(found) else 1
+
+
 @contextmanager
 def _bar(log: Log, total: int) -> Iterator[Callable[[int, str], None]]:
     """Show the number of finished runs below the lines of the log; nothing without a terminal."""
@@ -187,11 +213,15 @@ def _write(plan: Plan, folder: Path, outcomes: list[Outcome]) -> None:
     from pgimp.utilities.study.plot import picture
 
     compare(plan, outcomes)
+    texts: dict[str, str | bytes]
+    texts = {COPY: plan.text, TABLE: as_csv(plan, outcomes), PAGE: as_markdown(plan, outcomes)}
+    _store(folder, texts, picture(plan, outcomes))
+
+
+def _store(folder: Path, texts: Mapping[str, str | bytes], drawn: bytes | None) -> None:
     try:
-        atomic.write(folder / COPY, plan.text)
-        atomic.write(folder / TABLE, as_csv(plan, outcomes))
-        atomic.write(folder / PAGE, as_markdown(plan, outcomes))
-        drawn = picture(plan, outcomes)
+        for name, text in texts.items():
+            atomic.write(folder / name, text)
         if drawn is None:
             (folder / PICTURE).unlink(missing_ok=True)
         else:

@@ -27,7 +27,8 @@ def frames(case: Case, steps: float) -> int:
     for stage in case.stages:
         length = stage.time.end - stage.staged.start
         between += _between(stage.output.every, length, steps * length / last)
-    return int(min(steps + 1, len(times) + between))
+    rests = sum(stage.rests for stage in case.stages)  # a frame more at the same time
+    return int(min(steps + 1, len(times) + between)) + rests
 
 
 def frame_size(case: Case, fields: Mapping[str, Field], particles: int) -> float:

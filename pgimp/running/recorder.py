@@ -165,9 +165,13 @@ class Recorder:
 
     def end(self) -> None:
         """Write the state at the end of a stage, unless already written; collective."""
+        self.show()
+        self.checkpoint()
+
+    def show(self) -> None:
+        """Write a frame, unless this step has one, and lines; collective."""
         self._look(None)
         self._record(frame=self.frames.step != self._sim.step, line=True)
-        self.checkpoint()
 
     def checkpoint(self) -> None:
         """Write a checkpoint, unless this step has one; collective."""

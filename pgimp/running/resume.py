@@ -80,7 +80,7 @@ def resume(case: Case, comm: Communicator, directory: RunDirectory, log: Log) ->
             on_root(comm, partial(_require_lines, directory.path, case, about))
             clock = clock_of(began_as, before=state.counted)
             expected = clock.time(clock.after(state.step, state.time, state.dt))
-            if state.settling:
+            if state.settling and not state.stage:
                 expected = 0.0
             if state.time > clock.end * (1.0 + 1e-12) or expected != state.time:
                 raise DamagedError("its time is not that of its step, or past the end of its case")

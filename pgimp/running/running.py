@@ -6,7 +6,7 @@ import shlex
 from time import perf_counter
 
 from pgimp.case.schema import Case
-from pgimp.errors import EndlessError, RunError
+from pgimp.errors import EndlessError, NoRestError, RunError
 from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import describe
 from pgimp.running import failure
@@ -60,12 +60,12 @@ def advance(
     began, first = perf_counter(), sim.step
     try:
         stopped = False
-        if sim.settling:
+        if sim.preparing:
             if about:
                 recorder.checkpoints.resume(sim.comm, sim.step, about)
             stopped = _settle(sim, recorder, progress, log, stop)
             about = None
-        if not sim.settling:
+        if not sim.preparing:
             _begin(recorder, about, log)
         # Signals before the first step, also during set-up, were deferred until here.
         stopped = stopped or stop.agree(recorder.checkpoints.seconds if about is None else 0.0)
@@ -74,7 +74,10 @@ def advance(
                 _next_stage(sim, recorder, log)
             each = (perf_counter() - began) / (sim.step - first + 1)
             sim.request = _request(sim, recorder, stop, each)
+            settling = sim.settling
             sim.advance(complete=False)
+            if settling and not sim.settling:
+                _say_settled(sim, sim.step - sim.clock.before, log)
             recorder.step()
             progress.step()
             if sim.watch and sim.watch.said:
@@ -92,17 +95,20 @@ def advance(
             _note_held(sim, log)
             ended = True
     except BaseException as error:
-        if sim.failure or isinstance(error, EndlessError):
+        spent = perf_counter() - began - sum(recorder.seconds.values())
+        if isinstance(error, NoRestError) and not sim.preparing:  # what moves is seen
+            recorder.show()
+        if sim.failure or isinstance(error, EndlessError | NoRestError):
             recorder.salvage()
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
-        directory.record_failure(state, sim.step, sim.time, describe(error))
+        directory.record_failure(state, sim.step, sim.time, describe(error), spent)
         if isinstance(error, RunError):
             stage = f"\n  in {sim.case.staged.title}" if len(sim.cases) > 1 else ""
             text = f"{error}{stage}\n  {recorder.kept()}"
             bundle = failure.write(directory.path, sim, str(error), recorder.history.path)
             if bundle:
                 text += f"\n  {bundle} shows the particles: report.txt, particles.xdmf for ParaView"
-            raise RunError(text) from error
+            raise type(error)(text) from error
         raise
     finally:
         progress.close()
@@ -142,22 +148,25 @@ def _begin(recorder: Recorder, about: About | None, log: Log) -> None:
 def _settle(sim: Simulation, recorder: Recorder, progress: Progress, log: Log, stop: Stop) -> bool:
     """Do the steps before time 0 until the run is at rest; whether it was stopped; collective."""
     log.say("settling before time 0")
-    began, first = perf_counter(), sim.step
-    stopped = stop.agree(recorder.checkpoints.seconds)
-    while sim.settling and not stopped:
+    (began, first), stopped = (perf_counter(), sim.step), stop.agree(recorder.checkpoints.seconds)
+    while sim.preparing and not stopped:
         each = (perf_counter() - began) / (sim.step - first + 1)
         sim.request = _request(sim, recorder, stop, each)
         sim.advance(complete=False)
-        if sim.settling:
+        if sim.preparing:
             recorder.settle()
         progress.step()
         stopped = sim.agreed_request == Request.STOP
-    if not sim.settling:
-        log.say(
-            f"settled in {sim.step} steps: the unbalanced force is {sim.unbalanced:.3g} of the "
-            "forces of stresses and tractions; time 0 begins"
-        )
+    if not sim.preparing:
+        _say_settled(sim, sim.step, log, "; time 0 begins")
     return stopped
+
+
+def _say_settled(sim: Simulation, steps: int, log: Log, what: str = "") -> None:
+    log.say(
+        f"settled in {steps} steps: the unbalanced force is {sim.unbalanced:.3g} of the "
+        f"forces of stresses and tractions{what}"
+    )
 
 
 def _warn(sim: Simulation, log: Log) -> None:
@@ -176,9 +185,10 @@ def _next_stage(sim: Simulation, recorder: Recorder, log: Log) -> None:
     sim.next_stage()
     recorder.enter()
     staged = sim.case.staged
+    to = "until it is at rest" if sim.settling else f"to t = {sim.case.time.end:.6g}"
     log.say(
         f"stage {staged.number + 1} of {len(sim.cases)}, '{staged.name}': from t = {sim.time:.6g}, "
-        f"step {sim.step}, to t = {sim.case.time.end:.6g}"
+        f"step {sim.step}, {to}"
     )
     for warning in sim.warnings[known:]:
         log.say(f"warning: {warning}")

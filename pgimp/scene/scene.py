@@ -74,7 +74,7 @@ class Scene:
             own=materials.variations.width,
             liquid=bool(self.interaction.flows and self.interaction.flows.relaxes),
             axial=case.axisymmetric,
-            plate=case.plane_stress,
+            plate=case.geometry == "plane-stress",
             winding=any(domain.periodic),
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)

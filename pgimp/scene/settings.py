@@ -29,7 +29,7 @@ class Settings:
     damps : bool
         Whether there is damping, in this stage or a previous one.
     settles : bool
-        Whether the run comes to rest before time 0.
+        Whether the run comes to rest before time 0, or the stage.
     loses : bool
         Whether there may be fewer particles than at the start.
     origins : bool
@@ -52,7 +52,7 @@ class Settings:
         self.moves = bool(case.exact) and case.exact.moves
         self.escapes = "remove" in case.escape.values() or case.staged.escapes
         self.loses = self.escapes or bool(case.staged.removed)
-        self.damps = case.damping is not None or case.staged.damped
+        self.damps = case.damping is not None or case.staged.damped or case.rests
         self.settles = case.start.settle is not None
         fields = case.output.fields
         self.origins = self.by_vertex or bool(case.exact) or "displacement" in fields

@@ -66,7 +66,7 @@ class Simulation:
         self._name = f"simulation {created(comm)}"
         with together(comm, self._name):
             self.core = simulation.Simulation(self.case, comm)
-            while self.core.settling:
+            while self.core.preparing:
                 self.core.advance()
             self.core.diagnostics()  # what later ones refer to: energy at the start
         self.particles = Particles(self.core)

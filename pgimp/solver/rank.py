@@ -263,13 +263,10 @@ class Rank:
     def enter(self, scene: Scene, particles: Particles) -> None:
         """Change to the scene of another stage between two steps; the ledger starts from zero.
 
-        Parameters
-        ----------
-        scene : Scene
-            The next scene, with the same bodies.
-        particles : Particles
-            The particles, with the columns of the scene.
+        It has the same bodies, and the particles the columns of the scene.
         """
+        # At rest faces hold with other forces, found anew.
+        kept = None if self.scene.case.rests or scene.case.rests else self.absorbing
         window, self.scene = self.grid.base, scene
         self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
         self.population.particles = particles
@@ -277,7 +274,7 @@ class Rank:
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, self.comm) if scene.interaction.flows else None
         self.damping = damping_of(scene)
-        self.absorbing = absorbing_of(scene, self.absorbing)
+        self.absorbing = absorbing_of(scene, kept)
         self._allocate(self.slab)
         self.grid.store(window)
 

@@ -37,8 +37,7 @@ from pgimp.solver.decomposition import create_particles, partition, ring_counts
 from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
-from pgimp.solver.rest.damping import damping_to_rest
-from pgimp.solver.rest.settle import at_time_zero
+from pgimp.solver.rest.settle import at_time_zero, begin_settling
 from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.start import Start
@@ -137,8 +136,7 @@ def begin(
     start.warnings += unquiet(start.case)
     release(start.case)
     if scene.settings.settles:
-        start.settling, start.rank.damping = True, damping_to_rest(scene)
-        scene.domain.settling = True
+        begin_settling(start)
     if start.watch:
         start.watch.begin(start.rank)
     rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)
@@ -195,9 +193,9 @@ def resume(
     read_motion(start.rank, source)
     start.done = start.clock.after(state.step, state.time, state.dt)
     if state.settling:
-        start.settling, start.rank.damping = True, damping_to_rest(scene)
-        scene.domain.settling = True
-        start.done = at_time_zero(start.done)
+        begin_settling(start)
+        if not start.stage:
+            start.done = at_time_zero(start.done)
     start.rate = state.rate
     if start.clock.held and state.held_rate:  # an older checkpoint has none: a window begins
         start.clock.held.numbers = state.held_rate

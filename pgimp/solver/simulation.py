@@ -15,7 +15,7 @@ from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.rest.settle import (
     at_time_zero,
-    begin_at_rest,
+    end_at_rest,
     is_due,
     require_rest,
     unbalanced_part,
@@ -56,7 +56,7 @@ class Simulation(SimulationProgress):
     columns : list of str
         Columns of the history of a run of several stages, the union of theirs; else empty.
     settling, unbalanced : bool, float
-        Whether the run still comes to rest before time 0; the last `unbalanced_part` found.
+        Whether the run, or the stage, still comes to rest; the last `unbalanced_part` found.
     rank, balance : Rank, Balance
         This rank's part, and the load of all.
     done, doing : Step, Step or None
@@ -182,6 +182,8 @@ class Simulation(SimulationProgress):
         rank, reduction, balance = self.rank, self.reduction, self.balance
         doing, rate = step(rank, self.time, self._next, self.controlled)
         self.doing, number = doing, doing.number
+        if self.case.rests:
+            self.diagnostic_sums.settling_time += doing.dt
         if self.comm.size > 1:
             balance.note(rank.worked, rank.count, number)
         move = reduction.rebalance_requested
@@ -205,11 +207,13 @@ class Simulation(SimulationProgress):
             self._look_for_rest()
 
     def _look_for_rest(self) -> None:
-        """Begin the run at time 0 if it has come to rest; collective."""
+        """End the settling if the run, or the stage, has come to rest; collective."""
         settle = self.case.start.settle
         self.unbalanced = unbalanced_part(self.rank)
+        if self.case.rests:
+            self.diagnostic_sums.note_forces(self.rank, self.now)
         if settle and self.unbalanced < settle.tolerance:
-            self.take(begin_at_rest(self.now_as_start()))
+            self.take(end_at_rest(self.now_as_start()))
         else:
             require_rest(self.now_as_start(), self.unbalanced)
 
@@ -222,7 +226,7 @@ class Simulation(SimulationProgress):
         """Complete the last step's reduction; its top speed sets the next dt."""
         self.complete_reduction()
         step = self.clock.next(self.done, self.clock.follow(self.fastest))
-        if self.settling:
+        if self.preparing:
             step = at_time_zero(step)
         if free := self.rank.free:
             free.require_slow(step)

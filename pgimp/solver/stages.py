@@ -25,6 +25,7 @@ from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
 from pgimp.solver.history.diagnostics import sums_of_bodies
 from pgimp.solver.lagrangian.motion import enter_motion
+from pgimp.solver.rest.settle import begin_settling
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.warmup import warm_up
 from pgimp.solver.time.clock import clock_of
@@ -89,12 +90,15 @@ def enter(now: Start, case: Case) -> Start:
     enter_motion(rank, before)
 
     now.stage, now.scene, now.balance = now.stage + 1, new, balance
+    if new.settings.settles:
+        begin_settling(now)
     rate = fastest(new, particles, rank.population.order, new.settings.controlled or True)
     now.rate = max(now.rate, *comm.allgather(rate))
     rate = max(rest_rate(new, body) for body in range(len(new.body_names)))
     if new.materials.variations:  # as in `Simulation`
         rate = now.rate
     same = isinstance(case.time.step, float | int) and case.time.step == old.case.time.step
+    same = same and not (case.rests or old.case.rests)  # whose steps take no time
     now.clock = clock_of(case, rate, now.clock.before if same else now.done.number)
     _watch(now, rate * min(new.domain.frame.cell))
     try:

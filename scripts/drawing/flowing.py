@@ -118,6 +118,24 @@ def excavation(redraw):
     save(figure, "excavation")
 
 
+def safety(redraw):
+    """The slope that stands with less strength, and slides with still less: where it is sheared."""
+    results = run("safety", redraw)
+    figure, axes = plt.subplots(2, 1, figsize=(9, 5.6), sharex=True)
+    stands = [frame for frame in results if frame.time < 0.1][-1]
+    for axis, frame, most, state in (
+        (axes[0], stands, 0.002, "strength over 1.35, at rest"),
+        (axes[1], results.frame(-1), 1.0, "strength over 1.5, t = 3 s"),
+    ):
+        shown = particles(axis, frame, "plastic-shear", (0.0, most))
+        axis.plot([0.0, 12.5, 32.5], [10.0, 10.0, 0.0], "--", color=GREY, lw=1.0)
+        axis.set(xlim=(0.0, 37.5), ylim=(0.0, 10.5), ylabel="y [m]", aspect="equal")
+        axis.set_title(state, fontsize=10, loc="left")
+        figure.colorbar(shown, ax=axis, label="plastic shear", shrink=0.9, extend="max")
+    axes[1].set_xlabel("x [m]")
+    save(figure, "safety")
+
+
 def footing(redraw):
     """Where clay flows under a strip, and Prandtl's mechanism; the pressure over the settlement."""
     mean = run("footing", redraw)

@@ -200,7 +200,8 @@ def examine(case, files, where, number, what=""):
     books = what.startswith("books")
     if not books:
         step = case["time"]["step"]
-        end = [case["time"], *case["time"].get("stages", [])][-1]["end"]
+        parts = [case["time"], *case["time"].get("stages", [])]
+        end = [part["end"] for part in parts if "end" in part][-1]
         steps = 40 if isinstance(step, dict) else round(end / step)
         rng = random.Random(f"ways {number}")
         outcome, failures = scene_runs.compare(path, where / "runs", rng, max(steps, 1))

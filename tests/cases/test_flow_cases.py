@@ -86,6 +86,22 @@ def test_a_cut_in_clay_stands_until_the_clay_is_weak(runs):
     assert abs(lost) < 0.3 * history["plastic-work"][-1]
 
 
+def test_a_slope_stands_until_its_strength_is_over_more_than_its_factor_of_safety(runs):
+    """Cells twice as large."""
+    found = runs("safety")
+    frames = [*found]
+    first, before, rests = (frame for frame in frames if frame.time < 0.1)
+    assert first.time == 0.0 and before.time == rests.time == pytest.approx(0.05, rel=1e-12)
+    crest, history = found.probes["crest"], found.history
+    sunk = np.interp([before.step, rests.step, frames[-1].step], crest["step"],
+                     -crest["displacement-y"])  # fmt: skip
+    assert sunk[1] - sunk[0] < 0.01 and sunk[2] > 0.3
+    line = np.flatnonzero(history["step"] == rests.step)[0]
+    assert history["kinetic-energy"][line] == 0.0
+    assert history["stages.settling-time"][-1] == history["stages.settling-time"][line] > 0.0
+    assert history["reaction.y-min-y"][line] == pytest.approx(9.81 * history["mass"][0], rel=1e-3)
+
+
 def test_water_runs_to_the_far_wall(runs):
     history = runs("dam-break").history
     wall = -history["reaction.x-max-x"]

@@ -45,6 +45,8 @@ def file_of(name):
 #: Beginnings of blocks, a case that each belongs to, and the keys below which it stands there.
 FRAGMENTS = (
     ("time:\n  end: 0.6  ", lambda: file_of("excavation"), ()),
+    ("stages:\n  - {name: dig", lambda: file_of("excavation"), ("time",)),
+    ("time:\n  end: 0.01 ", lambda: file_of("excavation"), ()),
     ("contact:\n  - {bodies: [block, plate]", lambda: scene(2, bodies=("block", "plate")), ()),
     ("dimensions: 2\ngeometry: axisymmetric", lambda: scene(2), ()),
     ("dimensions: 2\ngeometry: plane-stress", lambda: scene(2, ("sheet",)), ()),
@@ -62,7 +64,7 @@ FRAGMENTS = (
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.
-OTHERS = ("format: 1\n", "# yaml-language-server: $schema=pgimp-schema.json\n")
+OTHERS = ("format: 1\n", "# safety.yaml\n", "# yaml-language-server: $schema=pgimp-schema.json\n")
 
 
 def merged(beginning, case, keys):

@@ -51,6 +51,8 @@ GO_ON = {
         "damped",
         "settled",
         "quaking",
+        "dug",
+        "pressed",
         "varied",
         "round_and_round",
         "endless",

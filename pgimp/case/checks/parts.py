@@ -58,12 +58,13 @@ _NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constrain
 """Parts of a case that are made of named entries."""
 
 
-def check(parts: Mapping[str, Any], counted: float = 0.0) -> list[Problem]:
+def check(parts: Mapping[str, Any], counted: float = 0.0, began: float = 0.0) -> list[Problem]:
     """Return the problems between the `parts` of a case, given by their key.
 
-    `counted` is the time from which fixed steps are counted, see `pgimp.case.stages.Staged`.
+    `counted` is the time from which fixed steps are counted, see `pgimp.case.stages.Staged`;
+    a stage has begun at the time `began`.
     """
-    parts = {**parts, "counted": counted}
+    parts = {**parts, "counted": counted, "began": began}
     if "every_body" in parts:
         every = parts["every_body"]
         rigid_bodies = {name: body for name, body in every.items() if isinstance(body, RigidBody)}
@@ -83,7 +84,7 @@ def check(parts: Mapping[str, Any], counted: float = 0.0) -> list[Problem]:
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
     known = {item.path for item in problems}
-    others = ("every_body", "rigid_bodies", "counted")
+    others = ("every_body", "rigid_bodies", "counted", "began")
     numbers = {name: part for name, part in parts.items() if name not in others}
     if "every_body" in parts:
         numbers["bodies"] = parts["every_body"]

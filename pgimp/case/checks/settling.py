@@ -1,4 +1,4 @@
-"""Checks of `start.settle`: nothing may move at time 0."""
+"""Checks of `start.settle`, and of stages that settle: nothing may move then."""
 
 from __future__ import annotations
 
@@ -24,15 +24,18 @@ def check_settling(
     boundaries: Mapping[str, Boundary],
     constraints: Mapping[str, ConstraintEntry],
     exact: object,
+    began: float,
 ) -> Problems:
-    """Check that all bodies can come to rest before time 0."""
+    """Check that all bodies can come to rest before time 0, or in a stage that has `began`."""
     if start.settle is None:
         return
-    for path in _moving(bodies, rigid_bodies, boundaries, constraints):
+    when, key = ("time 0", "start.settle") if not began else (f"t = {began:.15g}", "settle")
+    for path in _moving({} if began else bodies, rigid_bodies, boundaries, constraints, began):
+        instead = f"begin with 0, as a table over time, or leave {key} out"
+        if began:
+            instead = "let it be 0 then, by a table over time or by this stage, or leave settle out"
         yield Problem(
-            path,
-            "moves at time 0, and start.settle looks for rest under what acts then: begin with 0, "
-            "as a table over time, or leave start.settle out",
+            path, f"moves at {when}, and {key} looks for rest under what acts then: {instead}"
         )
     for name, body in rigid_bodies.items():
         if body.free:
@@ -52,21 +55,22 @@ def _moving(
     rigid_bodies: Mapping[str, RigidBody],
     boundaries: Mapping[str, Boundary],
     constraints: Mapping[str, ConstraintEntry],
+    time: float,
 ) -> Iterator[Path]:
-    """Yield the paths of what moves at time 0."""
+    """Yield the paths of what moves at a time."""
     for name, body in bodies.items():
         if isinstance(body.velocity, RigidMotion) or any(body.velocity or ()):
             yield "bodies", name, "velocity"
     for name, rigid in rigid_bodies.items():
         if isinstance(rigid.rigid, Motion) and any(
-            any(part) for part in rigid.rigid.velocities(0.0)
+            any(part) for part in rigid.rigid.velocities(time)
         ):
             yield "bodies", name, "rigid"
     for face, entry in boundaries.items():
-        if any(entry.motion(0.0) or ()) or any(
-            prescribed(getattr(entry, "velocity", ()), 0.0, 0.0)[1]
+        if any(entry.motion(time) or ()) or any(
+            prescribed(getattr(entry, "velocity", ()), time, time)[1]
         ):
             yield "boundaries", face
     for name, constraint in constraints.items():
-        if any(prescribed(constraint.velocity, 0.0, 0.0)[1]):
+        if any(prescribed(constraint.velocity, time, time)[1]):
             yield "constraints", name, "velocity"

@@ -27,7 +27,16 @@ def check_by_itself(stage: Stage, before: Case, names: set[str]) -> Problems:
     """Check a stage by itself; paths start at the stage."""
     if stage.name in names:
         yield Problem(("name",), "another stage has this name already")
-    if stage.end <= before.time.end:
+    if stage.settle is not None:
+        if stage.end is not None:
+            yield Problem(
+                ("end",),
+                "a stage with settle is done when it is at rest, at the time at which it began: "
+                "leave out the end, and let a stage of its own go on from there",
+            )
+    elif stage.end is None:
+        yield Problem(("end",), "missing (or {settle: {}}, where the stage comes to rest)", True)
+    elif stage.end <= before.time.end:
         yield Problem(
             ("end",),
             f"{stage.end:.15g} is not after the end of the stage before, {before.time.end:.15g}",

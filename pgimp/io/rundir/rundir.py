@@ -216,7 +216,9 @@ class RunDirectory:
         message = f"cannot {action} the run directory {self.path}: {explain(error)}"
         return UsageError(message) if error.errno in _NO_PLACE else RunError(message)
 
-    def record_failure(self, state: str, step: int, when: float, message: str) -> None:
+    def record_failure(
+        self, state: str, step: int, when: float, message: str, seconds: float | None = None
+    ) -> None:
         """Record the reason for an early end in run.json and log.txt.
 
         Any failing rank calls it separately; the first one writes.
@@ -229,12 +231,14 @@ class RunDirectory:
             The run's last step and its simulated time.
         message : str
             The reason.
+        seconds : float, optional
+            Wall time of the steps, without set-up and output.
         """
         time.sleep(min(self.comm.rank * _HEAD_START_SECONDS, _LONGEST_HEAD_START_SECONDS))
         # If the disk is full or missing, only the terminal has the message.
         with suppress(OSError):
             os.close(os.open(self.path / FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
-            self._update(state=state, steps=step, time=when, message=message)
+            self._update(state=state, steps=step, time=when, message=message, seconds=seconds)
             with open(self.path / "log.txt", "a", encoding="utf-8") as stream:
                 stream.write(f"{state} at step {step}, t = {when!r}: {escape(message)}\n")
 

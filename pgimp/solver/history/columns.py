@@ -167,6 +167,19 @@ HISTORY = (
             ),
         ),
     ),
+    Group(
+        lambda scene: [""] if scene.case.rests or scene.case.staged.settled else [],
+        (
+            Column(
+                "stages.settling-time",
+                "time",
+                "only with stages that settle: time that their steps have taken, which simulated "
+                "time leaves out; mean forces are over both. In a stage at rest they are means "
+                "over its last ten steps",
+                lambda s, _: s.settling_time,
+            ),
+        ),
+    ),
     _gone(
         "removed",
         lambda scene: bool(scene.case.staged.removed),

@@ -17,6 +17,7 @@ from pgimp.kernels.data.ledger import (
     TOOLED,
     VOLUMES,
     WALL_BOOKED,
+    Ledger,
 )
 from pgimp.kernels.sums.errors import ERRORS, layer_errors
 from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
@@ -61,6 +62,20 @@ def _reduced(
     every = np.stack(masses)  # by rank and body
     bodies[:, MASS] = [_mass(every[:, body], unit) for body in range(len(bodies))]
     return bodies, _mass(every.reshape(-1, 2), unit)
+
+
+def _impulses(own: Ledger) -> np.ndarray:
+    """Impulses by plane: of faces, constraints, contact and rigid bodies, and their moments."""
+    return np.concatenate(
+        [
+            own.impulse,
+            own.constraint_impulse,
+            own.contact[:, :, IMPULSE : IMPULSE + 3],
+            own.rigid_bodies[:, :, RIGID_IMPULSE : RIGID_IMPULSE + 3],
+            own.rigid_bodies[:, :, RIGID_MOMENT : RIGID_MOMENT + 3],
+        ],
+        axis=1,
+    )
 
 
 def sums_of_bodies(rank: Rank, scene: Scene, order: Order) -> np.ndarray:
@@ -116,6 +131,7 @@ def column_names(scene: Scene) -> list[str]:
                 none,
                 none,
                 0.0,
+                0.0,
                 told,
                 0.0,
                 0.0,
@@ -147,7 +163,10 @@ class Diagnostics:
         self.said: list[str] = []
         self.warned = False
         self.lost: set[str] = set()
+        #: Time (with `settling_time`), impulses and forces of the last line.
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
+        #: Time that the steps of stages that settle have taken, on every rank.
+        self.settling_time = 0.0
         #: Sums of earlier stages, see `Totals`; of use on rank 0.
         self.removed: np.ndarray | None = None
         self.changed = 0.0
@@ -168,16 +187,7 @@ class Diagnostics:
         scene = rank.scene
         sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)
         own = rank.booked()
-        impulse = np.concatenate(
-            [
-                own.impulse,
-                own.constraint_impulse,
-                own.contact[:, :, IMPULSE : IMPULSE + 3],
-                own.rigid_bodies[:, :, RIGID_IMPULSE : RIGID_IMPULSE + 3],
-                own.rigid_bodies[:, :, RIGID_MOMENT : RIGID_MOMENT + 3],
-            ],
-            axis=1,
-        )
+        impulse = _impulses(own)
         errors = self._own_errors(rank, done.end)
         rows = rank.population.ordered.rows
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
@@ -212,15 +222,22 @@ class Diagnostics:
             if total[MASS]:
                 share = (float(mass / total[MASS]), done.end, face.name)
                 self.most_outside = max(self.most_outside, share)
-        force = self._forces(done.end, impulse)
+        force = self._forces(done.end + self.settling_time, impulse)
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.told, self.first_energy, work, force, outside_mass, walls, contact,
-                rigid_bodies,
-                inside, filled, damping, rank.free.now if rank.free else {}, added, most,
+                self.settling_time, self.told, self.first_energy, work, force, outside_mass, walls,
+                contact, rigid_bodies, inside, filled, damping,
+                rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
+
+    def note_forces(self, rank: Rank, done: Step) -> None:
+        """Take mean forces from here on, as if there were a line; collective."""
+        parts = rank.comm.gather(_impulses(rank.booked()))
+        if parts is not None:
+            impulse = np.add.reduce(np.concatenate(parts), axis=0)
+            self._forces(done.end + self.settling_time, impulse)
 
     def _tell_inside(self, scene: Scene, time: float, inside: np.ndarray) -> None:
         """Warn, once, of particles inside rigid bodies."""

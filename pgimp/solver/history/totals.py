@@ -39,6 +39,8 @@ class Totals(NamedTuple):
         Sums of bodies removed by stages, at their removal.
     changed : float
         Strain energy added by new parameters of materials as stages began.
+    settling_time : float
+        Time that the steps of stages that settle have taken.
     told : (LOSSES,) float64
         Losses in the particles' state that do not belong to this run: initial losses, and changes
         by new parameters.
@@ -76,6 +78,7 @@ class Totals(NamedTuple):
     escaped: np.ndarray
     removed: np.ndarray
     changed: float
+    settling_time: float
     told: np.ndarray
     first_energy: float
     work: float

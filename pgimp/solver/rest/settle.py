@@ -1,4 +1,7 @@
-"""Settling: a run comes to rest under the loads of time 0, and only then begins."""
+"""Settling: a run comes to rest under the loads of time 0, and only then begins; stages likewise.
+
+In a stage after the first, simulated time stands still at its beginning, see `StandingClock`.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +9,12 @@ from math import inf
 
 import numpy as np
 
-from pgimp.errors import RunError
+from pgimp.errors import NO_REST, NoRestError
 from pgimp.kernels.data.ledger import INTERNAL, UNBALANCED
 from pgimp.solver.configurations import fastest
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.rank import Rank
-from pgimp.solver.rest.damping import EVERY, bring_to_rest, damping_of, total_sums
+from pgimp.solver.rest.damping import EVERY, bring_to_rest, damping_of, damping_to_rest, total_sums
 from pgimp.solver.start.start import Start
 from pgimp.solver.time.clock import CourantClock, Step, clock_of
 
@@ -39,8 +42,8 @@ def unbalanced_part(rank: Rank) -> float:
 
 
 def _tractions(rank: Rank) -> float:
-    """Sum of the magnitudes of the particles' tractions at time 0; collective."""
-    tractions = rank.scene.interaction.loads.at(0.0).tractions
+    """Sum of the magnitudes of the particles' tractions; collective."""
+    tractions = rank.scene.interaction.loads.at(rank.scene.case.staged.start).tractions
     if not tractions:
         return 0.0
     p, (rows, start) = rank.population.stored, rank.population.ordered
@@ -52,23 +55,48 @@ def _tractions(rank: Rank) -> float:
     return float(np.concatenate(rank.comm.allgather(sums)).sum())
 
 
+def begin_settling(start: Start) -> None:
+    """Begin to come to rest, or go on with it."""
+    start.settling, start.rank.damping = True, damping_to_rest(start.scene)
+    start.scene.domain.settling = True
+
+
 def require_rest(start: Start, part: float) -> None:
     """Refuse a run that has not come to rest in its number of steps; on every rank.
 
     Raises
     ------
-    RunError
+    NoRestError
         If it has not.
     """
-    settle = start.case.start.settle
+    settle, staged = start.case.start.settle, start.case.staged
     assert settle is not None
-    if start.done.number >= settle.steps:
-        raise RunError(
-            f"start.settle: no rest after {start.done.number} steps: the unbalanced force is "
+    steps = start.done.number - start.clock.before
+    if steps >= settle.steps:
+        key = f"time.stages.{staged.number - 1}.settle" if staged.number else "start.settle"
+        raise NoRestError(
+            f"{key}: {NO_REST} {steps} steps: the unbalanced force is "
             f"{part:.3g} of the forces of stresses and tractions, not {settle.tolerance:.3g}\n"
-            "  try: more steps (start.settle.steps), a larger tolerance, another damping; look "
+            f"  try: more steps ({key}.steps), a larger tolerance, another damping; look "
             "for parts that nothing holds, and for loads that no rest can bear"
         )
+
+
+def end_at_rest(start: Start) -> Start:
+    """End the settling: at time 0 the run begins, a later stage is done; collective."""
+    return begin_at_rest(start) if start.stage == 0 else _rest(start)
+
+
+def _rest(start: Start) -> Start:
+    """Take all motion from a stage that has come to rest; collective.
+
+    Stress, deformation, displacements and books stay.
+    """
+    bring_to_rest(start.rank)
+    if start.rank.particles.q.shape[1]:
+        start.rank.particles.q[:] = 0.0
+    start.scene.domain.settling = start.settling = False
+    return start
 
 
 def begin_at_rest(start: Start) -> Start:

@@ -41,7 +41,12 @@ class SimulationProgress:
     @property
     def time(self) -> float:
         """Simulated time, with `doing`; likewise `step` and `dt`."""
-        return 0.0 if self.settling else self.clock.time(self.doing or self.done)
+        return 0.0 if self.preparing else self.clock.time(self.doing or self.done)
+
+    @property
+    def preparing(self) -> bool:
+        """Whether the run still comes to rest before time 0."""
+        return self.settling and not self.stage
 
     @property
     def step(self) -> int:

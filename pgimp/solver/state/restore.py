@@ -172,7 +172,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
     records.first_energy = state.first_energy
     records.most_outside = (state.beyond, state.beyond_time, state.beyond_face)
     records.removed = None if state.removed is None else np.array(state.removed)
-    records.changed = state.changed
+    records.changed, records.settling_time = state.changed, state.settling_time
     records.told[:] = state.told
     if state.last_line is not None:
         none = np.zeros((0, 3))

@@ -53,6 +53,7 @@ class State(BaseModel):
     counted: int = Field(ge=0, le=2**53, default=0)
     removed: list[float] | None = Field(default=None, max_length=100)
     changed: float = 0.0
+    settling_time: float = Field(ge=0.0, default=0.0)
     told: list[float] = Field(
         default=[0.0] * len(LOSSES), min_length=len(LOSSES), max_length=len(LOSSES)
     )
@@ -186,6 +187,7 @@ def capture(
         held_rate=clock.held.numbers if clock and clock.held else None,
         removed=None if records.removed is None else records.removed.tolist(),
         changed=records.changed,
+        settling_time=records.settling_time,
         told=records.told.tolist(),
     )
     layers, extra = rank.scene.domain.frame.vertices[0], rank.scene.settings.vertices - 1

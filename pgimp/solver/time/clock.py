@@ -146,6 +146,65 @@ class CourantClock:
         return done.end
 
 
+class StandingClock(FixedClock):
+    """Steps of one length in a stage that comes to rest: simulated time stands still."""
+
+    def finished(self, done: Step) -> bool:
+        """Whether the end is reached, if the stage is at rest."""
+        return True
+
+    def next(self, done: Step, rate: float) -> Step:
+        """Return the step after `done`."""
+        return self.after(done.number + 1, self.end, self._dt)
+
+    def after(self, number: int, time: float, dt: float) -> Step:
+        """Return the last step of a run that is resumed after `number` steps."""
+        return Step(number, self.end, dt, self.end)
+
+
+class StandingCourantClock(CourantClock):
+    """Steps of a given Courant number in a stage that comes to rest; see `StandingClock`.
+
+    Parameters
+    ----------
+    courant, rest_rate : float
+        As of `CourantClock`.
+    end, before : float, int
+        Time of the stage, and number of steps before it.
+    """
+
+    def __init__(self, courant: float, end: float, rest_rate: float, before: int) -> None:
+        super().__init__(courant, end, (), rest_rate)
+        self.before = before
+
+    def finished(self, done: Step) -> bool:
+        """Whether the end is reached, if the stage is at rest."""
+        return True
+
+    def next(self, done: Step, rate: float) -> Step:
+        """Return the step after `done`; where there are no waves it is as long as the run so far.
+
+        Raises
+        ------
+        EndlessError
+            If the solution has blown up.
+        """
+        if not rate <= BLOWN_UP * self.rest_rate:
+            raise EndlessError(
+                f"after step {done.number}, at time {self.end:.6g}, waves or particles have become "
+                f"so fast, {rate:.3g} cells in a unit of time ({self.rest_rate:.3g} at rest), "
+                "that there is no rest: the solution has blown up\n"
+                "  try: a smaller time.step: {courant: ...}, smaller loads, finer cells"
+            )
+        courant = self._courant * self.part
+        dt = courant / rate if courant < rate * self.end else self.end
+        return self.after(done.number + 1, self.end, dt)
+
+    def after(self, number: int, time: float, dt: float) -> Step:
+        """Return the last step of a run that is resumed after `number` steps."""
+        return Step(number, self.end, dt, self.end)
+
+
 def clock_of(case: Case, rest_rate: float = inf, before: int = 0) -> FixedClock | CourantClock:
     """Clock of a case, or of a stage of one.
 
@@ -160,6 +219,9 @@ def clock_of(case: Case, rest_rate: float = inf, before: int = 0) -> FixedClock 
     """
     time = case.time
     if isinstance(time.step, float | int):
-        return FixedClock(float(time.step), float(time.end), case.staged.counted, before)
+        fixed = StandingClock if case.rests else FixedClock
+        return fixed(float(time.step), float(time.end), case.staged.counted, before)
     assert case.courant is not None
+    if case.rests:
+        return StandingCourantClock(case.courant, float(time.end), rest_rate, before)
     return CourantClock(case.courant, float(time.end), case.output.at, rest_rate)

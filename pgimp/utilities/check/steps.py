@@ -52,6 +52,13 @@ def report_stages(
             steps, about = ceil(max(factor, 1.0) * length * rate / one.courant), "about "
         total += steps
         what = ", ".join(changes_of(stage)) or "nothing"
+        if stage.settle:
+            print(
+                f"stage {one.staged.number + 1:<10} '{stage.name}' settles at t = "
+                f"{one.time.end:g}, in at most {stage.settle.steps:,} steps, which are not "
+                f"counted here; changes {what}"
+            )
+            continue
         print(
             f"stage {one.staged.number + 1:<10} '{stage.name}' to t = {stage.end:g}, "
             f"{about}{steps:,} step{'' if steps == 1 else 's'}; changes {what}"

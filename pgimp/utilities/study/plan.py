@@ -2,57 +2,42 @@
 
 from __future__ import annotations
 
-import os
-from collections import defaultdict
-from collections.abc import Callable, Mapping
-from copy import deepcopy
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from pgimp.case.reader import read_document, validate
 from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.errors import CaseError, UsageError
-from pgimp.scene.scene import Scene
-from pgimp.schema.document import MOST_MESSAGES, Document, read
-from pgimp.schema.messages import dotted, unknown
-from pgimp.schema.overrides import change
-from pgimp.solver.history.diagnostics import column_names
-from pgimp.utilities.study.measures import SAME_TIME
-from pgimp.utilities.study.schema import CASE, Measure, Study, measure_of, missing_file
-from pgimp.utilities.study.sweep import Variant, short, variants
-
-_ABSENT = object()
+from pgimp.schema.document import read
+from pgimp.utilities.study.cases import Cases, Planned
+from pgimp.utilities.study.schema import CASE, Study
+from pgimp.utilities.study.sweep import Change, Variant, short, variants
 
 
 @dataclass(frozen=True)
-class Planned:
-    """A planned run."""
+class Bisected:
+    """A variant of the study whose runs differ in the bisected key."""
 
     name: str
-    file: str
-    """The path of the case's file that a run is given."""
-    options: tuple[str, ...]
-    """The changes, as ``--set`` takes them."""
-    values: Mapping[str, str]
-    """The swept values, by key, as short texts."""
-    resolved: str
-    """The text of case.yaml that a finished run of it has."""
+    """Empty in a study without a sweep."""
+    study: Study
     x: float
-    """Abscissa of the errors."""
-    curve: str
-    """Name of the curve that it belongs to."""
+    """Abscissa of the table."""
+    planned: Callable[[float], Planned]
+    """Makes the run of a value."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A study with its runs."""
+    """A study with its runs, or with its bisections."""
 
     study: Study
     text: bytes
     name: str
     runs: tuple[Planned, ...]
+    bisected: tuple[Bisected, ...] = ()
 
 
 def read_plan(name: str | Path, examine: Callable[[Case], object] | None = None) -> Plan:
@@ -78,8 +63,10 @@ def read_plan(name: str | Path, examine: Callable[[Case], object] | None = None)
         raise UsageError(f"cannot read the study {name}: {error.strerror or error}") from None
     document = read_document(text, str(name))
     study = validate(Study, document, str(name))
-    made = _Cases(str(name), study, document)
+    made = Cases(str(name), study, document)
     found = variants(study)
+    if study.bisect:
+        return _of_bisections(Plan(study, text, Path(name).stem, ()), made, found, examine)
     cases = [made.make(variant) for variant in found]
     made.raise_problems()
     complete = [(file, case) for file, case in cases if case is not None]
@@ -98,182 +85,50 @@ def read_plan(name: str | Path, examine: Callable[[Case], object] | None = None)
     return Plan(study, text, Path(name).stem, tuple(runs))
 
 
-class _Cases:
-    """Makes the cases of a study, and collects their errors."""
+def _of_bisections(
+    plan: Plan, made: Cases, found: list[Variant], examine: Callable[[Case], object] | None
+) -> Plan:
+    """The plan of a study that bisects, after the checks of both values of every variant.
 
-    def __init__(self, name: str, study: Study, document: Document) -> None:
-        self.name = name
-        self.study = study
-        self.document = document
-        self.documents: dict[str, Document | OSError | CaseError] = {}
-        self.wrong: dict[str, list[str]] = defaultdict(list)
+    Raises
+    ------
+    CaseError
+        For all errors in them.
+    """
+    study, swept, variants = plan.study, bool(plan.study.sweep), []
+    entry = study.bisect
+    assert entry is not None
 
-    def raise_problems(self) -> None:
-        """Raise the errors, each message once, with its runs."""
-        lines = [
-            f"{text} (run {runs[0]}{f' and {len(runs) - 1} more' if len(runs) > 1 else ''})"
-            for text, runs in self.wrong.items()
-        ]
-        if len(lines) > MOST_MESSAGES:
-            lines[MOST_MESSAGES:] = [f"{self.name}: and {len(lines) - MOST_MESSAGES} more"]
-        if lines:
-            raise CaseError("\n".join(lines))
+    def of(one: Variant, value: float) -> Variant:
+        parts = [one.name] * swept + [f"{entry.key.rpartition('.')[2]}-{value!r}"]
+        change = Change(entry.key, value, ("bisect", "key"))
+        return one._replace(name="_".join(parts), changes=(*one.changes, change))
 
-    def label(self, path: tuple[str | int, ...]) -> str:
-        """Return file, line and key of a part of the study."""
-        location = self.document.location(path)
-        where = f"{self.name}:{location}" if location else self.name
-        return f"{where}: {dotted(path)}"
+    for one in found:
 
-    def read(self, path: str) -> Document:
-        """Return a changeable copy of a case file's content; many runs may share the file."""
-        if path not in self.documents:
-            try:
-                self.documents[path] = read_document(read(path), path)
-            except (OSError, CaseError) as error:
-                self.documents[path] = error
-        found = self.documents[path]
-        if isinstance(found, Document):
-            return deepcopy(found)
-        raise found
+        def planned(value: float, one: Variant = one) -> Planned:
+            run = of(one, value)
+            file, case = made.make(run)
+            made.raise_problems()
+            assert case is not None
+            options = tuple(item.option for item in run.changes if item.key != CASE)
+            values = {item.key: short(item.value) for item in run.changes if item.path[0] != "set"}
+            return Planned(run.name, file, options, values, dump_case(case), 0.0, one.name * swept)
 
-    def make(self, variant: Variant) -> tuple[str, Case | None]:
-        """Return the file and the case of a run, None if the case is wrong."""
-        file: Any = self.study.case
-        label = self.label((CASE,))
-        for one in variant.changes:
-            if one.key == CASE:
-                file, label = one.value, self.label(one.path)
-        if not isinstance(file, str):
-            self.wrong[f"{label}: {missing_file(file)}"].append(variant.name)
-            return "", None
-        path = os.path.relpath(Path(self.name).parent / file)
-        try:
-            document = self.read(path)
-            for one in variant.changes:
-                if one.key != CASE:
-                    change(document, one.key.split("."), one.value, self.label(one.path))
-            return path, validate(Case, document, path)
-        except OSError as error:
-            text = f"{label}: cannot read the case {path}: {error.strerror or error}"
-            self.wrong[text].append(variant.name)
-        except CaseError as error:
-            for line in str(error).splitlines():
-                self.wrong[line].append(variant.name)
-        return path, None
-
-    def check_measures(self, found: list[Variant], cases: list[Case]) -> None:
-        """Check that histories will have the measured quantities.
-
-        Every run needs the error. A further column, which runs may lack, is wrong if no run has
-        it.
-        """
-        names: list[list[str]] = []
-        for one, case in zip(found, cases, strict=True):
-            try:
-                names.append(column_names(Scene(case)))
-            except CaseError as error:
-                names.append([])
-                self.wrong[f"{self.name}: {error}"].append(one.name)
-        quantity = self.study.measure
-        path = ("error",)
-        for one, case, known in zip(found, cases, names, strict=True):
-            if known:
-                self._check_measure(path, self.study.error, quantity, known, case, one)
-        everywhere = list(dict.fromkeys(name for known in names for name in known))
-        last = max(cases, key=lambda case: case.time.last)
-        for i, entry in enumerate(self.study.columns):
-            self._check_measure(
-                ("columns", i), entry, measure_of(entry), everywhere, last, found[0]
-            )
-
-    def _check_measure(
-        self,
-        path: tuple[str | int, ...],
-        entry: str | Measure,
-        quantity: Measure,
-        known: list[str],
-        case: Case,
-        variant: Variant,
-    ) -> None:
-        inside = not isinstance(entry, str)
-        if quantity.column not in known:
-            text = unknown("column", quantity.column, known, "history.csv will have")
-            label = self.label((*path, "column") if inside else path)
-            self.wrong[f"{label}: {text}"].append(variant.name)
-        end = case.time.last
-        if isinstance(quantity.at, float) and quantity.at > end * (1.0 + SAME_TIME):
-            text = f"{quantity.at:.15g} is after the end at {end:.15g} (time.end)"
-            self.wrong[f"{self.label((*path, 'at'))}: {text}"].append(variant.name)
-
-    def arrange(self, found: list[Variant], cases: list[tuple[str, Case]]) -> list[Planned]:
-        """Find abscissa and curve of every run."""
-        plot = self.study.plot
-        data = [case.model_dump(by_alias=True) for _, case in cases]
-        x = [self._number(plot.x, content, one) for content, one in zip(data, found, strict=True)]
-        keys = (plot.group,) if isinstance(plot.group, str) else plot.group
-        if keys is None:
-            moving = _moving(found, x)
-            curves = [
-                ", ".join(label for i, label in enumerate(one.labels) if i not in moving)
-                for one in found
-            ]
-        else:
-            curves = [
-                ", ".join(self._text(key, content, one, ("plot", "group")) for key in keys)
-                for content, one in zip(data, found, strict=True)
-            ]
-        return [
-            Planned(
-                one.name,
-                file,
-                tuple(item.option for item in one.changes if item.key != CASE),
-                {item.key: short(item.value) for item in one.changes if item.path[0] != "set"},
-                dump_case(case),
-                x[i],
-                curves[i],
-            )
-            for i, (one, (file, case)) in enumerate(zip(found, cases, strict=True))
-        ]
-
-    def _number(self, key: str, data: dict[str, object], variant: Variant) -> float:
-        value = self._value(key, data, variant, ("plot", "x"))
-        entries = value if isinstance(value, list | tuple) and value else [value]
-        if all(isinstance(entry, int | float) and not isinstance(entry, bool) for entry in entries):
-            return float(max(entries))
-        if value is not _ABSENT:
-            text = f"{self.label(('plot', 'x'))}: {key} is {short(value)}, not a number"
-            self.wrong[text].append(variant.name)
-        return 0.0
-
-    def _text(
-        self, key: str, data: dict[str, object], variant: Variant, path: tuple[str, ...]
-    ) -> str:
-        value = self._value(key, data, variant, path)
-        if value is _ABSENT:
-            return ""
-        return value if isinstance(value, str) else f"{key.rpartition('.')[2]} {short(value)}"
-
-    def _value(self, key: str, data: Any, variant: Variant, path: tuple[str, ...]) -> object:
-        """Return the resolved case's value at a key path."""
-        for part in key.split("."):
-            try:
-                data = data[int(part) if isinstance(data, list | tuple) else part]
-            except (KeyError, IndexError, ValueError, TypeError):
-                swept = dict.fromkeys(one.key for one in variant.changes if one.path[0] != "set")
-                text = f"{self.label(path)}: the case has no {key}; swept are {', '.join(swept)}"
-                self.wrong[text].append(variant.name)
-                return _ABSENT
-        return data
-
-
-def _moving(found: list[Variant], x: list[float]) -> set[int]:
-    """Return the entries of the sweep whose choices change x, with all others equal."""
-    moving = set()
-    for entry in range(len(found[0].choices)):
-        first: dict[tuple[int, ...], float] = {}
-        for one, value in zip(found, x, strict=True):
-            others = one.choices[:entry] + one.choices[entry + 1 :]
-            if first.setdefault(others, value) != value:
-                moving.add(entry)
-    return moving
+        x = 0.0
+        for value in entry.between:
+            _, case = made.make(of(one, value))
+            if case is None:
+                continue
+            if not any(stage.start.settle for stage in case.stages):
+                text = "has nothing that comes to rest: no stage with settle, nor start.settle"
+                made.wrong[f"{made.label(('bisect',))}: the case {text}"].append(one.name)
+            if examine is not None:
+                try:
+                    examine(case)
+                except CaseError as error:
+                    made.wrong[str(error)].append(one.name)
+            x = made.number(study.plot.x, case.model_dump(by_alias=True), one)
+        variants.append(Bisected(one.name if swept else "", study, x, planned))
+    made.raise_problems()
+    return replace(plan, bisected=tuple(variants))

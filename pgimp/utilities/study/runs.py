@@ -17,7 +17,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from pgimp.errors import PgimpError
+from pgimp.errors import NO_REST, PgimpError
 from pgimp.io.results import history
 from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.ownfiles import RUN
@@ -25,8 +25,8 @@ from pgimp.jit.outside import unchanged
 from pgimp.physics.materials.registry import imported
 from pgimp.schema.document import LARGEST_FILE
 from pgimp.storage.plain import read_plain
+from pgimp.utilities.study.cases import Planned
 from pgimp.utilities.study.measures import MeasureError, costs, measure
-from pgimp.utilities.study.plan import Planned
 from pgimp.utilities.study.schema import LIMIT, Study, measure_of
 
 DONE, FAILED, ABSENT = "done", "failed", "not run"
@@ -98,7 +98,7 @@ def perform(
     """
     check()
     outcome = Outcome(run)
-    outcome.reused = not again and _is_done(study, run, output)
+    outcome.reused = not again and _is_done(study, run, output, _last_start(output))
     if not outcome.reused and (why := _execute(study, run, output, check)):
         outcome.state, outcome.message = FAILED, why
         return outcome
@@ -107,14 +107,45 @@ def perform(
     return outcome
 
 
+def rests(
+    study: Study,
+    run: Planned,
+    output: Path,
+    again: bool = False,
+    check: Callable[[], None] = lambda: None,
+) -> Outcome:
+    """Run a case that settles, unless the same run exists already.
+
+    The parameters are those of `perform`. The outcome is done with the value 1 if it has come to
+    rest, with 0 if it has not; any other end is a failure.
+    """
+    check()
+    outcome = Outcome(run)
+    info = _last_start(output)
+    ended = DONE if _has_no_rest(info) else info.get("state")
+    outcome.reused = not again and _is_done(study, run, output, {**info, "state": ended})
+    why = "" if outcome.reused else _execute(study, run, output, check)
+    outcome.info = info = _last_start(output)
+    if why and not _has_no_rest(info):
+        outcome.state, outcome.message = FAILED, why
+        return outcome
+    outcome.state, outcome.value = DONE, float(info["state"] == DONE)
+    outcome.costs = costs(info["particles"], info["steps"], info["ranks"], info["seconds"])
+    return outcome
+
+
+def _has_no_rest(info: dict[str, Any]) -> bool:
+    """Whether a run has ended because it has not come to rest."""
+    return info.get("state") == FAILED and NO_REST in str(info.get("message"))
+
+
 def _last_start(output: Path) -> dict[str, Any]:
     content = runinfo.read(output / RUN)
     return content["starts"][-1] if content else {}
 
 
-def _is_done(study: Study, run: Planned, output: Path) -> bool:
+def _is_done(study: Study, run: Planned, output: Path, info: dict[str, Any]) -> bool:
     """Return whether the directory has this run, finished by this version on as many ranks."""
-    info = _last_start(output)
     if info.get("state") != DONE or info.get("seconds") is None:
         return False
     version = info.get("versions", {}).get(runinfo.PROGRAM)

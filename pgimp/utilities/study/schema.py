@@ -11,6 +11,7 @@ from pgimp.schema.base import Count, Label, Model, NonNegative, Number, Positive
 from pgimp.schema.dispatch import Either
 from pgimp.schema.messages import describe, got, unknown
 from pgimp.schema.problems import Problem, problem, raise_problems
+from pgimp.utilities.study.bisect_entry import Bisection
 
 LIMIT = "limit"
 """The reference that is extrapolated from the runs."""
@@ -189,15 +190,22 @@ class Study(Model):
     set: Annotated[dict[str, Any], AfterValidator(_set)] = Field(
         default={}, description="changes for all runs: values by key path, as of --set"
     )
+    bisect: Bisection | None = Field(
+        default=None,
+        description="the case is run with values of a key until it is known between which of them "
+        "it comes to rest, and does not; once for each choice of the sweep, if there is one. null: "
+        "runs as the sweep says",
+    )
     sweep: Annotated[tuple[dict[str, Any], ...], AfterValidator(_sweep)] = Field(
-        min_length=1,
+        default=(),
         description="what is changed from run to run. An entry has lists of values by key path, "
         "taken together value by value; or changes by key path for each name. Every choice of one "
         "entry is combined with every choice of the others",
     )
-    error: AnyMeasure = Field(
-        description="what is taken for the error: a column of history.csv, its absolute value in "
-        "the last line; or more exactly {column, at, reference, relative}"
+    error: AnyMeasure | None = Field(
+        default=None,
+        description="not with `bisect`: what is taken for the error: a column of history.csv, its "
+        "absolute value in the last line; or more exactly {column, at, reference, relative}",
     )
     cost: Annotated[tuple[Annotated[str, AfterValidator(_cost)], ...], AfterValidator(_unique)] = (
         Field(
@@ -233,6 +241,16 @@ class Study(Model):
         return self
 
     def _problems(self) -> Iterator[Problem]:
+        if self.bisect is None:
+            if not self.sweep:
+                given = "sweep" in self.model_fields_set
+                text = "expected at least 1 entry" if given else "missing (or bisect)"
+                yield Problem(("sweep",), text, not given)
+            if self.error is None:
+                yield Problem(("error",), "missing (a column of history.csv)", True)
+        for key in ("error", "columns") if self.bisect else ():
+            if getattr(self, key):
+                yield Problem((key,), "is none of a bisection, which gives a value: leave it out")
         swept = False
         seen: dict[str, str] = dict.fromkeys(self.set, "set")
         for number, entry in enumerate(self.sweep):
@@ -257,6 +275,7 @@ class Study(Model):
     @property
     def measure(self) -> Measure:
         """The measure of error."""
+        assert self.error is not None
         return measure_of(self.error)
 
     @property

@@ -97,20 +97,21 @@ def as_markdown(plan: Plan, outcomes: Sequence[Outcome]) -> str:
     extra = [cost for cost in study.cost if cost not in ("wall", "particle-steps", "steps")]
     head = [*(["curve"] if many else []), study.plot.x, "error", "order", "particles", "steps"]
     head += ["particle-steps", "wall time", *extra, "on the front of", *columns]
-    lines = [f"# {study.title or plan.name}", "", _row(head), "|---" * len(head) + "|"]
+    lines = [f"# {study.title or plan.name}", "", row(head), "|---" * len(head) + "|"]
     for curve, runs in curves(outcomes).items():
         for one in runs:
-            lines.append(_row([*([curve] if many else []), *_cells(one, extra, columns)]))
+            lines.append(row([*([curve] if many else []), *_cells(one, extra, columns)]))
     lines += ["", *_legend(plan), ""]
     notable = [one for one in outcomes if one.message or one.state != DONE]
     if notable:
         lines += [f"- {one.plan.name}: {one.state}; {one.message}".rstrip("; ") for one in notable]
         lines.append("")
-    lines += [f"- {line}" for line in _origin(outcomes)]
+    lines += [f"- {line}" for line in origin(outcomes)]
     return "\n".join(lines) + "\n"
 
 
-def _row(cells: Sequence[str]) -> str:
+def row(cells: Sequence[str]) -> str:
+    """Return a row of a Markdown table."""
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
@@ -150,7 +151,7 @@ def _legend(plan: Plan) -> Iterator[str]:
     )
 
 
-def _origin(outcomes: Sequence[Outcome]) -> Iterator[str]:
+def origin(outcomes: Sequence[Outcome]) -> Iterator[str]:
     """Describe machine and versions of the runs, with lists where they differ."""
     done = [one.info for one in outcomes if one.info]
     if done:

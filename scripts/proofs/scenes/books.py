@@ -76,6 +76,11 @@ def patch_forces(sim):
     return total[:D]
 
 
+def _passed(line):
+    """Time that steps have taken up to a line, also while simulated time stood still."""
+    return line["time"] + line.get("stages.settling-time", 0.0)
+
+
 class Books:
     """What is known of a run on one rank.
 
@@ -133,15 +138,14 @@ class Books:
         forces = [f"reaction.{face}" for face in self.case.boundaries]
         forces += [f"constraint.{name}" for name in self.case.constraints]
         impulse = sim.dt * impulse
-        impulse += (line["time"] - last["time"]) * sum(
-            (self._vector(line, name) for name in forces), np.zeros(D)
-        )
+        time = _passed(line) - _passed(last)
+        impulse += time * sum((self._vector(line, name) for name in forces), np.zeros(D))
         gained = sum(
             self._vector(line, name) - self._vector(last, name)
             for name in ("momentum", "escaped.momentum", "removed.momentum", "damped-momentum")
         )
         for name in self.case.rigid_bodies:
-            impulse -= (line["time"] - last["time"]) * self._vector(line, f"tool.{name}.force")
+            impulse -= time * self._vector(line, f"tool.{name}.force")
         off = np.abs(gained - impulse)[self.case.axisymmetric :].max()
         text = f"step {sim.step}: gained {gained.tolist()}, impulses {impulse.tolist()}"
         self._momentum.append((off, sim.step, text))
@@ -165,7 +169,7 @@ class Books:
                 if hasattr(entry, "velocity"):
                     force = ("reaction." if kind == "boundaries" else "constraint.") + name
                     speed = np.array(prescribed(entry.velocity, start, sim.time)[1][: self.D])
-                    time = line["time"] - last["time"]
+                    time = _passed(line) - _passed(last)
                     work += time * self._vector(line, force) @ speed
         for name in self.case.rigid_bodies:
             work += line[f"tool.{name}.work"] - last[f"tool.{name}.work"]

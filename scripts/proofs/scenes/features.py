@@ -29,7 +29,7 @@ from proofs.scenes.loads import (
 )
 from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
 from proofs.scenes.output import checkpoints, frames, grid_frames, history, probes, small_files
-from proofs.scenes.stages import stages
+from proofs.scenes.stages import settling, stages
 
 SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
 BOXES = ("gimp", "finite-gimp", "cpdi")
@@ -234,6 +234,7 @@ FEATURES = (
     Feature("stages", stages, 0.25),
     Feature("along the axis", along_the_axis),
     Feature("periodic faces", periodic, 0.2, compiled=True),
+    Feature("settling", settling, 0.1, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),

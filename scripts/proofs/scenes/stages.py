@@ -1,4 +1,4 @@
-"""The feature of random scenes that lets a run have stages; see `scene_features`.
+"""The features of random scenes that let a run have stages; see `scene_features`.
 
 Little of what a stage changes needs other kernels, which would take longer than the scene.
 """
@@ -42,6 +42,33 @@ def stages(rng, scene):
         time["stages"].append(stage)
 
 
+def settling(rng, scene):
+    """A stage between the others, or the last one, in which all that is held stands still."""
+    case = scene.case
+    rigid = [body["rigid"] for body in case["bodies"].values() if "rigid" in body]
+    if "exact" in case or any(rigid):  # they move
+        return False
+    stages = case["time"].setdefault("stages", [])
+    place = rng.randint(0, len(stages))
+    held, walls = dict(case.get("constraints", {})), dict(case.get("boundaries", {}))
+    gone = set()
+    for part in stages[:place]:
+        for name, entry in part.get("constraints", {}).items():
+            held[name] = entry and {**(held.get(name) or {}), **entry}
+        walls |= part.get("boundaries", {})
+        gone |= set(part.get("remove", ()))
+    stage = {"name": "rest", "settle": {"tolerance": number(rng, 0.2, 0.9), "steps": 60}}
+    still = {"velocity": [0.0] * scene.dimension}
+    if stops := [name for name, entry in held.items() if entry and entry["body"] not in gone]:
+        stage["constraints"] = dict.fromkeys(stops, still)
+    if moves := [face for face, kind in walls.items() if kind and "velocity" in kind]:
+        stage["boundaries"] = dict.fromkeys(moves, "fixed")
+    if "damping" in case and rng.random() < 0.5:
+        stage["damping"] = None
+    stages.insert(place, stage)
+    return True
+
+
 def removed(rng, scene, now, stage):
     """A body is taken out, or a rigid one."""
     solid = [name for name, body in now["bodies"].items() if "rigid" not in body]
@@ -69,6 +96,13 @@ def parameters(rng, scene, now, stage):
             entry = now["materials"][name] = dict(entry)
             entry[key] = number(rng, least, most) * entry[key]
             stage.setdefault("materials", {})[name] = {key: entry[key]}
+
+
+def strength(rng, scene, now, stage):
+    """Soils are weaker, or again as strong as they were."""
+    soils = [each for each in now["materials"].values() if "friction-angle" in each]
+    if soils and not any(isinstance(v, dict) for each in soils for v in each.values()):
+        stage["strength"] = {"factor": number(rng, 1.0, 1.5)} if rng.random() < 0.7 else None
 
 
 def gravity(rng, scene, now, stage):
@@ -157,4 +191,7 @@ def friction(rng, scene, now, stage):
         stage["contact"] = entries
 
 
-CHANGES = (removed, parameters, gravity, walls, tractions, constraints, writing, damping, friction)
+CHANGES = (
+    removed, parameters, strength, gravity, walls, tractions, constraints, writing, damping,
+    friction,
+)  # fmt: skip

@@ -56,6 +56,7 @@ COARSER = {
     "sand-column": ["grid.cell=[0.04,0.04]", "time.end=0.75", "output.every=0.75"],
     "slope": ["grid.cell=[0.2,0.2]", "output.every=0.5"],
     "excavation": ["grid.cell=[0.2,0.2]", "output.every=0.5"],
+    "safety": ["grid.cell=[1.25,1.25]", "output.every=1.5"],
     "footing": [
         "grid.cell=[0.2,0.2]",
         "grid.size=[4.0,2.6]",

@@ -90,9 +90,9 @@ def test_every_column_of_the_history_is_written(dimensions):
     unwritten = [name for name in names if not any(re.fullmatch(name, each) for each in columns)]
     # Errors against an exact solution: tests/physics/exact/test_exact_errors.py. Damping is not
     # for rigid bodies that move freely: tests/solver/rest/test_damping.py. What absorbing faces
-    # radiate: tests/solver/rest/test_absorbing.py.
+    # radiate: tests/solver/rest/test_absorbing.py. Stages that settle: test_settling_stages.py.
     moments = ("angular", "angle", "torque") if dimensions == 1 else ()
-    others = ("error", "damped", "radiated", *moments)
+    others = ("error", "damped", "radiated", "settling", *moments)
     assert all(any(part in name for part in others) for name in unwritten)
 
 

@@ -3,7 +3,7 @@
 from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
-from rank_scenes.damped_bodies import damped, heavy, quaking, settled
+from rank_scenes.damped_bodies import damped, dug, heavy, pressed, quaking, settled
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
     cut,
@@ -74,6 +74,8 @@ SCENES = (
             damped,
             settled,
             quaking,
+            dug,
+            pressed,
             heavy,
             cut,
             metals,

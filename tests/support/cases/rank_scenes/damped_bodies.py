@@ -135,3 +135,67 @@ def settled():
         output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
         history={"every": {"steps": 10}},
     )
+
+
+def dug():
+    """Stages settle: a body goes, a wave comes between absorbing faces, one gets softer, all rest.
+
+    Loads, walls and contact begin and end between them.
+    """
+    case = quaking()
+    case["start"] = {"stress": {"k0": 0.5}}
+    case["bodies"]["lift"] = box([7.0, 5.0], [13.0, 6.0])
+    case["time"]["end"] = 0.3
+    case["time"]["stages"] = [
+        {"name": "dig", "settle": {"tolerance": 0.03}, "remove": ["lift"]},
+        {"name": "wave", "end": 0.6, "tractions": {"knock": {"traction": [0.5, -0.5]}}},
+        {
+            "name": "soft",
+            "settle": {"tolerance": 0.03},
+            "damping": {"kinetic": True, "mass": 0.5},
+            "materials": {"soft": {"young": 60.0}},
+            "boundaries": {"x-max": "absorbing", "x-min": "slip"},
+        },
+        {"name": "free", "end": 0.8, "tractions": {"knock": None}, "boundaries": {"x-min": None}},
+        {"name": "last", "settle": {"tolerance": 0.05, "steps": 5000}},
+    ]
+    return case
+
+
+def pressed():
+    """Bodies of both configurations rest again and again on a rigid one, with fixed steps."""
+    bodies = {
+        "table": {"rigid": {}, "region": {"box": {"min": [2.0, 0.0], "max": [18.0, 1.0]}}},
+        "left": box([3.3, 1.0], [9.3, 4.2]) | {"configuration": "initial"},
+        "right": box([9.3, 1.0], [16.0, 5.0], None, "stiff"),
+    }
+    held = {"body": "right", "region": {"box": {"min": [14.0, 1.0], "max": [16.0, 5.0]}}}
+    load = {"body": "right", "face": "y-max", "pressure": 1.0}
+    case = scene(
+        2,
+        bodies,
+        cells=[20, 7],
+        shape="finite-gimp",
+        end=0.2,
+        step=0.01,
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        contact=[{"bodies": "all", "friction": 0.3}],
+        constraints={"grip": held | {"velocity": [0.0, {"table": [[0.2, 0.0], [0.3, 0.5]]}]}},
+        tractions={"push": load},
+        output={"every": {"steps": 20}, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["time"]["stages"] = [
+        {"name": "rest", "settle": {"tolerance": 0.05}},
+        {"name": "lift", "end": 0.4},
+        {
+            "name": "again",
+            "settle": {"tolerance": 0.05},
+            "constraints": {"grip": {"velocity": [0.0, 0.0]}},
+            "tractions": {"push": {"pressure": 2.0}},
+            "step": 0.008,
+        },
+        {"name": "last", "end": 0.48},
+    ]
+    return case

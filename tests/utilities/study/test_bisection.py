@@ -1,0 +1,153 @@
+"""Studies that bisect: the last value of a key with which a case comes to rest."""
+
+import csv
+import json
+import shutil
+from math import inf
+
+import pytest
+from pages import block_of
+from scenes import box, scene
+
+from pgimp.cli import main
+from pgimp.errors import CaseError
+from pgimp.io.rundir.ownfiles import RUN
+from pgimp.utilities.study.bisect_entry import Bisection
+from pgimp.utilities.study.bisection import Bracket, bisect, result
+from pgimp.utilities.study.plan import Bisected, read_plan
+from pgimp.utilities.study.runs import DONE, FAILED, Outcome
+
+CLAY = {
+    "model": "mohr-coulomb", "young": 1000.0, "poisson": 0.3, "density": 1.0, "cohesion": 1.0,
+    "friction-angle": 0.0,
+}  # fmt: skip
+
+
+def block(**parts):
+    """A block of clay that stands on a smooth floor, beside a smooth wall."""
+    walls = {"x-min": "slip", "x-max": "slip", "y-min": "slip"}
+    case = scene(2, box([0.0, 0.0], [2.0, 2.0], material="clay"), cells=[8, 3], end=0.1,
+                 step={"courant": 0.3}, gravity=[0.0, -0.5], materials={"clay": CLAY},
+                 boundaries=walls, start={"settle": {"tolerance": 1e-3}})  # fmt: skip
+    case["time"]["stages"] = [
+        {"name": "weak", "strength": {"factor": 1.0},
+         "settle": {"tolerance": 1e-3, "steps": 1000}}
+    ]  # fmt: skip
+    return case | parts
+
+
+def written(folder, case=None, **entries):
+    """A study file."""
+    (folder / "case.yaml").write_text(json.dumps(case or block()))
+    entry = {"key": "time.stages.0.strength.factor", "between": [1.0, 3.0], "tolerance": 0.3}
+    study = {"format": 1, "case": "case.yaml", "bisect": entry} | entries
+    path = folder / "safety.yaml"
+    path.write_text(json.dumps(study))
+    return path
+
+
+@pytest.mark.parametrize(("first", "last"), [(1.0, 2.0), (5.0, -3.0)])
+def test_the_bracket_halves_until_it_is_close(first, last):
+    entry = Bisection(key="gravity", between=(first, last), tolerance=0.01, reference=1.3)
+    tried = []
+
+    def run(value):
+        tried.append(value)
+        return Outcome(None, DONE, value=float((value < 1.31) == (first < last)))
+
+    bracket = Bracket(Bisected("", None, 0.0, None))
+    assert len(list(bisect(bracket, entry, run))) == len(tried)
+    assert tried[:2] == [first, last] and bracket.ended
+    low, high = sorted((bracket.rests, bracket.moves))
+    assert low < 1.31 <= high and high - low <= 0.01
+    assert bracket.error(entry) == pytest.approx(abs(bracket.middle / 1.3 - 1.0))
+    assert "gravity is 1.3" in result(bracket, entry)
+
+
+@pytest.mark.parametrize(
+    ("limit", "text"),
+    [(inf, "with the second value, k = 2, the case comes to rest"),
+     (0.0, "with the first value, k = 1, the case does not come to rest")],
+)  # fmt: skip
+def test_values_on_one_side_give_no_result(limit, text):
+    entry = Bisection(key="k", between=(1.0, 2.0))
+    bracket = Bracket(Bisected("", None, 0.0, None))
+    runs = [*bisect(bracket, entry, lambda v: Outcome(None, DONE, value=float(v < limit)))]
+    assert len(runs) == (2 if limit else 1) and not bracket.ended
+    assert text in result(bracket, entry)
+
+
+def test_a_run_that_fails_otherwise_ends_the_bisection():
+    entry, bracket = Bisection(key="k", between=(1.0, 2.0)), Bracket(Bisected("", None, 0.0, None))
+    runs = [*bisect(bracket, entry, lambda _: Outcome(None, FAILED, message="it blew up"))]
+    assert len(runs) == 1 and not bracket.ended
+    assert "ended by the run of 1: it blew up" in result(bracket, entry)
+
+
+@pytest.mark.slow(60)
+def test_a_study_finds_its_result_and_repeats_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    case = block()
+    # A vertical cut on a smooth floor: its foot yields at c = rho g H/2, a wedge slides at a half.
+    entry = {"key": "time.stages.0.strength.factor", "between": [1.0, 9.0], "tolerance": 0.3}
+    path = written(tmp_path, case, bisect=entry | {"reference": 4.0})
+    assert main(["study", str(path)]) == 0
+    said = capsys.readouterr().out
+    assert "1 of 1 bisections have a result" in said and "(from before)" not in said
+    folder = tmp_path / "safety.study.out"
+    rows = [*csv.DictReader((folder / "study.csv").open())]
+    values = {float(row["time.stages.0.strength.factor"]): row["state"] for row in rows}
+    assert values[1.0] == "at rest" and values[9.0] == "no rest"
+    rests = max(value for value, state in values.items() if state == "at rest")
+    moves = min(value for value, state in values.items() if state == "no rest")
+    assert rests < moves <= rests + 0.3 and 2.0 < 0.5 * (rests + moves) < 5.0
+    assert all(float(row["wall"]) > 0.0 for row in rows)
+    # One run is lost, another was ended on the way, as by a kill: these are run again.
+    names = [row["run"] for row in rows]
+    shutil.rmtree(folder / "runs" / names[0])
+    info = folder / "runs" / names[2] / RUN
+    info.write_text(info.read_text().replace('"state": "done"', '"state": "running"'))
+    info.write_text(info.read_text().replace('"state": "failed"', '"state": "running"'))
+    assert main(["study", str(path)]) == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if "steps in" in line]
+    assert [("from before" in line) for line in lines].count(False) == 2
+    assert main(["study", str(path), "--list"]) == 0
+    assert capsys.readouterr().out.count("factor=") == 2
+
+
+@pytest.mark.parametrize(
+    ("entries", "text"),
+    [
+        ({"error": "kinetic-energy"}, "error: is none of a bisection"),
+        ({"bisect": None}, "sweep: missing"),
+        ({"bisect": {"key": "gravity..x", "between": [0, 1]}}, "expected keys joined by dots"),
+        ({"bisect": {"key": "gravity", "between": [1, 1]}}, "expected two different numbers"),
+        ({"bisect": {"key": "time.stages.3.strength.factor", "between": [1.0, 2.0]}}, "stages"),
+        (
+            {"bisect": {"key": "time.stages.0.strength.factor", "between": [-1.0, 2.0]}},
+            "strength.factor: must be above 0",
+        ),
+    ],
+)
+def test_wrong_bisections_are_refused(tmp_path, entries, text):
+    with pytest.raises(CaseError) as error:
+        read_plan(written(tmp_path, **entries))
+    assert text in str(error.value)
+
+
+def test_the_study_of_the_page_is_one(tmp_path):
+    (tmp_path / "slope.yaml").write_text(json.dumps(block()))
+    path = tmp_path / "safety.yaml"
+    path.write_text(block_of("# safety.yaml\n"))
+    plan = read_plan(path)
+    assert [one.x for one in plan.bisected] == [1.0, 0.5]
+    assert plan.bisected[0].planned(1.5).name.endswith("factor-1.5")
+
+
+def test_a_case_without_rest_is_refused(tmp_path):
+    case = block()
+    del case["start"]
+    case["time"]["stages"][0].pop("settle")
+    case["time"]["stages"][0]["end"] = 0.2
+    with pytest.raises(CaseError, match="nothing that comes to rest"):
+        read_plan(written(tmp_path, case))
