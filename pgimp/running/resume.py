@@ -207,6 +207,9 @@ def _differences(
         gone = [each.stages[number].staged.removed for each in (before, case)]
         if gone[0] != gone[1]:
             found.append(f"remove: without {_short(gone[1])}, was without {_short(gone[0])}")
+        came = [each.stages[number].staged.added for each in (before, case)]
+        if came[0] != came[1]:
+            found.append(f"add: with {_short(came[1])}, was with {_short(came[0])}")
         if number < stage and ends[0] != ends[1]:
             found.append(f"time.end is {ends[1]!r}, was {ends[0]!r}")
         if number:

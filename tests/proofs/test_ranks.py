@@ -54,6 +54,7 @@ GO_ON = {
         "varied",
         "round_and_round",
         "endless",
+        "lifts",
     ),
 }
 #: Scenes that run on three ranks too: those that go on from there, and those that tests look at.

@@ -34,17 +34,21 @@ def _loss(name: str, meaning: str) -> Group:
     )
 
 
-def _gone(
-    name: str, there: Callable[[Scene], bool], sums: Callable[[Totals], np.ndarray], mass: str
+def _passed(
+    name: str,
+    there: Callable[[Scene], bool],
+    sums: Callable[[Totals], np.ndarray],
+    mass: str,
+    what: str = "were removed",
 ) -> Group:
-    """Columns of removed particles, in scenes where `there` is true."""
+    """Columns of removed particles, or of particles that came, in scenes where `there` is true."""
     return Group(
         lambda scene: [""] if there(scene) else [],
         (
             Column(f"{name}.mass", "mass", mass, lambda s, _: sums(s)[MASS]),
             Column(
                 f"{name}.momentum-AXIS", "mass length/time",
-                "their momentum when they were removed", lambda s, _: s.along(sums(s), MOMENTUM),
+                f"their momentum when they {what}", lambda s, _: s.along(sums(s), MOMENTUM),
             ),
             Column(
                 f"{name}.angular-momentum-AXIS", "mass length^2/time",
@@ -96,10 +100,10 @@ HISTORY = (
                 "dissipated-energy",
                 "energy",
                 "what closes the balance: energy at the start plus external work less kinetic and "
-                "strain energy, and less that of particles that were removed (and with what "
-                "stages have changed, `stages.strain-energy`); of the order of the "
-                "time step also where nothing is lost, for instance in free fall, because work is "
-                "force times displacement",
+                "strain energy, less that of particles that were removed, with that of particles "
+                "that came (and with what stages have changed, `stages.strain-energy`); of the "
+                "order of the time step also where nothing is lost, for instance in free fall, "
+                "because work is force times displacement",
                 lambda s, _: (
                     s.first_energy
                     + s.work
@@ -107,6 +111,7 @@ HISTORY = (
                     - s.total[STRAIN]
                     - (s.escaped[KINETIC] + s.escaped[STRAIN])
                     - (s.removed[KINETIC] + s.removed[STRAIN])
+                    + (s.added[KINETIC] + s.added[STRAIN])
                     + s.changed
                 ),
             ),
@@ -147,7 +152,7 @@ HISTORY = (
             ),
         ),
     ),
-    _gone(
+    _passed(
         "escaped",
         lambda scene: scene.settings.escapes,
         lambda s: s.escaped,
@@ -167,11 +172,18 @@ HISTORY = (
             ),
         ),
     ),
-    _gone(
+    _passed(
         "removed",
         lambda scene: bool(scene.case.staged.removed),
         lambda s: s.removed,
         "mass of the bodies that stages have removed, so that with `mass` it is constant",
+    ),
+    _passed(
+        "added",
+        lambda scene: bool(scene.case.staged.added),
+        lambda s: s.added,
+        "mass of the bodies that have come in stages, so that `mass` less it is constant",
+        "came",
     ),
     Group(
         lambda scene: scene.body_names,

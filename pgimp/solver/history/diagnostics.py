@@ -115,6 +115,7 @@ def column_names(scene: Scene) -> list[str]:
                 none,
                 none,
                 none,
+                none,
                 0.0,
                 told,
                 0.0,
@@ -150,12 +151,17 @@ class Diagnostics:
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
         #: Sums of earlier stages, see `Totals`; of use on rank 0.
         self.removed: np.ndarray | None = None
+        self.added: np.ndarray | None = None
         self.changed = 0.0
         self.told = np.zeros(len(LOSSES))
 
     def removed_so_far(self, scene: Scene) -> np.ndarray:
         """Sums of the bodies that stages have removed."""
         return np.zeros(scene.materials.sums) if self.removed is None else self.removed
+
+    def added_so_far(self, scene: Scene) -> np.ndarray:
+        """Sums of the bodies that have come in stages."""
+        return np.zeros(scene.materials.sums) if self.added is None else self.added
 
     def line(self, rank: Rank, done: Step) -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
@@ -215,10 +221,10 @@ class Diagnostics:
         force = self._forces(done.end, impulse)
         return line_of(
             Totals(
-                scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.told, self.first_energy, work, force, outside_mass, walls, contact,
-                rigid_bodies,
-                inside, filled, damping, rank.free.now if rank.free else {}, added, most,
+                scene, done, bodies, total, escaped, self.removed_so_far(scene),
+                self.added_so_far(scene), self.changed, self.told, self.first_energy, work,
+                force, outside_mass, walls, contact, rigid_bodies, inside,
+                filled, damping, rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
 

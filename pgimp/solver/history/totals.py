@@ -35,8 +35,8 @@ class Totals(NamedTuple):
         Sums over all particles.
     escaped : (columns,) float64
         Sums of the particles removed since the start, at their removal.
-    removed : (columns,) float64
-        Sums of bodies removed by stages, at their removal.
+    removed, added : (columns,) float64
+        Sums of bodies removed by stages, at their removal, and of bodies that came in stages.
     changed : float
         Strain energy added by new parameters of materials as stages began.
     told : (LOSSES,) float64
@@ -75,6 +75,7 @@ class Totals(NamedTuple):
     total: np.ndarray
     escaped: np.ndarray
     removed: np.ndarray
+    added: np.ndarray
     changed: float
     told: np.ndarray
     first_energy: float

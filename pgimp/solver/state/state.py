@@ -52,6 +52,7 @@ class State(BaseModel):
     settling: bool = False
     counted: int = Field(ge=0, le=2**53, default=0)
     removed: list[float] | None = Field(default=None, max_length=100)
+    added: list[float] | None = Field(default=None, max_length=100)
     changed: float = 0.0
     told: list[float] = Field(
         default=[0.0] * len(LOSSES), min_length=len(LOSSES), max_length=len(LOSSES)
@@ -185,6 +186,7 @@ def capture(
         counted=clock.before if clock else 0,
         held_rate=clock.held.numbers if clock and clock.held else None,
         removed=None if records.removed is None else records.removed.tolist(),
+        added=None if records.added is None else records.added.tolist(),
         changed=records.changed,
         told=records.told.tolist(),
     )
