@@ -70,9 +70,10 @@ def check_probes_there(case: Case) -> Problems:
     """Check that probes follow particles that are there from the start."""
     came = {name: stage.name for stage in case.time.stages for name in stage.add}
     for name, probe in case.probes.items():
-        if probe.body in came:
+        body = getattr(probe, "body", None)
+        if body in came:
             yield Problem(
                 ("probes", name, "body"),
-                f"'{probe.body}' comes in the stage '{came[probe.body]}', and a probe follows a "
-                "particle from the start; give {place: ...}",
+                f"'{body}' comes in the stage '{came[body]}', and a probe follows a particle from "
+                "the start; give {place: ...}",
             )

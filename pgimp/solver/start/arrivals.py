@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pgimp.decomposition.migrate import pack, unpack
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.particles import Particles
@@ -164,12 +163,12 @@ class Arrivals:
         self._prepare(particles, own, scene.case.staged.start)
         particles.id[:own] += now.count
         first, now.count = now.count, now.count + count
-        if particles.L.shape[1] and not scene.carried.affine:
-            particles = particles._replace(L=np.zeros((particles.capacity, 0)))
         population = rank.population
         rows = population.insert(own)
-        unpack(pack(particles, np.arange(own)), population.stored, rows)
         p = population.stored
+        for name, column in particles._asdict().items():  # gradients are of the start alone
+            if (stored := getattr(p, name)).shape[1:] == column.shape[1:]:
+                stored[rows] = column[:own]
         locate(scene.settings.shape, scene.order_frame, p, rows, scene.domain.frame.vertices)
         population.restore_order(_NONE, rows)
         rank.moved = True

@@ -13,7 +13,7 @@ from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.checks.facts import BodyFacts, Findings, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_slow
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene, count_particles, present
 from pgimp.scene.settings import MOST_CELLS
 from pgimp.solver.start.memory import Estimate
 from pgimp.solver.start.require_memory import require
@@ -29,7 +29,7 @@ class Prepared(NamedTuple):
     scenes : list of Scene
         Scenes of all stages.
     lattice, counts, notes
-        See `count_particles`.
+        See `count_particles`; of the bodies that are there at the start.
     memory : Estimate
         Memory of one rank.
     found : Findings
@@ -73,9 +73,10 @@ def prepare(whole: Case) -> Prepared:
     require(scene, Serial())
     lattice, counts, notes = count_particles(scene, Serial())
     memory = require(scene, Serial(), int(counts.sum()))
+    found = examine(scene, lattice, counts, whole.stages)
+    counts = present(scene, counts)
     if scene.interaction.rigid_bodies:
         _look_at_rigid(scene, lattice, counts)
-    found = examine(scene, lattice, counts, whole.stages)
     varied = {body.name: body.rest_rate for body in found.bodies if body.varies}
     of_stages = require_stable_stages(scenes, varied)
     # A grid of the initial configuration moves with its bodies.

@@ -1,4 +1,4 @@
-"""Bodies that come in stages, beside those that fly, are removed, and are of other configurations."""
+"""Bodies that come in stages, beside those that fly, go, and are of another configuration."""
 
 from scenes import box, scene
 
