@@ -32,6 +32,7 @@ from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles, present
+from pgimp.solver.coming.inflow import to_enter
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import create_particles, partition, ring_counts
 from pgimp.solver.lagrangian.motion import begin_motion
@@ -83,7 +84,7 @@ def begin(
     scene.interaction.rigid_bodies.measure(comm)
     lattice, counts, notes = count_particles(scene, comm)
     start.notes += notes
-    require(scene, comm, int(counts.sum()))
+    require(scene, comm, int(counts.sum()) + to_enter(scene.case, counts))
     counts = present(scene, counts)
     start.count = int(counts.sum())
     layer = np.empty(len(lattice.coordinates[0]), np.int64)

@@ -182,6 +182,8 @@ class Simulation(SimulationProgress):
         rank, reduction, balance = self.rank, self.reduction, self.balance
         doing, rate = step(rank, self.time, self._next, self.controlled)
         self.doing, number = doing, doing.number
+        if rank.inflow and not rank.failed:
+            self.count = rank.inflow.feed(rank, doing, self.count)
         if self.comm.size > 1:
             balance.note(rank.worked, rank.count, number)
         move = reduction.rebalance_requested

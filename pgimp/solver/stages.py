@@ -21,11 +21,11 @@ from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.rigid.free_body import State
 from pgimp.scene.scene import Scene
+from pgimp.solver.coming.arrivals import arrivals_of, coming
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
 from pgimp.solver.history.diagnostics import sums_of_bodies
 from pgimp.solver.lagrangian.motion import enter_motion
-from pgimp.solver.start.arrivals import arrivals_of, coming
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.warmup import warm_up
 from pgimp.solver.time.clock import clock_of

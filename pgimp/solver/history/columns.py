@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from pgimp.kernels.sums.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 from pgimp.solver.history.contact_columns import MEETING, WALLS
 from pgimp.solver.history.error_columns import ERRORS
 from pgimp.solver.history.flow_columns import FLOWS
+from pgimp.solver.history.passed_columns import ESCAPED, REMOVED_AND_CAME
 from pgimp.solver.history.totals import Column, Group, Totals
 
 if TYPE_CHECKING:
@@ -32,38 +33,6 @@ def _loss(name: str, meaning: str) -> Group:
         lambda scene: [""] if name in scene.materials.losses else [],
         (Column(name, "energy", meaning, lambda s, _: s.lost(name)),),
     )
-
-
-def _passed(
-    name: str,
-    there: Callable[[Scene], bool],
-    sums: Callable[[Totals], np.ndarray],
-    mass: str,
-    what: str = "were removed",
-) -> Group:
-    """Columns of removed particles, or of particles that came, in scenes where `there` is true."""
-    return Group(
-        lambda scene: [""] if there(scene) else [],
-        (
-            Column(f"{name}.mass", "mass", mass, lambda s, _: sums(s)[MASS]),
-            Column(
-                f"{name}.momentum-AXIS", "mass length/time",
-                f"their momentum when they {what}", lambda s, _: s.along(sums(s), MOMENTUM),
-            ),
-            Column(
-                f"{name}.angular-momentum-AXIS", "mass length^2/time",
-                "their angular momentum then", lambda s, _: s.moment(sums(s)),
-            ),
-            Column(
-                f"{name}.kinetic-energy", "energy", "their kinetic energy then",
-                lambda s, _: sums(s)[KINETIC],
-            ),
-            Column(
-                f"{name}.strain-energy", "energy", "their strain energy then",
-                lambda s, _: sums(s)[STRAIN],
-            ),
-        ),
-    )  # fmt: skip
 
 
 HISTORY = (
@@ -112,6 +81,7 @@ HISTORY = (
                     - (s.escaped[KINETIC] + s.escaped[STRAIN])
                     - (s.removed[KINETIC] + s.removed[STRAIN])
                     + (s.added[KINETIC] + s.added[STRAIN])
+                    + (s.inflow[KINETIC] + s.inflow[STRAIN])
                     + s.changed
                 ),
             ),
@@ -152,13 +122,7 @@ HISTORY = (
             ),
         ),
     ),
-    _passed(
-        "escaped",
-        lambda scene: scene.settings.escapes,
-        lambda s: s.escaped,
-        "only where `escape` removes particles, as all columns of this name: mass of those "
-        "that were removed since the start, so that with `mass` it is constant",
-    ),
+    *ESCAPED,
     Group(
         lambda scene: [""] if scene.case.staged.number else [],
         (
@@ -172,19 +136,7 @@ HISTORY = (
             ),
         ),
     ),
-    _passed(
-        "removed",
-        lambda scene: bool(scene.case.staged.removed),
-        lambda s: s.removed,
-        "mass of the bodies that stages have removed, so that with `mass` it is constant",
-    ),
-    _passed(
-        "added",
-        lambda scene: bool(scene.case.staged.added),
-        lambda s: s.added,
-        "mass of the bodies that have come in stages, so that `mass` less it is constant",
-        "came",
-    ),
+    *REMOVED_AND_CAME,
     Group(
         lambda scene: scene.body_names,
         (

@@ -116,6 +116,7 @@ def column_names(scene: Scene) -> list[str]:
                 none,
                 none,
                 none,
+                none,
                 0.0,
                 told,
                 0.0,
@@ -211,6 +212,7 @@ class Diagnostics:
         escaped, added, most = np.zeros(scene.materials.sums), np.zeros(ERRORS), np.zeros(ERRORS)
         if scene.settings.escapes:
             escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
+        inflow = rank.inflow.sums if rank.inflow else np.zeros(scene.materials.sums)
         if scene.settings.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
@@ -222,7 +224,7 @@ class Diagnostics:
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene),
-                self.added_so_far(scene), self.changed, self.told, self.first_energy, work,
+                self.added_so_far(scene), inflow, self.changed, self.told, self.first_energy, work,
                 force, outside_mass, walls, contact, rigid_bodies, inside,
                 filled, damping, rank.free.now if rank.free else {}, added, most,
             )

@@ -37,6 +37,8 @@ class Totals(NamedTuple):
         Sums of the particles removed since the start, at their removal.
     removed, added : (columns,) float64
         Sums of bodies removed by stages, at their removal, and of bodies that came in stages.
+    inflow : (columns,) float64
+        Sums of the particles that have entered by inflow, as they did.
     changed : float
         Strain energy added by new parameters of materials as stages began.
     told : (LOSSES,) float64
@@ -76,6 +78,7 @@ class Totals(NamedTuple):
     escaped: np.ndarray
     removed: np.ndarray
     added: np.ndarray
+    inflow: np.ndarray
     changed: float
     told: np.ndarray
     first_energy: float
@@ -111,7 +114,7 @@ class Totals(NamedTuple):
         number = LOSSES.index(name)
         column = SUMS + number
         there = self.total[column] + self.escaped[column] + self.removed[column]
-        return there - self.told[number]
+        return there - self.inflow[column] - self.told[number]
 
     def contact_force(self, k: int) -> np.ndarray | tuple[()]:
         """Return the force of an entry of contact, nothing for an entry of more than two bodies."""

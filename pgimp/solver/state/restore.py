@@ -126,6 +126,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         ):
             if (there is not None) != bool(names) or len(there or ()) != bool(names) * width:
                 raise DamagedError(f"what it has of {what} is not of its stage")
+        if rank.inflow and len(state.inflow or ()) != len(rank.inflow.numbers):
+            raise DamagedError("what it has of inflow is not of its case")
         found = {}
         for name, mine in own.datasets().items():
             if mine.shape[1:] and 0 in mine.shape[1:]:
@@ -169,6 +171,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         rank.contact.restore(rank, found["velocity-fields"])
     if rank.comm.rank == 0:
         rank.clamped, rank.held = state.clamped, state.held
+    if rank.inflow and state.inflow:
+        rank.inflow.restore(state.inflow)
     rank.mass_cutoff = state.mass_cutoff
     records.first_energy = state.first_energy
     records.most_outside = (state.beyond, state.beyond_time, state.beyond_face)

@@ -53,6 +53,7 @@ class State(BaseModel):
     counted: int = Field(ge=0, le=2**53, default=0)
     removed: list[float] | None = Field(default=None, max_length=100)
     added: list[float] | None = Field(default=None, max_length=100)
+    inflow: list[float] | None = Field(default=None, max_length=300)
     changed: float = 0.0
     told: list[float] = Field(
         default=[0.0] * len(LOSSES), min_length=len(LOSSES), max_length=len(LOSSES)
@@ -187,6 +188,7 @@ def capture(
         held_rate=clock.held.numbers if clock and clock.held else None,
         removed=None if records.removed is None else records.removed.tolist(),
         added=None if records.added is None else records.added.tolist(),
+        inflow=rank.inflow.numbers if rank.inflow else None,
         changed=records.changed,
         told=records.told.tolist(),
     )
