@@ -3,7 +3,7 @@
 from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
-from rank_scenes.arrivals import lifts
+from rank_scenes.arrivals import lifts, pours, streams
 from rank_scenes.damped_bodies import damped, heavy, quaking, settled
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
@@ -85,6 +85,8 @@ SCENES = (
             layer,
             endless,
             lifts,
+            streams,
+            pours,
         )
     }
     | SIZED

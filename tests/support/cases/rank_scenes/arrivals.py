@@ -1,6 +1,6 @@
 """Bodies that come in stages, beside those that fly, go, and are of another configuration."""
 
-from scenes import box, scene
+from scenes import SOFT, box, scene
 
 from rank_scenes.entries import EVERYTHING
 
@@ -49,3 +49,66 @@ def lifts():
         },
     ]  # fmt: skip
     return case
+
+
+def streams():
+    """A jet meets sand that pours across several slabs, over a beam; both leave, one ends.
+
+    The jet becomes faster; a stage with steps of another kind begins while both enter.
+    """
+    water = {"model": "newtonian", "bulk": 80.0, "shear-viscosity": 0.2, "density": 1.0}
+    sand = {
+        "model": "drucker-prager", "young": 100.0, "poisson": 0.3, "density": 1.0,
+        "cohesion": 0.0, "friction-angle": 30.0, "dilation-angle": 5.0,
+    }  # fmt: skip
+    case = scene(
+        2,
+        {
+            "jet": box([12.0, 5.0], [14.0, 6.0], [4.0, 0.0], "water"),
+            "sand": box([5.0, 8.0], [13.0, 10.0], material="sand"),
+            "beam": box([4.0, 2.0], [9.0, 3.0]) | {"configuration": "initial"},
+        },
+        cells=[20, 10],
+        gravity=[0.0, -2.0],
+        materials={"soft": SOFT, "water": water, "sand": sand},
+        boundaries={"y-min": "separating"},
+        constraints={
+            "clamp": {"body": "beam", "region": {"box": {"min": [4.0, 2.0], "max": [5.0, 3.0]}},
+                      "velocity": [0.0, 0.0]},
+        },
+        inflow={
+            "sand": {"velocity": [0.0, -3.0], "until": 0.75},
+            "jet": {"velocity": [{"ramp": {"from": 4.0, "to": 7.0, "duration": 0.8}}, 0.0]},
+        },
+        escape={"x-max": "remove", "x-min": "remove"},
+        contact=[{"bodies": "all", "friction": 0.2}],
+        output={"every": 0.25, "fields": EVERYTHING},
+        history={"every": {"steps": 10}},
+        step={"courant": 0.25},
+        end=0.5,
+    )  # fmt: skip
+    case["method"]["affine"] = True
+    case["time"]["stages"] = [{"name": "faster", "end": 1.0, "step": 0.0078125}]
+    return case
+
+
+def pours():
+    """Material enters beside a seam across which it spreads, and from below."""
+    return scene(
+        2,
+        {
+            "pours": box([12.0, 7.0], [16.0, 9.0]),
+            "rises": box([7.0, 1.0], [13.0, 2.0]),
+            "drifts": box([0.0, 4.0], [2.0, 6.0], [6.0, 0.0]),
+        },
+        cells=[16, 10],
+        boundaries={"x-min": "periodic", "x-max": "periodic"},
+        inflow={"pours": {"velocity": [0.0, -5.0]}, "rises": {"velocity": [0.0, 3.0]}},
+        escape={"y-min": "remove", "y-max": "remove"},
+        output={"every": 0.25, "fields": EVERYTHING},
+        history={"every": {"steps": 10}},
+        step={"courant": 0.3},
+        end=1.0,
+        gravity=[3.0, 0.0],
+        shape="finite-gimp",
+    )
