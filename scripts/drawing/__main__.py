@@ -5,7 +5,18 @@ import argparse
 from column import compaction
 from cost import error_and_cost
 from exact import plane_waves, shock, spinning_block, vortex
-from flowing import blast, channel, dam_break, excavation, footing, gate, sand_column, slope, sod
+from flowing import (
+    blast,
+    channel,
+    dam_break,
+    excavation,
+    footing,
+    gate,
+    jet,
+    sand_column,
+    slope,
+    sod,
+)
 from looking import block3d, block3d_initial, block3d_paraview
 from meeting import corner, drum, hertz, hertz_line
 from metal import plate_impact, taylor_bar, thick_tube
@@ -18,7 +29,7 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     compaction, block3d, block3d_initial, block3d_paraview, disks, rolling, rolling_ball, incline,
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
     taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, plane_waves, sod,
-    channel, sand_column, slope, graded, excavation, footing, dam_break, gate, blast,
+    channel, sand_column, slope, graded, excavation, footing, dam_break, jet, gate, blast,
     error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")
