@@ -84,7 +84,8 @@ def begin(
     scene.interaction.rigid_bodies.measure(comm)
     lattice, counts, notes = count_particles(scene, comm)
     start.notes += notes
-    require(scene, comm, int(counts.sum()) + to_enter(scene.case, counts))
+    entering = to_enter(scene.case, counts, scenes[-1].case.time.end)
+    require(scene, comm, int(counts.sum()) + sum(entering.values()))
     counts = present(scene, counts)
     start.count = int(counts.sum())
     layer = np.empty(len(lattice.coordinates[0]), np.int64)

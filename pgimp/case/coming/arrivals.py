@@ -17,7 +17,9 @@ Case = Any
 def check_added(case: Case) -> Problems:
     """Check the bodies that stages of a case add; paths start at the case."""
     came: dict[str, str] = {}
+    begins = [case.time.end, *(stage.end for stage in case.time.stages)]
     for i, stage in enumerate(case.time.stages):
+        yield from _inflow_kept(case, i, float(begins[i]))
         for k, name in enumerate(stage.add):
             path = ("time", "stages", i, "add", k)
             if name not in case.every_body:
@@ -40,9 +42,34 @@ def check_added(case: Case) -> Problems:
         )
 
 
+def _inflow_kept(case: Case, i: int, begins: float) -> Problems:
+    """Check that a stage leaves inflows as they are."""
+    stage, path = case.time.stages[i], ("time", "stages", i)
+    for k, name in enumerate(stage.remove):
+        if name in case.inflow:
+            until = case.inflow[name].until
+            if until is None or until > begins:
+                yield Problem(
+                    (*path, "remove", k),
+                    f"'{name}' still enters then; give its inflow an end: until: {begins:.15g}",
+                )
+    for name in stage.constraints:
+        if name in case.inflow:
+            yield Problem(
+                (*path, "constraints", name),
+                "is that of an inflow, which goes on as it is: let its velocity be a function of "
+                "time, or give it an end (`until`)",
+            )
+
+
 def _unfit(case: Case, name: str) -> str:
     """Tell why a body cannot come in a stage; empty if it can."""
     body = case.every_body[name]
+    if name in case.inflow:
+        return (
+            f"'{name}' enters by an inflow, which begins with the run; let its velocity be 0 at "
+            "first, by a function of time"
+        )
     if isinstance(body, RigidBody):
         return (
             f"'{name}' is rigid, and rigid bodies are there from the start; let it wait where it "

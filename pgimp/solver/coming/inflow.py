@@ -197,12 +197,12 @@ def inflow_of(scene: Scene, before: Inflow | None = None) -> Inflow | None:
     return Inflow(scene, before) if scene.case.inflow else None
 
 
-def to_enter(case: Case, lattice_counts: np.ndarray) -> int:
-    """Number of particles that enter until the end, about; of `count_particles`' counts."""
-    found = 0
+def to_enter(case: Case, counts: np.ndarray, end: float) -> dict[str, int]:
+    """Particles that enter by each inflow until `end`; `counts` as from `count_particles`."""
+    found = {}
     for name, entry in case.inflow.items():
         body = list(case.bodies).index(name)
         low, high = case.bodies[name].region.bounds()
         length = float(high[entry.axis] - low[entry.axis])
-        found += int(lattice_counts[body].sum() * entry.travel(case.time.last) / length)
+        found[name] = int(counts[body].sum() * entry.travel(end) / length)
     return found

@@ -28,7 +28,9 @@ def stream(dimension=1, *, velocity=None, low=0.0, until=None, **parts):
 
 
 @pytest.mark.parametrize("dimension", [1, 2])
-@pytest.mark.parametrize("step", [0.01, {"courant": 0.3}], ids=["fixed", "courant"])
+@pytest.mark.parametrize(
+    "step", [0.01, {"courant": 0.3}, {"courant": "auto"}], ids=["fixed", "courant", "auto"]
+)
 def test_a_steady_stream_is_a_lattice_that_moves_on(dimension, step):
     """No gap, no overlap, no stress; mass, momentum and energy are those of rho A v t."""
     sim = start(stream(dimension, step=step))
@@ -62,6 +64,36 @@ def test_it_enters_from_either_side_and_within_the_domain(low, velocity):
     front = x[-1] if velocity[0] > 0 else x[0]
     at = low + 1.0 + np.sign(velocity[0]) * 0.75
     assert front == pytest.approx(at + velocity[0] * 2.0, abs=1e-9)
+
+
+def test_a_round_jet_brings_its_area():
+    """Along the axis of an axisymmetric case: pi r^2 v t."""
+    case = scene(
+        2, {"jet": box([0.0, 0.0], [2.0, 2.0])}, cells=[4, 8], geometry="axisymmetric",
+        inflow={"jet": {"velocity": [0.0, SPEED]}}, end=1.0,
+    )  # fmt: skip
+    line = finish(start(case)).diagnostics()
+    assert line["inflow.mass"] == pytest.approx(np.pi * 4.0 * SPEED, rel=1e-12)
+    assert line["inflow.momentum-y"] == pytest.approx(SPEED * line["inflow.mass"], rel=1e-12)
+
+
+def test_stages_leave_an_inflow_as_it_is():
+    """It ends before its body goes; the constraint that holds it stays."""
+    case = stream()
+    case["bodies"]["rests"] = box([8.0], [9.0])
+    for change, words in (
+        ({"remove": ["jet"]}, "time.stages.0.remove.0: 'jet' still enters then; give its inflow"),
+        ({"constraints": {"jet": None}}, "time.stages.0.constraints.jet: is that of an inflow"),
+        ({"add": ["jet"]}, "time.stages.0.add.0: 'jet' enters by an inflow, which begins"),
+    ):
+        case["time"]["stages"] = [{"name": "next", "end": 3.0} | change]
+        with pytest.raises(CaseError) as error:
+            pgimp.load(case)
+        assert words in str(error.value)
+    case["inflow"]["jet"]["until"] = 2.0
+    case["time"]["stages"] = [{"name": "next", "end": 2.5, "remove": ["jet"]}]
+    line = finish(start(case)).diagnostics()
+    assert (line["mass"], line["removed.mass"]) == (1.0, 2.0 + line["inflow.mass"])
 
 
 def test_a_velocity_over_time_brings_its_integral():
