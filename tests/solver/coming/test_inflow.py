@@ -148,6 +148,8 @@ def test_a_run_goes_on_with_the_same_bits(tmp_path):
         case["time"]["stages"] = stages[:n]
         part = pgimp.run(case, output=tmp_path / "parts", resume=bool(n), **options)
     assert digests(part.path) == digests(whole.path)
+    followed = whole.follow(6)  # of the second layer that has entered
+    assert 0.25 < followed["time"][0] < followed["time"][-1] == 2.4
     written = pgimp.load(whole.path / "case.yaml")  # the case as resolved runs again
     assert written.constraints["jet"].velocity == (SPEED,)
 
