@@ -63,7 +63,7 @@ class Simulation(SimulationProgress):
         The last step that succeeded on all ranks. The step after it, if done by this rank with its
         reduction incomplete.
     count : int
-        Initial particles of all ranks, one more than the greatest id; see `present`.
+        Particles that all ranks have had so far, one more than the greatest id; see `present`.
     notes, warnings : list of str
         Messages to the user, equal on every rank.
     request : Request
@@ -182,7 +182,7 @@ class Simulation(SimulationProgress):
         rank, reduction, balance = self.rank, self.reduction, self.balance
         doing, rate = step(rank, self.time, self._next, self.controlled)
         self.doing, number = doing, doing.number
-        if rank.inflow and not rank.failed:
+        if rank.inflow:
             self.count = rank.inflow.feed(rank, doing, self.count)
         if self.comm.size > 1:
             balance.note(rank.worked, rank.count, number)

@@ -75,11 +75,9 @@ class Arrivals:
         self.scene, self.comm, self.names = scene, rank.comm, names
         try:
             share(scene.case, self.comm, names)
-            self.lattice, self.counts, notes = count_particles(scene, self.comm, names)
+            self.lattice, self.counts, _ = count_particles(scene, self.comm, names)
         except CaseError as error:
             raise RunError(f"{scene.case.staged.title}: {error}") from None
-        title = scene.case.staged.title
-        self.notes = [f"{title}: {note}" for note in notes]
         self._require_room(rank, gone)
         layer = np.empty(len(self.lattice.coordinates[0]), np.int64)
         layers_of(

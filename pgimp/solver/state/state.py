@@ -135,7 +135,7 @@ def capture(
     rate : float
         Largest (c_p + |v_p|)/L of all ranks.
     count : int
-        Particles of all ranks at the start.
+        Particles that all ranks have had so far.
     records : Diagnostics
         State of the history from line to line.
     watch : EnergyWatch, optional

@@ -190,3 +190,29 @@ def test_what_cannot_enter_is_told(change, words):
         start_of = pgimp.load(stream() | change)
         start(start_of.model_dump(by_alias=True))
     assert words in str(error.value)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_streams_are_lattices(seed):
+    """Whatever the speed, the steps, the region and its end: no gap, and the mass that is due."""
+    rng = np.random.default_rng(seed)
+    per_cell, sign = int(rng.integers(1, 4)), float(rng.choice([-1.0, 1.0]))
+    speed, length = sign * float(rng.uniform(0.5, 3.0)), float(rng.integers(1, 4))
+    low = 20.0 + int(rng.integers(0, per_cell)) / per_cell
+    cell = float(rng.choice([0.5, 1.0]))
+    until = None if rng.random() < 0.5 else float(rng.uniform(0.5, 1.5))
+    case = scene(
+        1, {"jet": box([low * cell], [(low + length) * cell])}, cells=[44], cell=cell,
+        per_cell=per_cell, end=2.0, step=float(rng.choice([0.01, 0.02])),
+        inflow={"jet": {"velocity": [speed], "until": until}},
+    )  # fmt: skip
+    sim = start(case)
+    first = sim.count
+    finish(sim)
+    x, spacing = np.sort(field(sim, "x")[:, 0]), cell / per_cell
+    assert np.diff(x) == pytest.approx(spacing, abs=1e-9)
+    front = (low + length if sign > 0.0 else low) * cell - sign * 0.5 * spacing + speed * 2.0
+    assert (x[-1] if sign > 0.0 else x[0]) == pytest.approx(front, abs=1e-9)
+    way = abs(speed) * min(2.0, until or 2.0)
+    assert sim.count - first == pytest.approx(way / spacing, abs=1.0 + 1e-6)
+    assert sim.diagnostics()["inflow.mass"] == pytest.approx((sim.count - first) * spacing)
