@@ -7,7 +7,8 @@ import re
 
 import numpy as np
 import pytest
-from run_files import digests
+from meshes import ball, stl
+from run_files import digests, go_back
 from scenes import box, field, finish, scene, start
 from staged_bar import entered
 
@@ -147,6 +148,29 @@ def test_a_run_goes_on_after_a_body_has_come_with_the_same_bits(tmp_path):
     pgimp.run(bars(output={"every": 0.25}), output=tmp_path / "there", **options)
     with pytest.raises(UsageError, match=r"add: awaited .*comes.*, was "):
         pgimp.run(case, output=tmp_path / "there", resume=True, **options)
+
+
+def test_a_body_from_a_file_comes_also_in_a_run_that_goes_on(tmp_path):
+    """Killed before it comes, and after; the file is read again as it comes."""
+    stl(tmp_path / "ball.stl", ball(2, 1.0, (2.0, 2.0, 3.0)))
+    bodies = {
+        "rests": box([0.0] * 3, [4.0, 4.0, 1.0]),
+        "comes": {"material": "soft", "region": {"mesh": {"file": str(tmp_path / "ball.stl")}},
+                  "velocity": [0.0, 0.0, -1.0]},
+    }  # fmt: skip
+    often = {"every": {"steps": 1}, "keep": 10}
+    case = scene(3, bodies, cells=[4, 4, 6], end=0.02, step=0.01, checkpoint=often)
+    case["time"]["stages"] = [
+        {"name": "wait", "end": 0.04}, {"name": "fill", "end": 0.06, "add": ["comes"]},
+    ]  # fmt: skip
+    options = {"comm": Serial(), "quiet": True}
+    whole = pgimp.run(case, output=tmp_path / "whole", **options)
+    assert whole.history["added.mass"][-1] == pytest.approx(4.0 / 3.0 * np.pi, rel=0.1)
+    pgimp.run(case, output=tmp_path / "parts", **options)
+    go_back(tmp_path / "parts", 0.3)
+    parts = pgimp.run(case, output=tmp_path / "parts", resume=True, **options)
+    assert digests(parts.path) == digests(whole.path)
+    assert 0 < parts.info["resumed_from"] < 4
 
 
 def test_check_tells_what_comes(capsys):

@@ -192,6 +192,18 @@ def test_what_cannot_enter_is_told(change, words):
     assert words in str(error.value)
 
 
+def test_the_ground_has_the_stress_of_its_weight_and_what_enters_none():
+    case = scene(
+        2, {"ground": box([0.0, 0.0], [4.0, 2.0]), "rain": box([1.0, 5.0], [3.0, 6.0])},
+        cells=[4, 6], gravity=[0.0, -1.0], start={"stress": {"k0": 0.5}}, end=0.01,
+        boundaries={"x-min": "slip", "x-max": "slip", "y-min": "slip"},
+        inflow={"rain": {"velocity": [0.0, -1.0]}},
+    )  # fmt: skip
+    sim = finish(start(case))
+    sigma = field(sim, "sigma")
+    assert abs(sigma[32:]).max() < 0.01 and sigma[:32, 1].min() < -1.5
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_random_streams_are_lattices(seed):
     """Whatever the speed, the steps, the region and its end: no gap, and the mass that is due."""
