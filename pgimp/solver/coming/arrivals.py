@@ -180,7 +180,7 @@ class Arrivals:
         take_as_empty(scene.case, comm)
 
     def _prepare(self, particles: Particles, own: int, time: float) -> None:
-        """Set the stress, and look at rigid bodies and constraints."""
+        """Set the stress, and look at the constraints that wait for the bodies."""
         scene, comm = self.scene, self.comm
         stress = scene.case.staged.stress
         try:
