@@ -8,6 +8,7 @@ makes the particles of its own layers.
 
 from __future__ import annotations
 
+from math import floor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,8 +28,9 @@ from pgimp.solver.time.clock import Step
 if TYPE_CHECKING:
     from pgimp.solver.rank_state import RankState
 
-#: Part of a layer's distance by which the next one may be early, for rounding.
-_EARLY = 1e-9
+#: Part of a layer's distance by which the next one may be early, for rounding; and by which
+#: rounding may move particles from where their layer should be.
+_EARLY, _DRIFT = 1e-9, 1e-6
 
 _NONE = np.empty(0, np.int32)
 
@@ -53,6 +55,8 @@ class Source:
         Number of its constraint, from 0.
     moved, entered : float, int
         How far the particles in its region have moved, along the axis; layers so far.
+    freed : bool
+        Whether it has ended and let go of all, in this process.
     """
 
     def __init__(self, scene: Scene, name: str, particles: Particles) -> None:
@@ -68,6 +72,12 @@ class Source:
         along = self.sign * particles.x[mine, self.axis]
         self.layer = _chosen(particles, mine[along < along.min() + 0.5 * self.spacing])
         self.moved, self.entered = 0.0, 0
+        self.freed = False
+
+    def passes(self, way: float) -> bool:
+        """Whether a layer passes the end of the region, or is about to, as all move on."""
+        layers = [self.sign * at / self.spacing + 0.5 for at in (self.moved, self.moved + way)]
+        return any(floor(layers[0] + e) != floor(layers[1] + e) for e in (-_DRIFT, _DRIFT))
 
     def ended(self, time: float) -> bool:
         """Whether nothing enters any more."""
@@ -145,9 +155,10 @@ class Inflow:
         arrived = [_NONE]
         for one in self.sources:
             velocity = prescribed[one.number].velocity
-            one.moved += velocity[one.axis] * done.dt
-            ended = one.ended(done.end)
-            self._release(rank, one, ended)
+            way, ended = velocity[one.axis] * done.dt, one.ended(done.end)
+            if one.passes(way) or ended:
+                self._release(rank, one, ended)
+            one.moved += way
             while not ended and one.due():
                 new = one.next(velocity, count)
                 count += new.capacity
@@ -162,7 +173,9 @@ class Inflow:
 
     def _release(self, rank: RankState, one: Source, ended: bool) -> None:
         """Hold the particles no more that have left the region, or all."""
-        p = rank.population.stored
+        if one.freed:
+            return
+        one.freed, p = ended, rank.population.stored
         held = np.flatnonzero(p.constraint[:, 0] == one.number + 1)
         beyond = one.sign * (p.x[held, one.axis] - one.exit) > 0.0
         p.constraint[held if ended else held[beyond], 0] = 0
