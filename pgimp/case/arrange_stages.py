@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
+from pgimp.case.coming.arrivals import check_added, check_probes_there
 from pgimp.case.stages import Stage, Staged, merged
 from pgimp.case.strength import strength_problems, weakened
 from pgimp.schema.messages import explain
@@ -29,8 +30,13 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     data = case.model_dump(by_alias=True)
     at, start = case.output.at, 0.0
     data["time"] = {key: value for key, value in data["time"].items() if key != "stages"}
+    if problems := [*check_added(case), *check_probes_there(case)]:
+        return (), problems
     first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
-    first.__dict__["staged_as"] = Staged(escapes=bool(_leaving(first)))
+    awaited = {name: i for i, stage in enumerate(case.time.stages, 1) for name in stage.add}
+    first.__dict__["staged_as"] = Staged(
+        escapes=bool(_leaving(first)), awaited=awaited, stress=case.start.stress
+    )
     found, names, strength = [first], {""}, None
     data.pop("start")  # of the first stage alone
     for number, stage in enumerate(case.time.stages):
@@ -69,6 +75,9 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             rebonds,
             before.staged.damped or before.damping is not None or before.rests,
             before.staged.settled or before.rests,
+            before.staged.added + stage.add,
+            {name: i for name, i in before.staged.awaited.items() if i > number + 1},
+            before.staged.stress,
         )
         found.append(now)
     return tuple(found), []
@@ -147,9 +156,9 @@ def steps_in(case: Case) -> int | None:
 def changes_of(stage: Stage) -> Iterator[str]:
     """Yield the changes of a stage, by the shortest key paths."""
     for section, value in stage.changes.items():
-        if section == "remove":
+        if section in ("remove", "add"):
             if value:
-                yield f"remove {', '.join(value)}"
+                yield f"{section} {', '.join(value)}"
         elif isinstance(value, Mapping):
             for name, entry in value.items():
                 keys = entry if section == "materials" and isinstance(entry, Mapping) else [""]

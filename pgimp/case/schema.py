@@ -23,6 +23,7 @@ from pydantic import (
 from pgimp.case.arrange_stages import arrange
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
+from pgimp.case.coming.inflow import with_constraints
 from pgimp.case.courant import largest_courant
 from pgimp.case.damping import Damping
 from pgimp.case.grid import Grid
@@ -33,6 +34,7 @@ from pgimp.case.steps import AUTO, CourantStep
 from pgimp.case.time import Time
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.constraints import ConstraintEntry
+from pgimp.physics.loads.inflow import InflowEntry
 from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.base import Count, Label, Model, Name
@@ -174,6 +176,12 @@ class Case(Model):
         description="prescribed motion of parts of bodies, by a name of their own",
         json_schema_extra={"additionalProperties": False},
     )
+    inflow: dict[Name, InflowEntry] = Field(
+        default={},
+        max_length=60,
+        description="material that enters, by the name of its body, whose region it fills",
+        json_schema_extra={"additionalProperties": False},
+    )
     contact: tuple[ContactEntry, ...] = Field(
         default=(),
         max_length=60,
@@ -277,6 +285,7 @@ def _with_defaults(data: dict[str, Any]) -> dict[str, Any]:
     if isinstance(dimensions, bool) or dimensions not in (1, 2, 3):
         return data
     zeros = (0.0,) * int(dimensions)
+    data = with_constraints(data)
     data = dict(data)
     if isinstance(data.get("grid"), dict):
         data["grid"] = {"origin": zeros, **data["grid"]}

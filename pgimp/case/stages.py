@@ -68,6 +68,11 @@ class Stage(Model):
         description="bodies that are taken out as it begins, also rigid ones; what they had of "
         "mass, momentum and energy goes into the columns `removed` of the history",
     )
+    add: tuple[Name, ...] = Field(
+        default=(),
+        description="bodies of the case that come as it begins, and are not there before; what "
+        "they bring of mass, momentum and energy goes into the columns `added` of the history",
+    )
     method: _Entries = _keyed("`relaxation`, as in the case")
     materials: _Entries = _keyed(
         "by name, parameters that change, {soil: {cohesion: 2.0e3}}; not `model`, `density`, and "
@@ -140,6 +145,12 @@ class Staged(NamedTuple):
         Whether a stage has given other entries of contact, which may bond bodies anew.
     settled : bool
         Whether a previous stage after the first has come to rest.
+    added : tuple of str
+        Bodies that have come in this stage or a previous one.
+    awaited : dict of str to int
+        Bodies that come in later stages, with their numbers.
+    stress : InitialStress or None
+        The stress with which bodies begin.
     """
 
     number: int = 0
@@ -152,6 +163,9 @@ class Staged(NamedTuple):
     rebonds: bool = False
     damped: bool = False
     settled: bool = False
+    added: tuple[str, ...] = ()
+    awaited: Mapping[str, int] = {}
+    stress: Any = None
 
     @property
     def title(self) -> str:

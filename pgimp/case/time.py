@@ -25,7 +25,7 @@ class Time(Model):
         max_length=100,
         description="stages that follow, each as a run that goes on where the one before has "
         "ended, with changes: of materials' parameters, boundaries, constraints, loads, and "
-        "without bodies that are removed",
+        "without bodies that are removed, and with bodies that come",
     )
 
     @property

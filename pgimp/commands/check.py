@@ -24,7 +24,13 @@ from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.solver.start.memory import size_text
 from pgimp.solver.start.require_memory import MemoryShortError
 from pgimp.solver.time.stability import stability_warning, stable_courant
-from pgimp.utilities.check.bodies import MOST_BODIES, report_body, report_materials, report_rigid
+from pgimp.utilities.check.bodies import (
+    MOST_BODIES,
+    report_body,
+    report_inflow,
+    report_materials,
+    report_rigid,
+)
 from pgimp.utilities.check.cost import measure, report_cost, report_memory
 from pgimp.utilities.check.prepare import prepare
 from pgimp.utilities.check.savings import ordered_advice
@@ -88,6 +94,7 @@ def report(case: Case, verbose: bool = False) -> None:
         print(f"{'':<16} and {len(bodies) - len(shown)} more bodies (-v has them)")
     report_materials(case)
     report_rigid(scene, verbose)
+    report_inflow(case, known.entering, duration)
     chosen = ", chosen by pgimp" if case.watched else ""
     longest = f"; Courant 1 is {1.0 / rate:.4g}" if verbose else ""
     which = "each" if case.courant is None else "the first"

@@ -207,6 +207,12 @@ def _differences(
         gone = [each.stages[number].staged.removed for each in (before, case)]
         if gone[0] != gone[1]:
             found.append(f"remove: without {_short(gone[1])}, was without {_short(gone[0])}")
+        for key in ("added", "awaited"):
+            came = [tuple(getattr(each.stages[number].staged, key)) for each in (before, case)]
+            if key == "awaited":  # when they come is still open
+                came = [tuple(sorted(names)) for names in came]
+            if came[0] != came[1]:
+                found.append(f"add: {key} {_short(came[1])}, was {_short(came[0])}")
         if number < stage and ends[0] != ends[1]:
             found.append(f"time.end is {ends[1]!r}, was {ends[0]!r}")
         if number:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from math import inf
 from typing import Any
 
@@ -30,17 +30,21 @@ from pgimp.schema.messages import dotted
 _FAR_TOO_LARGE, _MILLI = 50.0, 0.001
 
 
-def _meshes(case: Case) -> Iterator[tuple[str, Mesh]]:
-    """Meshes of a case, with the key of their region."""
+def _meshes(case: Case, only: Collection[str] | None = None) -> Iterator[tuple[str, Mesh]]:
+    """Meshes of a case, with the key of their region; of all bodies, or of some."""
     for section in ("bodies", "constraints"):
         for name, entry in getattr(case, section).items():
+            if only is not None and getattr(entry, "body", name) not in only:
+                continue
             for region in entry.region.simple():
                 if isinstance(region, Mesh):
                     yield f"{section}.{name}.region", region
 
 
-def share(case: Case, comm: Communicator) -> None:
+def share(case: Case, comm: Communicator, only: Collection[str] | None = None) -> None:
     """Read the files of a case on rank 0, and share them with all ranks; collective.
+
+    `only` takes the meshes of some bodies, and of what is theirs; the rest has been read before.
 
     Raises
     ------
@@ -48,13 +52,15 @@ def share(case: Case, comm: Communicator) -> None:
         The same on every rank: an unusable file, or a body beyond the domain.
     """
     with located(case):
-        _share(case, comm)
+        _share(case, comm, only)
 
 
-def _share(case: Case, comm: Communicator) -> None:
-    release(case)
+def _share(case: Case, comm: Communicator, only: Collection[str] | None) -> None:
+    if only is None:
+        release(case)
     known: dict[Mesh, object] = {}
-    for key, mesh in _meshes(case):
+    for key, mesh in _meshes(case, only):
+        mesh.__dict__.pop("surface", None)
 
         def read(key: str = key, mesh: Mesh = mesh) -> object:
             try:
@@ -68,6 +74,8 @@ def _share(case: Case, comm: Communicator) -> None:
     if known:
         with one_rank_first(comm):
             _warm_up()
+    if only is not None:
+        return
     _read_points(case, comm)
     _read_tables(case, comm)
     if problems := on_root(comm, lambda: _beyond(case) or _away(case)):

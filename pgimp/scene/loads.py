@@ -1,6 +1,6 @@
 """Loads of a case besides stress and gravity, and the particles that carry them."""
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from typing import Any
 
 import numpy as np
@@ -194,8 +194,8 @@ class SceneLoads:
                 number[entry.region.contains(x)] = i + 1
         return number
 
-    def require_held(self, counts: np.ndarray) -> None:
-        """Refuse constraints that hold no particle.
+    def require_held(self, counts: np.ndarray, bodies: Container[str] | None = None) -> None:
+        """Refuse constraints that hold no particle, of all bodies that are there or of some.
 
         Parameters
         ----------
@@ -207,8 +207,9 @@ class SceneLoads:
         CaseError
             If there is one.
         """
-        for i, name in enumerate(self.case.constraints):
-            if counts[i + 1] == 0:
+        for i, (name, entry) in enumerate(self.case.constraints.items()):
+            awaited = entry.body in self.case.staged.awaited
+            if counts[i + 1] == 0 and not awaited and (bodies is None or entry.body in bodies):
                 with located(self.case):
                     raise CaseError(
                         f"constraints.{name}.region: holds no particle of body "
@@ -216,8 +217,12 @@ class SceneLoads:
                         f"{', '.join(f'{2 * h:.6g}' for h in self.half)} apart"
                     )
 
-    def require_all_hold(self, p: Particles, n: int, comm: Communicator) -> None:
+    def require_all_hold(
+        self, p: Particles, n: int, comm: Communicator, bodies: Container[str] | None = None
+    ) -> None:
         """Refuse constraints that hold none of the first `n` particles of any rank; collective.
+
+        `bodies` are those of the particles, by default all that are there.
 
         Raises
         ------
@@ -226,7 +231,7 @@ class SceneLoads:
         """
         if self.constraints:
             held = np.bincount(p.constraint[:n, 0], minlength=len(self.constraints) + 1)
-            self.require_held(np.sum(comm.allgather(held), axis=0))
+            self.require_held(np.sum(comm.allgather(held), axis=0), bodies)
 
     def _lattice(self, d: int) -> tuple[np.ndarray, np.ndarray]:
         """Edges and centres of the lattice's columns along direction `d`, as `Lattice` has them."""
@@ -235,8 +240,12 @@ class SceneLoads:
         low, cell = grid.origin[d], grid.cell[d]
         return low + points / n * cell, low + (points[:-1] + 0.5) / n * cell
 
-    def scale_patches(self, population: Population, comm: Communicator) -> None:
+    def scale_patches(
+        self, population: Population, comm: Communicator, bodies: Container[str] | None = None
+    ) -> None:
         """Scale the patches of each traction to the whole area of its face; collective.
+
+        By default of all bodies.
 
         Small parts merged into other particles leave some area without a carrier.
         """
@@ -249,7 +258,7 @@ class SceneLoads:
         np.add.at(sums, layer, p.patch[rows])  # one after the other, in canonical order
         total = np.add.reduce(np.concatenate(comm.allgather(sums)), axis=0)
         for i, (entry, area) in enumerate(zip(self.tractions, total, strict=True)):
-            if area > 0.0:
+            if area > 0.0 and (bodies is None or entry.body in bodies):
                 region = self.case.bodies[entry.body].region
                 ring = self.case.axisymmetric
                 exact = entry.area_of_ring(region) if ring else entry.area(region)

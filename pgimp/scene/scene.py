@@ -1,5 +1,6 @@
 """The scene: a case in the form that the solver uses, the same on every rank."""
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -133,17 +134,28 @@ class Scene:
         return particles.x[rows]
 
 
-def count_particles(scene: Scene, comm: Communicator) -> tuple[Lattice, np.ndarray, list[str]]:
+def count_particles(
+    scene: Scene, comm: Communicator, only: Collection[str] | None = None
+) -> tuple[Lattice, np.ndarray, list[str]]:
     """Count the particles: lattice, counts by body and plane, and notes; collective.
+
+    Those of bodies that come in later stages count, too; see `present`. `only` leaves all bodies
+    out but some.
 
     Raises
     ------
     CaseError
         See `pgimp.scene.bodies.counts.count_all`.
     """
-    lattice = Lattice(scene.case)
+    lattice = Lattice(scene.case, only)
     with located(scene.case):
         taken = count_all(lattice, comm)
         if int(taken.counts.sum()) >= 2**53:
             raise CaseError("grid.cell: more particles than can be numbered; use larger cells")
     return lattice, taken.counts, taken.notes
+
+
+def present(scene: Scene, counts: np.ndarray) -> np.ndarray:
+    """Counts by body and plane without the bodies that come in later stages."""
+    awaited = [name in scene.case.staged.awaited for name in scene.body_names]
+    return np.where(np.array(awaited)[:, None], 0, counts)

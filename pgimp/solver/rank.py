@@ -21,6 +21,7 @@ from pgimp.kernels.lagrangian.displace import displace_particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
+from pgimp.solver.coming.inflow import inflow_of
 from pgimp.solver.contact.clearances import Clearances
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
@@ -68,10 +69,8 @@ class Rank:
         Sums booked by plane.
     contact : NoContact
         The contact of bodies, or one of its kinds.
-    flows : Flows or None
-        The filling of the vertices, in scenes with bodies that flow.
-    damping, absorbing : VertexDamping, AbsorbingFaces, or None
-        Damping and absorbing faces, in scenes with them.
+    flows, damping, absorbing, inflow : Flows, VertexDamping, AbsorbingFaces, Inflow, or None
+        Filling of the vertices, damping, absorbing faces, and inflow, in scenes with them.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
@@ -116,7 +115,7 @@ class Rank:
         self.clearances = Clearances(scene)
         self.flows = Flows(scene, comm) if scene.interaction.flows else None
         self.damping = damping_of(scene)
-        self.absorbing = absorbing_of(scene)
+        self.absorbing, self.inflow = absorbing_of(scene), inflow_of(scene)
         self._lattice: LatticeCells | None = None
         self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
@@ -275,6 +274,7 @@ class Rank:
         self.flows = Flows(scene, self.comm) if scene.interaction.flows else None
         self.damping = damping_of(scene)
         self.absorbing = absorbing_of(scene, kept)
+        self.inflow = inflow_of(scene, self.inflow)
         self._allocate(self.slab)
         self.grid.store(window)
 

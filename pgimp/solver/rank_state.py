@@ -39,6 +39,7 @@ class RankState(Protocol):
     flows: Any
     damping: Any
     absorbing: Any
+    inflow: Any
     keeping: Keeping
 
     @property

@@ -31,14 +31,15 @@ from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene, count_particles, present
+from pgimp.solver.coming.inflow import to_enter
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import create_particles, partition, ring_counts
 from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.rest.settle import at_time_zero, begin_settling
-from pgimp.solver.start.creation import Creation
+from pgimp.solver.start.creation import LIGHT, Creation
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
@@ -52,9 +53,6 @@ from pgimp.solver.window import open_window
 
 if TYPE_CHECKING:
     from pgimp.io.checkpoints.checkpointfile import CheckpointFile
-
-#: A vertex lighter than this part of the lightest initial particle is not accelerated.
-LIGHT = 1e-12
 
 
 def begin(
@@ -85,8 +83,10 @@ def begin(
     scene.interaction.rigid_bodies.measure(comm)
     lattice, counts, notes = count_particles(scene, comm)
     start.notes += notes
+    entering = to_enter(scene.case, counts, scenes[-1].case.time.end)
+    require(scene, comm, int(counts.sum()) + sum(entering.values()))
+    counts = present(scene, counts)
     start.count = int(counts.sum())
-    require(scene, comm, start.count)
     layer = np.empty(len(lattice.coordinates[0]), np.int64)
     layers_of(
         scene.settings.shape,
@@ -121,7 +121,7 @@ def begin(
         )
     _compile(start, scenes[1:], 0)
     if scene.case.start.stress is not None:
-        set_geostatic_stress(scene, particles, count, comm)
+        set_geostatic_stress(scene, particles, count, comm, scene.case.start.stress)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)

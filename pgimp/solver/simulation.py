@@ -63,7 +63,7 @@ class Simulation(SimulationProgress):
         The last step that succeeded on all ranks. The step after it, if done by this rank with its
         reduction incomplete.
     count : int
-        Initial particles of all ranks, one more than the greatest id; see `present`.
+        Particles that all ranks have had so far, one more than the greatest id; see `present`.
     notes, warnings : list of str
         Messages to the user, equal on every rank.
     request : Request
@@ -184,6 +184,8 @@ class Simulation(SimulationProgress):
         self.doing, number = doing, doing.number
         if self.case.rests:
             self.diagnostic_sums.settling_time += doing.dt
+        if rank.inflow:
+            self.count = rank.inflow.feed(rank, doing, self.count)
         if self.comm.size > 1:
             balance.note(rank.worked, rank.count, number)
         move = reduction.rebalance_requested

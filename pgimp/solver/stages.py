@@ -21,6 +21,7 @@ from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.rigid.free_body import State
 from pgimp.scene.scene import Scene
+from pgimp.solver.coming.arrivals import arrivals_of, coming
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
 from pgimp.solver.history.diagnostics import sums_of_bodies
@@ -61,6 +62,7 @@ def enter(now: Start, case: Case) -> Start:
     warm_up(new, comm)
 
     gone = set(case.staged.removed) - set(old.case.staged.removed)
+    arrivals = arrivals_of(new, old, rank)
     if gone:
         taken = _remove(rank, [old.body_names.index(name) for name in gone])
         records.removed = records.removed_so_far(old) + taken
@@ -76,7 +78,7 @@ def enter(now: Start, case: Case) -> Start:
         records.last = (time, impulse, force)
 
     counts = np.concatenate(comm.allgather(np.diff(rank.population.start)))
-    _, balance, _ = partition(new, comm, counts)
+    _, balance, _ = partition(new, comm, counts + arrivals.layers if arrivals else counts)
     if balance.cuts != now.balance.cuts:
         rank.population.particles = particles
         rank.move(now.balance.cuts, balance.cuts)
@@ -88,6 +90,9 @@ def enter(now: Start, case: Case) -> Start:
     if rank.free:
         rank.free.states = [free[name] for name, _ in _free(rank)]
     enter_motion(rank, before)
+    if arrivals:
+        arrivals.enter(now)
+        particles = rank.particles
 
     now.stage, now.scene, now.balance = now.stage + 1, new, balance
     if new.settings.settles:
@@ -164,7 +169,7 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
     counts = np.bincount(found, minlength=len(new.case.constraints) + 1)
     counts = np.sum(rank.comm.allgather(counts), axis=0)
     for i, name, body in new_ones:
-        if not counts[i]:
+        if not counts[i] and body not in {*new.case.staged.awaited, *coming(before, new.case)}:
             raise RunError(
                 f"{new.case.staged.title}: constraints.{name}.region holds no particle of body "
                 f"'{body}' as the stage begins\n"

@@ -12,6 +12,7 @@ from flowing import (
     excavation,
     footing,
     gate,
+    jet,
     safety,
     sand_column,
     slope,
@@ -29,7 +30,7 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     compaction, block3d, block3d_initial, block3d_paraview, disks, rolling, rolling_ball, incline,
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
     taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, plane_waves, sod,
-    channel, sand_column, slope, graded, excavation, safety, footing, dam_break, gate, blast,
+     channel, sand_column, slope, graded, excavation, safety, footing, dam_break, jet, gate, blast,
     error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")

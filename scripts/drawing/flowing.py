@@ -1,4 +1,4 @@
-"""Cases of soils, fluids, gases: Sod's tube, channel, sand, banks, footing, dam break, gate."""
+"""Cases of soils, fluids, gases: Sod's tube, channel, sand, banks, footing, dam break, jet."""
 
 import numpy as np
 from common import BLUE, GREY, ORANGE, RED, frame_at, instants, particles, plt, run, save, speed
@@ -182,6 +182,29 @@ def dam_break(redraw):
     axis.set(xlabel="time [s]", ylabel="force [N/m]")
     axis.legend(loc=(0.22, 0.26))
     save(figure, "dam-break")
+
+
+def jet(redraw):
+    """Four instants coloured by speed, and the force on the plate against the jet's momentum."""
+    results = run("jet", redraw)
+    figure = plt.figure(figsize=(9, 6.4))
+    grid = figure.add_gridspec(2, 4, height_ratios=(1.0, 0.9))
+    axes = [figure.add_subplot(grid[0, k], aspect="equal") for k in range(4)]
+    instants(
+        axes, results, (0.1, 0.2, 0.3, 1.0), speed, (0.0, 2.5), {"label": "speed [m/s]"},
+        "t = {:.1f} s", "left", xlim=(0.0, 0.4), ylim=(0.0, 0.4),
+    )  # fmt: skip
+    axis = figure.add_subplot(grid[1, :])
+    history = results.history
+    time, force = history["time"], history["reaction.y-min-y"]
+    axis.plot(time, force, color=GREY, lw=0.8, label="plate")
+    late = time > 0.3
+    mean = np.cumsum(force[late]) / np.arange(1, late.sum() + 1)
+    axis.plot(time[late], mean, color=BLUE, label="its mean since t = 0.3 s")
+    axis.axhline(200.0, color="k", ls="--", lw=1.0)
+    axis.set(xlabel="time [s]", ylabel="force [N/m]", ylim=(0.0, 400.0))
+    axis.legend(loc="lower right")
+    save(figure, "jet")
 
 
 def gate(redraw):

@@ -168,6 +168,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "escape: {}\n"
         "tractions: {}\n"
         "constraints: {}\n"
+        "inflow: {}\n"
         "contact: []\n"
         "exact: null\n"
         "output:\n"

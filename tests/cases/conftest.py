@@ -9,7 +9,7 @@ from pgimp.cli import main
 #: Run on one rank only, which takes less time: what they have others have on two.
 ALONE = {
     "hertz", "hertz-line", "rolling-ball", "corner", "drum", "sod", "slope", "channel", "graded",
-    "excavation", "safety", "footing", "thick-tube",
+    "excavation", "safety", "footing", "thick-tube", "jet",
 }  # fmt: skip
 
 

@@ -110,6 +110,18 @@ def test_water_runs_to_the_far_wall(runs):
     assert history["mass"] == pytest.approx(np.full(len(history), history["mass"][0]), rel=1e-12)
 
 
+def test_a_plate_bears_the_momentum_of_a_jet(runs):
+    """Rho A v^2 to 2 % on cells twice as large, two to the half jet; nothing is lost."""
+    history = runs("jet").history
+    late = history["time"] > 0.3
+    assert history["reaction.y-min-y"][late].mean() == pytest.approx(200.0, rel=0.02)
+    entered, gone = history["inflow.mass"], history["escaped.mass"]
+    assert entered[-1] == pytest.approx(100.0, abs=0.625 + 1e-9)  # to one layer
+    assert history["mass"] - entered + gone == pytest.approx(np.full(len(late), 2.5), rel=1e-10)
+    # The films run as fast as the jet: what is lost is small beside what it brings, 200 J/s.
+    assert 0.0 < history["dissipated-energy"][-1] < 0.15 * history["inflow.kinetic-energy"][-1]
+
+
 def test_graded_ground_settles(runs):
     """Gibson's soil: the settlement of the surface, on cells twice as large."""
     frame = runs("graded").frame(-1)

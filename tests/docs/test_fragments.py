@@ -42,6 +42,11 @@ def file_of(name):
     return YAML_SAFE.load(ROOT / "cases" / f"{name}.yaml")
 
 
+def ground():
+    """A case of soil and a fill, with room for both."""
+    return scene(2, ("soil", "fill")) | {"grid": {"size": [8.0, 6.0], "cell": [0.5, 0.5]}}
+
+
 #: Beginnings of blocks, a case that each belongs to, and the keys below which it stands there.
 FRAGMENTS = (
     ("time:\n  end: 0.6  ", lambda: file_of("excavation"), ()),
@@ -62,6 +67,8 @@ FRAGMENTS = (
     ("output:\n  fields: [unwrapped", lambda: file_of("plane-waves"), ()),
     ("gravity: [{sine", lambda: scene(2), ()),
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
+    ("bodies:                               # of a dam", ground, ()),
+    ("inflow:\n  jet:", lambda: scene(2, ("water",)), ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.
 OTHERS = ("format: 1\n", "# safety.yaml\n", "# yaml-language-server: $schema=pgimp-schema.json\n")

@@ -36,6 +36,7 @@ GO_ON = {
         "loaded",
         "narrow",
         "layer",
+        "pours",
     ),
     (5, 4): (
         "line_mpm",
@@ -56,6 +57,8 @@ GO_ON = {
         "varied",
         "round_and_round",
         "endless",
+        "lifts",
+        "streams",
     ),
 }
 #: Scenes that run on three ranks too: those that go on from there, and those that tests look at.

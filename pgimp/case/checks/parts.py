@@ -46,6 +46,7 @@ from pgimp.case.checks.regions import check_regions
 from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
 from pgimp.case.checks.settling import check_settling
 from pgimp.case.checks.variations import check_variations
+from pgimp.case.coming.inflow import check_inflow
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.materials.base import Material
 from pgimp.physics.rigid import RigidBody
@@ -54,7 +55,9 @@ from pgimp.schema.base import Model
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
-_NAMED = ("materials", "bodies", "boundaries", "escape", "tractions", "constraints", "probes")
+_NAMED = (
+    "materials", "bodies", "boundaries", "escape", "tractions", "constraints", "inflow", "probes",
+)  # fmt: skip
 """Parts of a case that are made of named entries."""
 
 
@@ -162,6 +165,7 @@ _CHECKS = (
     check_fields,
     check_tractions,
     check_constraints,
+    check_inflow,
     check_contact,
     check_adhesion,
     check_damping,

@@ -41,14 +41,15 @@ def check_by_itself(stage: Stage, before: Case, names: set[str]) -> Problems:
             ("end",),
             f"{stage.end:.15g} is not after the end of the stage before, {before.time.end:.15g}",
         )
-    there = [name for name in before.every_body if name not in before.staged.removed]
+    absent = {*before.staged.removed, *before.staged.awaited}
+    there = [name for name in before.every_body if name not in absent]
     for i, name in enumerate(stage.remove):
         if name not in there:
             yield Problem(("remove", i), unknown("body", name, there))
         elif name in stage.remove[:i]:
             yield Problem(("remove", i), f"{name} is in the list already")
     left = [name for name in before.bodies if name in there and name not in stage.remove]
-    if not left:
+    if not left and not stage.add:
         yield Problem(("remove",), "nothing is left; a case needs a body of a material")
     for key in stage.method:
         if key != "relaxation":

@@ -169,7 +169,7 @@ class Run:
         return Tables({path.stem: history.read(path).view(Table) for path in files})
 
     def follow(self, number: int) -> Fields:
-        """Follow a particle through the frames, to the last one before it left the domain.
+        """Follow a particle through the frames, from when it came to before it left the domain.
 
         Parameters
         ----------
@@ -180,7 +180,7 @@ class Run:
         -------
         Fields
             Arrays of shape (frames,) or (frames, k) by name: ``time``, ``step`` and each field
-            common to all frames. Only frames with the particle count, if it was removed.
+            common to all frames. Only frames with the particle count, if it came or was removed.
 
         Raises
         ------
@@ -198,9 +198,11 @@ class Run:
             if row == len(ids) or ids[row] != number:
                 if values["time"]:
                     break
-                raise KeyError(f"{self.path} has no particle {number} in frame {frame.number}")
+                continue  # it may come later
             values["time"].append(frame.time)
             values["step"].append(frame.step)
             for name in names:
                 values[name].append(frame.rows(name, row, row + 1)[0])
+        if not values["time"]:
+            raise KeyError(f"{self.path} has no particle {number} in any frame")
         return Fields({name: np.array(column) for name, column in values.items()})

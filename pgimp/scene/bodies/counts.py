@@ -45,7 +45,7 @@ def count_all(lattice: Lattice, comm: Communicator) -> Counts:
     overlaps.sort(key=lambda overlap: overlap[0])  # each pair's first point along x stays first
     problems = [message for _, message in overlaps[:1]]
     for body, name in enumerate(lattice.names):
-        if counts[body].sum() == 0:
+        if counts[body].sum() == 0 and lattice.counted[body]:
             problems.append(
                 f"bodies.{name}.region: holds no particle: no point of the lattice of "
                 f"{' x '.join(str(n) for n in lattice.per_cell)} particles a cell lies inside; "
@@ -61,5 +61,6 @@ def count_all(lattice: Lattice, comm: Communicator) -> Counts:
         for a, b in pairs
         if alone[tuple(sorted((number(a), number(b))))]
     ]
-    notes += [note for body in lattice.bodies for note in body.region.notes()]
+    counted = zip(lattice.bodies, lattice.counted, strict=True)
+    notes += [note for body, counts_ in counted if counts_ for note in body.region.notes()]
     return Counts(counts, notes)

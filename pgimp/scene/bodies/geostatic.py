@@ -31,40 +31,49 @@ _STEPS, _CHANGE, _MISSING = 60, -1e-6, 1e-9
 
 
 def set_geostatic_stress(
-    scene: Scene, particles: Particles, count: int, comm: Communicator
+    scene: Scene,
+    particles: Particles,
+    count: int,
+    comm: Communicator,
+    entry: InitialStress,
+    time: float = 0.0,
 ) -> None:
     """Set stress, deformation and states of the first `count` particles; collective.
+
+    They carry each other, with the gravity at `time`.
 
     Raises
     ------
     CaseError
         On every rank, if a material has no such stress.
     """
-    entry = scene.case.start.stress
-    assert entry is not None
-    weight = weight_above(scene, particles, count, comm)
+    weight, axis = weight_above(scene, particles, count, comm, time), vertical(scene, time)[0]
 
     def set_all() -> None:
         for body, name in enumerate(scene.body_names):
+            if name in scene.case.inflow:  # what enters later has no weight above it, either
+                continue
             rows = np.flatnonzero(particles.body[:count] == body)
-            _set_body(scene, particles, rows, name, weight[rows])
+            _set_body(scene, particles, rows, name, weight[rows], (entry, axis))
 
     all_or_none(comm, set_all, CaseError)
 
 
-def vertical(scene: Scene) -> tuple[int, float]:
-    """Axis of gravity at time 0, and its component along it."""
-    gravity = scene.domain.gravity(0.0)
+def vertical(scene: Scene, time: float = 0.0) -> tuple[int, float]:
+    """Axis of gravity, and its component along it."""
+    gravity = scene.domain.gravity(time)
     axis = int(np.argmax(np.abs(gravity)))
     return axis, gravity[axis]
 
 
-def weight_above(scene: Scene, particles: Particles, count: int, comm: Communicator) -> np.ndarray:
+def weight_above(
+    scene: Scene, particles: Particles, count: int, comm: Communicator, time: float = 0.0
+) -> np.ndarray:
     """Weight of the column above each particle, over its area, (count,); collective.
 
     Sums have the columns' order, so that their bits do not depend on the ranks.
     """
-    axis, pull = vertical(scene)
+    axis, pull = vertical(scene, time)
     frame, method = scene.domain.frame, scene.case.method
     per_cell = np.array(method.particles_per_cell)
     x, m = particles.x[:count], particles.m[:count]
@@ -114,18 +123,24 @@ def k0_of(entry: InitialStress, scene: Scene, name: str) -> float:
     return entry.ratio(name, scene.case.materials[scene.case.bodies[name].material])
 
 
-def _set_body(scene: Scene, p: Particles, rows: np.ndarray, name: str, weight: np.ndarray) -> None:
-    """Set the stress of a body's particles, under the weight above them."""
-    entry, law = scene.case.start.stress, scene.case.materials[scene.case.bodies[name].material]
-    assert entry is not None
-    axis = vertical(scene)[0]
+def _set_body(
+    scene: Scene,
+    p: Particles,
+    rows: np.ndarray,
+    name: str,
+    weight: np.ndarray,
+    way: tuple[InitialStress, int],
+) -> None:
+    """Set the stress of a body's particles, under the weight above them, along an axis."""
+    entry, axis = way
+    law = scene.case.materials[scene.case.bodies[name].material]
     k0 = 1.0 if law.VOLUME_ONLY and not law.CARRIES_STRESS else k0_of(entry, scene, name)
     wanted = np.zeros((len(rows), p.sigma.shape[1]))
     wanted[:, :3] = -k0 * weight[:, None]
     wanted[:, axis] = -weight
     p.sigma[rows] = wanted
     if not (law.CARRIES_STRESS and law.CARRIES_PRESSURE):
-        find_deformation(scene, p, rows, name, wanted)
+        find_deformation(scene, p, rows, name, wanted, axis)
     if isinstance(law, CamClay) and entry.ocr is not None:
         pressure, q = -wanted[:, :3].mean(axis=1), (1.0 - k0) * weight
         bears = pressure + (q / law.m) ** 2 / np.maximum(pressure, 1e-300)
@@ -136,14 +151,14 @@ def _set_body(scene: Scene, p: Particles, rows: np.ndarray, name: str, weight: n
 
 
 def find_deformation(
-    scene: Scene, p: Particles, rows: np.ndarray, name: str, wanted: np.ndarray
+    scene: Scene, p: Particles, rows: np.ndarray, name: str, wanted: np.ndarray, axis: int
 ) -> None:
     """Find the deformation under which the law gives a stress: its mean, or two components.
 
     Newton's method in the logarithms of the stretches, particle by particle.
     """
     D, axial = scene.dimension, scene.case.axisymmetric
-    law, axis = scene.case.materials[scene.case.bodies[name].material], vertical(scene)[0]
+    law = scene.case.materials[scene.case.bodies[name].material]
     mean = law.VOLUME_ONLY or law.CARRIES_STRESS
     # Directions of the unknowns: all, or the one along gravity and those across it.
     directions = D + axial

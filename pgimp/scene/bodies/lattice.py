@@ -6,7 +6,7 @@ and never holds more. Ids number the particles by body, then by position (x firs
 fractions of particles at a surface are computed in `pgimp.scene.bodies.lattice_body`.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from types import MappingProxyType
 from typing import NamedTuple
@@ -72,11 +72,19 @@ class Lattice:
     ----------
     case : Case
         The case.
+    only : set of str, optional
+        The bodies that matter; the others count as empty.
     """
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, only: Collection[str] | None = None) -> None:
         grid, per_cell = case.grid, case.method.particles_per_cell
         self.names = list(case.bodies)
+        #: Which bodies matter, and the stage in which each comes: others may be in its place.
+        self.counted = [only is None or name in only for name in self.names]
+        self.stages = [
+            case.staged.awaited.get(name, 0) if counts else -1
+            for name, counts in zip(self.names, self.counted, strict=True)
+        ]
         self.shared = sharing(case)
         self.per_cell = per_cell
         self.coordinates = []
@@ -121,6 +129,8 @@ class Lattice:
         """Particle counts of each body in each plane of a range, (bodies, planes) int64."""
         counts = np.zeros((len(self.bodies), planes[1] - planes[0]), np.int64)
         for number, body in enumerate(self.bodies):
+            if not self.counted[number]:
+                continue
             if isinstance(body, Cloud):
                 counts[number] = body.count(planes)
                 continue
@@ -152,7 +162,8 @@ class Lattice:
             end = -(-np.minimum(high[i], high[j]) // n) * n
             if (begin < end).all():
                 part = list(zip(begin.tolist(), end.tolist(), strict=True))
-                yield on_lattice[i], on_lattice[j], part
+                if self.stages[on_lattice[i]] == self.stages[on_lattice[j]] >= 0:
+                    yield on_lattice[i], on_lattice[j], part
 
     def find_overlaps(
         self, planes: tuple[int, int]
@@ -166,7 +177,8 @@ class Lattice:
         shared : set of pairs of names
             Bodies with particles in the same cell.
         """
-        errors, shared = list(overlaps(self.names, self.bodies, self.box, planes)), set()
+        every = overlaps(self.names, self.bodies, self.box, planes, self.stages)
+        errors, shared = list(every), set()
         step = self.per_cell[0]
         for a, b, box in self.close_pairs():
             names = (self.names[a], self.names[b])
@@ -249,7 +261,7 @@ class Lattice:
         """
         ends = np.cumsum(counts.ravel()).reshape(counts.shape)
         for number, body in enumerate(self.bodies):
-            if only is not None and number != only:
+            if (only is not None and number != only) or not counts[number].any():
                 continue
             if isinstance(body, Cloud):
                 first = int(ends[number, -1] - counts[number].sum())

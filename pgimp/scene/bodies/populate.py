@@ -37,7 +37,7 @@ def populate(
     files: list[list[ParticleBlock] | None] = []
     for body, found in enumerate(lattice.bodies):
         blocks = None
-        if isinstance(found, Cloud):
+        if isinstance(found, Cloud) and counts[body].any():
             blocks = list(lattice.make(planes, counts, body, own))
             if scene.created.affine:
                 blocks = with_gradients(found, lattice.box, blocks)
@@ -110,6 +110,7 @@ def prestressed(scene: Scene) -> list[int]:
         for number, body in enumerate(scene.case.bodies.values())
         if (
             scene.case.start.stress is not None
+            or scene.case.staged.stress is not None
             or (isinstance(body.region, Points) and body.region.summary.stress)
         )
         and scene.case.materials[body.material].states

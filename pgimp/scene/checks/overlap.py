@@ -46,6 +46,7 @@ def overlaps(
     bodies: Sequence[LatticeBody | Cloud],
     box: Sequence[float],
     planes: tuple[int, int],
+    stages: Sequence[int],
 ) -> Iterator[tuple[tuple[int, int], str]]:
     """Yield the first overlap along x of each body from a file, and of each pair with one.
 
@@ -57,6 +58,8 @@ def overlaps(
         Size of a box of the lattice by direction.
     planes : (int, int)
         Range of the lattice's planes to search; findings in a plane do not depend on it.
+    stages : sequence of int
+        The stage in which each body comes; a negative one: it does not matter.
 
     Yields
     ------
@@ -69,12 +72,15 @@ def overlaps(
         If a file is no longer readable.
     """
     for a, cloud in enumerate(bodies):
-        if isinstance(cloud, Cloud) and (found := _coincident(cloud, planes, _SAME * min(box))):
+        if stages[a] < 0 or not isinstance(cloud, Cloud):
+            continue
+        if found := _coincident(cloud, planes, _SAME * min(box)):
             yield (a, a), f"bodies.{names[a]}.region: {found}; leave all but one out of the file"
     clouds = [isinstance(each, Cloud) for each in bodies]
     from_files = [b for b, cloud in enumerate(clouds) if cloud]
     for a in range(len(bodies)):
-        others = range(a + 1, len(bodies)) if clouds[a] else (b for b in from_files if b > a)
+        every = range(a + 1, len(bodies)) if clouds[a] else (b for b in from_files if b > a)
+        others = (b for b in every if stages[a] == stages[b] >= 0)
         yield from _overlaps_of(a, others, names, bodies, box, planes)
 
 

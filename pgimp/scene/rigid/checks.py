@@ -249,8 +249,9 @@ def _within_bodies(
         deepest = np.argsort(field.values[:, 0], kind="stable")[:64]
         deepest = deepest[field.values[deepest, 0] < 0.0]
         points = field.points(deepest, D)
-        for number, body in enumerate(rigid_bodies.case.bodies.values()):
-            if body.region.WHOLE_BODY or not len(points):
+        case = rigid_bodies.case
+        for number, (own, body) in enumerate(case.bodies.items()):
+            if body.region.WHOLE_BODY or not len(points) or own in case.staged.awaited:
                 continue
             depth = body.region.signed_distance(points)
             for row in np.flatnonzero(depth < -0.1 * min(rigid_bodies.frame.cell))[:1]:

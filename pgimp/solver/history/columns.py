@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from pgimp.kernels.sums.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 from pgimp.solver.history.contact_columns import MEETING, WALLS
 from pgimp.solver.history.error_columns import ERRORS
 from pgimp.solver.history.flow_columns import FLOWS
+from pgimp.solver.history.passed_columns import ESCAPED, REMOVED_AND_CAME
 from pgimp.solver.history.totals import Column, Group, Totals
 
 if TYPE_CHECKING:
@@ -32,34 +33,6 @@ def _loss(name: str, meaning: str) -> Group:
         lambda scene: [""] if name in scene.materials.losses else [],
         (Column(name, "energy", meaning, lambda s, _: s.lost(name)),),
     )
-
-
-def _gone(
-    name: str, there: Callable[[Scene], bool], sums: Callable[[Totals], np.ndarray], mass: str
-) -> Group:
-    """Columns of removed particles, in scenes where `there` is true."""
-    return Group(
-        lambda scene: [""] if there(scene) else [],
-        (
-            Column(f"{name}.mass", "mass", mass, lambda s, _: sums(s)[MASS]),
-            Column(
-                f"{name}.momentum-AXIS", "mass length/time",
-                "their momentum when they were removed", lambda s, _: s.along(sums(s), MOMENTUM),
-            ),
-            Column(
-                f"{name}.angular-momentum-AXIS", "mass length^2/time",
-                "their angular momentum then", lambda s, _: s.moment(sums(s)),
-            ),
-            Column(
-                f"{name}.kinetic-energy", "energy", "their kinetic energy then",
-                lambda s, _: sums(s)[KINETIC],
-            ),
-            Column(
-                f"{name}.strain-energy", "energy", "their strain energy then",
-                lambda s, _: sums(s)[STRAIN],
-            ),
-        ),
-    )  # fmt: skip
 
 
 HISTORY = (
@@ -96,10 +69,10 @@ HISTORY = (
                 "dissipated-energy",
                 "energy",
                 "what closes the balance: energy at the start plus external work less kinetic and "
-                "strain energy, and less that of particles that were removed (and with what "
-                "stages have changed, `stages.strain-energy`); of the order of the "
-                "time step also where nothing is lost, for instance in free fall, because work is "
-                "force times displacement",
+                "strain energy, less that of particles that were removed, with that of particles "
+                "that came (and with what stages have changed, `stages.strain-energy`); of the "
+                "order of the time step also where nothing is lost, for instance in free fall, "
+                "because work is force times displacement",
                 lambda s, _: (
                     s.first_energy
                     + s.work
@@ -107,6 +80,8 @@ HISTORY = (
                     - s.total[STRAIN]
                     - (s.escaped[KINETIC] + s.escaped[STRAIN])
                     - (s.removed[KINETIC] + s.removed[STRAIN])
+                    + (s.added[KINETIC] + s.added[STRAIN])
+                    + (s.inflow[KINETIC] + s.inflow[STRAIN])
                     + s.changed
                 ),
             ),
@@ -147,13 +122,7 @@ HISTORY = (
             ),
         ),
     ),
-    _gone(
-        "escaped",
-        lambda scene: scene.settings.escapes,
-        lambda s: s.escaped,
-        "only where `escape` removes particles, as all columns of this name: mass of those "
-        "that were removed since the start, so that with `mass` it is constant",
-    ),
+    *ESCAPED,
     Group(
         lambda scene: [""] if scene.case.staged.number else [],
         (
@@ -180,12 +149,7 @@ HISTORY = (
             ),
         ),
     ),
-    _gone(
-        "removed",
-        lambda scene: bool(scene.case.staged.removed),
-        lambda s: s.removed,
-        "mass of the bodies that stages have removed, so that with `mass` it is constant",
-    ),
+    *REMOVED_AND_CAME,
     Group(
         lambda scene: scene.body_names,
         (

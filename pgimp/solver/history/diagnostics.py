@@ -130,6 +130,8 @@ def column_names(scene: Scene) -> list[str]:
                 none,
                 none,
                 none,
+                none,
+                none,
                 0.0,
                 0.0,
                 told,
@@ -169,12 +171,17 @@ class Diagnostics:
         self.settling_time = 0.0
         #: Sums of earlier stages, see `Totals`; of use on rank 0.
         self.removed: np.ndarray | None = None
+        self.added: np.ndarray | None = None
         self.changed = 0.0
         self.told = np.zeros(len(LOSSES))
 
     def removed_so_far(self, scene: Scene) -> np.ndarray:
         """Sums of the bodies that stages have removed."""
         return np.zeros(scene.materials.sums) if self.removed is None else self.removed
+
+    def added_so_far(self, scene: Scene) -> np.ndarray:
+        """Sums of the bodies that have come in stages."""
+        return np.zeros(scene.materials.sums) if self.added is None else self.added
 
     def line(self, rank: Rank, done: Step) -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
@@ -215,6 +222,7 @@ class Diagnostics:
         escaped, added, most = np.zeros(scene.materials.sums), np.zeros(ERRORS), np.zeros(ERRORS)
         if scene.settings.escapes:
             escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
+        inflow = rank.inflow.sums if rank.inflow else np.zeros(scene.materials.sums)
         if scene.settings.exact:
             added = np.add.reduce(np.concatenate([part[3][0] for part in parts]), axis=0)
             most = np.concatenate([part[3][1] for part in parts]).max(axis=0)
@@ -225,10 +233,11 @@ class Diagnostics:
         force = self._forces(done.end + self.settling_time, impulse)
         return line_of(
             Totals(
-                scene, done, bodies, total, escaped, self.removed_so_far(scene), self.changed,
-                self.settling_time, self.told, self.first_energy, work, force, outside_mass, walls,
-                contact, rigid_bodies, inside, filled, damping,
-                rank.free.now if rank.free else {}, added, most,
+                scene, done, bodies, total, escaped, self.removed_so_far(scene),
+                self.added_so_far(scene), inflow, self.changed,
+                self.settling_time, self.told, self.first_energy, work,
+                force, outside_mass, walls, contact, rigid_bodies, inside,
+                filled, damping, rank.free.now if rank.free else {}, added, most,
             )
         )  # fmt: skip
 

@@ -35,8 +35,10 @@ class Totals(NamedTuple):
         Sums over all particles.
     escaped : (columns,) float64
         Sums of the particles removed since the start, at their removal.
-    removed : (columns,) float64
-        Sums of bodies removed by stages, at their removal.
+    removed, added : (columns,) float64
+        Sums of bodies removed by stages, at their removal, and of bodies that came in stages.
+    inflow : (columns,) float64
+        Sums of the particles that have entered by inflow, as they did.
     changed : float
         Strain energy added by new parameters of materials as stages began.
     settling_time : float
@@ -77,6 +79,8 @@ class Totals(NamedTuple):
     total: np.ndarray
     escaped: np.ndarray
     removed: np.ndarray
+    added: np.ndarray
+    inflow: np.ndarray
     changed: float
     settling_time: float
     told: np.ndarray
@@ -113,7 +117,7 @@ class Totals(NamedTuple):
         number = LOSSES.index(name)
         column = SUMS + number
         there = self.total[column] + self.escaped[column] + self.removed[column]
-        return there - self.told[number]
+        return there - self.inflow[column] - self.told[number]
 
     def contact_force(self, k: int) -> np.ndarray | tuple[()]:
         """Return the force of an entry of contact, nothing for an entry of more than two bodies."""

@@ -9,6 +9,9 @@ from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene
 from pgimp.solver.decomposition import slab_predicate
 
+#: A vertex lighter than this part of the lightest initial particle is not accelerated.
+LIGHT = 1e-12
+
 
 class Creation:
     """Particles from a case; other sources override the methods.

@@ -15,7 +15,7 @@ from pgimp.solver.rank import Rank
 from pgimp.solver.time.stability import require_stable, stability_warning, stable_courant
 
 #: Columns of the history that are zero in stages without them; other columns are nan.
-_SUMS = ("removed.", "escaped.", "stages.", "damped-")
+_SUMS = ("removed.", "added.", "escaped.", "stages.", "damped-")
 
 
 def look_ahead(scenes: Sequence[Scene]) -> list[str]:

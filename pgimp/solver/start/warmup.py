@@ -16,6 +16,7 @@ from pgimp.kernels.rigid.bodies import distances
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import complete, particles_to_grid
+from pgimp.kernels.update.turns import turn_particles
 from pgimp.mpi.comm import Serial
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shared_out
@@ -83,13 +84,16 @@ def _rehearse(scene: Scene) -> None:
         np.empty(0),
         np.empty(0, np.int64),
     )
+    if any(scene.domain.periodic) and scene.case.staged.added:
+        turn_particles(scene.settings.shape, scene.order_frame, scene.domain.exits, particles, rows)
     material, chosen = scene.setting.without_shape(), rows.astype(np.int64)
     if scene.interaction.rigid_bodies:  # looked at now and then, also by runs that go on
         placed = scene.interaction.rigid_bodies.at(STEP.start, STEP.start)
         distances(placed, 0, scene.interaction.rigid_bodies.frame, particles.x[:0], np.empty(0))
     if prestressed(scene):
         remember_stress(material, particles, chosen)
-    if stressed(scene) or scene.case.start.stress is not None:
+    begins = scene.case.start.stress, scene.case.staged.stress
+    if stressed(scene) or any(each is not None for each in begins):
         bearable_stress(material, particles, chosen, particles.sigma[:0])
     if scene.settings.moves:
         initial_velocities(

@@ -119,12 +119,15 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
     first = rank.slab.first
 
     def read() -> dict[str, np.ndarray]:
-        gone = bool(scene.case.staged.removed)
-        if (
-            gone != (state.removed is not None)
-            or len(state.removed or ()) != gone * scene.materials.sums
+        staged, width = scene.case.staged, scene.materials.sums
+        for names, there, what in (
+            (staged.removed, state.removed, "removed bodies"),
+            (staged.added, state.added, "bodies that came"),
         ):
-            raise DamagedError("what it has of removed bodies is not of its stage")
+            if (there is not None) != bool(names) or len(there or ()) != bool(names) * width:
+                raise DamagedError(f"what it has of {what} is not of its stage")
+        if rank.inflow and len(state.inflow or ()) != len(rank.inflow.numbers):
+            raise DamagedError("what it has of inflow is not of its case")
         found = {}
         for name, mine in own.datasets().items():
             if mine.shape[1:] and 0 in mine.shape[1:]:
@@ -168,11 +171,14 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         rank.contact.restore(rank, found["velocity-fields"])
     if rank.comm.rank == 0:
         rank.clamped, rank.held = state.clamped, state.held
+    if rank.inflow and state.inflow:
+        rank.inflow.restore(state.inflow)
     rank.mass_cutoff = state.mass_cutoff
     records.first_energy = state.first_energy
     records.most_outside = (state.beyond, state.beyond_time, state.beyond_face)
     records.removed = None if state.removed is None else np.array(state.removed)
     records.changed, records.settling_time = state.changed, state.settling_time
+    records.added = None if state.added is None else np.array(state.added)
     records.told[:] = state.told
     if state.last_line is not None:
         none = np.zeros((0, 3))

@@ -52,6 +52,8 @@ class State(BaseModel):
     settling: bool = False
     counted: int = Field(ge=0, le=2**53, default=0)
     removed: list[float] | None = Field(default=None, max_length=100)
+    added: list[float] | None = Field(default=None, max_length=100)
+    inflow: list[float] | None = Field(default=None, max_length=300)
     changed: float = 0.0
     settling_time: float = Field(ge=0.0, default=0.0)
     told: list[float] = Field(
@@ -134,7 +136,7 @@ def capture(
     rate : float
         Largest (c_p + |v_p|)/L of all ranks.
     count : int
-        Particles of all ranks at the start.
+        Particles that all ranks have had so far.
     records : Diagnostics
         State of the history from line to line.
     watch : EnergyWatch, optional
@@ -186,6 +188,8 @@ def capture(
         counted=clock.before if clock else 0,
         held_rate=clock.held.numbers if clock and clock.held else None,
         removed=None if records.removed is None else records.removed.tolist(),
+        added=None if records.added is None else records.added.tolist(),
+        inflow=rank.inflow.numbers if rank.inflow else None,
         changed=records.changed,
         settling_time=records.settling_time,
         told=records.told.tolist(),

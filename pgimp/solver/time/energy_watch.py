@@ -201,6 +201,12 @@ class EnergyWatch:
         parts = rank.comm.allgather((work, *rows))
         work, *found = (float(np.concatenate(each).sum()) for each in zip(*parts, strict=True))
         kinetic, strain, mass = (a + b for a, b in zip(found[:3], found[3:], strict=True))
+        if rank.inflow:
+            entered = rank.inflow.sums
+            kinetic, strain, mass = (
+                a - float(entered[which])
+                for a, which in ((kinetic, KINETIC), (strain, STRAIN), (mass, MASS))
+            )
         return kinetic, strain, work, mass
 
 

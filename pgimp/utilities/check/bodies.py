@@ -1,5 +1,7 @@
 """Report on the bodies of a case: waves, transits, and strains by loads."""
 
+from collections.abc import Mapping
+
 from pgimp.case.schema import Case
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.sanity import strains
@@ -41,6 +43,17 @@ def report_materials(case: Case) -> None:
         if found := in_si(case, name):
             texts = (f"{key} {value:.4g} {unit}" for key, (value, unit) in found.items())
             print(f"material {name:<7} {', '.join(texts)}")
+
+
+def report_inflow(case: Case, entering: Mapping[str, int], end: float) -> None:
+    """Print what enters until the end of the run."""
+    for name, number in entering.items():
+        entry = case.inflow[name]
+        until = f" until t = {entry.until:g}" if entry.until is not None else ""
+        print(
+            f"inflow {name:<9} about {number:,} particles enter along {'xyz'[entry.axis]}{until}, "
+            f"on a way of {entry.travel(end):.4g}"
+        )
 
 
 def report_rigid(scene: Scene, verbose: bool) -> None:

@@ -13,8 +13,9 @@ from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.checks.facts import BodyFacts, Findings, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_slow
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene, count_particles, present
 from pgimp.scene.settings import MOST_CELLS
+from pgimp.solver.coming.inflow import to_enter
 from pgimp.solver.start.memory import Estimate
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.validate_stages import look_ahead, require_stable_stages
@@ -29,7 +30,7 @@ class Prepared(NamedTuple):
     scenes : list of Scene
         Scenes of all stages.
     lattice, counts, notes
-        See `count_particles`.
+        See `count_particles`; of the bodies that are there at the start.
     memory : Estimate
         Memory of one rank.
     found : Findings
@@ -41,6 +42,8 @@ class Prepared(NamedTuple):
     crossing, rate, dt : float
         Cells per unit of length, 0 if the grid moves with the bodies. Reference rate of the case's
         Courant number, cells per unit of time. The first step.
+    entering : dict of str to int
+        Particles that enter by inflow until the end.
     """
 
     scenes: list[Scene]
@@ -54,6 +57,7 @@ class Prepared(NamedTuple):
     crossing: float
     rate: float
     dt: float
+    entering: dict[str, int]
 
 
 def prepare(whole: Case) -> Prepared:
@@ -72,10 +76,12 @@ def prepare(whole: Case) -> Prepared:
     share(case, Serial())
     require(scene, Serial())
     lattice, counts, notes = count_particles(scene, Serial())
-    memory = require(scene, Serial(), int(counts.sum()))
+    entering = to_enter(case, counts, whole.time.last)
+    memory = require(scene, Serial(), int(counts.sum()) + sum(entering.values()))
+    found = examine(scene, lattice, counts, whole.stages)
+    counts = present(scene, counts)
     if scene.interaction.rigid_bodies:
         _look_at_rigid(scene, lattice, counts)
-    found = examine(scene, lattice, counts, whole.stages)
     varied = {body.name: body.rest_rate for body in found.bodies if body.varies}
     of_stages = require_stable_stages(scenes, varied)
     # A grid of the initial configuration moves with its bodies.
@@ -85,8 +91,9 @@ def prepare(whole: Case) -> Prepared:
     dt = _step(scene, rate)
     require_slow(scene.interaction.rigid_bodies, dt)
     return Prepared(
-        scenes, lattice, counts, notes, memory, found, varied, of_stages, crossing, rate, dt
-    )
+        scenes, lattice, counts, notes, memory, found, varied, of_stages, crossing, rate, dt,
+        entering,
+    )  # fmt: skip
 
 
 def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:

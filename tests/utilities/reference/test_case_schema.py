@@ -65,18 +65,20 @@ def test_every_column_of_the_history_is_written(dimensions):
             "time": {
                 "end": 1,
                 "step": {"courant": 0.3},
-                "stages": [{"name": "next", "end": 2, "remove": ["b"]}],
+                "stages": [{"name": "next", "end": 2, "remove": ["b"], "add": ["ab"]}],
             },
             "materials": {"m": METAL, "w": {**WATER, "shear-viscosity": 1}},
             "bodies": {
                 "a": {"material": "m", "region": box(0)},
                 "b": {"material": "w", "region": box(1)},
+                "ab": {"material": "m", "region": box(0)},
                 "aba": {"rigid": {"density": 1}, "region": box(2)},
                 "baa": {"rigid": {}, "region": box(3)},
             },
             "boundaries": {"x-min": "separating"},
             "escape": {"x-max": "remove"},
             "constraints": {"b": {"body": "b", "region": box(1), "velocity": vector(0)}},
+            "inflow": {"a": {"velocity": [-1, *vector(0)[1:]]}},
             "contact": [{"bodies": ["a", "b"]}],
         }
     )

@@ -3,6 +3,7 @@
 from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
+from rank_scenes.arrivals import lifts, pours, streams
 from rank_scenes.damped_bodies import damped, dug, heavy, pressed, quaking, settled
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
@@ -88,6 +89,9 @@ SCENES = (
             round_and_round,
             layer,
             endless,
+            lifts,
+            streams,
+            pours,
         )
     }
     | SIZED

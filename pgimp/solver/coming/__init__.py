@@ -1,0 +1,1 @@
+"""Particles that come in the course of a run."""
