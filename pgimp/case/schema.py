@@ -20,15 +20,15 @@ from pydantic import (
     model_validator,
 )
 
-from pgimp.case.arrange_stages import arrange
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
-from pgimp.case.coming.inflow import with_constraints
 from pgimp.case.courant import largest_courant
 from pgimp.case.damping import Damping
+from pgimp.case.defaults import with_defaults
 from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
+from pgimp.case.staging.arrange import arrange
 from pgimp.case.start import StartEntry
 from pgimp.case.steps import AUTO, CourantStep
 from pgimp.case.time import Time
@@ -261,7 +261,7 @@ class Case(Model):
         """Check the conditions between the parts, even if some parts are wrong."""
         if not isinstance(data, dict):
             return handler(data)
-        data = _with_defaults(data)
+        data = with_defaults(data)
         context = info.context or {}
         times = context.get("counted", 0.0), context.get("began", 0.0)
         try:
@@ -277,31 +277,3 @@ class Case(Model):
                 case.__dict__["arranged"], problems = arrange(case)
         raise_problems(cls.__name__, problems, data)
         return case
-
-
-def _with_defaults(data: dict[str, Any]) -> dict[str, Any]:
-    """Fill in the vectors that are zero by default, and the condition on an axis."""
-    dimensions = data.get("dimensions")
-    if isinstance(dimensions, bool) or dimensions not in (1, 2, 3):
-        return data
-    zeros = (0.0,) * int(dimensions)
-    data = with_constraints(data)
-    data = dict(data)
-    if isinstance(data.get("grid"), dict):
-        data["grid"] = {"origin": zeros, **data["grid"]}
-        faces, origin = data.get("boundaries", {}), data["grid"]["origin"]
-        if data.get("geometry") == "axisymmetric" and isinstance(faces, dict):
-            if isinstance(origin, list | tuple) and list(origin[:1]) == [0.0]:
-                data["boundaries"] = {"x-min": "slip", **faces}
-    bodies = data.get("bodies")
-    if isinstance(bodies, dict):
-        data["bodies"] = {
-            name: {"velocity": zeros, **body}
-            if isinstance(body, dict) and "rigid" not in body
-            else body
-            for name, body in bodies.items()
-        }
-        for body in data["bodies"].values():
-            if isinstance(body, dict) and isinstance(body.get("velocity"), dict):
-                body["velocity"] = {"translation": zeros, **body["velocity"]}
-    return data

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 from pydantic import Field, model_serializer
 
+from pgimp.case.staging.strength import Strength
 from pgimp.case.start import Settle
 from pgimp.case.steps import AnyStep
-from pgimp.case.strength import Strength
 from pgimp.schema.base import Model, Name, Positive
 from pgimp.schema.tables import VaryingVector
 

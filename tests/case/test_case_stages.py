@@ -6,8 +6,8 @@ import pytest
 from scenes import SOFT, box, scene
 
 import pgimp
-from pgimp.case.arrange_stages import changes_of, steps_in
 from pgimp.case.reader import dump_case, read_case
+from pgimp.case.staging.arrange import changes_of, steps_in
 from pgimp.errors import CaseError, UsageError
 
 SOIL = {

@@ -71,7 +71,8 @@ def check_plane_stress(
         if not law.PLANE_STRESS:
             yield Problem(
                 ("materials", name, "model"),
-                f"{law.model} is not known in plane stress; hooke, neo-hookean and von-mises are",
+                f"{getattr(law, 'model', 'it')} is not known in plane stress; hooke, neo-hookean "
+                "and von-mises are",
             )
     if start is not None and start.stress is not None:
         yield Problem(

@@ -46,7 +46,7 @@ from pgimp.case.checks.regions import check_regions
 from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
 from pgimp.case.checks.settling import check_settling
 from pgimp.case.checks.variations import check_variations
-from pgimp.case.coming.inflow import check_inflow
+from pgimp.case.staging.inflow import check_inflow
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.materials.base import Material
 from pgimp.physics.rigid import RigidBody

@@ -219,26 +219,15 @@ class RunDirectory:
     def record_failure(
         self, state: str, step: int, when: float, message: str, seconds: float | None = None
     ) -> None:
-        """Record the reason for an early end in run.json and log.txt.
+        """Record the reason for an early end in run.json and log.txt, on the first rank to fail.
 
-        Any failing rank calls it separately; the first one writes.
-
-        Parameters
-        ----------
-        state : str
-            "failed" or "stopped".
-        step, when : int, float
-            The run's last step and its simulated time.
-        message : str
-            The reason.
-        seconds : float, optional
-            Wall time of the steps, without set-up and output.
+        The `state` is "failed" or "stopped"; otherwise as in `finish`, but not collective.
         """
         time.sleep(min(self.comm.rank * _HEAD_START_SECONDS, _LONGEST_HEAD_START_SECONDS))
         # If the disk is full or missing, only the terminal has the message.
         with suppress(OSError):
             os.close(os.open(self.path / FAILED, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
-            self._update(state=state, steps=step, time=when, message=message, seconds=seconds)
+            self._end(state, step, when, seconds, message)
             with open(self.path / "log.txt", "a", encoding="utf-8") as stream:
                 stream.write(f"{state} at step {step}, t = {when!r}: {escape(message)}\n")
 
@@ -266,7 +255,7 @@ class RunDirectory:
 
         def action() -> None:
             try:
-                self._update(state=state, steps=step, time=when, seconds=seconds, message=message)
+                self._end(state, step, when, seconds, message)
             except OSError as error:
                 raise self._refusal("write to", error) from error
 
@@ -289,7 +278,9 @@ class RunDirectory:
 
         on_root(self.comm, action)
 
-    def _update(self, **changes: object) -> None:
+    def _end(self, *entries: object) -> None:
+        names = ("state", "steps", "time", "seconds", "message")
+        changes = dict(zip(names, entries, strict=True))
         runinfo.update(self.path / RUN, ended=runinfo.now(), **changes)
 
     def release(self) -> None:

@@ -116,10 +116,8 @@ def column_names(scene: Scene) -> list[str]:
     force = np.zeros(
         (faces + len(scene.interaction.loads.constraints) + len(contact) + 2 * len(rigid_bodies), 3)
     )
-    bodies, none = (
-        np.zeros((len(scene.body_names), scene.materials.sums)),
-        np.zeros(scene.materials.sums),
-    )
+    none = np.zeros(scene.materials.sums)
+    bodies = np.zeros((len(scene.body_names), scene.materials.sums))
     errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
     return list(
         line_of(

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil
 
-from pgimp.case.arrange_stages import changes_of, steps_in
 from pgimp.case.schema import Case
+from pgimp.case.staging.arrange import changes_of, steps_in
 from pgimp.scene.scene import Scene
 from pgimp.solver.start.validate_stages import stage_rate
 from pgimp.solver.time.stability import stable_courant

@@ -7,7 +7,7 @@ import pytest
 from scenes import SOFT, box, finish, scene, start
 
 import pgimp
-from pgimp.case.arrange_stages import steps_in
+from pgimp.case.staging.arrange import steps_in
 from pgimp.cli import main
 from pgimp.errors import CaseError, NoRestError
 from pgimp.kernels.data.ledger import DAMPED_ENERGY, DAMPED_MOMENTUM

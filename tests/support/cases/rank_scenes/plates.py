@@ -23,7 +23,7 @@ def _plates(bodies, **parts):
 
 
 def plates():
-    """A plate of metal flies into one that is pulled, past a stamp; one reaches a face that absorbs."""
+    """A plate of metal flies into one that is pulled, past a stamp; one is at an absorbing face."""
     bodies = {
         "flier": box([1.0, 2.0], [4.2, 4.9], [4.0, 0.5], "metal"),
         "pulled": box([6.0, 1.1], [11.0, 6.0]),

@@ -8,9 +8,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
-from pgimp.case.coming.arrivals import check_added, check_probes_there
 from pgimp.case.stages import Stage, Staged, merged
-from pgimp.case.strength import strength_problems, weakened
+from pgimp.case.staging.arrivals import check_added, check_probes_there
+from pgimp.case.staging.strength import strength_problems, weakened
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import Problem
 

@@ -1,1 +1,0 @@
-"""Bodies and material that come in the course of a run: checks of their entries."""
