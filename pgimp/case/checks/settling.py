@@ -23,6 +23,7 @@ def check_settling(
     rigid_bodies: Mapping[str, RigidBody],
     boundaries: Mapping[str, Boundary],
     constraints: Mapping[str, ConstraintEntry],
+    inflow: Mapping[str, object],
     exact: object,
     began: float,
 ) -> Problems:
@@ -30,7 +31,8 @@ def check_settling(
     if start.settle is None:
         return
     when, key = ("time 0", "start.settle") if not began else (f"t = {began:.15g}", "settle")
-    for path in _moving({} if began else bodies, rigid_bodies, boundaries, constraints, began):
+    held = {name: entry for name, entry in constraints.items() if name not in inflow}
+    for path in _moving({} if began else bodies, rigid_bodies, boundaries, held, began):
         instead = f"begin with 0, as a table over time, or leave {key} out"
         if began:
             instead = "let it be 0 then, by a table over time or by this stage, or leave settle out"

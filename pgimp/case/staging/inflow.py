@@ -91,7 +91,7 @@ def check_inflow(
         yield Problem(("inflow",), "brings what `exact` does not know of; leave one of them out")
     if inflow and start.settle is not None:
         yield Problem(
-            ("inflow",), "enters from time 0 on, and start.settle comes before; leave one out"
+            ("inflow",), "does not come to rest, as settle looks for; leave one of them out"
         )
 
 
