@@ -150,7 +150,7 @@ def changes_of(stage: Stage) -> Iterator[str]:
         if section == "remove":
             if value:
                 yield f"remove {', '.join(value)}"
-        elif isinstance(value, Mapping):
+        elif isinstance(value, Mapping) and section != "strength":
             for name, entry in value.items():
                 keys = entry if section == "materials" and isinstance(entry, Mapping) else [""]
                 yield from (f"{section}.{name}{'.' if key else ''}{key}" for key in keys)
