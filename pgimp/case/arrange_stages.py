@@ -47,7 +47,8 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
         try:
             end = before.time.end if stage.end is None else stage.end
             weak = weakened(strength, data, before.materials)
-            now = _of_stage(type(case), weak, at, before.time.end, end, counted)
+            gone = (*before.staged.removed, *stage.remove)
+            now = _of_stage(type(case), weak, at, before.time.end, end, counted, gone)
         except ValidationError as error:
             problems = explain(type(case), error, data)
         else:
@@ -81,11 +82,13 @@ def _of_stage(
     start: float,
     end: float,
     counted: float,
+    gone: tuple[str, ...] = (),
 ) -> Case:
     """Return a typed case, with only the frame times `at` that are in the stage."""
     mine = tuple(time for time in at if start < time <= end or time == start == 0.0)
     data = {**data, "output": {**data["output"], "at": mine}}
-    return kind.model_validate(data, context={"counted": counted, "began": start})
+    context = {"counted": counted, "began": start, "gone": gone}
+    return kind.model_validate(data, context=context)
 
 
 def _leaving(case: Case) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from pgimp.case.body import Body
 from pgimp.case.start import StartEntry
@@ -25,10 +25,15 @@ def check_settling(
     constraints: Mapping[str, ConstraintEntry],
     exact: object,
     began: float,
+    gone: Sequence[str],
 ) -> Problems:
-    """Check that all bodies can come to rest before time 0, or in a stage that has `began`."""
+    """Check that all bodies can come to rest before time 0, or in a stage that has `began`.
+
+    What holds bodies that have `gone` may move.
+    """
     if start.settle is None:
         return
+    constraints = {name: entry for name, entry in constraints.items() if entry.body not in gone}
     when, key = ("time 0", "start.settle") if not began else (f"t = {began:.15g}", "settle")
     for path in _moving({} if began else bodies, rigid_bodies, boundaries, constraints, began):
         instead = f"begin with 0, as a table over time, or leave {key} out"
