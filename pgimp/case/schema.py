@@ -263,14 +263,14 @@ class Case(Model):
             return handler(data)
         data = with_defaults(data)
         context = info.context or {}
-        times = context.get("counted", 0.0), context.get("began", 0.0)
+        known = context.get("counted", 0.0), context.get("began", 0.0), context.get("gone", ())
         try:
             case = handler(data)
         except ValidationError as error:
             problems = explain(cls, error, data)
-            problems.extend(check(sound_parts(cls, data, problems), *times))
+            problems.extend(check(sound_parts(cls, data, problems), *known))
         else:
-            problems = check({name: getattr(case, name) for name in cls.model_fields}, *times)
+            problems = check({name: getattr(case, name) for name in cls.model_fields}, *known)
             if case.exact is not None and not problems:
                 problems = list(case.exact.problems(case))
             if case.time.stages and not problems:

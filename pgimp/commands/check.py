@@ -104,7 +104,9 @@ def report(case: Case, verbose: bool = False) -> None:
     tried = pilot(case, count, steps, costs, _thinnest(case, bodies)) if costs else None
     steps = report_steps(case, steps, tried, first)
     if whole.time.stages:
-        steps += report_stages(whole, known.scenes, steps * dt / case.time.end, known.varied)
+        settles = case.start.settle is not None  # whose steps take no time
+        factor = 1.0 if settles else steps * dt / case.time.end
+        steps += report_stages(whole, known.scenes, factor, known.varied)
     number = forecast.frames(whole, steps)
     size = size_text(number * forecast.frame_size(case, scene.fields, count))
     report_memory(known.memory, verbose, f"; output about {size}, in {number:,} frames")

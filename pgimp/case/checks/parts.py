@@ -7,7 +7,7 @@ runs if these are valid, even if others are not.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
@@ -61,13 +61,15 @@ _NAMED = (
 """Parts of a case that are made of named entries."""
 
 
-def check(parts: Mapping[str, Any], counted: float = 0.0, began: float = 0.0) -> list[Problem]:
+def check(
+    parts: Mapping[str, Any], counted: float = 0.0, began: float = 0.0, gone: Sequence[str] = ()
+) -> list[Problem]:
     """Return the problems between the `parts` of a case, given by their key.
 
     `counted` is the time from which fixed steps are counted, see `pgimp.case.stages.Staged`;
-    a stage has begun at the time `began`.
+    a stage has begun at the time `began`, without the bodies that have `gone`.
     """
-    parts = {**parts, "counted": counted, "began": began}
+    parts = {**parts, "counted": counted, "began": began, "gone": gone}
     if "every_body" in parts:
         every = parts["every_body"]
         rigid_bodies = {name: body for name, body in every.items() if isinstance(body, RigidBody)}
@@ -87,7 +89,7 @@ def check(parts: Mapping[str, Any], counted: float = 0.0, began: float = 0.0) ->
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
     known = {item.path for item in problems}
-    others = ("every_body", "rigid_bodies", "counted", "began")
+    others = ("every_body", "rigid_bodies", "counted", "began", "gone")
     numbers = {name: part for name, part in parts.items() if name not in others}
     if "every_body" in parts:
         numbers["bodies"] = parts["every_body"]

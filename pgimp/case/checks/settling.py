@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from pgimp.case.body import Body
 from pgimp.case.start import StartEntry
@@ -26,10 +26,15 @@ def check_settling(
     inflow: Mapping[str, object],
     exact: object,
     began: float,
+    gone: Sequence[str],
 ) -> Problems:
-    """Check that all bodies can come to rest before time 0, or in a stage that has `began`."""
+    """Check that all bodies can come to rest before time 0, or in a stage that has `began`.
+
+    What holds bodies that have `gone` may move.
+    """
     if start.settle is None:
         return
+    constraints = {name: entry for name, entry in constraints.items() if entry.body not in gone}
     when, key = ("time 0", "start.settle") if not began else (f"t = {began:.15g}", "settle")
     held = {name: entry for name, entry in constraints.items() if name not in inflow}
     for path in _moving({} if began else bodies, rigid_bodies, boundaries, held, began):

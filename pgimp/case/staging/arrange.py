@@ -53,7 +53,8 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
         try:
             end = before.time.end if stage.end is None else stage.end
             weak = weakened(strength, data, before.materials)
-            now = _of_stage(type(case), weak, at, before.time.end, end, counted)
+            gone = (*before.staged.removed, *stage.remove)
+            now = _of_stage(type(case), weak, at, before.time.end, end, counted, gone)
         except ValidationError as error:
             problems = explain(type(case), error, data)
         else:
@@ -90,11 +91,13 @@ def _of_stage(
     start: float,
     end: float,
     counted: float,
+    gone: tuple[str, ...] = (),
 ) -> Case:
     """Return a typed case, with only the frame times `at` that are in the stage."""
     mine = tuple(time for time in at if start < time <= end or time == start == 0.0)
     data = {**data, "output": {**data["output"], "at": mine}}
-    return kind.model_validate(data, context={"counted": counted, "began": start})
+    context = {"counted": counted, "began": start, "gone": gone}
+    return kind.model_validate(data, context=context)
 
 
 def _leaving(case: Case) -> list[str]:
@@ -158,8 +161,13 @@ def changes_of(stage: Stage) -> Iterator[str]:
     for section, value in stage.changes.items():
         if section in ("remove", "add"):
             if value:
+<<<<<<< HEAD:pgimp/case/staging/arrange.py
                 yield f"{section} {', '.join(value)}"
         elif isinstance(value, Mapping):
+=======
+                yield f"remove {', '.join(value)}"
+        elif isinstance(value, Mapping) and section != "strength":
+>>>>>>> rest:pgimp/case/arrange_stages.py
             for name, entry in value.items():
                 keys = entry if section == "materials" and isinstance(entry, Mapping) else [""]
                 yield from (f"{section}.{name}{'.' if key else ''}{key}" for key in keys)

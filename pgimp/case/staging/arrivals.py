@@ -17,9 +17,10 @@ Case = Any
 def check_added(case: Case) -> Problems:
     """Check the bodies that stages of a case add; paths start at the case."""
     came: dict[str, str] = {}
-    begins = [case.time.end, *(stage.end for stage in case.time.stages)]
+    begins = float(case.time.end)
     for i, stage in enumerate(case.time.stages):
-        yield from _inflow_kept(case, i, float(begins[i]))
+        yield from _inflow_kept(case, i, begins)
+        begins = begins if stage.end is None else float(stage.end)  # at rest time stands still
         for k, name in enumerate(stage.add):
             path = ("time", "stages", i, "add", k)
             if name not in case.every_body:

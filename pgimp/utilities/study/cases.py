@@ -99,7 +99,7 @@ class Cases:
             document = self.read(path)
             for one in variant.changes:
                 if one.key != CASE:
-                    change(document, one.key.split("."), one.value, self.label(one.path))
+                    change(document, one.key.split("."), deepcopy(one.value), self.label(one.path))
             return path, validate(Case, document, path)
         except OSError as error:
             text = f"{label}: cannot read the case {path}: {error.strerror or error}"

@@ -57,7 +57,7 @@ def settling(rng, scene):
             held[name] = entry and {**(held.get(name) or {}), **entry}
         walls |= part.get("boundaries", {})
         gone |= set(part.get("remove", ()))
-    stage = {"name": "rest", "settle": {"tolerance": number(rng, 0.2, 0.9), "steps": 60}}
+    stage = {"name": "rest", "settle": {"tolerance": number(rng, 0.2, 0.9), "steps": 200}}
     still = {"velocity": [0.0] * scene.dimension}
     if stops := [name for name, entry in held.items() if entry and entry["body"] not in gone]:
         stage["constraints"] = dict.fromkeys(stops, still)

@@ -177,6 +177,17 @@ def test_what_cannot_settle_is_refused_with_its_line(stage, text):
         pgimp.load(column(REST | stage))
 
 
+def test_what_holds_a_removed_body_may_move():
+    case = column(REST)
+    region = {"box": {"min": [0.0, 5.0], "max": [1.0, 6.0]}}
+    case["constraints"] = {"grip": {"body": "top", "velocity": [0.0, 0.1], "region": region}}
+    del case["start"]
+    assert pgimp.load(case).stages[1].rests
+    with pytest.raises(CaseError, match=r"constraints\.grip\.velocity: .*moves at t = 0\.3"):
+        pgimp.load(column(REST | {"remove": []}) | {
+            "constraints": case["constraints"], "start": {}})  # fmt: skip
+
+
 def test_rigid_bodies_that_move_freely_are_refused():
     case = column({"name": "rest", "settle": {}})
     del case["start"]

@@ -135,6 +135,16 @@ def test_wrong_bisections_are_refused(tmp_path, entries, text):
     assert text in str(error.value)
 
 
+def test_a_study_may_set_what_the_key_is_in(tmp_path):
+    """Each run has its own copy of it."""
+    stages = [{"name": "weak", "strength": {"factor": 1.0}, "settle": {}}]
+    plan = read_plan(written(tmp_path, set={"time.stages": stages}))
+    for value in (1.5, 2.0):
+        run = plan.bisected[0].planned(value)
+        assert "factor: 1.0" in run.options[0] and f"factor={value}" in run.options[1]
+        assert f"factor: {value}" in run.resolved
+
+
 def test_the_study_of_the_page_is_one(tmp_path):
     (tmp_path / "slope.yaml").write_text(json.dumps(block()))
     path = tmp_path / "safety.yaml"
