@@ -161,13 +161,8 @@ def changes_of(stage: Stage) -> Iterator[str]:
     for section, value in stage.changes.items():
         if section in ("remove", "add"):
             if value:
-<<<<<<< HEAD:pgimp/case/staging/arrange.py
                 yield f"{section} {', '.join(value)}"
-        elif isinstance(value, Mapping):
-=======
-                yield f"remove {', '.join(value)}"
         elif isinstance(value, Mapping) and section != "strength":
->>>>>>> rest:pgimp/case/arrange_stages.py
             for name, entry in value.items():
                 keys = entry if section == "materials" and isinstance(entry, Mapping) else [""]
                 yield from (f"{section}.{name}{'.' if key else ''}{key}" for key in keys)
