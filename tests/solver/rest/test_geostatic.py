@@ -184,5 +184,5 @@ def test_a_particle_has_its_deformation_whatever_others_are_with_it():
     wanted, together = p.sigma[rows].copy(), p.F[rows].copy()
     wanted[:, 0], wanted[:, 1] = -0.9 * depth(sim, 1), -depth(sim, 1)
     for row, sigma, F in zip(rows.tolist(), wanted, together, strict=True):
-        geostatic.find_deformation(sim.scene, p, np.array([row]), "body", sigma[None])
+        geostatic.find_deformation(sim.scene, p, np.array([row]), "body", sigma[None], 1)
         assert np.array_equal(p.F[row], F)
