@@ -152,6 +152,8 @@ def plates(rng, scene):
                 "model": "neo-hookean", "young": 100.0, "poisson": 0.3,
                 "density": entry["density"],
             }  # fmt: skip
+    metal = any(entry["model"] == "von-mises" for entry in case["materials"].values())
+    scene.states = ("plastic-strain",) if metal else ()
     return True
 
 
