@@ -32,7 +32,7 @@ from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles, present
-from pgimp.solver.coming.inflow import to_enter
+from pgimp.solver.coming.inflow import most_at_once, to_enter
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import create_particles, partition, ring_counts
 from pgimp.solver.lagrangian.motion import begin_motion
@@ -84,7 +84,7 @@ def begin(
     lattice, counts, notes = count_particles(scene, comm)
     start.notes += notes
     entering = to_enter(scene.case, counts, scenes[-1].case.time.end)
-    require(scene, comm, int(counts.sum()) + sum(entering.values()))
+    require(scene, comm, most_at_once(scene.case, counts, entering))
     counts = present(scene, counts)
     start.count = int(counts.sum())
     layer = np.empty(len(lattice.coordinates[0]), np.int64)

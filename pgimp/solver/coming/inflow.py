@@ -8,7 +8,7 @@ makes the particles of its own layers.
 
 from __future__ import annotations
 
-from math import floor
+from math import floor, prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 #: Part of a layer's distance by which the next one may be early, for rounding; and by which
 #: rounding may move particles from where their layer should be.
 _EARLY, _DRIFT = 1e-9, 1e-6
+
+#: Times as many particles as at the start may be in a cell, as what enters also leaves.
+_CROWD = 2
 
 _NONE = np.empty(0, np.int32)
 
@@ -219,3 +222,11 @@ def to_enter(case: Case, counts: np.ndarray, end: float) -> dict[str, int]:
         length = float(high[entry.axis] - low[entry.axis])
         found[name] = int(counts[body].sum() * entry.travel(end) / length)
     return found
+
+
+def most_at_once(case: Case, counts: np.ndarray, entering: dict[str, int]) -> int:
+    """Particles to have memory for: all that enter, but no more than `_CROWD` full domains."""
+    full = prod(round(a / b) for a, b in zip(case.grid.size, case.grid.cell, strict=True))
+    full *= prod(case.method.particles_per_cell)
+    begin = int(counts.sum())
+    return min(begin + sum(entering.values()), max(begin, _CROWD * full))

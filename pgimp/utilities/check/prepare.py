@@ -15,7 +15,7 @@ from pgimp.scene.geometry import share
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_slow
 from pgimp.scene.scene import Scene, count_particles, present
 from pgimp.scene.settings import MOST_CELLS
-from pgimp.solver.coming.inflow import to_enter
+from pgimp.solver.coming.inflow import most_at_once, to_enter
 from pgimp.solver.start.memory import Estimate
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.validate_stages import look_ahead, require_stable_stages
@@ -77,7 +77,7 @@ def prepare(whole: Case) -> Prepared:
     require(scene, Serial())
     lattice, counts, notes = count_particles(scene, Serial())
     entering = to_enter(case, counts, whole.time.last)
-    memory = require(scene, Serial(), int(counts.sum()) + sum(entering.values()))
+    memory = require(scene, Serial(), most_at_once(case, counts, entering))
     found = examine(scene, lattice, counts, whole.stages)
     counts = present(scene, counts)
     if scene.interaction.rigid_bodies:

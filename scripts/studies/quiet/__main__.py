@@ -36,6 +36,9 @@ def main():
         momentum, turns = long.rounds(steps)
         said = f"momentum to {momentum:.0e} of itself, {turns:.0f} turns"
         rows.append(["two blocks that meet between periodic faces", said])
+        lost, speed = long.channel(steps)
+        said = f"mass to {lost:.0e}, mean speed {speed:.2f} of the inflow's"
+        rows.append(["a channel that is fed and empties", said])
         for configuration in ("initial", "current"):
             said = f"energy of the last tenth {long.ring(configuration, steps):.4f} of the first"
             rows.append([f"a tube that breathes, `{configuration}`", said])

@@ -51,6 +51,23 @@ def rounds(steps):
     return worst / begun["momentum-x"], turns
 
 
+def channel(steps):
+    """A stream that enters at one end and leaves at the other: mass lost, and its mean speed."""
+    water = {"model": "newtonian", "bulk": 400.0, "shear-viscosity": 0.05, "density": 1.0}
+    sim = pgimp.Simulation(case_of(
+        [8.0, 3.0], 0.5, {"m": water},
+        {"jet": {"material": "m", "region": box([0.0, 0.0], [1.0, 1.0])}}, 1e9,
+        inflow={"jet": {"velocity": [1.0, 0.0]}}, escape={"x-max": "remove"},
+        boundaries={"y-min": "slip", "y-max": "slip"}, gravity=[0.0, -0.2],
+    ))  # fmt: skip
+    begun, lost = a_line(sim)["mass"], 0.0
+    for _ in range(100):
+        sim.step(steps // 100)
+        line = a_line(sim)
+        lost = max(lost, abs(line["mass"] - line["inflow.mass"] + line["escaped.mass"] - begun))
+    return lost / begun, sim.particles["velocity"][:, 0].mean()
+
+
 def ring(configuration, steps):
     """A tube that breathes freely: mean energy of the last tenth of steps, over the first's."""
     region = box([1.0, 0.0], [2.0, 1.0])
