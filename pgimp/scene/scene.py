@@ -83,9 +83,14 @@ class Scene:
         frame = start if settings.initial else domain.frame
         of_body = np.array(materials.body_material, np.int64)
         self.setting = KernelScene(
-            settings.shape, frame, self.carried.undeformed,
-            materials.variations.materials, of_body, shape.tracked, domain.exits,
-        )  # fmt: skip
+            settings.shape,
+            frame,
+            self.carried.undeformed,
+            materials.variations.materials,
+            of_body,
+            shape.tracked,
+            domain.exits,
+        )
         self.setting_lagrangian = self.setting._replace(
             shape=shape.fixed(domain.frame.cell), frame=start
         )

@@ -246,8 +246,11 @@ class Sine(TimeFunction):
 
 #: Forms of a number over time, by the key that names them.
 _FORMS: Mapping[str, type[BaseModel]] = {
-    "table": Table, "ramp": Ramp, "sine": Sine, "series": Series,
-}  # fmt: skip
+    "table": Table,
+    "ramp": Ramp,
+    "sine": Sine,
+    "series": Series,
+}
 
 
 class OverTime(ByKey):

@@ -215,9 +215,13 @@ class Particles(Mapping[str, np.ndarray]):
         rows = rows[np.argsort(core.particles.id[rows])]
         scene = core.scene
         source = fields.Source(
-            core.particles, rows, scene.dimension, scene.materials.body_material,
-            periods=scene.domain.ends, plate=scene.carried.plate,
-        )  # fmt: skip
+            core.particles,
+            rows,
+            scene.dimension,
+            scene.materials.body_material,
+            periods=scene.domain.ends,
+            plate=scene.carried.plate,
+        )
         return scene.fields[name].values(source)
 
     def to_pandas(self, *names: str) -> pandas.DataFrame:

@@ -98,11 +98,13 @@ def begin(
     on_lattice = np.bincount(layer, counts.sum(axis=0), scene.domain.frame.vertices[0])
     slab = _decompose(start, ring_counts(scene, creation.layer_counts(on_lattice)))
     particles, count = create_particles(
-        scene, slab, comm,
+        scene,
+        slab,
+        comm,
         lambda own: all_or_none(
             comm, lambda: creation.create(own, lattice, counts, layer), CaseError
         ),
-    )  # fmt: skip
+    )
     scene.interaction.loads.require_all_hold(particles, count, comm)
     if later := later_constraints([each.case for each in scenes]):
         mine = held(later, particles.body[:count], particles.x[:count])

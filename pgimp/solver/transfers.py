@@ -194,6 +194,10 @@ def _turn(rank: RankState, changed: np.ndarray) -> None:
         if joined and (bounds[0] < within[0] or bounds[1] > within[1]):
             rows, bounds[:] = population.order, within
     rank.call(
-        turn_particles, scene.settings.shape, scene.domain.frame, scene.domain.exits,
-        population.stored, rows,
-    )  # fmt: skip
+        turn_particles,
+        scene.settings.shape,
+        scene.domain.frame,
+        scene.domain.exits,
+        population.stored,
+        rows,
+    )

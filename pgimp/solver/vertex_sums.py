@@ -64,9 +64,13 @@ class VertexSums:
         self._halos.clear()
         self._known, self._planes = grid.field, np.empty(0, np.int64)
         self.grid = Grid(
-            self.scene.domain.frame, self.scene.settings.vertices, grid.slab, grid.lag, fields,
+            self.scene.domain.frame,
+            self.scene.settings.vertices,
+            grid.slab,
+            grid.lag,
+            fields,
             periodic=self.scene.domain.periodic,
-        )  # fmt: skip
+        )
         self.grid.store(grid.base)
         return True
 

@@ -147,17 +147,18 @@ def _misdirected(
     axis = "xyz"[moving[0]]
     if geometry == "axisymmetric" and axis == "x":
         yield Problem(
-            path, "rings that enter along the radius have other volumes layer by layer; only "
+            path,
+            "rings that enter along the radius have other volumes layer by layer; only "
             "along the axis y can they",
-        )  # fmt: skip
+        )
     if any(
         f"{axis}-{end}" in boundaries and boundaries[f"{axis}-{end}"].joins
         for end in ("min", "max")
     ):
         yield Problem(
-            path, f"along {axis} the domain is periodic: what enters would come back into the "
-            "inflow",
-        )  # fmt: skip
+            path,
+            f"along {axis} the domain is periodic: what enters would come back into the inflow",
+        )
 
 
 def _uneven(name: str, body: Body, entry: InflowEntry, grid: Grid, method: Shape) -> Problems:

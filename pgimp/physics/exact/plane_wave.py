@@ -132,15 +132,21 @@ def _stress_of(X, solution, strain):
 
     def two(X, s, strain):
         return (
-            _normal(s, strain, 0), _normal(s, strain, 1), _normal(s, strain, 2),
+            _normal(s, strain, 0),
+            _normal(s, strain, 1),
+            _normal(s, strain, 2),
             _shear(s, strain, 0, 1),
-        )  # fmt: skip
+        )
 
     def three(X, s, strain):
         return (
-            _normal(s, strain, 0), _normal(s, strain, 1), _normal(s, strain, 2),
-            _shear(s, strain, 0, 1), _shear(s, strain, 1, 2), _shear(s, strain, 0, 2),
-        )  # fmt: skip
+            _normal(s, strain, 0),
+            _normal(s, strain, 1),
+            _normal(s, strain, 2),
+            _shear(s, strain, 0, 1),
+            _shear(s, strain, 1, 2),
+            _shear(s, strain, 0, 2),
+        )
 
     return (one, two, three)[len(X) - 1]
 

@@ -162,9 +162,9 @@ def find_deformation(
     mean = law.VOLUME_ONLY or law.CARRIES_STRESS
     # Directions of the unknowns: all, or the one along gravity and those across it.
     directions = D + axial
-    groups = [list(range(directions))] if mean else [
-        [axis], [d for d in range(directions) if d != axis],
-    ]  # fmt: skip
+    groups = (
+        [list(range(directions))] if mean else [[axis], [d for d in range(directions) if d != axis]]
+    )
     groups = [group for group in groups if group]
     one, place = np.array(identity(D, axial)), [d * (D + 1) for d in range(D)] + [D * D] * axial
     setting, found = scene.setting.without_shape(), np.empty_like(wanted)

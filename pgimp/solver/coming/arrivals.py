@@ -151,13 +151,15 @@ class Arrivals:
         rank, scene, comm = now.rank, self.scene, self.comm
         creation, count = Creation(scene), int(self.counts.sum())
         particles, own = create_particles(
-            scene, rank.slab, comm,
+            scene,
+            rank.slab,
+            comm,
             lambda slab: all_or_none(
                 comm,
                 lambda: creation.create(slab, self.lattice, self.counts, self._layer),
                 CaseError,
             ),
-        )  # fmt: skip
+        )
         self._prepare(particles, own, scene.case.staged.start)
         particles.id[:own] += now.count
         first, now.count = now.count, now.count + count

@@ -105,9 +105,13 @@ class FreeBodies:
                 )
 
     def solve_velocities(
-        self, rigid_bodies: RigidBodies, grid: Grid, t: Step, gravity: tuple[float, ...],
+        self,
+        rigid_bodies: RigidBodies,
+        grid: Grid,
+        t: Step,
+        gravity: tuple[float, ...],
         find_rigid_impulses: Callable[[], None],
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Find the velocities at the end of a step, and set them; collective.
 
         Parameters

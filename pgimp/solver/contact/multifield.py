@@ -172,9 +172,14 @@ class MultifieldContact(NoContact):
         if self.free is None:
             return
         respond = partial(
-            rank.call, find_rigid_impulses, self.data, update.faces, self.scene.domain.frame,
-            rank.grid.field, update.forcing,
-        )  # fmt: skip
+            rank.call,
+            find_rigid_impulses,
+            self.data,
+            update.faces,
+            self.scene.domain.frame,
+            rank.grid.field,
+            update.forcing,
+        )
         gravity = update.forcing.gravity
         self.free.solve_velocities(self.rigid_bodies, rank.grid, update.t, gravity, respond)
 
@@ -206,9 +211,14 @@ class MultifieldContact(NoContact):
             return
         while True:
             self.call(
-                list_vertices, self.data, update.faces, self.scene.domain.frame, rank.grid.field,
-                update.t.dt, last,
-            )  # fmt: skip
+                list_vertices,
+                self.data,
+                update.faces,
+                self.scene.domain.frame,
+                rank.grid.field,
+                update.t.dt,
+                last,
+            )
             if self.data.listed.fits():
                 return
             self.data = self.data._replace(listed=self.data.listed.with_room())

@@ -269,10 +269,15 @@ class Selector:
             bound_filled, frame, table, motion, self._slack, scene.settings.vertices, patches, most
         )
         self.call(
-            keep_possible, frame, (self._faces, boxes, self._rigid_bodies), self._rigid_slack,
-            self.acts, (most[order], keys % contact_vertices.groups),
-            contact_vertices._replace(keys=keys), kept,
-        )  # fmt: skip
+            keep_possible,
+            frame,
+            (self._faces, boxes, self._rigid_bodies),
+            self._rigid_slack,
+            self.acts,
+            (most[order], keys % contact_vertices.groups),
+            contact_vertices._replace(keys=keys),
+            kept,
+        )
         return order[kept]
 
     def _wall_boxes(self) -> np.ndarray:
