@@ -92,6 +92,24 @@ def test_the_thickness_obeys_the_law(configuration):
     np.testing.assert_allclose(sim.particles["volume"], volume, rtol=1e-12)
 
 
+def test_rubber_may_be_stretched_by_far():
+    """Drawn out to nine times its length: the slope is a hundredth of the fastest wave's."""
+    scene = case(
+        "neo-hookean",
+        body={"configuration": "initial", "region": {"box": {"min": [0, 1], "max": [1, 2]}}},
+        grid={"size": [12.0, 3.0], "cell": [0.25, 0.25]}, time={"end": 8.0, "step": 0.002},
+        method={"shape": "cpdi"}, damping={"mass": 4.0},
+        constraints={"grip": {
+            "body": "b", "velocity": [1.0, None],
+            "region": {"half-space": {"point": [0.7, 0.0], "normal": [-1.0, 0.0]}},
+        }},
+    )  # fmt: skip
+    sim = pgimp.Simulation(scene)
+    sim.advance()
+    assert sim.particles["deformation"][:, 0].max() > 8.0
+    assert np.abs(sim.particles["stress"][:, 2]).max() < 1e-8 * YOUNG
+
+
 @pytest.mark.parametrize("configuration", ["current", "initial"])
 def test_what_flows_is_on_its_yield_surface(configuration):
     """And loses volume by elastic strain alone: log J = s_kk/(3 K)."""

@@ -21,9 +21,9 @@ from pgimp.kernels.update.varying import substitute_parameters
 #: Stress out of the plane that is left, over rho c^2, and evaluations until it is.
 ENOUGH, MOST = 1e-13, 40
 
-#: Bounds of a secant's slope over the wave's. Below 1 in all materials that are known here, but in
-#: rounding; J2 flow leaves K/(K + 4G/3), a twentieth at least for the least Poisson's ratio.
-LEAST, GREATEST = 0.02, 1.5
+#: Bounds of a secant's slope over the wave's. It is 1 at most, but for rounding. J2 flow leaves
+#: K/(K + 4G/3), and rubber that is stretched by a in the plane about 1/a^2.
+LEAST, GREATEST = 1e-4, 1.5
 
 #: Greatest change of the thickness in one evaluation, relative.
 FARTHEST = 0.25
@@ -57,7 +57,6 @@ def _deform_plate(setting, forcing, particles, four, numbers, D):
         L, F = _in_plane(setting.frame, dt, D, before[:4])
         own = substitute_parameters(setting, particles, four.rows)
         thickness, density = before[4], take(particles.m, four.rows) / take(particles.V0, four.rows)
-        J = determinant((*F, thickness))
         r, last_r = vector(0.0), vector(0.0)
         slope, last, done = vector(1.0), vector(0.0), vector(0.0)
         for n in range(MOST):

@@ -1,12 +1,12 @@
 """Measures faces without ends and ground at rest; see scripts/quiet."""
 
 from studies.harness import options_of, origin, table
-from studies.quiet import ground, long, oblique
+from studies.quiet import ground, jet, long, oblique
 
 
 def main():
     """Measure what is asked for, and write its tables."""
-    what = {"nargs": "*", "among": ("oblique", "ground", "long"), "metavar": "WHAT"}
+    what = {"nargs": "*", "among": ("oblique", "ground", "jet", "long"), "metavar": "WHAT"}
     options = options_of("quiet", what=what, steps={"type": int, "default": 100_000})
     chosen = options.what or what["among"]
     measured = f"Measured by `scripts/quiet` on one core of {origin()}."
@@ -26,6 +26,11 @@ def main():
             "ground, 4 to 7 cells high, after 1,000 steps",
             "largest velocity over the wave speed",
         )
+        print(table(titles, rows, measured))
+    if "jet" in chosen:
+        rows = [[2 * k, *jet.plate(0.025 / k)] for k in (1, 2, 4)]
+        titles = ["cells across half the jet", "mean force", "swings by", "steps",
+                  "particles at the end", "time"]  # fmt: skip
         print(table(titles, rows, measured))
     if "long" in chosen:
         steps = options.steps
