@@ -128,7 +128,7 @@ class Case(Model):
     every_body: dict[Name, Annotated[Any, WithKey("rigid", RigidBody, Body)]] = Field(
         alias="bodies",
         min_length=1,
-        max_length=1000,
+        max_length=10_000,
         description="the bodies by name: of a material, or with the key `rigid`",
         json_schema_extra={"additionalProperties": False},
     )
@@ -246,6 +246,11 @@ class Case(Model):
     def bodies(self) -> dict[str, Body]:
         """Bodies of a material, which have particles."""
         return {name: body for name, body in self.every_body.items() if isinstance(body, Body)}
+
+    @cached_property
+    def body_names(self) -> list[str]:
+        """Names of the bodies that have particles, by number."""
+        return list(self.bodies)
 
     @cached_property
     def rigid_bodies(self) -> dict[str, RigidBody]:

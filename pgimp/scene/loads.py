@@ -15,7 +15,7 @@ from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.tractions import Spread, overlaps
-from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
+from pgimp.scene.bodies.merge import LEAST_FRACTION
 
 
 def covered_fractions(low: float, high: float, edges: np.ndarray) -> np.ndarray:

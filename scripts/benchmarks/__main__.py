@@ -18,13 +18,14 @@ from report import ROOT, origin
 
 PARTS = (
     "kernels", "peers", "domain", "features", "scaling", "instructions", "output", "model",
-    "balance",
+    "balance", "bodies",
 )  # fmt: skip
 #: Parts that are programs: their words, and those if all is to be quick.
 PROGRAMS = {
     "output": ([], ["--quick"]),
     "model": (["--seconds", "5"], ["--seconds", "2", "coarse"]),
     "balance": ([], ["--quick"]),
+    "bodies": ([], ["--quick"]),
 }
 
 

@@ -4,11 +4,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cut_bodies import ball, body, box, particles, spinning
+from cut_bodies import ball, body, box, particles, region, spinning
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scenes import field, finish, scene, start
 
 from pgimp.errors import CaseError
-from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
+from pgimp.scene.bodies.lattice_body import LatticeBody
+from pgimp.scene.bodies.merge import LEAST_FRACTION
 
 # -- small cut boxes
 
@@ -39,6 +42,32 @@ def test_a_small_part_without_a_neighbour_stays():
     p, _ = particles(scene(1, body(box([1.1], [1.1 + 1e-5]))))
     assert len(p.V) == 1
     assert p.V[0] == pytest.approx(1e-5, rel=1e-9)
+
+
+# -- parts of the lattice
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_a_small_body_is_measured_once_for_every_part_of_it(data):
+    """Whole boxes, fractions and moments of any part are those that are found for it alone."""
+    D = data.draw(st.integers(1, 3))
+    random = np.random.default_rng(data.draw(st.integers(0, 10**6)))
+    edges = [np.linspace(0.0, 4.0, 9)] * D
+    centres = [0.25 + 0.5 * np.arange(8)] * D
+    entry = ball(random.uniform(0.0, 4.0, D).tolist(), random.uniform(0.1, 2.0))
+    if data.draw(st.booleans()):
+        entry = {"difference": [box([0.3] * D, [3.9] * D), entry]}
+    cut = data.draw(st.booleans())
+    lattice_body = LatticeBody(region(entry), edges, centres, cut)
+    alone = LatticeBody(region(entry), edges, centres, cut)
+    for _ in range(3):
+        ends = np.sort(random.integers(0, 9, (D, 2)), axis=1).tolist()
+        part = [(a, max(a + 1, b)) if a < 8 else (7, 8) for a, b in ends]
+        one, other = lattice_body.volume_fractions(part), alone._find_fractions(part)
+        assert one.ranges == other.ranges
+        for mine, theirs in zip(one[1:], other[1:], strict=True):
+            np.testing.assert_array_equal(mine, theirs)
 
 
 # -- bodies that meet

@@ -20,7 +20,8 @@ from pgimp.geometry.measure import TangledError
 from pgimp.geometry.regions import Points
 from pgimp.geometry.sweep import close_pairs
 from pgimp.physics.contact.pairs import sharing
-from pgimp.scene.bodies.lattice_body import LEAST_FRACTION, LatticeBody
+from pgimp.scene.bodies.lattice_body import LatticeBody
+from pgimp.scene.bodies.merge import LEAST_FRACTION
 from pgimp.scene.bodies.point_cloud import Cloud
 from pgimp.scene.bodies.volume_fractions import Ranges, VolumeFractions
 from pgimp.scene.checks.overlap import overlaps
@@ -102,6 +103,9 @@ class Lattice:
             else LatticeBody(body.region, self.edges, self.coordinates, body.surface == "cut")
             for body in case.bodies.values()
         ]
+        # The last counts by body and plane, and their sums: bodies may be made one by one.
+        self._counts: NDArray[np.int64] = np.zeros((0, 0), np.int64)
+        self._ends = self._counts
 
     def excess(self, block: ParticleBlock) -> NDArray[np.float64]:
         """Part of the mean gap from a plane that is due to curvature, (n,), for cut particles.
@@ -157,13 +161,16 @@ class Lattice:
         on_lattice = [n for n, body in enumerate(self.bodies) if isinstance(body, LatticeBody)]
         every = np.array([self.bodies[n].box for n in on_lattice]).reshape(-1, len(self.edges), 2)
         low, high, n = every[..., 0], every[..., 1], np.array(self.per_cell)
-        for i, j in close_pairs(low, high, n).tolist():
-            begin = np.maximum(low[i], low[j]) // n * n
-            end = -(-np.minimum(high[i], high[j]) // n) * n
-            if (begin < end).all():
-                part = list(zip(begin.tolist(), end.tolist(), strict=True))
-                if self.stages[on_lattice[i]] == self.stages[on_lattice[j]] >= 0:
-                    yield on_lattice[i], on_lattice[j], part
+        pairs = close_pairs(low, high, n)
+        first, second = pairs.T
+        begin = np.maximum(low[first], low[second]) // n * n
+        end = -(-np.minimum(high[first], high[second]) // n) * n
+        stages = np.array(self.stages)[on_lattice]
+        met = (begin < end).all(axis=1) & (stages[first] == stages[second]) & (stages[first] >= 0)
+        for (i, j), here, there in zip(
+            pairs[met].tolist(), begin[met].tolist(), end[met].tolist(), strict=True
+        ):
+            yield on_lattice[i], on_lattice[j], list(zip(here, there, strict=True))
 
     def find_overlaps(
         self, planes: tuple[int, int]
@@ -259,9 +266,13 @@ class Lattice:
             Selects particles that are not on the lattice by their x coordinates; by default the
             particles within the planes.
         """
-        ends = np.cumsum(counts.ravel()).reshape(counts.shape)
-        for number, body in enumerate(self.bodies):
-            if (only is not None and number != only) or not counts[number].any():
+        if counts is not self._counts:
+            self._counts = counts
+            self._ends = np.cumsum(counts, dtype=np.int64).reshape(np.shape(counts))
+        ends = self._ends
+        for number in range(len(self.bodies)) if only is None else (only,):
+            body = self.bodies[number]
+            if not counts[number].any():
                 continue
             if isinstance(body, Cloud):
                 first = int(ends[number, -1] - counts[number].sum())

@@ -22,14 +22,15 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.measure import measure
 from pgimp.geometry.regions.base import Region
+from pgimp.scene.bodies.merge import merge_small
 from pgimp.scene.bodies.volume_fractions import Indices, Ranges, Reals, VolumeFractions
+
+#: A part of the lattice.
+Key = tuple[tuple[int, int], ...]
 
 #: Points per block that are tested one by one; also boxes per block in slabs of planes.
 _BLOCK = 200_000
 _SLAB = 4_000_000
-
-#: Volume fraction below which a cut box merges into a neighbour, if one is fuller.
-LEAST_FRACTION = 1e-3
 
 #: Up to `_FEW` parts of a region are all tested on all boxes. Of more parts, only the parts that
 #: reach a block of boxes are tested; a block has `_NEAR` boxes along each direction.
@@ -38,6 +39,9 @@ _FEW, _NEAR = 8, 16
 #: In cells: step of the differences for curvatures; curvature that counts as an edge.
 _STEP, _SHARP = 0.25, 0.5
 
+#: Boxes of a body that is measured once as a whole, whichever parts are asked for.
+_SMALL = 4096
+
 #: Points of a brick, which one test may classify together.
 _BRICK = 512
 
@@ -45,8 +49,7 @@ _BRICK = 512
 def _points(axes: list[Reals], ranges: Ranges, indices: Indices) -> NDArray[np.float64]:
     """Lattice points, given by their numbers in a part of the lattice, (n, D)."""
     index = np.unravel_index(indices, tuple(end - begin for begin, end in ranges))
-    parts = [x[i + r[0]] for x, i, r in zip(axes, index, ranges, strict=True)]
-    return np.stack(parts, axis=1)
+    return np.stack([x[i + r[0]] for x, i, r in zip(axes, index, ranges, strict=True)], axis=1)
 
 
 class LatticeBody:
@@ -73,14 +76,12 @@ class LatticeBody:
         self.size = np.array([(e[-1] - e[0]) / (len(e) - 1) for e in edges])
         self.radius = 0.5 * float(np.sqrt((self.size * self.size).sum())) * (1.0 + 1e-9)
         # Fractions and moments by part of the lattice: needed for the count, then for creation.
-        self._measured: dict[tuple[tuple[int, int], ...], tuple[Reals, Reals]] = {}
-        self._filled: dict[
-            tuple[tuple[int, int], ...], tuple[NDArray[np.uint8], VolumeFractions]
-        ] = {}
+        self._measured: dict[Key, tuple[Reals, Reals]] = {}
+        self._filled: dict[Key, tuple[NDArray[np.uint8], VolumeFractions]] = {}
+        self._small: VolumeFractions | None = None
         # Fraction of a box that rounding of coordinates may add or remove.
-        reach = max(
-            float(np.abs(e[[0, -1]]).max() / h) for e, h in zip(edges, self.size, strict=True)
-        )
+        ends = zip(edges, self.size, strict=True)
+        reach = max(float(np.abs(e[[0, -1]]).max() / h) for e, h in ends)
         self.rounding = 1e-12 + 16.0 * float(np.finfo(float).eps) * reach
 
     def slabs(self, planes: tuple[int, int]) -> Iterator[VolumeFractions]:
@@ -94,7 +95,7 @@ class LatticeBody:
         for begin in range(first, last, deep):
             end = min(begin + deep, last)
             wide = (max(begin - halo, self.box[0][0]), min(end + halo, self.box[0][1]))
-            volumes = self._merge(self.volume_fractions([wide, *self.box[1:]]))
+            volumes = merge_small(self.volume_fractions([wide, *self.box[1:]]), self.size)
             part = slice((begin - wide[0]) * row, (end - wide[0]) * row)
             at = slice(*np.searchsorted(volumes.indices, (part.start, part.stop)))
             yield VolumeFractions(
@@ -107,6 +108,14 @@ class LatticeBody:
 
     def volume_fractions(self, ranges: Ranges) -> VolumeFractions:
         """Volume fractions in a part of the lattice, small cut boxes not merged."""
+        if 0 < np.prod([end - begin for begin, end in self.box]) <= _SMALL:
+            if self._small is None:
+                self._small = self._find_fractions(self.box)
+            return self._small if ranges == self.box else self._small.part(ranges)
+        return self._find_fractions(ranges)
+
+    def _find_fractions(self, ranges: Ranges) -> VolumeFractions:
+        """Volume fractions by the region's distances, and by integrals over cut boxes."""
         if self.cut and (found := self._fill(ranges)) is not None:
             return found
         shape = tuple(end - begin for begin, end in ranges)
@@ -123,8 +132,7 @@ class LatticeBody:
             else:
                 whole[part] = self.region.contains(points)
         indices = np.concatenate(cut) if cut else np.zeros(0, np.int64)
-        key = tuple(ranges)
-        if key not in self._measured:
+        if (key := tuple(ranges)) not in self._measured:
             fractions, moments = np.zeros(len(indices)), np.zeros((len(indices), len(ranges)))
             for begin in range(0, len(indices), _BLOCK):
                 few = slice(begin, begin + _BLOCK)
@@ -137,8 +145,7 @@ class LatticeBody:
 
     def _fill(self, ranges: Ranges) -> VolumeFractions | None:
         """Volume fractions from a region that measures all boxes itself, else None."""
-        key = tuple(ranges)
-        if key not in self._filled:
+        if (key := tuple(ranges)) not in self._filled:
             found = self.region.fill(self.edges, ranges)
             if found is None:
                 return None
@@ -255,44 +262,3 @@ class LatticeBody:
                 boxes = boxes[(slice(None),) * d + (slice(0, end - begin),)]
             masks.append(np.ascontiguousarray(boxes))
         return masks[0], masks[1]
-
-    def _merge(self, volumes: VolumeFractions) -> VolumeFractions:
-        """Merge small cut boxes into the fullest neighbour, among equals the nearest, then first.
-
-        The nearest neighbour is the one with the fewest different coordinates.
-        """
-        small = np.flatnonzero(volumes.fractions < LEAST_FRACTION)
-        if len(small) == 0:
-            return volumes
-        origins = volumes.indices[small]
-        shape = tuple(end - begin for begin, end in volumes.ranges)
-        index = np.unravel_index(origins, shape)
-        target = np.full(len(origins), -1)
-        fullest = np.full(len(origins), np.nextafter(LEAST_FRACTION, 0.0))
-        away = np.zeros((len(origins), len(shape)))
-        steps = np.array(list(np.ndindex(*(3,) * len(shape)))) - 1
-        for step in steps[np.argsort(np.abs(steps).sum(axis=1), kind="stable")]:
-            there = [i + s for i, s in zip(index, step, strict=True)]
-            valid = np.ones(len(origins), bool)
-            for i, n in zip(there, shape, strict=True):
-                valid &= (0 <= i) & (i < n)
-            rows = np.flatnonzero(valid)
-            indices = np.ravel_multi_index([i[rows] for i in there], shape)
-            fraction = volumes.fraction(indices)
-            better = fraction > fullest[rows]
-            rows = rows[better]
-            target[rows], fullest[rows] = indices[better], fraction[better]
-            away[rows] = -step * self.size
-        goes = target >= 0
-        small, target, away = small[goes], target[goes], away[goes]
-        kept = np.ones(len(volumes.indices), bool)
-        kept[small] = False
-        indices = np.union1d(volumes.indices[kept], target)
-        fractions, moments = volumes.fraction(indices), volumes.moment(indices)
-        whole = volumes.whole.copy()
-        whole[indices] = False
-        at = np.searchsorted(indices, target)
-        given = volumes.fractions[small]
-        np.add.at(fractions, at, given)  # one after the other, in the order of the boxes
-        np.add.at(moments, at, volumes.moments[small] + given[:, None] * away)
-        return volumes._replace(whole=whole, indices=indices, fractions=fractions, moments=moments)

@@ -126,7 +126,7 @@ def velocities(scene: Scene, body: int, positions: np.ndarray) -> np.ndarray:
         v = np.zeros_like(positions)
         initial_velocities(scene.settings.exact, scene.domain.frame, positions, v)
         return v
-    motion = list(scene.case.bodies.values())[body].velocity
+    motion = scene.case.bodies[scene.case.body_names[body]].velocity
     D = scene.dimension
     if isinstance(motion, tuple):
         return np.tile(np.array(motion, float), (len(positions), 1))

@@ -49,6 +49,25 @@ class VolumeFractions(NamedTuple):
         """Moments of the boxes with these numbers, (n, D)."""
         return self._take(indices, np.zeros((len(indices), self.moments.shape[1])), self.moments)
 
+    def part(self, ranges: Ranges) -> "VolumeFractions":
+        """The same in another part of the lattice; boxes outside of this one are empty."""
+        shape, first = tuple(end - begin for begin, end in ranges), [begin for begin, _ in ranges]
+        whole = np.zeros(shape, bool)
+        here, there = [], []
+        for (a, b), (begin, end) in zip(self.ranges, ranges, strict=True):
+            low, high = max(a, begin), max(a, begin, min(b, end))
+            here.append(slice(low - a, high - a))
+            there.append(slice(low - begin, high - begin))
+        size = tuple(b - a for a, b in self.ranges)
+        whole[tuple(there)] = self.whole.reshape(size)[tuple(here)]
+        index = np.array(np.unravel_index(self.indices, size))
+        index += np.array([[a - begin] for (a, _), begin in zip(self.ranges, first, strict=True)])
+        kept = ((index >= 0) & (index < np.array(shape)[:, None])).all(axis=0)
+        indices = np.ravel_multi_index(tuple(index[:, kept]), shape)
+        return VolumeFractions(
+            ranges, whole.reshape(-1), indices, self.fractions[kept], self.moments[kept]
+        )
+
     def _take(self, indices: Indices, values: Reals, special: Reals) -> Reals:
         """Values of boxes, with special values for the boxes in `indices`."""
         if len(self.indices):
