@@ -155,7 +155,8 @@ def momentum_books(case: Case, history: Array) -> tuple[list[MomentumBook], str]
         *("axisymmetric rings" for one in stages if one.axisymmetric),
     ]
     if unknown:
-        return [], f"the history does not have the impulse of {' and '.join(dict.fromkeys(unknown))}"
+        named = " and ".join(dict.fromkeys(unknown))
+        return [], f"the history does not have the impulse of {named}"
     return [_book(case, history, axis) for axis in range(case.dimensions)], ""
 
 

@@ -129,20 +129,25 @@ def _cells_across(case: Case, low: Array, high: Array) -> float:
     """
     least = np.inf
     for axis in range(case.dimensions):
-        cell, sides = case.grid.cell[axis], []
+        cell = case.grid.cell[axis]
         gaps = low[axis] - case.grid.origin[axis], case.grid.corner[axis] - high[axis]
-        for end, side, gap in zip(("min", "max"), (-1, 1), gaps, strict=True):
-            condition = case.boundaries.get(f"{AXES[axis]}-{end}")
-            if gap <= _AT * cell and condition is not None:
-                sides.append(condition.joins or not condition.approaches and sum(
-                    held_at(condition, axis, side)[: case.dimensions]
-                ) == 1)
-            elif gap <= _AT * cell and case.axisymmetric and axis == 0 and side < 0:
-                sides.append(True)
-        if len(sides) == 2:
-            continue
-        least = min(least, (high[axis] - low[axis]) / cell * (2.0 if any(sides) else 1.0))
-    return float(least)
+        on = [_goes_on(case, axis, side) for side, gap in enumerate(gaps) if gap <= _AT * cell]
+        held = [each for each in on if each is not None]
+        if len(held) < 2:
+            across = float(high[axis] - low[axis]) / cell
+            least = min(least, 2.0 * across if any(held) else across)
+    return least
+
+
+def _goes_on(case: Case, axis: int, side: int) -> bool | None:
+    """Whether a body at a face goes on beyond it, mirrored or repeated; None at an open face."""
+    condition = case.boundaries.get(f"{AXES[axis]}-{('min', 'max')[side]}")
+    if condition is None:
+        return True if case.axisymmetric and (axis, side) == (0, 0) else None
+    if condition.joins:
+        return True
+    held = held_at(condition, axis, 2 * side - 1)[: case.dimensions]
+    return not condition.approaches and sum(held) == 1
 
 
 def of_frames(case: Case, history: Array, frames: Sequence[Frame]) -> list[Indicator]:
@@ -164,7 +169,8 @@ def of_frames(case: Case, history: Array, frames: Sequence[Frame]) -> list[Indic
         loaded = max(every, key=lambda one: one.square)
         flows = state.name in case.bodies and _flows(case, state.name)
         if np.isfinite(loaded.within_cells):
-            found.append(Indicator("noise" if flows else "stripes", loaded.within_cells, state.name))
+            name = "noise" if flows else "stripes"
+            found.append(Indicator(name, loaded.within_cells, state.name))
         frozen = _frozen(history, state)
         if np.isfinite(frozen) and not flows and _is_current(case, state.name):
             found.append(Indicator("frozen", frozen, state.name))
@@ -194,9 +200,7 @@ def _stretched(case: Case, state: BodyState) -> Iterator[Indicator]:
 
 
 def _frozen(history: Array, state: BodyState) -> float:
-    """Greatest part of the energy that may be frozen in a body: of its strain energy what varies
-    within cells.
-    """
+    """Upper bound of a body's frozen energy, over the run's: what of it varies within cells."""
     column = f"body.{state.name}.strain-energy"
     book = energy_book(history)
     if book is None or column not in (history.dtype.names or ()):

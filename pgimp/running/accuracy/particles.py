@@ -156,9 +156,10 @@ def _within_cells(cell: Array, position: Array, volume: Array, stress: Array) ->
     means, centres = mean(stress), mean(position)
     smooth = means[index]
     for axis, stride in enumerate(strides):
-        smooth += _slope(keys, stride, means, centres[:, axis])[index] * (
-            position[:, axis] - centres[index, axis]
-        )[:, None]
+        smooth += (
+            _slope(keys, stride, means, centres[:, axis])[index]
+            * (position[:, axis] - centres[index, axis])[:, None]
+        )
     shared = counts[index] > 1
     weights = volume[shared]
     whole = float(weights @ (stress[shared] ** 2).sum(axis=1))

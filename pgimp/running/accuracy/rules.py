@@ -159,7 +159,7 @@ def line(found: list[Indicator]) -> str:
     named = [*kinds.values()]
     shown = "; ".join(one.text for one in named[:_NAMED])
     more = f"; and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
-    return f"accuracy: {shown}{more}: docs/{named[0].rule.page}"
+    return f"{shown}{more}: docs/{named[0].rule.page}"
 
 
 #: Most quantities that a line names.
