@@ -117,7 +117,8 @@ def report(case: Case, verbose: bool = False) -> None:
     else:
         print("time             unknown: no step of a sample of the case could be timed")
     boxes = {body.name: (body.low, body.high) for body in bodies}
-    if text := line([one for one in of_case(case, boxes) if one.name != "step"]):  # a warning has it
+    # A warning has the step.
+    if text := line([one for one in of_case(case, boxes) if one.name != "step"]):
         print(f"accuracy         {text}")
     poisson = {one.name: one.varies["poisson"][2] for one in bodies if "poisson" in one.varies}
     for note in (

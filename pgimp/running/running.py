@@ -111,6 +111,8 @@ def advance(
     total = perf_counter() - began
     if ended:
         say_done(sim, first, recorder, directory, log, total)
+        if log.speaks and (text := accuracy(directory.path, case)):
+            log.say(f"accuracy: {text}")
     else:
         log.say(
             f"stopped {stop} at step {sim.step}, t = {sim.time:.6g}, with a checkpoint; the same "
@@ -129,8 +131,6 @@ def advance(
         None if ended else f"stopped {stop}",
         figures(sim, timings, total),
     )
-    if ended and log.speaks and (text := accuracy(directory.path, case)):
-        log.say(f"accuracy: {text}")
     return ended
 
 
