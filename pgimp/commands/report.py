@@ -5,10 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from pgimp.errors import UsageError, explain
+from pgimp.errors import UsageError
 from pgimp.io.rundir.ownfiles import REPORT, RUN
-from pgimp.storage import atomic
-from pgimp.storage.plain import open_plain
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,6 +47,7 @@ def execute(args: argparse.Namespace) -> int:
     import matplotlib
 
     matplotlib.use("Agg")
+    from pgimp.utilities.report.file import write
     from pgimp.utilities.report.run import report_of_run
     from pgimp.utilities.report.study import TABLE, report_of_study
 
@@ -75,34 +74,6 @@ def _output(name: str | None, directory: Path) -> Path:
     if not path.parent.is_dir():
         raise UsageError(f"{path}: there is no folder {path.parent}")
     return path
-
-
-def write(path: Path, content: str) -> None:
-    """Write a report, completely or not at all; only an older report is replaced.
-
-    Raises
-    ------
-    UsageError
-        If another file is there, or it cannot be written.
-    """
-    from pgimp.utilities.report.html import BEGINNING
-
-    try:
-        if path.is_dir():
-            raise UsageError(f"{path} is a directory")
-        if path.exists():
-            with open_plain(path) as stream:
-                beginning = stream.read(len(BEGINNING.encode()))
-            if beginning and beginning != BEGINNING.encode():
-                raise UsageError(
-                    f"{path} exists and is no report of pgimp; it is left as it is: name another "
-                    "file with -o"
-                )
-        atomic.write(path, content)
-    except OSError as error:
-        raise UsageError(
-            f"cannot write {path}: {explain(error)}; name another file with -o"
-        ) from error
 
 
 def _show(path: Path) -> None:

@@ -5,7 +5,10 @@ The bounds and their reasons are in docs/report.md, which a test compares with t
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 
 class Rule(NamedTuple):
@@ -34,10 +37,22 @@ class Rule(NamedTuple):
     remedy: str
     least: bool = False
 
+    def remedies(self, case: Case | None = None) -> str:
+        """Return the remedy, without what a case does already."""
+        parts = self.remedy.split("; ")
+        method = None if case is None else case.method
+        if method is not None and method.affine:
+            parts = [part for part in parts if not part.startswith("method.affine: true")]
+        if method is not None and method.volumetric == "mean":
+            parts = [part for part in parts if not part.startswith("method.volumetric: mean")]
+        return "; ".join(parts)
+
     def number(self, value: float) -> str:
         """Return a value with its unit."""
         if self.unit == "%":
-            return f"{100.0 * value:.2g} %" if abs(value) < 0.995 else f"{100.0 * value:.0f} %"
+            if 0.0 < abs(value) < 1e-6:
+                return "below 0.0001 %"
+            return f"{100.0 * value:{'.2g' if abs(value) < 0.995 else '.0f'}} %"
         return f"{value:.3g} {self.unit}".rstrip()
 
 

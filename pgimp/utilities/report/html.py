@@ -29,7 +29,8 @@ th, td { text-align: left; vertical-align: top; padding: .25rem .8rem .25rem 0;
   border-bottom: 1px solid #e4e7eb; }
 th { font-weight: 600; }
 thead th { border-bottom: 1px solid #8d96a3; }
-td.n, th.n { text-align: right; white-space: nowrap; }
+td.n, th.n { text-align: right; }
+td.n { white-space: nowrap; }
 tr.sum td, tr.sum th { border-top: 1px solid #8d96a3; font-weight: 600; }
 pre { background: #f5f6f8; border: 1px solid #e4e7eb; padding: .7rem .8rem; margin: .5rem 0;
   font: 12.5px/1.45 ui-monospace, "DejaVu Sans Mono", monospace; white-space: pre-wrap;
@@ -54,7 +55,7 @@ footer { margin-top: 2.5rem; color: #555; font-size: .88rem; }
   nav, .screen { display: none; } a { color: inherit; text-decoration: none; }
   .wide { overflow: visible; }
   h2, h3 { break-after: avoid; } figure, tr, .alarm { break-inside: avoid; }
-  pre { font-size: 7.5pt; } td.n, th.n { white-space: normal; } }
+  th, td { padding-right: .5rem; } pre { font-size: 7.5pt; } td.n { white-space: normal; } }
 """
 
 

@@ -105,9 +105,12 @@ def failure(directory: Path, info: Mapping[str, Any]) -> tuple[str, str]:
     """Return the message of a run that has failed or was stopped, and the report of particles."""
     if info["state"] not in ("failed", "stopped"):
         return "", ""
+    message = str(info.get("message") or "")
     text = _read(directory / "failure" / "report.txt")
+    text = text.partition("\n\nThe last lines of ")[0]  # the history has a section of its own
+    text = text.partition("\n\n")[2]  # without the message
     more = "\n..." if len(text) > _MOST_TEXT else ""
-    return str(info.get("message") or ""), text[:_MOST_TEXT] + more
+    return message, text[:_MOST_TEXT] + more
 
 
 def file_text(path: Path) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +14,10 @@ from pgimp.running.accuracy.rules import Indicator
 from pgimp.running.progress import duration
 from pgimp.utilities.plot.runs import PlotRun
 from pgimp.utilities.plot.units import unit
-from pgimp.utilities.report.html import Markup, join, paragraph, table
+from pgimp.utilities.report.html import Markup, items, join, paragraph, table
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 #: Decades of the bars on either side of the bound, and their size in pixels.
 _DECADES, _WIDTH, _HEIGHT = 2.0, 90, 10
@@ -24,33 +27,56 @@ _TENTH = 0.1
 _MOST_RANKS = 8
 
 
-def accuracy_table(found: Sequence[Indicator]) -> Markup:
-    """Return the indicators, the worst first: value, bound, distance, remedy and page."""
+def accuracy_table(found: Sequence[Indicator], case: Case | None = None) -> Markup:
+    """Return the indicators, the worst first, and what lowers the errors of uncomfortable ones.
+
+    Parameters
+    ----------
+    found : sequence of Indicator
+        The indicators.
+    case : Case, optional
+        The case, which may do already what would help others.
+    """
     ranked = sorted(found, key=lambda one: (one.well, -one.distance))
     rows = [
         (
-            one.rule.label + (f" '{one.where}'" if one.where else ""),
+            _name(one),
             Markup(f'<span class="beyond">{_value(one)}</span>') if not one.well else _value(one),
             f"{'from' if one.rule.least else 'up to'} {one.rule.number(one.rule.bound)}",
             bar(one.distance),
-            "" if one.well else f"{one.rule.remedy} (docs/{one.rule.page})",
         )
         for one in ranked
     ]
     if not rows:
         return paragraph("Nothing is known of the errors of this run.")
-    wrong = sum(not one.well for one in found)
+    wrong = [one for one in ranked if not one.well]
     said = (
-        f"{wrong} of {len(found)} indicators are beyond what is comfortable."
+        f"{len(wrong)} of {len(found)} indicators are beyond what is comfortable."
         if wrong
         else f"All {len(found)} indicators are comfortable."
     )
     note = (
-        "A bar ends at the middle line where a value is at its bound; from there on each half is "
-        "two powers of ten. The bounds and their reasons are in docs/report.md."
+        "A bar ends at the middle line where a value is at its bound; on either side it spans two "
+        "powers of ten. The bounds and their reasons are in docs/report.md."
     )
-    head = ("indicator", "value", "comfortable", "distance", "what lowers the error")
-    return join([paragraph(said), table(head, rows, words=5), paragraph(note)])
+    remedies = {
+        one.rule.label: f"{one.rule.label}: {one.rule.remedies(case)} (docs/{one.rule.page})"
+        for one in wrong
+    }
+    head = ("indicator", "value", "comfortable", "distance")
+    return join(
+        [
+            paragraph(said),
+            table(head, rows, words=4),
+            paragraph("What lowers the errors:") if remedies else "",
+            items(remedies.values()),
+            paragraph(note),
+        ]
+    )
+
+
+def _name(one: Indicator) -> str:
+    return one.rule.label + (f" '{one.where}'" if one.where else "")
 
 
 def _value(one: Indicator) -> str:
@@ -88,9 +114,9 @@ def energy_table(book: EnergyBook, shown: PlotRun) -> Markup:
             rows.append((name, entry.name, number(value), percent(value / book.scale)))
     least = float(np.nanmin(book.lost))
     note = (
-        "Per cent are of the greatest energy that was there or given"
-        f"{units(kind)}. What the method lost closes the balance, so given = there + taken; "
-        "artificial viscosity is a part of it."
+        f"At the last line of the history{units(kind)}. Per cent are of the greatest energy that "
+        "was there or given. What the method lost closes the balance, so that given = there + "
+        "taken; artificial viscosity is a part of it."
     )
     if least < 0.0:
         note += f" The most that had come from nothing at a time is {percent(-least)}."
@@ -117,8 +143,8 @@ def momentum_table(books: Sequence[MomentumBook], why: str, shown: PlotRun) -> M
     rest = max(abs(book.rest) for book in books) / scale if scale > 0.0 else 0.0
     kind = unit("mass length/time", shown.units, shown.dimension)
     note = (
-        f"What forces do not explain{units(kind)} is {rest:.1e} of their impulses and the "
-        "greatest momentum of the motion."
+        f"Over the whole run{units(kind)}. What forces do not explain is {rest:.1e} of their "
+        "impulses and the greatest momentum of the motion."
     )
     return join([table(head, rows, sums=2), paragraph(note)])
 
@@ -209,5 +235,5 @@ def percent(part: float) -> str:
 
 def units(kind: str) -> str:
     """Return a unit in words behind a quantity; empty without one."""
-    plain = re.sub(r"\$\^(\d)\$", r"^\1", kind)
+    plain = re.sub(r"\$\^(\d)\$", r"^\1", kind).replace(" / ", "/")
     return f", in {plain}" if plain else ""

@@ -59,7 +59,7 @@ def report_of_run(path: Path, field: str | None = None) -> str:
     title = str(data.get("title") or shown.name)
     made = [
         section("Failure", *_failure(path, info)),
-        section("Accuracy", found.problem, parts.accuracy_table(found.indicators)),
+        section("Accuracy", found.problem, parts.accuracy_table(found.indicators, found.case)),
         section("Error against the exact solution", *_errors(shown, found.history)),
         section("Pictures", drawings.pictures(shown, field)),
         section("History", *_curves(shown, found.history)),
@@ -167,7 +167,7 @@ def _failure(path: Path, info: dict[str, Any]) -> list[Markup]:
         return []
     parts_: list[Markup] = [Markup(f'<div class="alarm">{block(message)}</div>')]
     if particles and not message.startswith("stopped"):
-        parts_ += [paragraph("The particles at fault (failure/report.txt):"), block(particles)]
+        parts_ += [paragraph("What failure/report.txt says of it:"), block(particles)]
     return parts_
 
 
