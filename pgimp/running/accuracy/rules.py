@@ -109,10 +109,6 @@ RULES = {
         "mass past walls", 1e-3, "%", "limits.md#further-limits",
         "method.shape: finite-gimp, or wall: mirror",
     ),
-    "inside": Rule(
-        "particles inside rigid bodies", 1e-3, "%", "rigid-bodies.md",
-        "smaller cells or steps",
-    ),
     "volume": Rule(
         "error of the volume of what flows", 0.06, "%", "soils-and-fluids.md#measured",
         "smaller cells",

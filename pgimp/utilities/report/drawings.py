@@ -34,12 +34,20 @@ _MOST_FORCES = 8
 FORCE = re.compile(r"((reaction|constraint)\..*|tool\..*\.force|contact\..*)-[xyz]")
 
 
-def svg(drawn: Figure, description: str) -> Markup:
-    """Return a figure as a part of a page; its text is in the reader's fonts."""
+def svg(drawn: Figure, description: str, run: str) -> Markup:
+    """Return a figure as a part of a page; its text is in the reader's fonts.
+
+    Parameters
+    ----------
+    drawn : matplotlib.figure.Figure
+        The figure.
+    description, run : str
+        What it shows, and of which run: no other figure of the page has both.
+    """
     from matplotlib import rc_context
 
     stream = io.StringIO()
-    style: Any = {"svg.fonttype": "none", "svg.hashsalt": "pgimp"}
+    style: Any = {"svg.fonttype": "none", "svg.hashsalt": f"{run}: {description}"}
     with rc_context(style):
         drawn.savefig(
             stream, format="svg", metadata={"Date": None}, bbox_inches="tight", pad_inches=0.05
@@ -69,7 +77,7 @@ def history_figure(shown: PlotRun, columns: Sequence[str], caption: str) -> Mark
     try:
         with rc_context(style):
             drawn, _, _ = curves([shown], [], columns, "time", False)
-            return figure(svg(drawn, caption), caption)
+            return figure(svg(drawn, caption, shown.name), caption)
     except PgimpError as error:
         return paragraph(f"{caption}: {error}")
 
@@ -149,7 +157,7 @@ def _pictures(shown: PlotRun, chosen: list[PlotFrame], field: str | None) -> Mar
     with rc_context(style):
         if shown.dimension == 1:
             drawn, _, remarks = along(chosen, quantities, Selection(), 0, False)
-            content = svg(drawn, what)
+            content = svg(drawn, what, shown.name)
         else:
             view = camera(None, shown.dimension, None)
             drawn, _, remarks = picture(chosen, quantities, Selection(), view, None)

@@ -31,8 +31,18 @@ def state_of(info: Mapping[str, Any], end: float | None) -> Markup:
     return Markup(f'<span class="state {kind}">{words}</span>')
 
 
-def speed(info: Mapping[str, Any], found: Sequence[Indicator]) -> str:
-    """Return the particle-steps in a second with what is known of the error; empty if unknown."""
+def speed(info: Mapping[str, Any], found: Sequence[Indicator], error: str = "") -> str:
+    """Return the particle-steps in a second with the error beside; empty if unknown.
+
+    Parameters
+    ----------
+    info : mapping
+        The last start in run.json.
+    found : sequence of Indicator
+        What is known of the errors.
+    error : str
+        The error in words, if it is known otherwise.
+    """
     steps, seconds = info.get("particle_steps"), info.get("total_seconds")
     if not steps or not seconds:
         first = info.get("resumed_from") or 0
@@ -42,8 +52,8 @@ def speed(info: Mapping[str, Any], found: Sequence[Indicator]) -> str:
         return ""
     known = {one.name: one for one in reversed(found)}
     beside = known.get("error") or known.get("lost")
-    what = "with an error that is not known"
-    if beside is not None:
+    what = error or "with an error that is not known"
+    if beside is not None and not error:
         what = f"{beside.rule.label}: {beside.rule.number(beside.value)}"
     return f"{steps / seconds:.3g} particle-steps/s ({what})"
 

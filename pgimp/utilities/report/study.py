@@ -76,12 +76,15 @@ def report_of_study(folder: Path, field: str | None = None) -> str:
     )
 
 
+def _errors(folder: Path) -> dict[str, str]:
+    """Return the error of each run in study.csv, by name; empty text where there is none."""
+    entries = csv.DictReader(_text(folder / TABLE).splitlines())
+    return {entry["run"]: entry.get("error") or "" for entry in entries if entry.get("run")}
+
+
 def _runs(folder: Path) -> Iterator[tuple[str, dict[str, Any], list[Indicator]]]:
     """Yield name, last start and indicators of each run; those are empty where there is none."""
-    names: list[str] = []
-    for entry in csv.DictReader(_text(folder / TABLE).splitlines()):
-        names.append(entry.get("run") or "")
-    for name in dict.fromkeys(filter(None, names)):
+    for name in _errors(folder):
         starts = origin.starts_of(folder / "runs" / name)
         found: list[Indicator] = []
         if starts and starts[-1]["state"] == "done":
@@ -93,7 +96,7 @@ def _runs(folder: Path) -> Iterator[tuple[str, dict[str, Any], list[Indicator]]]
 
 
 def _table(folder: Path, runs: list[tuple[str, dict[str, Any], list[Indicator]]]) -> Markup:
-    rows = []
+    rows, errors = [], _errors(folder)
     for name, info, found in runs:
         own = folder / "runs" / name / REPORT
         shown: object = text(name)
@@ -104,7 +107,12 @@ def _table(folder: Path, runs: list[tuple[str, dict[str, Any], list[Indicator]]]
             state = f"failed: {str(info.get('message')).splitlines()[0]}"
         wrong = line(found)
         well = "all indicators comfortable" if found else ""
-        rows.append((shown, state, origin.speed(info, found) if info else "", wrong or well))
+        try:
+            error = f"an error of {float(errors[name]):.3g}"
+        except ValueError:
+            error = ""
+        speed = origin.speed(info, found, error) if info else ""
+        rows.append((shown, state, speed, wrong or well))
     return table(("run", "state", "speed and error", "accuracy"), rows, words=4)
 
 
