@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import io
-import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pgimp.errors import UsageError, explain
-from pgimp.storage import atomic
-from pgimp.storage.plain import open_plain
+from pgimp.errors import UsageError
+from pgimp.utilities.plot.look import add_arguments as add_looks
+from pgimp.utilities.plot.look import look, planes, settings
+from pgimp.utilities.plot.output import output_path, rendered, write
 from pgimp.utilities.plot.runs import AXES, PlotRun, open_runs, snapshots
 from pgimp.utilities.plot.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_FORMATS = ("png", "pdf", "svg")
-_BEGINNINGS = {"png": rb"\x89PNG\r\n", "pdf": rb"%PDF-", "svg": rb"(<\?xml|<svg|\s)"}
-_PICTURE_ONLY = ("slice", "camera", "range")
+_PICTURE_ONLY = ("slice", "camera", "range", "map", "panels", "mirror")
 _LONGEST_NAME = 120
 
 
@@ -83,6 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     line.add_argument(
         "--at", metavar="y=0.5,z=0.1", help="instead of the mean: each particle that reaches there"
     )
+    add_looks(parser)
     parser.add_argument("--log", action="store_true", help="curves on a logarithmic axis")
     parser.add_argument(
         "-o",
@@ -114,10 +112,10 @@ def execute(args: argparse.Namespace) -> int:
     matplotlib.use("Agg")
     from pgimp.utilities.plot.style import STYLE
 
-    style: Any = STYLE | {"svg.hashsalt": "pgimp"}
     _check(args)
-    output = _output(args.output) if args.output else None
-    table_path = _output(args.csv, ("csv",)) if args.csv else None
+    style: Any = STYLE | {"svg.hashsalt": "pgimp"} | settings(args)
+    output = output_path(args.output) if args.output else None
+    table_path = output_path(args.csv, ("csv",)) if args.csv else None
     if output and table_path and output.resolve() == table_path.resolve():
         raise UsageError(f"-o and --csv name the same file, {output}")
     runs = open_runs(args.directories)
@@ -132,13 +130,13 @@ def execute(args: argparse.Namespace) -> int:
                 runs, probes, _listed(args.columns), args.x or "time", args.log
             )
             name = "-".join(dict.fromkeys(probes)) or "history"
-        output = output or _output(_default_name(runs, name))
+        output = output or output_path(_default_name(runs, name))
         if output.suffix.lower() == ".csv":
-            _write(output, table.text())
+            write(output, table.text())
         else:
-            _write(output, _rendered(figure, output.suffix[1:].lower()))
+            write(output, rendered(figure, output.suffix[1:].lower()))
     if table_path:
-        _write(table_path, table.text())
+        write(table_path, table.text())
     for remark in remarks:
         print(f"note: {remark}")
     print(f"wrote {output}" + (f" and {table_path}" if table_path else ""))
@@ -200,8 +198,14 @@ def _frame(
         if len(place) > 1:
             raise UsageError(f"--slice {args.slice}: one plane, such as y=0.5; a line is --along")
         view = camera(args.camera, dimension, next(iter(place), None))
+        shown = chosen[0].shown
+        mirrored = planes(args.mirror, *shown.corners) if args.mirror is not None else ()
         figure, table, remarks = picture(
-            chosen, quantities, Selection(bodies, place), view, _limits(args.range)
+            chosen,
+            quantities,
+            Selection(bodies, place, shown.spacing, mirrored),
+            view,
+            look(args, _limits(args.range)),
         )
         label = first.text
     which = "-".join(str(number) for number in dict.fromkeys(s.frame.number for s in chosen))
@@ -236,48 +240,3 @@ def _default_name(runs: Sequence[PlotRun], name: str) -> str:
     if len(names) > _LONGEST_NAME:
         names = f"{Path(runs[0].name).name}-and-{len(runs) - 1}-more"
     return f"{names}-{name}.png"
-
-
-def _output(name: str, formats: Sequence[str] = (*_FORMATS, "csv")) -> Path:
-    """Return the output path, after checking for an existing file."""
-    path = Path(name)
-    kind = path.suffix[1:].lower()
-    if kind not in formats:
-        endings = ", ".join(f".{one}" for one in formats)
-        raise UsageError(f"{name}: the name must end in {endings}")
-    if not path.parent.is_dir():
-        raise UsageError(f"{name}: there is no folder {path.parent}")
-    try:
-        if path.is_dir():
-            raise UsageError(f"{name} is a directory")
-        if path.exists():
-            with open_plain(path) as stream:
-                beginning = stream.read(16)
-            fits = (
-                Table.is_one(beginning)
-                if kind == "csv"
-                else re.match(_BEGINNINGS[kind], beginning) is not None
-            )
-            if beginning and not fits:
-                what = "table of pgimp plot" if kind == "csv" else f"{kind.upper()} file"
-                raise UsageError(f"{name} exists and is no {what}; it is left as it is")
-    except OSError as error:
-        raise UsageError(f"cannot read {name}: {explain(error)}") from error
-    return path
-
-
-def _rendered(figure: Figure, kind: str) -> bytes:
-    """Return the file of a figure; the same figure gives the same bytes."""
-    stream = io.BytesIO()
-    dates = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
-    # Titles of a first row of pictures may exceed the layout's estimate.
-    room, about = 0.08, dates.get(kind)
-    figure.savefig(stream, format=kind, metadata=about, bbox_inches="tight", pad_inches=room)
-    return stream.getvalue()
-
-
-def _write(path: Path, content: str | bytes) -> None:
-    try:
-        atomic.write(path, content)
-    except OSError as error:
-        raise UsageError(f"cannot write {path}: {explain(error)}") from error

@@ -61,6 +61,26 @@ class PlotRun:
         """Dimensions of the case: 1, 2 or 3."""
         return self.case["dimensions"]
 
+    @cached_property
+    def spacing(self) -> tuple[float, ...]:
+        """Initial distance of the particles by axis; empty if the case does not tell it."""
+        try:
+            each = zip(
+                self.case["grid"]["cell"], self.case["method"]["particles_per_cell"], strict=True
+            )
+            found = tuple(float(cell) / float(count) for cell, count in each)
+        except (KeyError, TypeError, ValueError, ZeroDivisionError):
+            return ()
+        return found if len(found) == self.dimension else ()
+
+    @property
+    def corners(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Corners of the domain."""
+        grid = self.case["grid"]
+        origin = tuple(float(x) for x in grid["origin"])
+        size = (float(x) for x in grid["size"])
+        return origin, tuple(a + b for a, b in zip(origin, size, strict=True))
+
     @property
     def units(self) -> str:
         """Label of the case's units."""

@@ -160,7 +160,7 @@ def _pictures(shown: PlotRun, chosen: list[PlotFrame], field: str | None) -> Mar
             content = svg(drawn, what, shown.name)
         else:
             view = camera(None, shown.dimension, None)
-            drawn, _, remarks = picture(chosen, quantities, Selection(), view, None)
+            drawn, _, remarks = picture(chosen, quantities, Selection(spacing=shown.spacing), view)
             content = png(drawn, what)
     said = [paragraph(f"{text[0].upper()}{text[1:]}.") for text in map(_without_path, remarks)]
     return join([figure(content, f"{what}: of {len(shown.run.frames)} frames."), *said[:1]])
