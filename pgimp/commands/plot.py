@@ -8,14 +8,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from pgimp.errors import UsageError
+from pgimp.utilities.plot.changes import add_arguments as add_changes
+from pgimp.utilities.plot.changes import changes
+from pgimp.utilities.plot.look import Look, look, planes, rate, settings
 from pgimp.utilities.plot.look import add_arguments as add_looks
-from pgimp.utilities.plot.look import look, planes, settings
-from pgimp.utilities.plot.output import output_path, rendered, write
-from pgimp.utilities.plot.runs import AXES, PlotRun, open_runs, snapshots
+from pgimp.utilities.plot.output import MOVIES, output_path, rendered, write
+from pgimp.utilities.plot.runs import AXES, PlotRun, every_snapshot, open_runs, snapshots
 from pgimp.utilities.plot.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from pgimp.utilities.plot.camera import Camera
+    from pgimp.utilities.plot.selection import Selection
 
 _PICTURE_ONLY = ("slice", "camera", "range", "map", "panels", "mirror")
 _LONGEST_NAME = 120
@@ -52,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="column along the axis (default: time), such as displacement.top-y with "
         "--y constraint.top-y",
     )
+    add_changes(history)
     frame = parser.add_argument_group("a frame")
     frame.add_argument(
         "--field",
@@ -86,8 +92,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         metavar="FIG",
-        help="a .png, .pdf, .svg or .csv (default: a .png named after runs and field, where pgimp "
-        "is started)",
+        help="a .png, .pdf, .svg or .csv, or .gif or .mp4, a movie of all frames (default: a .png "
+        "named after runs and field, where pgimp is started)",
     )
     parser.add_argument("--csv", metavar="FILE", help="also a table of exactly what is drawn")
 
@@ -120,6 +126,12 @@ def execute(args: argparse.Namespace) -> int:
         raise UsageError(f"-o and --csv name the same file, {output}")
     runs = open_runs(args.directories)
     with matplotlib.rc_context(style):
+        if output and (kind := output.suffix[1:].lower()) in MOVIES:
+            write(output, _movie(args, runs, kind))
+            print(f"wrote {output}")
+            return 0
+        if args.rate is not None:
+            raise UsageError("--rate is for a movie: name one with -o, such as run.gif")
         if _wants_frame(args):
             figure, table, remarks, name = _frame(args, runs)
         else:
@@ -127,7 +139,13 @@ def execute(args: argparse.Namespace) -> int:
 
             probes = _listed(args.probe)
             figure, table, remarks = curves(
-                runs, probes, _listed(args.columns), args.x or "time", args.log
+                runs,
+                probes,
+                _listed(args.columns),
+                args.x or "time",
+                args.log,
+                look(args, None),
+                changes(args),
             )
             name = "-".join(dict.fromkeys(probes)) or "history"
         output = output or output_path(_default_name(runs, name))
@@ -157,16 +175,18 @@ def _check(args: argparse.Namespace) -> None:
     if args.at is not None and args.along is None:
         raise UsageError("--at is for a line: give --along too, or cut a slice with --slice")
     if _wants_frame(args):
-        for name in ("columns", "x", "probe"):
+        for name in ("columns", "x", "probe", "factor", "factor_x", "over", "mean"):
             if getattr(args, name) is not None:
-                raise UsageError(f"--{name} is for curves over time, the other options for a frame")
+                option = name.replace("_", "-")
+                raise UsageError(
+                    f"--{option} is for curves over time, the other options for a frame"
+                )
 
 
 def _frame(
     args: argparse.Namespace, runs: Sequence[PlotRun]
 ) -> tuple[Figure, Table, list[str], str]:
     from pgimp.utilities.plot.along import along
-    from pgimp.utilities.plot.camera import camera
     from pgimp.utilities.plot.picture import picture
     from pgimp.utilities.plot.quantity import quantity
     from pgimp.utilities.plot.selection import Selection, parse_place
@@ -185,31 +205,58 @@ def _frame(
             raise UsageError(f"--along {name}: the axes are {', '.join(AXES[:dimension])}")
         axis = AXES.index(name)
         place = parse_place(args.at, "--at", [one for one in axes if one != axis])
-        if args.range is not None:
-            raise UsageError("--range is for the colours of a picture; in 1D there are none")
+        for option in ("range", "map", "panels", "mirror"):
+            if getattr(args, option) is not None:
+                raise UsageError(f"--{option} is for a picture; in 1D, and --along, there is none")
         figure, table, remarks = along(chosen, quantities, Selection(bodies, place), axis, args.log)
+        seen = look(args, None)
+        if seen.title:
+            figure.axes[0].set_title(seen.title, fontsize="medium")
+        if seen.width:
+            figure.set_figwidth(seen.width)
         label = f"{first.text}-along-{name}"
     else:
-        if args.log:
-            raise UsageError("--log is for curves, not for pictures")
-        if args.slice and dimension < 3:
-            raise UsageError(f"--slice is for three dimensions; this case has {dimension}")
-        place = parse_place(args.slice, "--slice", range(dimension))
-        if len(place) > 1:
-            raise UsageError(f"--slice {args.slice}: one plane, such as y=0.5; a line is --along")
-        view = camera(args.camera, dimension, next(iter(place), None))
-        shown = chosen[0].shown
-        mirrored = planes(args.mirror, *shown.corners) if args.mirror is not None else ()
-        figure, table, remarks = picture(
-            chosen,
-            quantities,
-            Selection(bodies, place, shown.spacing, mirrored),
-            view,
-            look(args, _limits(args.range)),
-        )
+        figure, table, remarks = picture(chosen, quantities, *_seen(args, chosen[0].shown))
         label = first.text
     which = "-".join(str(number) for number in dict.fromkeys(s.frame.number for s in chosen))
     return figure, table, remarks, f"{label}-{which}"
+
+
+def _seen(args: argparse.Namespace, shown: PlotRun) -> tuple[Selection, Camera, Look]:
+    """Return what a picture shows of a run, from where, and its look."""
+    from pgimp.utilities.plot.camera import camera
+    from pgimp.utilities.plot.selection import Selection, parse_place
+
+    dimension = shown.dimension
+    if args.log:
+        raise UsageError("--log is for curves, not for pictures")
+    if args.slice and dimension < 3:
+        raise UsageError(f"--slice is for three dimensions; this case has {dimension}")
+    place = parse_place(args.slice, "--slice", range(dimension))
+    if len(place) > 1:
+        raise UsageError(f"--slice {args.slice}: one plane, such as y=0.5; a line is --along")
+    view = camera(args.camera, dimension, next(iter(place), None))
+    mirrored = planes(args.mirror, *shown.corners) if args.mirror is not None else ()
+    selection = Selection(tuple(_listed(args.body)), place, shown.spacing, mirrored)
+    return selection, view, look(args, _limits(args.range))
+
+
+def _movie(args: argparse.Namespace, runs: Sequence[PlotRun], kind: str) -> bytes:
+    """Return the movie of all frames of a run."""
+    from pgimp.utilities.movie.movie import movie
+    from pgimp.utilities.plot.quantity import quantity
+
+    wrong = [name for name in ("frame", "time", "along", "csv", "panels") if getattr(args, name)]
+    if wrong or len(runs) > 1:
+        option = f"--{wrong[0]}" if wrong else "several runs"
+        raise UsageError(f"a movie shows all frames of one run: leave {option} out")
+    (shown,) = runs
+    if shown.dimension == 1:
+        raise UsageError("a movie is of pictures; in 1D there are none")
+    chosen = every_snapshot(shown)
+    first = quantity(args.field, chosen[0].frame, shown.dimension)
+    quantities = [quantity(first.text, each.frame, shown.dimension) for each in chosen]
+    return movie(kind, chosen, quantities, *_seen(args, shown), rate(args))
 
 
 def _listed(text: str | None) -> list[str]:

@@ -6,6 +6,8 @@ import argparse
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from pgimp.errors import UsageError
 from pgimp.utilities.plot.runs import AXES
 from pgimp.utilities.plot.style import MAP
@@ -33,6 +35,8 @@ class Look(NamedTuple):
         Width of the figure in inches; 0 chooses.
     title : str or None
         Title in place of the times; of several pictures above all of them.
+    inside : ndarray, shape (2, 2), or None
+        Corners of what is shown, if it is not what the particles fill.
     """
 
     limits: tuple[float, float] | None = None
@@ -40,6 +44,7 @@ class Look(NamedTuple):
     panels: int = 0
     width: float = 0.0
     title: str | None = None
+    inside: np.ndarray | None = None
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -52,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     looks.add_argument(
         "--style", metavar="FILE", help="settings for all of it: a style file of matplotlib"
     )
+    looks.add_argument("--rate", metavar="N", help="frames of a movie in a second (default: 10)")
     looks.add_argument("--map", metavar="NAME", help=f"a frame's colours (default: {MAP})")
     looks.add_argument("--panels", metavar="N", help="pictures of frames side by side")
     looks.add_argument(
@@ -135,6 +141,11 @@ def planes(text: str | None, origin: Sequence[float], corner: Sequence[float]) -
         number = AXES.index(axis)
         found.append((number, float((origin if end == "min" else corner)[number])))
     return tuple(found)
+
+
+def rate(args: argparse.Namespace) -> float:
+    """Return the frames of a movie in a second."""
+    return 10.0 if args.rate is None else _positive(args.rate, "--rate", (0.1, 100.0))
 
 
 def width(args: argparse.Namespace) -> float:

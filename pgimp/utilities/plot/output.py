@@ -17,10 +17,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = ("png", "pdf", "svg")
-_BEGINNINGS = {"png": rb"\x89PNG\r\n", "pdf": rb"%PDF-", "svg": rb"(<\?xml|<svg|\s)"}
+MOVIES = ("gif", "mp4")
+_BEGINNINGS = {
+    "gif": rb"GIF8",
+    "mp4": rb"(?s).{4}ftyp",
+    "png": rb"\x89PNG\r\n",
+    "pdf": rb"%PDF-",
+    "svg": rb"(<\?xml|<svg|\s)",
+}
 
 
-def output_path(name: str, formats: Sequence[str] = (*FORMATS, "csv")) -> Path:
+def output_path(name: str, formats: Sequence[str] = (*FORMATS, *MOVIES, "csv")) -> Path:
     """Return the output path, after checking for an existing file.
 
     Raises

@@ -78,11 +78,9 @@ def picture(
         If there is no such particle.
     """
     dimension = snapshots[0].shown.dimension
-    extents = np.array([extent(snapshot.frame, selection, camera) for snapshot in snapshots])
-    for snapshot, (low, high) in zip(snapshots, extents, strict=True):
-        if not (low <= high).all():
-            raise empty(snapshot.frame, selection.place)
+    extents = extents_of(snapshots, selection, camera)
     inside = np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])
+    inside = inside if look.inside is None else look.inside
     table = Table(["run", "frame", "time", "id", *AXES[:dimension], "radius", quantities[0].text])
     drawn, remarks = [], []
     for snapshot, quantity in zip(snapshots, quantities, strict=True):
@@ -104,6 +102,21 @@ def picture(
     shown = [*zip(snapshots, drawn, nets, strict=True)]
     figure = _draw(shown, quantities[0], camera, inside, look)
     return figure, table, remarks
+
+
+def extents_of(snapshots: Sequence[PlotFrame], selection: Selection, camera: Camera) -> Array:
+    """Return the corners of the particles' extent in each picture, (n, 2, 2).
+
+    Raises
+    ------
+    UsageError
+        If a frame has no such particle.
+    """
+    extents = np.array([extent(snapshot.frame, selection, camera) for snapshot in snapshots])
+    for snapshot, (low, high) in zip(snapshots, extents, strict=True):
+        if not (low <= high).all():
+            raise empty(snapshot.frame, selection.place)
+    return extents
 
 
 def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, float, str]:

@@ -149,6 +149,20 @@ def _ended(shown: PlotRun) -> str:
     return "" if state == "done" else f"; the run {state} at t = {shown.run.info['time']:g}"
 
 
+def every_snapshot(shown: PlotRun) -> list[PlotFrame]:
+    """Return all frames of a run with particles, for a movie.
+
+    Raises
+    ------
+    UsageError
+        If there is none.
+    """
+    found = [PlotFrame(shown, frame) for frame in shown.run.frames if len(frame)]
+    if not found:
+        raise UsageError(f"{shown.path} has no frame with particles")
+    return found
+
+
 def snapshots(
     runs: Sequence[PlotRun], frames: Sequence[int], times: Sequence[float]
 ) -> list[PlotFrame]:
