@@ -59,7 +59,7 @@ def movie(
     look = look._replace(inside=inside)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"movie.{kind}"
-        writer = writers[name](fps=rate)
+        writer = writers[name](fps=rate)  # type: ignore[arg-type]
         for number, (snapshot, quantity) in enumerate(zip(snapshots, quantities, strict=True)):
             figure, _, _ = picture([snapshot], [quantity], selection, camera, look)
             if number == 0:
