@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 
 #: Most particles that are looked at, in runs of neighbours of this length.
-_MOST, _RUN = 1 << 20, 1 << 17
+_MOST, _RUN = 1 << 18, 1 << 16
 #: The part of a body's particles that may be beyond what is reported of its stretch.
 _FEW = 0.01
 #: Fewest particles of a body of which anything is said.
