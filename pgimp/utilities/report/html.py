@@ -30,7 +30,7 @@ th, td { text-align: left; vertical-align: top; padding: .25rem .8rem .25rem 0;
 th { font-weight: 600; }
 thead th { border-bottom: 1px solid #8d96a3; }
 td.n, th.n { text-align: right; }
-td.n { white-space: nowrap; }
+td.n { white-space: nowrap; } td:first-child { min-width: 5.5rem; }
 tr.sum td, tr.sum th { border-top: 1px solid #8d96a3; font-weight: 600; }
 pre { background: #f5f6f8; border: 1px solid #e4e7eb; padding: .7rem .8rem; margin: .5rem 0;
   font: 12.5px/1.45 ui-monospace, "DejaVu Sans Mono", monospace; white-space: pre-wrap;
