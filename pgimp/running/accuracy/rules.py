@@ -94,7 +94,7 @@ RULES = {
         "method.shape: finite-gimp",
     ),
     "frozen": Rule(
-        "frozen energy, at most", 0.03, "%", "hard-cases.md#frozen-stress",
+        "possibly frozen energy", 0.03, "%", "hard-cases.md#frozen-stress",
         "an entry of contact for bodies that meet; configuration: initial",
     ),
     "stripes": Rule(
