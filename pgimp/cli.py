@@ -38,7 +38,7 @@ _RANKS = re.compile(r"(?:-n|-np|--np|--ntasks|--ranks)(?:=?(\d+))?")
 # These and a run are on all ranks; the other commands run on one and never initialise MPI.
 _PARALLEL = ("run", "bench")
 # These read cases, whose materials may come from outside the package.
-_IMPORTING = ("run", "check", "study", "batch", "schema", "element")
+_IMPORTING = ("run", "check", "study", "batch", "schema", "element", "report")
 
 COMMAND_LIST = "commands:\n" + "\n".join(
     f"  {name:<9} {summary}" for name, summary in COMMANDS.items()

@@ -14,6 +14,8 @@ from pgimp.case.schema import Case
 from pgimp.jit.compiled.cache import announced
 from pgimp.mpi.comm import say
 from pgimp.running import forecast
+from pgimp.running.accuracy.find import of_case
+from pgimp.running.accuracy.rules import line
 from pgimp.scene.checks import nearness, overstress, series
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.later_constraints import idle_warnings
@@ -114,6 +116,10 @@ def report(case: Case, verbose: bool = False) -> None:
         report_cost(scene, known.lattice, known.counts, costs, crossing, steps, verbose)
     else:
         print("time             unknown: no step of a sample of the case could be timed")
+    boxes = {body.name: (body.low, body.high) for body in bodies}
+    # A warning has the step.
+    if text := line([one for one in of_case(case, boxes) if one.name != "step"]):
+        print(f"accuracy         {text}")
     poisson = {one.name: one.varies["poisson"][2] for one in bodies if "poisson" in one.varies}
     for note in (
         *known.notes,

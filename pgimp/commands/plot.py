@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import argparse
-import io
-import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pgimp.errors import UsageError, explain
-from pgimp.storage import atomic
-from pgimp.storage.plain import open_plain
-from pgimp.utilities.plot.runs import AXES, PlotRun, open_runs, snapshots
+from pgimp.errors import UsageError
+from pgimp.utilities.plot.changes import add_arguments as add_changes
+from pgimp.utilities.plot.changes import changes
+from pgimp.utilities.plot.look import Look, look, planes, rate, settings
+from pgimp.utilities.plot.look import add_arguments as add_looks
+from pgimp.utilities.plot.output import MOVIES, output_path, rendered, write
+from pgimp.utilities.plot.runs import AXES, PlotRun, every_snapshot, open_runs, snapshots
 from pgimp.utilities.plot.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_FORMATS = ("png", "pdf", "svg")
-_BEGINNINGS = {"png": rb"\x89PNG\r\n", "pdf": rb"%PDF-", "svg": rb"(<\?xml|<svg|\s)"}
-_PICTURE_ONLY = ("slice", "camera", "range")
+    from pgimp.utilities.plot.camera import Camera
+    from pgimp.utilities.plot.selection import Selection
+
+_PICTURE_ONLY = ("slice", "camera", "range", "map", "panels", "mirror")
 _LONGEST_NAME = 120
 
 
@@ -55,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="column along the axis (default: time), such as displacement.top-y with "
         "--y constraint.top-y",
     )
+    add_changes(history)
     frame = parser.add_argument_group("a frame")
     frame.add_argument(
         "--field",
@@ -83,13 +86,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     line.add_argument(
         "--at", metavar="y=0.5,z=0.1", help="instead of the mean: each particle that reaches there"
     )
+    add_looks(parser)
     parser.add_argument("--log", action="store_true", help="curves on a logarithmic axis")
     parser.add_argument(
         "-o",
         "--output",
         metavar="FIG",
-        help="a .png, .pdf, .svg or .csv (default: a .png named after runs and field, where pgimp "
-        "is started)",
+        help="a .png, .pdf, .svg or .csv, or .gif or .mp4, a movie of all frames (default: a .png "
+        "named after runs and field, where pgimp is started)",
     )
     parser.add_argument("--csv", metavar="FILE", help="also a table of exactly what is drawn")
 
@@ -114,14 +118,20 @@ def execute(args: argparse.Namespace) -> int:
     matplotlib.use("Agg")
     from pgimp.utilities.plot.style import STYLE
 
-    style: Any = STYLE | {"svg.hashsalt": "pgimp"}
     _check(args)
-    output = _output(args.output) if args.output else None
-    table_path = _output(args.csv, ("csv",)) if args.csv else None
+    style: Any = STYLE | {"svg.hashsalt": "pgimp"} | settings(args)
+    output = output_path(args.output) if args.output else None
+    table_path = output_path(args.csv, ("csv",)) if args.csv else None
     if output and table_path and output.resolve() == table_path.resolve():
         raise UsageError(f"-o and --csv name the same file, {output}")
     runs = open_runs(args.directories)
     with matplotlib.rc_context(style):
+        if output and (kind := output.suffix[1:].lower()) in MOVIES:
+            write(output, _movie(args, runs, kind))
+            print(f"wrote {output}")
+            return 0
+        if args.rate is not None:
+            raise UsageError("--rate is for a movie: name one with -o, such as run.gif")
         if _wants_frame(args):
             figure, table, remarks, name = _frame(args, runs)
         else:
@@ -129,16 +139,22 @@ def execute(args: argparse.Namespace) -> int:
 
             probes = _listed(args.probe)
             figure, table, remarks = curves(
-                runs, probes, _listed(args.columns), args.x or "time", args.log
+                runs,
+                probes,
+                _listed(args.columns),
+                args.x or "time",
+                args.log,
+                look(args, None),
+                changes(args),
             )
             name = "-".join(dict.fromkeys(probes)) or "history"
-        output = output or _output(_default_name(runs, name))
+        output = output or output_path(_default_name(runs, name))
         if output.suffix.lower() == ".csv":
-            _write(output, table.text())
+            write(output, table.text())
         else:
-            _write(output, _rendered(figure, output.suffix[1:].lower()))
+            write(output, rendered(figure, output.suffix[1:].lower()))
     if table_path:
-        _write(table_path, table.text())
+        write(table_path, table.text())
     for remark in remarks:
         print(f"note: {remark}")
     print(f"wrote {output}" + (f" and {table_path}" if table_path else ""))
@@ -159,16 +175,18 @@ def _check(args: argparse.Namespace) -> None:
     if args.at is not None and args.along is None:
         raise UsageError("--at is for a line: give --along too, or cut a slice with --slice")
     if _wants_frame(args):
-        for name in ("columns", "x", "probe"):
+        for name in ("columns", "x", "probe", "factor", "factor_x", "over", "mean"):
             if getattr(args, name) is not None:
-                raise UsageError(f"--{name} is for curves over time, the other options for a frame")
+                option = name.replace("_", "-")
+                raise UsageError(
+                    f"--{option} is for curves over time, the other options for a frame"
+                )
 
 
 def _frame(
     args: argparse.Namespace, runs: Sequence[PlotRun]
 ) -> tuple[Figure, Table, list[str], str]:
     from pgimp.utilities.plot.along import along
-    from pgimp.utilities.plot.camera import camera
     from pgimp.utilities.plot.picture import picture
     from pgimp.utilities.plot.quantity import quantity
     from pgimp.utilities.plot.selection import Selection, parse_place
@@ -187,25 +205,58 @@ def _frame(
             raise UsageError(f"--along {name}: the axes are {', '.join(AXES[:dimension])}")
         axis = AXES.index(name)
         place = parse_place(args.at, "--at", [one for one in axes if one != axis])
-        if args.range is not None:
-            raise UsageError("--range is for the colours of a picture; in 1D there are none")
+        for option in ("range", "map", "panels", "mirror"):
+            if getattr(args, option) is not None:
+                raise UsageError(f"--{option} is for a picture; in 1D, and --along, there is none")
         figure, table, remarks = along(chosen, quantities, Selection(bodies, place), axis, args.log)
+        seen = look(args, None)
+        if seen.title:
+            figure.axes[0].set_title(seen.title, fontsize="medium")
+        if seen.width:
+            figure.set_figwidth(seen.width)
         label = f"{first.text}-along-{name}"
     else:
-        if args.log:
-            raise UsageError("--log is for curves, not for pictures")
-        if args.slice and dimension < 3:
-            raise UsageError(f"--slice is for three dimensions; this case has {dimension}")
-        place = parse_place(args.slice, "--slice", range(dimension))
-        if len(place) > 1:
-            raise UsageError(f"--slice {args.slice}: one plane, such as y=0.5; a line is --along")
-        view = camera(args.camera, dimension, next(iter(place), None))
-        figure, table, remarks = picture(
-            chosen, quantities, Selection(bodies, place), view, _limits(args.range)
-        )
+        figure, table, remarks = picture(chosen, quantities, *_seen(args, chosen[0].shown))
         label = first.text
     which = "-".join(str(number) for number in dict.fromkeys(s.frame.number for s in chosen))
     return figure, table, remarks, f"{label}-{which}"
+
+
+def _seen(args: argparse.Namespace, shown: PlotRun) -> tuple[Selection, Camera, Look]:
+    """Return what a picture shows of a run, from where, and its look."""
+    from pgimp.utilities.plot.camera import camera
+    from pgimp.utilities.plot.selection import Selection, parse_place
+
+    dimension = shown.dimension
+    if args.log:
+        raise UsageError("--log is for curves, not for pictures")
+    if args.slice and dimension < 3:
+        raise UsageError(f"--slice is for three dimensions; this case has {dimension}")
+    place = parse_place(args.slice, "--slice", range(dimension))
+    if len(place) > 1:
+        raise UsageError(f"--slice {args.slice}: one plane, such as y=0.5; a line is --along")
+    view = camera(args.camera, dimension, next(iter(place), None))
+    mirrored = planes(args.mirror, *shown.corners) if args.mirror is not None else ()
+    selection = Selection(tuple(_listed(args.body)), place, shown.spacing, mirrored)
+    return selection, view, look(args, _limits(args.range))
+
+
+def _movie(args: argparse.Namespace, runs: Sequence[PlotRun], kind: str) -> bytes:
+    """Return the movie of all frames of a run."""
+    from pgimp.utilities.movie.movie import movie
+    from pgimp.utilities.plot.quantity import quantity
+
+    wrong = [name for name in ("frame", "time", "along", "csv", "panels") if getattr(args, name)]
+    if wrong or len(runs) > 1:
+        option = f"--{wrong[0]}" if wrong else "several runs"
+        raise UsageError(f"a movie shows all frames of one run: leave {option} out")
+    (shown,) = runs
+    if shown.dimension == 1:
+        raise UsageError("a movie is of pictures; in 1D there are none")
+    chosen = every_snapshot(shown)
+    first = quantity(args.field, chosen[0].frame, shown.dimension)
+    quantities = [quantity(first.text, each.frame, shown.dimension) for each in chosen]
+    return movie(kind, chosen, quantities, *_seen(args, shown), rate(args))
 
 
 def _listed(text: str | None) -> list[str]:
@@ -236,48 +287,3 @@ def _default_name(runs: Sequence[PlotRun], name: str) -> str:
     if len(names) > _LONGEST_NAME:
         names = f"{Path(runs[0].name).name}-and-{len(runs) - 1}-more"
     return f"{names}-{name}.png"
-
-
-def _output(name: str, formats: Sequence[str] = (*_FORMATS, "csv")) -> Path:
-    """Return the output path, after checking for an existing file."""
-    path = Path(name)
-    kind = path.suffix[1:].lower()
-    if kind not in formats:
-        endings = ", ".join(f".{one}" for one in formats)
-        raise UsageError(f"{name}: the name must end in {endings}")
-    if not path.parent.is_dir():
-        raise UsageError(f"{name}: there is no folder {path.parent}")
-    try:
-        if path.is_dir():
-            raise UsageError(f"{name} is a directory")
-        if path.exists():
-            with open_plain(path) as stream:
-                beginning = stream.read(16)
-            fits = (
-                Table.is_one(beginning)
-                if kind == "csv"
-                else re.match(_BEGINNINGS[kind], beginning) is not None
-            )
-            if beginning and not fits:
-                what = "table of pgimp plot" if kind == "csv" else f"{kind.upper()} file"
-                raise UsageError(f"{name} exists and is no {what}; it is left as it is")
-    except OSError as error:
-        raise UsageError(f"cannot read {name}: {explain(error)}") from error
-    return path
-
-
-def _rendered(figure: Figure, kind: str) -> bytes:
-    """Return the file of a figure; the same figure gives the same bytes."""
-    stream = io.BytesIO()
-    dates = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
-    # Titles of a first row of pictures may exceed the layout's estimate.
-    room, about = 0.08, dates.get(kind)
-    figure.savefig(stream, format=kind, metadata=about, bbox_inches="tight", pad_inches=room)
-    return stream.getvalue()
-
-
-def _write(path: Path, content: str | bytes) -> None:
-    try:
-        atomic.write(path, content)
-    except OSError as error:
-        raise UsageError(f"cannot write {path}: {explain(error)}") from error

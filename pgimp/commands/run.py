@@ -241,6 +241,8 @@ def _run(
         step = None if resumed is None else sim.step
         texts = {"case.yaml": dump_case(case).encode()} | ({"input.yaml": text} if text else {})
         about = describe_start(comm, sim.count, step)
+        if isinstance(case.time.step, float | int):
+            about["courant"] = sim.rate * float(case.time.step)
         if materials := digests(sim.scene.materials.parameters):
             about["materials"] = materials
         if step is not None:

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from pgimp.errors import UsageError, explain
-from pgimp.io.rundir.ownfiles import RUN
+from pgimp.errors import PgimpError, UsageError, explain
+from pgimp.io.rundir.ownfiles import REPORT, RUN
 from pgimp.mpi.comm import launcher
 from pgimp.running.log import Log
 from pgimp.running.progress import duration, terminal_columns
@@ -99,6 +99,7 @@ def execute(args: argparse.Namespace) -> int:
                 _run_all(plan, folder, outcomes, args.again, log, held)
         finally:
             _write(plan, folder, outcomes)
+        _report(folder, log)
     done = sum(one.state == DONE for one in outcomes)
     for one in outcomes:
         if one.value is not None and one.message:
@@ -174,6 +175,7 @@ def _bisect(plan: Plan, entry: Bisection, folder: Path, again: bool, log: Log) -
                 PAGE: brackets.as_markdown(plan, found, entry),
             }
             _store(folder, texts, None)
+        _report(folder, log)
     done = sum(bracket.ended for bracket in found)
     log.say(f"{done} of {len(found)} bisections have a result; see {folder / PAGE}")
     return 0 if done == len(found) else 1
@@ -216,6 +218,17 @@ def _write(plan: Plan, folder: Path, outcomes: list[Outcome]) -> None:
     texts: dict[str, str | bytes]
     texts = {COPY: plan.text, TABLE: as_csv(plan, outcomes), PAGE: as_markdown(plan, outcomes)}
     _store(folder, texts, picture(plan, outcomes))
+
+
+def _report(folder: Path, log: Log) -> None:
+    """Write the report of all runs; the tables stand whatever it meets."""
+    from pgimp.utilities.report.file import write
+    from pgimp.utilities.report.study import report_of_study
+
+    try:
+        write(folder / REPORT, report_of_study(folder))
+    except PgimpError as error:
+        log.say(f"warning: no report: {error}")
 
 
 def _store(folder: Path, texts: Mapping[str, str | bytes], drawn: bytes | None) -> None:

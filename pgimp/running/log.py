@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TextIO
 
-from pgimp.mpi.communicator import Communicator
 from pgimp.terminal import escape, silence
 
 
@@ -88,15 +87,13 @@ class Log:
 _BUSY = ("P2G", "momentum", "G2P", "order", "sort")
 
 
-def timing_table(comm: Communicator, seconds: dict[str, float], total: float) -> str:
+def timing_table(timings: Sequence[Mapping[str, float]] | None, total: float) -> str:
     """Format the time of each phase of a run.
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks; the call is collective.
-    seconds : dict of str to float
-        Seconds of each phase on this rank.
+    timings : sequence of mapping, or None
+        Seconds of each phase, rank by rank; None except on rank 0.
     total : float
         Wall time of the run in seconds; the remainder after all phases is the line "other".
 
@@ -106,13 +103,13 @@ def timing_table(comm: Communicator, seconds: dict[str, float], total: float) ->
         A line per phase: minimum, mean and maximum over the ranks, and share of the wall time. On
         several ranks also the imbalance of the phases without waiting. Empty except on rank 0.
     """
-    gathered = comm.gather(seconds | {"other": total - sum(seconds.values())})
-    if gathered is None:
+    if timings is None:
         return ""
+    gathered = [{**seconds, "other": total - sum(seconds.values())} for seconds in timings]
     phases = list(dict.fromkeys(phase for rank in gathered for phase in rank))
     width = max(len("phase"), *(len(phase) for phase in phases))
     lines = [
-        f"Seconds by phase over {comm.size} rank{'s' if comm.size > 1 else ''}:",
+        f"Seconds by phase over {len(gathered)} rank{'s' if len(gathered) > 1 else ''}:",
         f"{'phase':<{width}} {'min':>11} {'mean':>11} {'max':>11} {'share':>8}",
     ]
     for phase in phases:
@@ -124,8 +121,8 @@ def timing_table(comm: Communicator, seconds: dict[str, float], total: float) ->
             f"{share:>6.1f} %"
         )
     lines.append(f"{'total':<{width}} {'':>11} {total:>11.4f} {'':>11} {100:>6.1f} %")
-    busy = [sum(rank.get(phase, 0.0) for phase in _BUSY) for rank in gathered]
-    if comm.size > 1 and sum(busy):
+    busy = [sum((rank.get(phase, 0.0) for phase in _BUSY), 0.0) for rank in gathered]
+    if len(gathered) > 1 and any(busy):
         excess = 100.0 * (max(busy) * len(busy) / sum(busy) - 1.0)
         names = ", ".join(_BUSY[:-1])
         lines.append(

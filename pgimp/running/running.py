@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from time import perf_counter
 
 from pgimp.case.schema import Case
@@ -12,17 +11,13 @@ from pgimp.mpi.comm import describe
 from pgimp.running import failure
 from pgimp.running.checkpoints import About
 from pgimp.running.log import Log, timing_table
-from pgimp.running.progress import Progress, duration, terminal_columns
+from pgimp.running.progress import Progress, terminal_columns
 from pgimp.running.recorder import Recorder
 from pgimp.running.stop import Stop
+from pgimp.running.summary import accuracy, figures, say_done
 from pgimp.solver.reduction import Request
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.time.held_rate import WORTH
-
-#: Fraction of the mass past a wall above which a note is shown.
-_NEGLIGIBLE = 1e-6
-#: Fraction of the mass, or of all particle-steps, above which results may be visibly wrong.
-_MATTERS = 1e-3
 
 
 def advance(
@@ -115,15 +110,17 @@ def advance(
         recorder.close()
     total = perf_counter() - began
     if ended:
-        _say_done(sim, first, recorder, directory, log, total)
+        say_done(sim, first, recorder, directory, log, total)
+        if log.speaks and (text := accuracy(directory.path, case)):
+            log.say(f"accuracy: {text}")
     else:
         log.say(
             f"stopped {stop} at step {sim.step}, t = {sim.time:.6g}, with a checkpoint; the same "
             "command with --resume goes on"
         )
     seconds = recorder.seconds
-    table = timing_table(sim.comm, dict(sim.rank.timings) | seconds, total)
-    log.note(f"\n{table}")
+    timings = sim.comm.gather(dict(sim.rank.timings) | seconds)
+    log.note(f"\n{timing_table(timings, total)}")
     if text := sim.balance.summary():
         log.note(text)
     directory.finish(
@@ -132,6 +129,7 @@ def advance(
         sim.time,
         total - sum(seconds.values()),
         None if ended else f"stopped {stop}",
+        figures(sim, timings, total),
     )
     return ended
 
@@ -216,85 +214,3 @@ def _request(sim: Simulation, recorder: Recorder, stop: Stop, step: float) -> Re
     if sim.comm.rank == 0 and recorder.checkpoints.overdue and known:
         return Request.CHECKPOINT
     return Request.NONE if recorder.ready else Request.PENDING
-
-
-def amount(size: float) -> str:
-    """Format a number of bytes with three digits."""
-    for unit in ("B", "kB", "MB", "GB"):
-        if size < 999.5:
-            return f"{size:.3g} {unit}"
-        size /= 1000.0
-    return f"{size:.3g} TB"
-
-
-def _tell(log: Log, matters: bool, what: str, wrong: str) -> None:
-    """Show an event and the wrong result if it matters; else only log the event."""
-    if matters:
-        log.say(f"note: {what}: {wrong}")
-    else:
-        log.note(f"note: {what}: too little to matter")
-
-
-def _say_done(
-    sim: Simulation, first: int, recorder: Recorder, directory: RunDirectory, log: Log, total: float
-) -> None:
-    """Return a summary of the steps since `first`, in `total` seconds."""
-    output = sum(recorder.seconds.values())
-    steps = sim.step - first
-    rate = sim.comm.allreduce(sim.rank.particle_steps) / max(total, 1e-9)
-    since = f" since step {first}" if first else ""
-    log.say(
-        f"done: t = {sim.time:.6g} after {steps} steps{since} in {duration(total)}, "
-        f"{rate:.3g} particle-steps/s; output took {100.0 * output / max(total, 1e-9):.0f} % "
-        f"({amount(recorder.size)} at {amount(recorder.size / max(output, 1e-9))}/s)"
-    )
-    frames = recorder.frames.written
-    collection = shlex.quote(str(directory.path / "particles.xdmf"))
-    log.say(
-        f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
-        f"look at them with: paraview {collection}"
-    )
-    left = sim.count - sim.present() if sim.scene.settings.loses else 0
-    if left:
-        faces = dict.fromkeys(
-            face for case in sim.cases for face, way in case.escape.items() if way == "remove"
-        )
-        ways = [f"left through {' or '.join(faces)}"] if faces else []
-        ways += ["were removed with their bodies"] if sim.case.staged.removed else []
-        columns = [*["escaped"] * bool(faces), *["removed"] * bool(sim.case.staged.removed)]
-        log.say(
-            f"note: {left} of {sim.count} particles {' or '.join(ways)}; the columns "
-            f"{' and '.join(columns)} of history.csv tell what they took along"
-        )
-    clamped = sim.comm.allreduce(sim.rank.clamped)
-    if clamped:
-        share = clamped / (sim.count * sim.step)
-        _tell(
-            log,
-            share > _MATTERS,
-            f"in {clamped} particle-steps ({100.0 * share:.2g} %) a particle was stretched to a "
-            "half-width of more than one cell, and reached no farther than one",
-            "neighbours along the stretch may lose contact, and the body tear where it would not: "
-            "use fewer or larger cells along the stretch",
-        )
-    held = sim.comm.allreduce(sim.rank.held)
-    if held:
-        share = held / (sim.count * sim.step)
-        _tell(
-            log,
-            share > _MATTERS,
-            f"in {held} particle-steps ({100.0 * share:.2g} %) a wall held in a particle whose "
-            "centre had passed it; its velocity into the wall is lost, as a force of the wall",
-            "kinetic energy is lost at the wall, and what lies there is denser than it should be: "
-            "smaller cells or steps, or finite-gimp, press fewer particles through",
-        )
-    part, when, face = sim.diagnostic_sums.most_outside
-    if part > _NEGLIGIBLE:
-        _tell(
-            log,
-            part > _MATTERS,
-            f"up to {100.0 * part:.2g} % of the mass lay past {face} (t = {when:.6g}), borne by "
-            "the wall",
-            f"weights and pressures of the rest are too small by that part, and forces on {face}: "
-            "a size that follows the deformation (finite-gimp), or wall: mirror, avoids that",
-        )

@@ -16,6 +16,7 @@ from PIL import Image
 import pgimp
 from pgimp.utilities.plot import style
 from pgimp.utilities.plot.camera import camera
+from pgimp.utilities.plot.selection import Block
 from pgimp.utilities.plot.visible import draw
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -49,7 +50,9 @@ def boxes(axis, position, radius, values, limits, colours=style.MAP, dimension=2
     """Draw particles as boxes of their size, in 3D from a corner, coloured between two limits."""
     eye = camera(None, dimension, None)
     shown = ScalarMappable(Normalize(*limits), colours)
-    draw(axis, eye, position, radius, shown.to_rgba(values))
+    none, edges = np.empty(len(radius)), np.empty((len(radius), 0, 0))
+    drawn = Block(none, position, radius, values, none, edges)
+    draw(axis, eye, drawn, shown.to_rgba(values), dimension < 3)
     axis.grid(False)
     return shown
 

@@ -12,8 +12,9 @@ from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.probefiles import PROBES, probe_file, probes_ever
 
 RUN = "run.json"
+REPORT = "report.html"
 _XDMF = ("particles.xdmf", "grid.xdmf", "rigid.xdmf")
-TOP = ("case.yaml", "input.yaml", *_XDMF, "history.csv", "log.txt", RUN)
+TOP = ("case.yaml", "input.yaml", *_XDMF, "history.csv", "log.txt", REPORT, RUN)
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
 GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
 RIGID_FRAME = re.compile(r"rigid-(\d{6,})\.h5")
@@ -23,7 +24,7 @@ FAILURE = "failure"
 FAILED = ".failed"
 #: Files being written.
 PART = re.compile(
-    r"\.(case\.yaml|input\.yaml|run\.json|report\.txt|particles\.(xdmf|h5)|"
+    r"\.(case\.yaml|input\.yaml|run\.json|report\.(txt|html)|particles\.(xdmf|h5)|"
     r"(grid|rigid)\.xdmf|(particles|grid|rigid|step)-\d+\.h5)\.part"
 )
 # Files that a run writes, by folder.

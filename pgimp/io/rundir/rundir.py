@@ -7,7 +7,7 @@ import fcntl
 import os
 import socket
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from pathlib import Path
 
@@ -232,20 +232,24 @@ class RunDirectory:
                 stream.write(f"{state} at step {step}, t = {when!r}: {escape(message)}\n")
 
     def finish(
-        self, state: str, step: int, when: float, seconds: float, message: str | None = None
+        self,
+        state: str,
+        step: int,
+        when: float,
+        seconds: float,
+        message: str | None = None,
+        figures: Mapping[str, object] | None = None,
     ) -> None:
         """Record the normal end of the run in run.json; collective.
 
         Parameters
         ----------
-        state : str
-            "done" or "stopped".
-        step, when : int, float
-            Last step and simulated time.
+        state, step, when : str, int, float
+            "done" or "stopped"; last step and simulated time.
         seconds : float
             Wall time of the steps, without set-up and output.
-        message : str, optional
-            Reason for stopping.
+        message, figures : str, mapping, optional
+            Reason for stopping; further entries, such as timings.
 
         Raises
         ------
@@ -255,7 +259,7 @@ class RunDirectory:
 
         def action() -> None:
             try:
-                self._end(state, step, when, seconds, message)
+                self._end(state, step, when, seconds, message, **(figures or {}))
             except OSError as error:
                 raise self._refusal("write to", error) from error
 
@@ -278,9 +282,9 @@ class RunDirectory:
 
         on_root(self.comm, action)
 
-    def _end(self, *entries: object) -> None:
+    def _end(self, *entries: object, **figures: object) -> None:
         names = ("state", "steps", "time", "seconds", "message")
-        changes = dict(zip(names, entries, strict=True))
+        changes = dict(zip(names, entries, strict=True)) | figures
         runinfo.update(self.path / RUN, ended=runinfo.now(), **changes)
 
     def release(self) -> None:

@@ -53,6 +53,12 @@ class Camera(NamedTuple):
         """Return coordinates in the picture, the third towards the eye, (..., 3)."""
         return position @ np.stack([self.right, self.up, self.towards], axis=1)
 
+    @property
+    def light(self) -> Array:
+        """Lightness of faces across x, y and z, (3,); 1 for the lightest that is seen."""
+        seen = np.abs(self.towards) > 1e-9
+        return _LIGHT / _LIGHT[seen].max()
+
     def faces(self) -> tuple[Array, Array]:
         """Return the visible part of a box of half-width 1: its faces and their lightness.
 

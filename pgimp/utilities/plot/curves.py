@@ -11,6 +11,8 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.schema.messages import unknown
+from pgimp.utilities.plot.changes import Changes, times
+from pgimp.utilities.plot.look import Look
 from pgimp.utilities.plot.runs import AXES, PlotRun
 from pgimp.utilities.plot.series import Series, open_series
 from pgimp.utilities.plot.style import COLOURS, DASHES, log_ticks, plain
@@ -42,6 +44,8 @@ def curves(
     columns: Sequence[str],
     across: str,
     logarithmic: bool,
+    look: Look = Look(),
+    changes: Changes = Changes(),
 ) -> tuple[Figure, Table, list[str]]:
     """Draw the history, or probes.
 
@@ -58,6 +62,10 @@ def curves(
         The column along the horizontal axis.
     logarithmic : bool
         Whether the vertical axes are logarithmic.
+    look : Look
+        Title and width.
+    changes : Changes
+        Factors, a divisor, and a moving mean of the columns.
 
     Returns
     -------
@@ -75,19 +83,22 @@ def curves(
     """
     series = open_series(runs, probes)
     for one in series:
-        if across not in one.columns:
-            text = unknown("column", across, one.columns, "it has")
-            raise UsageError(f"{one.shown.path}: --x: {text}")
+        for option, name in (("--x", across), ("--over", changes.over or across)):
+            if name not in one.columns:
+                text = unknown("column", name, one.columns, "it has")
+                raise UsageError(f"{one.shown.path}: {option}: {text}")
     names = _named(series, columns) if columns else _default(series)
     if len(names) > _MOST_COLUMNS:
         raise UsageError(f"{len(names)} columns in one figure; {_MOST_COLUMNS} is the most")
-    table = Table(["run", *(["probe"] if probes else []), across, *names])
+    heads = [times(changes.factor_x, across), *map(changes.label, names)]
+    table = Table(["run", *(["probe"] if probes else []), *heads])
     drawn, remarks = [], []
     for one in series:
         missing = [name for name in names if name not in one.columns]
         if missing:
             remarks.append(f"{one.shown.path} has no {', '.join(missing)}")
-        values, left_out = one.take([across, *names])
+        values, left_out = one.take([across, *names, *([changes.over] if changes.over else [])])
+        values = changes.of(values, names, across)
         if left_out:
             text = f"{left_out:,} lines left out: only of the probe, or only of the history"
             remarks.append(f"{one.shown.path}: {text}")
@@ -96,7 +107,8 @@ def curves(
         table.add(same, [values[name] for name in (across, *names)])
     if len({one.shown.units for one in series}) > 1:
         remarks.append(f"the runs have different units; those shown are of {series[0].shown.path}")
-    return _draw(series, drawn, names, across, logarithmic), table, remarks
+    figure = _draw(series, drawn, (across, names), logarithmic, look, changes)
+    return figure, table, remarks
 
 
 def _known(series: Sequence[Series]) -> list[str]:
@@ -146,12 +158,15 @@ def _most(series: Sequence[Series], name: str) -> float:
 def _draw(
     series: Sequence[Series],
     drawn: Sequence[Mapping[str, Array]],
-    names: Sequence[str],
-    across: str,
+    columns: tuple[str, Sequence[str]],
     logarithmic: bool,
+    look: Look,
+    changes: Changes,
 ) -> Figure:
+    """Draw columns, the first along the horizontal axis."""
     from matplotlib.figure import Figure
 
+    across, names = columns
     single = len(series) == 1
     shown = series[0].shown
     groups: dict[str, list[str]] = {}
@@ -159,7 +174,7 @@ def _draw(
         groups.setdefault(kind_of_column(name) or name if single else name, []).append(name)
     wide = 2 if len(groups) == 4 else min(len(groups), 3)
     rows = -(-len(groups) // wide)
-    size = (_WIDTHS[wide - 1], 2.7 * rows + 0.4)
+    size = (look.width or _WIDTHS[wide - 1], 2.7 * rows + 0.4)
     figure = Figure(figsize=size)
     room = size[0] / wide - _BESIDE
     axes = figure.subplots(rows, wide, squeeze=False).ravel()
@@ -182,8 +197,10 @@ def _draw(
                 )
         text = _words(members[0], []) if alone else _common(members, kind)
         axis.set(
-            xlabel=shown.label(_words(across, []), kind_of_column(across)),
-            ylabel=shown.label(text, kind_of_column(members[0])),
+            xlabel=shown.label(times(changes.factor_x, _words(across, [])), kind_of_column(across)),
+            ylabel=shown.label(
+                changes.label(text), "" if changes.over else kind_of_column(members[0])
+            ),
         )
         if logarithmic:
             axis.set_yscale("log", nonpositive="mask")
@@ -214,6 +231,8 @@ def _draw(
         figure.legend(
             list(lines.values()), list(lines), loc="outside upper center", ncol=min(len(lines), 4)
         )
+    if look.title:
+        figure.suptitle(look.title, fontsize="large")
     figure.draw_without_rendering()
     for axis in axes[: len(groups)]:
         # A power of ten above the axis needs the space under the legend.

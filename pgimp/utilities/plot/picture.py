@@ -9,11 +9,12 @@ import numpy as np
 
 from pgimp.io.results.reader import Frame
 from pgimp.utilities.plot.camera import Camera
+from pgimp.utilities.plot.look import Look
 from pgimp.utilities.plot.quantity import Quantity
 from pgimp.utilities.plot.rigid import draw_lines, lines, widened
 from pgimp.utilities.plot.runs import AXES, PlotFrame
 from pgimp.utilities.plot.selection import Block, Selection, empty
-from pgimp.utilities.plot.style import MAP, plain
+from pgimp.utilities.plot.style import plain
 from pgimp.utilities.plot.tables import Table
 from pgimp.utilities.plot.visible import draw, extent, visible
 
@@ -26,6 +27,8 @@ Array = np.ndarray
 _WIDTH, _ONE_WIDTH = 9.0, 6.4
 _TALLEST = 8.0
 _FLAT = 1.3
+#: Height over width of pictures that are below each other, and their greatest number.
+_WIDE, _MOST_BELOW = 0.45, 4
 _OUTLIERS = (0.5, 99.5)
 _ROOM = 0.25
 _ARROW = 24.0
@@ -42,7 +45,7 @@ def picture(
     quantities: Sequence[Quantity],
     selection: Selection,
     camera: Camera,
-    limits: tuple[float, float] | None,
+    look: Look = Look(),
 ) -> tuple[Figure, Table, list[str]]:
     """Draw frames side by side, with a common colour scale.
 
@@ -56,9 +59,9 @@ def picture(
         Particles to draw.
     camera : Camera
         The projection.
-    limits : tuple of float, or None
-        Values of the first and the last colour. By default the range of the drawn particles,
-        without half a per cent at an end that would widen it by more than a quarter.
+    look : Look
+        Its looks. The colours' range is by default that of the drawn particles, without half a per
+        cent at an end that would widen it by more than a quarter.
 
     Returns
     -------
@@ -75,11 +78,9 @@ def picture(
         If there is no such particle.
     """
     dimension = snapshots[0].shown.dimension
-    extents = np.array([extent(snapshot.frame, selection, camera) for snapshot in snapshots])
-    for snapshot, (low, high) in zip(snapshots, extents, strict=True):
-        if not (low <= high).all():
-            raise empty(snapshot.frame, selection.place)
+    extents = extents_of(snapshots, selection, camera)
     inside = np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])
+    inside = inside if look.inside is None else look.inside
     table = Table(["run", "frame", "time", "id", *AXES[:dimension], "radius", quantities[0].text])
     drawn, remarks = [], []
     for snapshot, quantity in zip(snapshots, quantities, strict=True):
@@ -96,10 +97,26 @@ def picture(
             [snapshot.shown.name, snapshot.frame.number, snapshot.frame.time],
             [part.id, *place, part.radius, part.value],
         )
-    edges = [lines(snapshot.frame, camera) for snapshot in snapshots]
-    inside = widened(inside, edges)
-    figure = _draw(snapshots, quantities[0], drawn, edges, camera, inside, limits)
+    nets = [lines(snapshot.frame, camera) for snapshot in snapshots]
+    inside = widened(inside, nets)
+    shown = [*zip(snapshots, drawn, nets, strict=True)]
+    figure = _draw(shown, quantities[0], camera, inside, look)
     return figure, table, remarks
+
+
+def extents_of(snapshots: Sequence[PlotFrame], selection: Selection, camera: Camera) -> Array:
+    """Return the corners of the particles' extent in each picture, (n, 2, 2).
+
+    Raises
+    ------
+    UsageError
+        If a frame has no such particle.
+    """
+    extents = np.array([extent(snapshot.frame, selection, camera) for snapshot in snapshots])
+    for snapshot, (low, high) in zip(snapshots, extents, strict=True):
+        if not (low <= high).all():
+            raise empty(snapshot.frame, selection.place)
+    return extents
 
 
 def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, float, str]:
@@ -138,37 +155,37 @@ def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, flo
 
 
 def _draw(
-    snapshots: Sequence[PlotFrame],
+    shown: Sequence[tuple[PlotFrame, Block, Array]],
     quantity: Quantity,
-    drawn: Sequence[Block],
-    edges: Sequence[Array],
     camera: Camera,
     inside: Array,
-    limits: tuple[float, float] | None,
+    look: Look,
 ) -> Figure:
+    """Draw each frame with its particles and the nets of its rigid bodies."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.ticker import MaxNLocator
 
-    low, high, beyond = scale(np.concatenate([seen.value for seen in drawn]), limits)
-    shades = colormaps[MAP].with_extremes(bad="#c8c8c8")
+    snapshots = [snapshot for snapshot, _, _ in shown]
+    low, high, beyond = scale(np.concatenate([seen.value for _, seen, _ in shown]), look.limits)
+    shades = colormaps[look.map].with_extremes(bad="#c8c8c8")
     colours = ScalarMappable(Normalize(low, high), shades)
     size = inside[1] - inside[0]
-    wide = size[0] * min(len(snapshots), 2) > _FLAT * size[1]
-    figure, axes = _panels(len(snapshots), size, wide, camera.along_axes)
+    columns = look.panels or columns_of(len(snapshots), size)
+    wide = size[0] * min(columns, 2) > _FLAT * size[1]
+    figure, axes = _panels((len(snapshots), columns), size, wide, camera.along_axes, look.width)
     (left, bottom), (right, top) = inside + 0.03 * size.max() * np.array([[-1.0], [1.0]])
     several = len({snapshot.shown.name for snapshot in snapshots}) > 1
-    for number, (snapshot, seen, net, axis) in enumerate(
-        zip(snapshots, drawn, edges, axes, strict=False)
-    ):
+    for number, ((snapshot, seen, net), axis) in enumerate(zip(shown, axes, strict=False)):
         rgba = colours.to_rgba(np.ma.masked_invalid(seen.value))
-        draw(axis, camera, seen.position, seen.radius, rgba)
+        draw(axis, camera, seen, rgba, snapshot.shown.dimension < 3)
         if len(net):
             draw_lines(axis, net, snapshot.shown.dimension < 3)
         axis.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
         name = f"{plain(snapshot.shown.name)}, " if several else ""
-        axis.set_title(name + snapshot.title, fontsize=10)
+        title = look.title if look.title and len(shown) == 1 else name + snapshot.title
+        axis.set_title(title, fontsize="medium")
         axis.grid(False)
         columns = axis.get_subplotspec().get_gridspec().ncols
         _label(axis, snapshot, camera, columns, lowest=number + columns >= len(snapshots))
@@ -176,6 +193,8 @@ def _draw(
             _compass(axis, camera)
     for axis in axes[len(snapshots) :]:
         axis.set_visible(False)
+    if look.title and len(shown) > 1:
+        figure.suptitle(look.title, fontsize="large")
     bar = figure.colorbar(
         colours,
         ax=list(axes),
@@ -196,23 +215,37 @@ def _draw(
     return figure
 
 
-def _panels(count: int, size: Array, wide: bool, labelled: bool) -> tuple[Figure, Array]:
-    """Return a figure with `count` axes, in a shape for pictures of this size.
+def columns_of(count: int, size: Array) -> int:
+    """Return the number of pictures side by side; wide ones are below each other."""
+    ratio = float(size[1] / size[0])
+    if ratio < _WIDE and count <= _MOST_BELOW:
+        return 1
+    return count if count <= 3 else int(np.ceil(count / np.ceil(count / 4)))
 
-    The colour scale is below them if they are `wide`, else to their right; only `labelled` axes
-    have ticks.
+
+def _panels(
+    count: tuple[int, int], size: Array, wide: bool, labelled: bool, width: float
+) -> tuple[Figure, Array]:
+    """Return a figure with axes for pictures of this size.
+
+    `count` is the number of pictures, and of those side by side. The colour scale is below them if
+    they are `wide`, else to their right; only `labelled` axes have ticks. `width` is in inches, or
+    0.
     """
     from matplotlib.figure import Figure
 
     ratio = float(np.clip(size[1] / size[0], 0.12, 3.0))
-    columns = count if count <= 3 else int(np.ceil(count / np.ceil(count / 4)))
-    rows = -(-count // columns)
-    width = _ONE_WIDTH if columns == 1 else _WIDTH
-    room = (0.9 if wide else 0.72) * width / columns
+    columns = min(count[1], count[0])
+    rows = -(-count[0] // columns)
+    chosen = width or (_ONE_WIDTH if columns == 1 else _WIDTH)
+    room = (0.9 if wide else 0.72) * chosen / columns
     height = room * ratio * rows + 0.45 * rows + (1.3 if wide else 0.4)
     height -= 0.0 if labelled else 0.4
-    if height > _TALLEST:
-        width, height = max(3.6, width * _TALLEST / height), _TALLEST
+    if width:
+        height = max(height, 0.5)
+    elif height > _TALLEST:
+        chosen, height = max(3.6, chosen * _TALLEST / height), _TALLEST
+    width = chosen
     figure = Figure(figsize=(width, height))
     axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     return figure, axes.ravel()

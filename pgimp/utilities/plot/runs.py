@@ -61,6 +61,26 @@ class PlotRun:
         """Dimensions of the case: 1, 2 or 3."""
         return self.case["dimensions"]
 
+    @cached_property
+    def spacing(self) -> tuple[float, ...]:
+        """Initial distance of the particles by axis; empty if the case does not tell it."""
+        try:
+            each = zip(
+                self.case["grid"]["cell"], self.case["method"]["particles_per_cell"], strict=True
+            )
+            found = tuple(float(cell) / float(count) for cell, count in each)
+        except (KeyError, TypeError, ValueError, ZeroDivisionError):
+            return ()
+        return found if len(found) == self.dimension else ()
+
+    @property
+    def corners(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Corners of the domain."""
+        grid = self.case["grid"]
+        origin = tuple(float(x) for x in grid["origin"])
+        size = (float(x) for x in grid["size"])
+        return origin, tuple(a + b for a, b in zip(origin, size, strict=True))
+
     @property
     def units(self) -> str:
         """Label of the case's units."""
@@ -127,6 +147,20 @@ def _ended(shown: PlotRun) -> str:
     if state == "running":  # progress is written at the end
         return "; the run goes on, or was killed"
     return "" if state == "done" else f"; the run {state} at t = {shown.run.info['time']:g}"
+
+
+def every_snapshot(shown: PlotRun) -> list[PlotFrame]:
+    """Return all frames of a run with particles, for a movie.
+
+    Raises
+    ------
+    UsageError
+        If there is none.
+    """
+    found = [PlotFrame(shown, frame) for frame in shown.run.frames if len(frame)]
+    if not found:
+        raise UsageError(f"{shown.path} has no frame with particles")
+    return found
 
 
 def snapshots(

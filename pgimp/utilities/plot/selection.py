@@ -16,6 +16,9 @@ from pgimp.utilities.plot.runs import AXES
 Array = np.ndarray
 
 _BLOCK_ROWS = 1 << 19
+#: Half the longest side of a particle that is drawn, in initial distances: one that has exploded
+#: would hide all others.
+_LARGEST = 3.0
 _TOUCHING = 1.0 + 1.0e-6
 
 
@@ -34,6 +37,9 @@ class Block(NamedTuple):
         Values of the drawn quantity.
     volume : ndarray of float64, shape (n,)
         Volumes.
+    edges : ndarray of float64, shape (n, 3, 3), or (n, 0, 0)
+        Half the edges of the parallelepipeds that the boxes have become, a row each; none where
+        the frame has no deformation.
     """
 
     id: Array
@@ -41,10 +47,23 @@ class Block(NamedTuple):
     radius: Array
     value: Array
     volume: Array
+    edges: Array
 
     def take(self, rows: Array) -> Block:
         """Return the block with only the given rows."""
         return Block(*(column[rows] for column in self))
+
+    def with_image(self, axis: int, place: float) -> Block:
+        """Return the block together with its image at a plane across an axis.
+
+        Values are those of the particles: a vector's component across the plane keeps its sign.
+        """
+        position, edges = self.position.copy(), self.edges.copy()
+        position[:, axis] = 2.0 * place - position[:, axis]
+        if edges.size:
+            edges[:, :, axis] *= -1.0
+        image = self._replace(position=position, edges=edges)
+        return Block(*(np.concatenate(pair) for pair in zip(self, image, strict=True)))
 
 
 class Selection(NamedTuple):
@@ -56,10 +75,16 @@ class Selection(NamedTuple):
         Names of bodies; all if empty.
     place : mapping of int to float
         By axis, the coordinate of a plane that cuts the particles' boxes.
+    spacing : tuple of float
+        Initial distance of the particles by axis; if empty, they are squares and cubes.
+    mirrored : tuple of (int, float)
+        Planes of symmetry, by axis and coordinate, at which their images are added.
     """
 
     bodies: tuple[str, ...] = ()
     place: Mapping[int, float] = {}
+    spacing: tuple[float, ...] = ()
+    mirrored: tuple[tuple[int, float], ...] = ()
 
     def blocks(self, frame: Frame, quantity: Quantity | None) -> Iterator[Block]:
         """Iterate over the selected particles.
@@ -86,6 +111,8 @@ class Selection(NamedTuple):
             last = min(first + _BLOCK_ROWS, len(frame))
             position = frame.rows("position", first, last).astype(np.float64)
             radius = frame.rows("radius", first, last).astype(np.float64)
+            if self.spacing:
+                radius = np.minimum(radius, _LARGEST * max(self.spacing))
             keep = np.isfinite(position).all(axis=1)
             if chosen:
                 keep &= np.isin(frame.rows("body", first, last), chosen)
@@ -94,13 +121,35 @@ class Selection(NamedTuple):
             rows = np.flatnonzero(keep)
             none = np.empty(len(radius))
             full = quantity is not None
-            yield Block(
+            block = Block(
                 frame.rows("id", first, last) if full else none,
                 position,
                 radius,
                 quantity.rows(frame, first, last) if quantity is not None else none,
                 frame.rows("volume", first, last).astype(np.float64) if full else none,
+                self._edges(frame, first, last, radius) if full else np.empty((len(none), 0, 0)),
             ).take(rows)
+            for plane in self.mirrored:
+                block = block.with_image(*plane)
+            yield block
+
+    def _edges(self, frame: Frame, first: int, last: int, radius: Array) -> Array:
+        """Half the edges of the particles' parallelepipeds, as large as their boxes."""
+        if not self.spacing or "deformation" not in frame:
+            return np.empty((last - first, 0, 0))
+        D = len(self.spacing)
+        F = frame.rows("deformation", first, last).astype(np.float64).reshape(-1, 3, 3)
+        edges = np.zeros((last - first, 3, 3))
+        edges[:, :D, :D] = F[:, :D, :D].transpose(0, 2, 1) * np.array(self.spacing)[:, None]
+        # Whatever the initial size was, cut by a surface or of a ring, now it is that of the box.
+        size = np.abs(np.linalg.det(edges[:, :D, :D])) ** (1.0 / D)
+        longest = np.linalg.norm(edges, axis=2).max(axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factor = np.minimum(radius / size, _LARGEST * max(self.spacing) / longest)
+        edges *= np.where(np.isfinite(factor), factor, 0.0)[:, None, None]
+        for axis in range(D, 3):
+            edges[:, axis, axis] = radius
+        return edges
 
 
 def empty(frame: Frame, place: Mapping[int, float]) -> UsageError:

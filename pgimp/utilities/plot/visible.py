@@ -79,12 +79,14 @@ def visible(
         kept = block.take(order)
     assert kept is not None
     if len(kept.id) < total:
-        kept = kept._replace(radius=np.maximum(kept.radius, spot))
+        larger = np.maximum(1.0, spot / np.maximum(kept.radius, 1e-300))
+        edges = kept.edges * np.where(kept.radius > 0.0, larger, 1.0)[:, None, None]
+        kept = kept._replace(radius=np.maximum(kept.radius, spot), edges=edges)
     return kept, total
 
 
-def draw(axis: Axes, camera: Camera, position: Array, radius: Array, colours: Array) -> None:
-    """Add particles to axes, as the visible faces of boxes along the axes of space.
+def draw(axis: Axes, camera: Camera, particles: Block, colours: Array, flat: bool) -> None:
+    """Add particles to axes, as the visible faces of boxes, or of what these have become.
 
     Parameters
     ----------
@@ -92,17 +94,57 @@ def draw(axis: Axes, camera: Camera, position: Array, radius: Array, colours: Ar
         The axes.
     camera : Camera
         The projection.
-    position : ndarray, shape (n, 3)
-        Centres of the boxes.
-    radius : ndarray, shape (n,)
-        Half the side of the boxes.
+    particles : Block
+        The particles; those without edges are boxes along the axes of space.
     colours : ndarray, shape (n, 4)
         Red, green, blue and opacity.
+    flat : bool
+        Whether only their faces across z are seen, as in 2D.
     """
+    if particles.edges.size:
+        _draw_sheared(axis, camera, particles, colours, flat)
+    else:
+        _draw_boxes(axis, camera, particles, colours)
+
+
+def _draw_sheared(axis: Axes, camera: Camera, particles: Block, colours: Array, flat: bool) -> None:
+    """Add parallelepipeds, each in the shade of its own faces."""
+    from matplotlib.collections import PolyCollection
+
+    order = np.argsort(camera.project(particles.position)[:, 2], kind="stable")
+    centre, edges = particles.position[order, None], particles.edges[order]
+    faces, shades = [], []
+    for across in (2,) if flat else (0, 1, 2):
+        a, b, c = (edges[:, (across + k) % 3] for k in (1, 2, 0))
+        normal = np.cross(a, b)
+        normal *= np.sign(np.einsum("ni,ni->n", normal, c))[:, None]
+        outward = np.sign(normal @ camera.towards)[:, None, None]
+        ring = np.stack([a + b, b - a, -a - b, a - b], axis=1) + outward * c[:, None]
+        faces.append(camera.project(centre + ring)[..., :2])
+        length = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+        light = ((normal / length) ** 2) @ camera.light
+        shades.append(np.where(light > 0.0, light, 1.0))
+    shaded = np.repeat(colours[order, None], len(faces), axis=1)
+    shaded[..., :3] *= np.clip(np.stack(shades, axis=1), 0.0, 1.0)[..., None]
+    axis.add_collection(
+        PolyCollection(
+            list(np.stack(faces, axis=1).reshape(-1, 4, 2)),
+            facecolors=shaded.reshape(-1, 4),
+            edgecolors="face",
+            lw=_SEAM,
+            snap=False,
+            rasterized=len(order) > FEW,
+        )
+    )
+
+
+def _draw_boxes(axis: Axes, camera: Camera, particles: Block, colours: Array) -> None:
+    """Add boxes along the axes of space."""
     from matplotlib.collections import EllipseCollection
     from matplotlib.path import Path
 
-    place = camera.project(position)
+    radius = particles.radius
+    place = camera.project(particles.position)
     order = np.argsort(place[:, 2], kind="stable")
     corners, light = camera.faces()
     shaded = np.repeat(colours[order], len(light), axis=0)

@@ -7,6 +7,7 @@ from plotted import hdf5, table
 from pgimp.io.results.reader import Frame
 from pgimp.utilities.plot import picture, visible
 from pgimp.utilities.plot.camera import camera
+from pgimp.utilities.plot.look import Look
 from pgimp.utilities.plot.quantity import Quantity, quantity
 from pgimp.utilities.plot.runs import open_runs, snapshots
 from pgimp.utilities.plot.selection import Selection
@@ -26,7 +27,8 @@ def drawn_frame(runs, name, field, view=None, limits=None, place=None, number=-1
     what = quantity(field, snapshot.frame, dimension)
     eye = camera(view, dimension, None)
     with rc_context(STYLE):
-        figure, _, _ = picture.picture([snapshot], [what], Selection((), place or {}), eye, limits)
+        chosen = Selection((), place or {})
+        figure, _, _ = picture.picture([snapshot], [what], chosen, eye, Look(limits))
         canvas = FigureCanvasAgg(figure)
         canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())[::-1, :, :3]

@@ -166,7 +166,7 @@ def test_pdf_svg_and_png_are_whole_and_the_same_again(plot, tmp_path):
         ("block.out --slice y=1,z=2", "one plane"),
         ("block.out --slice y=7", "no particle at y = 7"),
         ("block.out plates.out --frame 0", "different dimensions"),
-        ("plates.out -o fig.jpg", "the name must end in .png, .pdf, .svg, .csv"),
+        ("plates.out -o fig.jpg", "the name must end in .png, .pdf, .svg, .gif, .mp4, .csv"),
         ("plates.out -o nowhere/fig.png", "there is no folder nowhere"),
         ("plates.out --csv fig.png", "the name must end in .csv"),
         ("plates.out -o a.csv --csv a.csv", "name the same file"),

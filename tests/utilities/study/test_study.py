@@ -83,6 +83,7 @@ def test_page_and_picture(first):
     assert "| 0.02 | failed |" in page
     for part in ("Courant number", "numba: ", "pgimp: ", "Hosts: ", "Ranks: 1 on ", "Written 20"):
         assert part in page
+    assert (folder / "report.html").read_text().startswith("<!DOCTYPE html>\n<!-- A report of")
     height, width, _ = imread(folder / "study.png").shape
     assert width > 3 * height  # four panels
     assert (folder / "study.yaml").read_text() == path.read_text()

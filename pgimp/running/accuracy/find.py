@@ -1,0 +1,209 @@
+"""Indicators of a run, from its files and its case; and of a case before it runs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pgimp.errors import PgimpError
+from pgimp.running.accuracy.books import energy_book, momentum_books
+from pgimp.running.accuracy.particles import BodyState, body_states
+from pgimp.running.accuracy.rules import Indicator
+from pgimp.scene.checks.supports import held_at
+from pgimp.solver.time.stability import stable_courant
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+    from pgimp.io.results.frame import Frame
+    from pgimp.io.results.reader import Run
+
+Array = np.ndarray
+Boxes = Mapping[str, tuple[Sequence[float], Sequence[float]]]
+
+#: Shapes whose boxes keep their size, and those whose boxes do not part when stretched.
+_CONSTANT, _JOINED = ("gimp", "bspline-quadratic"), ("cpdi", "cpdi-corners")
+#: Cells from a face within which a body lies at it.
+_AT = 0.5
+AXES = "xyz"
+
+
+def of_run(run: Run, case: Case | None = None) -> list[Indicator]:
+    """Return what the files of a run show of its accuracy, also while it goes on.
+
+    Parameters
+    ----------
+    run : Run
+        Its directory.
+    case : Case, optional
+        Its case, if known already.
+
+    Raises
+    ------
+    PgimpError
+        If a file cannot be read.
+    """
+    case = run.case if case is None else case
+    history = np.asarray(run.history)
+    last = case.stages[-1]
+    found = [*of_history(case, history), *of_case(last, boxes_of(case), run.info.get("courant"))]
+    frames = run.frames
+    if frames:
+        found += of_frames(last, history, [frames[len(frames) // 2], frames[-1]])
+    return found
+
+
+def of_history(case: Case, history: Array) -> Iterator[Indicator]:
+    """Yield the indicators of a history."""
+    names = history.dtype.names or ()
+    if not len(history):
+        return
+    if "error" in names and np.isfinite(history["error"][-1]):
+        # Not the greatest: the stress to which it refers may have begun at zero.
+        yield Indicator("error", float(history["error"][-1]))
+    if book := energy_book(history):
+        lost = np.nan_to_num(book.lost)
+        if -lost.min() > 0.0:
+            yield Indicator("gained", float(-lost.min()))
+        yield Indicator("lost", max(float(lost[-1]), 0.0))
+    books, _ = momentum_books(case, history)
+    scale = max((book.scale for book in books), default=0.0)
+    if scale > 0.0:
+        yield Indicator("momentum", max(abs(book.rest) for book in books) / scale)
+    past = [history[name] for name in names if name.startswith("beyond.")]
+    mass = np.asarray(history["mass"], float)
+    if past and (mass > 0.0).any():
+        most = np.max(np.nan_to_num(past), axis=0)[mass > 0.0] / mass[mass > 0.0]
+        yield Indicator("walls", float(most.max()))
+    for name in names:
+        if carried := re.fullmatch(r"volume\.(.*)\.carried", name):
+            fills, holds = history[f"volume.{carried[1]}"], history[name]
+            known = np.isfinite(fills) & (np.nan_to_num(holds) > 0.0)
+            if known.any():
+                ratio = float(fills[known][-1] / holds[known][-1])
+                yield Indicator("volume", abs(ratio - 1.0), carried[1])
+
+
+def boxes_of(case: Case) -> dict[str, tuple[Sequence[float], Sequence[float]]]:
+    """Return the corners of the bodies' regions; none of particles from files."""
+    found = {}
+    for name, body in case.bodies.items():
+        try:
+            low, high = body.region.bounds()
+        except (AttributeError, OSError, PgimpError):
+            continue
+        if np.isfinite([*low, *high]).all():
+            found[name] = (low, high)
+    return found
+
+
+def of_case(case: Case, boxes: Boxes, courant: Any = None) -> Iterator[Indicator]:
+    """Yield the indicators that are known before a run.
+
+    Parameters
+    ----------
+    case : Case
+        The case, or its stage.
+    boxes : mapping
+        Low and high corner of each body.
+    courant : float, optional
+        Courant number of the first of fixed steps; by default that of the case.
+    """
+    courant = case.courant if case.courant is not None else courant
+    if isinstance(courant, float | int) and courant > 0.0 and not case.watched:
+        yield Indicator("step", float(courant) / stable_courant(case))
+    for name, (low, high) in boxes.items():
+        across = _cells_across(case, np.array(low, float), np.array(high, float))
+        if np.isfinite(across):
+            yield Indicator("cells", across, name)
+    if any(body.configuration == "current" for body in case.bodies.values()):
+        if case.method.shape not in (*_JOINED, "mpm"):
+            yield Indicator("per-cell", float(min(case.method.particles_per_cell)))
+
+
+def _cells_across(case: Case, low: Array, high: Array) -> float:
+    """Cells across the thinnest direction of a body; inf if it reaches from face to face in all.
+
+    At a face that holds only the velocity into it, and at the axis of rings, it goes on beyond.
+    """
+    least = np.inf
+    for axis in range(case.dimensions):
+        cell = case.grid.cell[axis]
+        gaps = low[axis] - case.grid.origin[axis], case.grid.corner[axis] - high[axis]
+        on = [_goes_on(case, axis, side) for side, gap in enumerate(gaps) if gap <= _AT * cell]
+        held = [each for each in on if each is not None]
+        if len(held) < 2:
+            across = float(high[axis] - low[axis]) / cell
+            least = min(least, 2.0 * across if any(held) else across)
+    return least
+
+
+def _goes_on(case: Case, axis: int, side: int) -> bool | None:
+    """Whether a body at a face goes on beyond it, mirrored or repeated; None at an open face."""
+    condition = case.boundaries.get(f"{AXES[axis]}-{('min', 'max')[side]}")
+    if condition is None:
+        return True if case.axisymmetric and (axis, side) == (0, 0) else None
+    if condition.joins:
+        return True
+    held = held_at(condition, axis, 2 * side - 1)[: case.dimensions]
+    return not condition.approaches and sum(held) == 1
+
+
+def of_frames(case: Case, history: Array, frames: Sequence[Frame]) -> list[Indicator]:
+    """Return the indicators of frames; the last one is the present state.
+
+    Raises
+    ------
+    RunError
+        If a frame cannot be read.
+    """
+    different = {frame.number: frame for frame in frames}
+    states = [body_states(case, frame) for frame in different.values()]
+    if not states:
+        return []
+    found = [one for state in states[-1] for one in _stretched(case, state)]
+    for state in states[-1]:
+        # Where a body is almost free of stress at the end, another time tells more.
+        every = [one for other in states for one in other if one.name == state.name]
+        loaded = max(every, key=lambda one: one.square)
+        flows = state.name in case.bodies and _flows(case, state.name)
+        if np.isfinite(loaded.within_cells):
+            name = "noise" if flows else "stripes"
+            found.append(Indicator(name, loaded.within_cells, state.name))
+        frozen = _frozen(history, state)
+        if np.isfinite(frozen) and not flows and _is_current(case, state.name):
+            found.append(Indicator("frozen", frozen, state.name))
+    return found
+
+
+def _flows(case: Case, name: str) -> bool:
+    """Whether a body is of a liquid, a gas or loose soil, whose deformation has no end."""
+    material = case.materials[case.bodies[name].material]
+    return material.LIQUID or material.VOLUME_ONLY or material.RESTS or material.flow_speed > 0.0
+
+
+def _is_current(case: Case, name: str) -> bool:
+    return name in case.bodies and case.bodies[name].configuration == "current"
+
+
+def _stretched(case: Case, state: BodyState) -> Iterator[Indicator]:
+    """Yield the indicators of the deformation of a solid's boxes in the current configuration."""
+    if not np.isfinite(state.stretch) or not _is_current(case, state.name):
+        return
+    if _flows(case, state.name):
+        return
+    if case.method.shape not in _JOINED:
+        yield Indicator("stretch", state.stretch, state.name)
+    if case.method.shape in _CONSTANT:
+        yield Indicator("size", max(state.stretch - 1.0, 1.0 - state.squeeze, 0.0), state.name)
+
+
+def _frozen(history: Array, state: BodyState) -> float:
+    """Upper bound of a body's frozen energy, over the run's: what of it varies within cells."""
+    column = f"body.{state.name}.strain-energy"
+    book = energy_book(history)
+    if book is None or column not in (history.dtype.names or ()):
+        return np.nan
+    return state.within_cells * float(history[column][-1]) / book.scale

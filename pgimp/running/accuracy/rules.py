@@ -1,0 +1,177 @@
+"""Indicators of accuracy: quantity, comfortable bound, page with the figures, remedy.
+
+The bounds and their reasons are in docs/report.md, which a test compares with these.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
+
+
+class Rule(NamedTuple):
+    """An indicator's quantity and its bound.
+
+    Attributes
+    ----------
+    label : str
+        The quantity, as messages and reports name it.
+    bound : float
+        The comfortable value: the greatest, or the least if `least`.
+    unit : str
+        ``%`` for a fraction that is shown in per cent; else a word, or nothing.
+    page : str
+        The page, with its section, that has the figures.
+    remedy : str
+        What lowers the error.
+    least : bool
+        Whether values below the bound are the uncomfortable ones.
+    """
+
+    label: str
+    bound: float
+    unit: str
+    page: str
+    remedy: str
+    least: bool = False
+
+    def remedies(self, case: Case | None = None) -> str:
+        """Return the remedy, without what a case does already."""
+        parts = self.remedy.split("; ")
+        method = None if case is None else case.method
+        if method is not None and method.affine:
+            parts = [part for part in parts if not part.startswith("method.affine: true")]
+        if method is not None and method.volumetric == "mean":
+            parts = [part for part in parts if not part.startswith("method.volumetric: mean")]
+        return "; ".join(parts)
+
+    def number(self, value: float) -> str:
+        """Return a value with its unit."""
+        if self.unit == "%":
+            if 0.0 < abs(value) < 1e-6:
+                return "below 0.0001 %"
+            return f"{100.0 * value:{'.2g' if abs(value) < 0.995 else '.0f'}} %"
+        return f"{value:.3g} {self.unit}".rstrip()
+
+
+#: All indicators, the most telling ones first.
+RULES = {
+    "error": Rule(
+        "error against the exact solution", 0.01, "%", "error-against-cost.md#what-an-error-costs",
+        "smaller cells, or a method that is cheaper for its error",
+    ),
+    "gained": Rule(
+        "energy that came from nothing", 0.05, "%", "hard-cases.md#the-largest-stable-steps",
+        "time.step: {courant: 0.2}; smaller cells",
+    ),
+    "lost": Rule(
+        "energy lost by the method", 0.05, "%", "methods.md#reasons",
+        "smaller cells; method.affine: true; configuration: initial for elastic bodies",
+    ),
+    "momentum": Rule(
+        "momentum that no force explains", 0.01, "%", "report.md#books",
+        "more lines of the history (history.every)",
+    ),
+    "step": Rule(
+        "Courant number over the stable one", 1.0, "", "hard-cases.md#the-largest-stable-steps",
+        "time.step: {courant: auto}",
+    ),
+    "cells": Rule(
+        "cells across", 8.0, "", "hard-cases.md#locking", "smaller cells (grid.cell)", least=True
+    ),
+    "per-cell": Rule(
+        "particles a cell and direction", 2.0, "", "methods.md#reasons",
+        "method.particles_per_cell: 2 in each direction", least=True,
+    ),
+    "stretch": Rule(
+        "stretch of boxes", 1.5, "", "hard-cases.md#reasons",
+        "method.shape: cpdi, or configuration: initial: the body may tear where it should not",
+    ),
+    "size": Rule(
+        "strain of boxes that keep their size", 0.15, "%", "methods.md#reasons",
+        "method.shape: finite-gimp",
+    ),
+    "frozen": Rule(
+        "possibly frozen energy", 0.03, "%", "hard-cases.md#frozen-stress",
+        "an entry of contact for bodies that meet; configuration: initial",
+    ),
+    "stripes": Rule(
+        "stress that varies within cells", 0.2, "%", "hard-cases.md#locking",
+        "read means over cells; method.volumetric: mean for solids",
+    ),
+    "noise": Rule(
+        "pressure that varies within cells", 0.2, "%", "limits.md#further-limits",
+        "read means over cells, and over some hundredths of a second",
+    ),
+    "walls": Rule(
+        "mass past walls", 1e-3, "%", "limits.md#further-limits",
+        "method.shape: finite-gimp, or wall: mirror",
+    ),
+    "volume": Rule(
+        "error of the volume of what flows", 0.06, "%", "soils-and-fluids.md#measured",
+        "smaller cells",
+    ),
+}  # fmt: skip
+
+
+class Indicator(NamedTuple):
+    """A value of an indicator.
+
+    Attributes
+    ----------
+    name : str
+        One of `RULES`.
+    value : float
+    where : str
+        The body or rigid body that it is about; may be empty.
+    """
+
+    name: str
+    value: float
+    where: str = ""
+
+    @property
+    def rule(self) -> Rule:
+        """Its rule."""
+        return RULES[self.name]
+
+    @property
+    def distance(self) -> float:
+        """Value over bound, or bound over value: above 1 it is uncomfortable."""
+        rule, value = self.rule, abs(self.value)
+        if rule.least:
+            return rule.bound / value if value > 0.0 else float("inf")
+        return value / rule.bound
+
+    @property
+    def well(self) -> bool:
+        """Whether the value is comfortable."""
+        return self.distance <= 1.0 + 1e-9
+
+    @property
+    def text(self) -> str:
+        """Quantity, value and bound: ``energy lost by the method 12 % (up to 5 %)``."""
+        rule = self.rule
+        of = f" '{self.where}'" if self.where else ""
+        bound = f"{'from' if rule.least else 'up to'} {rule.number(rule.bound)}"
+        return f"{rule.label}{of} {rule.number(self.value)} (well {bound})"
+
+
+def line(found: list[Indicator]) -> str:
+    """Return a line about uncomfortable values, the worst first, with a page; empty without any."""
+    wrong = sorted((one for one in found if not one.well), key=lambda one: -one.distance)
+    if not wrong:
+        return ""
+    kinds: dict[str, Indicator] = {}
+    for one in wrong:
+        kinds.setdefault(one.name, one)
+    named = [*kinds.values()]
+    shown = "; ".join(one.text for one in named[:_NAMED])
+    more = f"; and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
+    return f"{shown}{more}: docs/{named[0].rule.page}"
+
+
+#: Most quantities that a line names.
+_NAMED = 3

@@ -1,0 +1,1 @@
+"""``pgimp plot -o FILE.gif``: pictures of frames one after the other."""

@@ -1,0 +1,1 @@
+"""``pgimp report``: a run, or a study, on one page of HTML."""
