@@ -12,8 +12,10 @@ from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.probefiles import PROBES, probe_file, probes_ever
 
 RUN = "run.json"
-_XDMF = ("particles.xdmf", "grid.xdmf", "rigid.xdmf")
-TOP = ("case.yaml", "input.yaml", *_XDMF, "history.csv", "log.txt", RUN)
+_LISTS = tuple(
+    f"{name}.{kind}" for kind in ("xdmf", "vtkhdf") for name in ("particles", "grid", "rigid")
+)
+TOP = ("case.yaml", "input.yaml", *_LISTS, "history.csv", "log.txt", RUN)
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
 GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
 RIGID_FRAME = re.compile(r"rigid-(\d{6,})\.h5")
@@ -23,8 +25,8 @@ FAILURE = "failure"
 FAILED = ".failed"
 #: Files being written.
 PART = re.compile(
-    r"\.(case\.yaml|input\.yaml|run\.json|report\.txt|particles\.(xdmf|h5)|"
-    r"(grid|rigid)\.xdmf|(particles|grid|rigid|step)-\d+\.h5)\.part"
+    r"\.(case\.yaml|input\.yaml|run\.json|report\.txt|particles\.h5|"
+    r"(particles|grid|rigid)\.(xdmf|vtkhdf)|(particles|grid|rigid|step)-\d+\.h5)\.part"
 )
 # Files that a run writes, by folder.
 _DATA = {
