@@ -7,6 +7,7 @@ copied. Single frames have version 1.0 of the format, which VTK from 9.1 on (Par
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -39,19 +40,22 @@ def add_group(file: Any) -> None:
     cut = "id" in names
     parts = cut_in_parts(cells) if cut else [cells]
     group = begin(file, (1, 0))
-    small(group, "NumberOfPoints", parts if cut else [len(position)])
     small(group, "NumberOfCells", parts)
-    small(group, "NumberOfConnectivityIds", [nodes * number for number in parts])
+    if cut:
+        group["NumberOfPoints"] = group["NumberOfConnectivityIds"] = group["NumberOfCells"]
+    else:
+        small(group, "NumberOfPoints", [len(position)])
+        small(group, "NumberOfConnectivityIds", [nodes * cells])
     group["Points"] = position
     if connectivity.ndim == 1 and len(parts) == 1:
         group["Connectivity"] = connectivity
     elif cut:
-        repeated(group, "Connectivity", np.arange(PART), cells)
+        repeated(group, "Connectivity", PART, 1, cells)
     else:
         views = Views(group, "Connectivity", cells * nodes, np.dtype("<i8"))
-        views.add(0, cells * nodes, ".", "/connectivity", connectivity.shape)
+        views.add(0, cells * nodes, b".", b"/connectivity", connectivity.shape)
         views.create()
-    repeated(group, "Offsets", nodes * np.arange(max(parts) + 1), cells + len(parts))
+    repeated(group, "Offsets", max(parts) + 1, nodes, cells + len(parts))
     cell_types(group, cells, nodes)
     data = group.create_group("PointData")
     for name in names:
@@ -74,9 +78,11 @@ def begin(file: Any, version: tuple[int, int]) -> Any:
 
 def small(group: Any, name: str, values: Sequence[float] | Array, dtype: str = "<i8") -> None:
     """Create a dataset of a few values, within its header if they fit there."""
-    array = np.asarray(values, dtype)
+    array = np.ascontiguousarray(values, dtype)
     fits = array.nbytes <= _SMALL
-    _create(group, name, array.shape, array.dtype, compact=fits)[...] = array
+    made = _make(group, name, array.shape, array.dtype, _properties(compact=fits))
+    everything = load_h5py().h5s.ALL
+    made.id.write(everything, everything, array)
 
 
 def cell_types(group: Any, count: int, nodes: int) -> None:
@@ -87,24 +93,27 @@ def cell_types(group: Any, count: int, nodes: int) -> None:
     _make(group, "Types", (count,), np.dtype(np.uint8), made)
 
 
-def repeated(group: Any, name: str, period: Array, length: int) -> None:
-    """Create a dataset that repeats a sequence; its chunks are all the same, compressed once."""
+def repeated(group: Any, name: str, period: int, step: int, length: int) -> None:
+    """Create a dataset of multiples of `step` from 0 on, again after each `period` of them."""
     h5py = load_h5py()
-    period = np.asarray(period, "<i8")
-    rows = min(len(period), length)
     if 8 * length <= _SMALL:
-        small(group, name, np.resize(period, length))
+        small(group, name, step * (np.arange(length) % period))
         return
+    rows = min(period, length)
     made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     made.set_chunk((rows,))
     made.set_shuffle()
     made.set_deflate(1)
     made.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     made.set_obj_track_times(False)
-    dataset = _make(group, name, (length,), period.dtype, made).id
-    chunk = compress(period[:rows], rows)
+    dataset, chunk = _make(group, name, (length,), np.dtype("<i8"), made).id, _chunk(rows, step)
     for first in range(0, length, rows):
         dataset.write_direct_chunk((first,), chunk)
+
+
+@lru_cache(maxsize=4)
+def _chunk(rows: int, step: int) -> bytes:
+    return compress(np.arange(0, rows * step, step, dtype="<i8"), rows)
 
 
 class Views:
@@ -138,7 +147,7 @@ class Views:
         self._space = h5py.h5s.create_simple(self._shape)
         self._any = False
 
-    def add(self, first: int, count: int, file: str, name: str, shape: tuple[int, ...]) -> None:
+    def add(self, first: int, count: int, file: bytes, name: bytes, shape: tuple[int, ...]) -> None:
         """Show a whole dataset, of `shape`, in `count` rows from `first` on."""
         if not count:
             return
@@ -146,7 +155,7 @@ class Views:
         tail = len(self._shape) - 1
         self._space.select_hyperslab((first, *[0] * tail), (count, *self._shape[1:]))
         whole = load_h5py().h5s.create_simple(shape)
-        self._made.set_virtual(self._space, file.encode(), name.encode(), whole)
+        self._made.set_virtual(self._space, file, name, whole)
 
     def create(self) -> None:
         """Create the dataset."""
@@ -163,10 +172,6 @@ def _properties(compact: bool) -> Any:
     made.set_layout(h5py.h5d.COMPACT if compact else h5py.h5d.CONTIGUOUS)
     made.set_obj_track_times(False)
     return made
-
-
-def _create(group: Any, name: str, shape: tuple[int, ...], dtype: Any, compact: bool) -> Any:
-    return _make(group, name, shape, dtype, _properties(compact))
 
 
 def _make(group: Any, name: str, shape: tuple[int, ...], dtype: Any, made: Any) -> Any:

@@ -145,29 +145,30 @@ def _fill(group: Any, meshes: list[Mesh]) -> None:
     ):
         vtkhdf.small(steps, name, values)
     of_all = max(int(start) + mesh.points for start, mesh in zip(points, meshes, strict=True))
+    files = [relative(mesh.path).encode() for mesh in meshes]
     data, offsets = group.create_group("PointData"), steps.create_group("PointDataOffsets")
     for name, (columns, dtype) in _fields(meshes).items():
         fill = np.nan if dtype.kind == "f" else -1
         where = (group, "Points") if name == "position" else (data, name)
         views = vtkhdf.Views(*where, of_all, dtype, columns, fill)
-        for start, mesh in zip(points.tolist(), meshes, strict=True):
+        for start, file, mesh in zip(points.tolist(), files, meshes, strict=True):
             if mesh.fields.get(name, (-1,))[0] == columns:
                 shape = (mesh.points, columns) if columns else (mesh.points,)
-                views.add(start, mesh.points, relative(mesh.path), f"/{name}", shape)
+                views.add(start, mesh.points, file, f"/{name}".encode(), shape)
         views.create()
         if name != "position":
             offsets[name] = steps["PointOffsets"]
     if cut:
-        vtkhdf.repeated(group, "Connectivity", np.arange(period), most)
+        vtkhdf.repeated(group, "Connectivity", period, 1, most)
     else:
         total = sum(nodes * mesh.cells for mesh in meshes)
         views = vtkhdf.Views(group, "Connectivity", total, np.int64)
-        for start, mesh in zip(ids.tolist(), meshes, strict=True):
+        for start, file, mesh in zip(ids.tolist(), files, meshes, strict=True):
             shape = (mesh.cells, nodes)
-            views.add(start, nodes * mesh.cells, relative(mesh.path), "/connectivity", shape)
+            views.add(start, nodes * mesh.cells, file, b"/connectivity", shape)
         views.create()
     end = int((cells + parts).max()) + most + int(number.max())
-    vtkhdf.repeated(group, "Offsets", nodes * np.arange(period + 1), end)
+    vtkhdf.repeated(group, "Offsets", period + 1, nodes, end)
     vtkhdf.cell_types(group, int(cells.max()) + most, nodes)
 
 
