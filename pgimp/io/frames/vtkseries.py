@@ -175,14 +175,18 @@ def _fill(group: Any, meshes: list[Mesh]) -> None:
 def _parts(group: Any, meshes: list[Mesh]) -> tuple[Array, Array]:
     """Write the sizes of the parts; return each frame's number of parts and its first part.
 
-    Frames of the same size have the same parts.
+    Frames of the same size have the same parts. An empty part goes with a single one where another
+    frame has several: VTK 9.7 reads no more parts of any frame if the first one has only one.
     """
+    several = meshes[0].cut and max(mesh.points for mesh in meshes) > vtkhdf.PART
     first: dict[tuple[int, int], int] = {}
     sizes: list[tuple[int, int]] = []
     number, parts = [], []
     for mesh in meshes:
         key = mesh.points, mesh.cells
         own = [(n, n) for n in vtkhdf.cut_in_parts(mesh.points)] if mesh.cut else [key]
+        if several and len(own) == 1:
+            own.append((0, 0))
         if key not in first:
             first[key] = len(sizes)
             sizes += own
