@@ -41,7 +41,7 @@ def test_a_frame_holds_the_same_but_for_rounding(tmp_path, form, dimension):
     single = "precision" in FORMS[form]
     with h5py.File(whole) as one, h5py.File(other) as two:
         assert list(one) == list(two) and one.attrs.keys() == two.attrs.keys()
-        for name in one:
+        for name in [name for name in one if name != "VTKHDF"]:
             exact = one[name][()]
             rounded = exact.astype(np.float32) if single and exact.dtype == float else exact
             assert two[name].dtype == rounded.dtype
