@@ -127,9 +127,9 @@ def execute(args: argparse.Namespace) -> int:
         else:
             from pgimp.utilities.plot.curves import curves
 
-            probes = _listed(args.probe)
+            probes = listed(args.probe)
             figure, table, remarks = curves(
-                runs, probes, _listed(args.columns), args.x or "time", args.log
+                runs, probes, listed(args.columns), args.x or "time", args.log
             )
             name = "-".join(dict.fromkeys(probes)) or "history"
         output = output or _output(_default_name(runs, name))
@@ -173,13 +173,13 @@ def _frame(
     from pgimp.utilities.plot.quantity import quantity
     from pgimp.utilities.plot.selection import Selection, parse_place
 
-    times = _numbers(args.time, "--time", float)
-    numbers = _numbers(args.frame, "--frame", int) or ([] if times else [-1])
-    chosen = snapshots(runs, numbers, times)
+    times = numbers(args.time, "--time", float)
+    places = numbers(args.frame, "--frame", int) or ([] if times else [-1])
+    chosen = snapshots(runs, places, times)
     dimension = chosen[0].shown.dimension
     first = quantity(args.field, chosen[0].frame, dimension)
     quantities = [quantity(first.text, snapshot.frame, dimension) for snapshot in chosen]
-    bodies = tuple(_listed(args.body))
+    bodies = tuple(listed(args.body))
     if args.along is not None or (dimension == 1 and not args.slice and not args.camera):
         axes = range(dimension)
         name = args.along or "x"
@@ -208,11 +208,13 @@ def _frame(
     return figure, table, remarks, f"{label}-{which}"
 
 
-def _listed(text: str | None) -> list[str]:
+def listed(text: str | None) -> list[str]:
+    """Return the words of an option, with commas between them."""
     return [part.strip() for part in text.split(",") if part.strip()] if text else []
 
 
-def _numbers(text: str | None, option: str, kind: Callable[[str], N]) -> list[N]:
+def numbers(text: str | None, option: str, kind: Callable[[str], N]) -> list[N]:
+    """Return the numbers of an option, with commas between them; a UsageError if they are none."""
     if text is None:
         return []
     try:
@@ -225,7 +227,7 @@ def _numbers(text: str | None, option: str, kind: Callable[[str], N]) -> list[N]
 def _limits(text: str | None) -> tuple[float, float] | None:
     if text is None:
         return None
-    found = _numbers(text, "--range", float)
+    found = numbers(text, "--range", float)
     if len(found) != 2 or not float("-inf") < found[0] < found[1] < float("inf"):
         raise UsageError(f"--range {text}: two numbers, the lower one first, such as 0,5e4")
     return found[0], found[1]
