@@ -20,6 +20,8 @@ from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial
 from pgimp.running.frames import Frames
 
+pytestmark = pytest.mark.slow(25)
+
 COUNT = 23
 
 
