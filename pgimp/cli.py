@@ -165,8 +165,11 @@ def parser_of(name: str) -> Parser:
         )
         parser.add_argument("--version", action="store_true", help="print the version and exit")
     else:
+        summary = COMMANDS[name]
         parser = Parser(
-            prog=f"pgimp {name}", description=f"{COMMANDS[name].capitalize()}.", allow_abbrev=False
+            prog=f"pgimp {name}",
+            description=f"{summary[0].upper()}{summary[1:]}.",
+            allow_abbrev=False,
         )
     importlib.import_module(f"pgimp.commands.{name}").add_arguments(parser)
     if name in _IMPORTING:

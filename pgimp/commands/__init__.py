@@ -7,6 +7,7 @@ COMMANDS = {
     "study": "runs a case with many changes: a table and a plot of error against cost",
     "plot": "draws curves of the history, pictures of frames, fields along a line",
     "report": "writes one page of HTML of a run, also while it goes on, or of a study",
+    "export": "makes frames readable for VTK and ParaView, or writes tables (CSV) or VTU",
     "element": "tells what a material does along a path, without a grid",
     "batch": "writes a script for Slurm or PBS that takes a run to its end",
     "compare": "tells whether two runs have the same particles, bit for bit",

@@ -137,11 +137,11 @@ def execute(args: argparse.Namespace) -> int:
         else:
             from pgimp.utilities.plot.curves import curves
 
-            probes = _listed(args.probe)
+            probes = listed(args.probe)
             figure, table, remarks = curves(
                 runs,
                 probes,
-                _listed(args.columns),
+                listed(args.columns),
                 args.x or "time",
                 args.log,
                 look(args, None),
@@ -191,13 +191,13 @@ def _frame(
     from pgimp.utilities.plot.quantity import quantity
     from pgimp.utilities.plot.selection import Selection, parse_place
 
-    times = _numbers(args.time, "--time", float)
-    numbers = _numbers(args.frame, "--frame", int) or ([] if times else [-1])
-    chosen = snapshots(runs, numbers, times)
+    times = numbers(args.time, "--time", float)
+    places = numbers(args.frame, "--frame", int) or ([] if times else [-1])
+    chosen = snapshots(runs, places, times)
     dimension = chosen[0].shown.dimension
     first = quantity(args.field, chosen[0].frame, dimension)
     quantities = [quantity(first.text, snapshot.frame, dimension) for snapshot in chosen]
-    bodies = tuple(_listed(args.body))
+    bodies = tuple(listed(args.body))
     if args.along is not None or (dimension == 1 and not args.slice and not args.camera):
         axes = range(dimension)
         name = args.along or "x"
@@ -237,7 +237,7 @@ def _seen(args: argparse.Namespace, shown: PlotRun) -> tuple[Selection, Camera, 
         raise UsageError(f"--slice {args.slice}: one plane, such as y=0.5; a line is --along")
     view = camera(args.camera, dimension, next(iter(place), None))
     mirrored = planes(args.mirror, *shown.corners) if args.mirror is not None else ()
-    selection = Selection(tuple(_listed(args.body)), place, shown.spacing, mirrored)
+    selection = Selection(tuple(listed(args.body)), place, shown.spacing, mirrored)
     return selection, view, look(args, _limits(args.range))
 
 
@@ -259,11 +259,13 @@ def _movie(args: argparse.Namespace, runs: Sequence[PlotRun], kind: str) -> byte
     return movie(kind, chosen, quantities, *_seen(args, shown), rate(args))
 
 
-def _listed(text: str | None) -> list[str]:
+def listed(text: str | None) -> list[str]:
+    """Return the words of an option, with commas between them."""
     return [part.strip() for part in text.split(",") if part.strip()] if text else []
 
 
-def _numbers(text: str | None, option: str, kind: Callable[[str], N]) -> list[N]:
+def numbers(text: str | None, option: str, kind: Callable[[str], N]) -> list[N]:
+    """Return the numbers of an option, with commas between them; a UsageError if they are none."""
     if text is None:
         return []
     try:
@@ -276,7 +278,7 @@ def _numbers(text: str | None, option: str, kind: Callable[[str], N]) -> list[N]
 def _limits(text: str | None) -> tuple[float, float] | None:
     if text is None:
         return None
-    found = _numbers(text, "--range", float)
+    found = numbers(text, "--range", float)
     if len(found) != 2 or not float("-inf") < found[0] < found[1] < float("inf"):
         raise UsageError(f"--range {text}: two numbers, the lower one first, such as 0,5e4")
     return found[0], found[1]

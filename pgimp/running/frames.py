@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from pgimp.io.frames.particlefile import ParticleFile
 from pgimp.io.frames.series import Entry, Series
+from pgimp.io.frames.vtkseries import Mesh, described
 from pgimp.io.frames.xdmf import Collection, particles
 from pgimp.io.results.reader import Frame
 from pgimp.io.rundir.ownfiles import FRAME
@@ -63,11 +64,14 @@ class Frames(Series):
         time, step = float(sim.time), int(sim.step)
         what = f"write the frame {path} at step {step}"
         file = self._file.write(path, sim.particles, rows, (time, step), what)
-        text = particles(path, time, rows.count, self._file.types, self._file.kinds)
-        self._wait_for(file, Entry(time, step, text))
+        types, kinds = self._file.types, self._file.kinds
+        fields = {name: (kinds[name].columns, dtype) for name, dtype in types.items()}
+        mesh = Mesh(path, time, rows.count, rows.count, 1, fields)
+        text = particles(path, time, rows.count, types, kinds)
+        self._wait_for(file, Entry(time, step, text, mesh))
 
     def _listed(self, path: Path) -> Entry:
         frame = Frame(path)
         types = {name: frame.types[name] for name in self.fields if name in frame}
         text = particles(path, frame.time, len(frame), types, self._file.kinds)
-        return Entry(frame.time, frame.step, text)
+        return Entry(frame.time, frame.step, text, described(path))

@@ -10,6 +10,8 @@ import numpy as np
 
 from pgimp.io.frames.particlefile import FORMAT_VERSION
 from pgimp.io.frames.series import Entry, Series
+from pgimp.io.frames.vtkhdf import add_group
+from pgimp.io.frames.vtkseries import Mesh
 from pgimp.io.frames.xdmf import Collection, mesh
 from pgimp.io.results.gridreader import GridFrame
 from pgimp.io.rundir.ownfiles import GRID_FRAME
@@ -95,7 +97,7 @@ class GridFrames(Series):
         def create() -> dict[str, int]:
             shape = (state.total[1], 2**self._dimension)
             cells = {"connectivity": np.broadcast_to(np.int64(0), shape)}
-            layout = lay_out(self._datasets, state.total[0], attributes, cells)
+            layout = lay_out(self._datasets, state.total[0], attributes, cells, more=add_group)
             with explained_errors(what):
                 layout.create(part)
             says.update(layout.parts)
@@ -146,7 +148,9 @@ class GridFrames(Series):
             name: ("Scalar", 0, dtype) if name == "mass" else ("Vector", 3, dtype)
             for name, dtype in types.items()
         }
-        return Entry(time, step, mesh(path, time, counts, self._dimension, kinds))
+        text = mesh(path, time, counts, self._dimension, kinds)
+        fields = {name: (columns, dtype) for name, (_, columns, dtype) in kinds.items()}
+        return Entry(time, step, text, Mesh(path, time, *counts, 2**self._dimension, fields))
 
     def resume(self, number: int) -> list[str]:
         """See `Series.resume`; nothing is done if there have never been frames of the grid."""

@@ -246,6 +246,8 @@ class Recorder:
         return self.frames.ready and self.grid.ready
 
     def close(self) -> None:
-        """Close the history and the probes' files."""
+        """Close the history and the probes' files, and list all frames."""
+        for series in self._series:
+            series.close()
         self.history.close()
         self.probes.close()

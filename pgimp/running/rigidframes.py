@@ -9,6 +9,8 @@ import numpy as np
 
 from pgimp.io.frames.particlefile import FORMAT_VERSION
 from pgimp.io.frames.series import Entry, Series
+from pgimp.io.frames.vtkhdf import add_group
+from pgimp.io.frames.vtkseries import Mesh
 from pgimp.io.frames.xdmf import Collection, surface
 from pgimp.io.results.frame import Reading
 from pgimp.io.rundir.ownfiles import RIGID_FRAME
@@ -81,6 +83,7 @@ class RigidFrames(Series):
                 len(rigid_bodies.surface.body),
                 attributes,
                 {"connectivity": rigid_bodies.surface.cells},
+                more=add_group,
             )
             with explained_errors(what):
                 layout.create(part)
@@ -97,7 +100,12 @@ class RigidFrames(Series):
                 file.write(offsets["connectivity"], rigid_bodies.surface.cells)
             unfinished = Unfinished(part, path, file, self.comm, what)
         counts = len(rigid_bodies.surface.body), len(rigid_bodies.surface.cells)
-        self._wait_for(unfinished, Entry(time, step, surface(path, time, counts, self._dimension)))
+        self._wait_for(unfinished, self._entry(path, time, step, counts))
+
+    def _entry(self, path: Path, time: float, step: int, counts: tuple[int, int]) -> Entry:
+        fields = {"position": (3, "<f8"), "body": (0, "<i8")}
+        shown = Mesh(path, time, *counts, 2 ** (self._dimension - 1), fields)
+        return Entry(time, step, surface(path, time, counts, self._dimension), shown)
 
     def resume(self, number: int) -> list[str]:
         """See `Series.resume`; nothing is done if there is no rigid body."""
@@ -107,5 +115,4 @@ class RigidFrames(Series):
         with Reading(path) as file:
             time, step = float(file.attrs["time"]), int(file.attrs["step"])
             counts = len(file["position"]), len(file["connectivity"])
-            dimension = int(file.attrs["dimensions"])
-        return Entry(time, step, surface(path, time, counts, dimension))
+        return self._entry(path, time, step, counts)

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -129,8 +130,12 @@ class Chunks:
         reserve(self._descriptor, self._reserved, end, keep_size=True)
         self._reserved = max(self._reserved, end)
 
-    def finish(self) -> dict[int, bytes]:
-        """Set the file's size and close it; return HDF5's metadata of the datasets, by offset."""
+    def finish(self, more: Callable[[Any], None]) -> dict[int, bytes]:
+        """Set the file's size and close it; return HDF5's metadata of the datasets, by offset.
+
+        First, `more` adds what else the file has, as for `pgimp.storage.datasets.lay_out`.
+        """
+        more(self._file)
         self._file.close()
         self._reserve(self._image.size)
         os.ftruncate(self._descriptor, self._image.size)

@@ -6,7 +6,7 @@ import ctypes
 import errno
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -84,6 +84,7 @@ def lay_out(
     attributes: Mapping[str, object] = _NONE,
     whole: Mapping[str, Array] = _NONE,
     user_block: int = 0,
+    more: Callable[[Any], None] | None = None,
 ) -> Layout:
     """Lay out a file.
 
@@ -99,6 +100,8 @@ def lay_out(
         Further datasets; only their types and shapes matter.
     user_block : int
         Zero bytes before HDF5's own: none, or a power of two from 512 on.
+    more : callable, optional
+        Adds what else the file has, given the open h5py.File: metadata and small datasets.
 
     Returns
     -------
@@ -119,6 +122,8 @@ def lay_out(
         for dataset, shape in shapes:
             made = make(file, dataset, shape, properties)
             offsets[dataset.name] = made.get_offset() if math.prod(shape) else 0
+        if more:
+            more(file)
     return Layout(offsets, image.stretches(), image.size)
 
 

@@ -228,7 +228,7 @@ def unreadable(directory):
     return wrong
 
 
-def differences(one, other, names=("history.csv", "particles.xdmf", "frames/*")):
+def differences(one, other, names=("history.csv", "particles.*", "frames/*")):
     """Files of some names in which two run directories differ, bit for bit."""
     found = {path.relative_to(run) for run in (one, other) for n in names for path in run.glob(n)}
 

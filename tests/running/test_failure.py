@@ -41,7 +41,7 @@ def stopped(disturb, steps=STEP):
 
 def read(folder):
     with h5py.File(folder / "particles.h5") as file:
-        return {name: file[name][:] for name in file}, dict(file.attrs)
+        return {name: file[name][:] for name in file if name != "VTKHDF"}, dict(file.attrs)
 
 
 def around(sim, centres, radius):

@@ -74,7 +74,8 @@ def grids(result):
     found = []
     for path in sorted((result.path / "frames").glob("grid-*.h5")):
         with h5py.File(path) as file:
-            found.append({name: file[name][()] for name in file} | dict(file.attrs))
+            names = [name for name in file if name != "VTKHDF"]
+            found.append({name: file[name][()] for name in names} | dict(file.attrs))
     return found
 
 

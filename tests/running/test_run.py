@@ -51,7 +51,7 @@ def test_what_a_run_leaves(done, folder):
     directory, job = done
     files = "case.yaml history.csv input.yaml log.txt particles.xdmf run.json".split()
     left = {path.name for path in directory.iterdir()}
-    assert left == {*files, "checkpoints", "frames"}
+    assert left == {*files, "particles.vtkhdf", "checkpoints", "frames"}
     assert (directory / "input.yaml").read_bytes() == (folder / "blocks.yaml").read_bytes()
     log = (directory / "log.txt").read_text()
     assert log.startswith(job.stdout)

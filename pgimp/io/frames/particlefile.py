@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.io.frames.particlevalues import CONNECTIVITY, Values
+from pgimp.io.frames.vtkhdf import add_group
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
@@ -164,7 +165,8 @@ class ParticleFile:
             if self._count != rows.count:
                 stands_for = {"time": np.frombuffer(_TIME, "<f8")[0]}
                 stands_for |= {"step": np.frombuffer(_STEP, "<i8")[0]}
-                self._layout = lay_out(self._datasets, rows.count, attributes | stands_for)
+                header = attributes | stands_for
+                self._layout = lay_out(self._datasets, rows.count, header, more=add_group)
                 self._count = rows.count
             time, step = np.array(attributes["time"], "<f8"), np.array(attributes["step"], "<i8")
             for place, data in self._layout.parts.items():
@@ -204,7 +206,7 @@ class ParticleFile:
 
         def finish() -> None:
             with explained_errors(what):
-                says.update(made[0].finish())
+                says.update(made[0].finish(add_group))
 
         on_root(rows.comm, begin)
         file = FrameFile(part, rows.comm)

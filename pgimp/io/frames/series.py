@@ -1,4 +1,4 @@
-"""A series of files in the folder of frames, with the XDMF file that lists them.
+"""A series of files in the folder of frames, with the files that list them: XDMF and VTKHDF.
 
 The run does not wait for the disk. A file is written to the kernel's memory, synced to the disk
 during the next steps, and only then renamed. So a file with its final name is complete, even after
@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 from pgimp.errors import RunError, explain
+from pgimp.io.frames.vtkseries import Mesh, VtkSeries
 from pgimp.io.frames.xdmf import Collection
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
@@ -22,22 +24,23 @@ from pgimp.storage.unfinished import Unfinished
 
 
 class Entry(NamedTuple):
-    """Entry of a file in the XDMF file: time, step, and text."""
+    """Entry of a file in the lists: time, step, text in the XDMF file, and description for VTK."""
 
     time: float
     step: int
     text: str
+    mesh: Mesh
 
 
 class Series(ABC):
-    """Files of a run, one at a time, and the XDMF file that lists them.
+    """Files of a run, one at a time, and the files that list them.
 
     Parameters
     ----------
     comm : communicator
         Of all ranks.
     collection : Collection
-        The XDMF file.
+        The XDMF file; the VTKHDF file has the same name.
     pattern : re.Pattern
         Pattern of the file names; its group is the number.
 
@@ -61,6 +64,7 @@ class Series(ABC):
         self.latest = 0.0
         self.step = -1
         self._collection, self._pattern = collection, pattern
+        self._vtk = VtkSeries(collection.path.with_suffix(".vtkhdf"))
         self._pending: tuple[Unfinished, Entry] | None = None
         self._synced = 0
 
@@ -105,6 +109,8 @@ class Series(ABC):
             self.size += file.path.stat().st_size
             self._collection.add(entry.text)
             self._collection.write(durable=last)
+            self._vtk.add(entry.mesh)
+            self._vtk.show()
 
         file.end(show)
         self.written += 1
@@ -124,17 +130,25 @@ class Series(ABC):
             On every rank, if that is not possible.
         """
         self.finish(last)
-        if self._synced == self.written:
+        if self._synced == self.written and not last:
             return
 
         def names() -> None:
             try:
+                if last:
+                    self._vtk.write(durable=True)
                 sync_folder(self.folder)
             except OSError as error:
                 raise RunError(f"cannot write to {self.folder}: {explain(error)}") from error
 
         on_root(self.comm, names)
         self._synced = self.written
+
+    def close(self) -> None:
+        """List all frames so far, if that is possible."""
+        if self.comm.rank == 0:
+            with suppress(OSError):
+                self._vtk.write()
 
     def resume(self, number: int) -> list[str]:
         """Continue after the first `number` files; later files are deleted; collective.
@@ -176,12 +190,14 @@ class Series(ABC):
             notes = self._missing(number, len(before))
             for path in (paths[i] for i in before):
                 try:
-                    time, step, text = self._listed(path)
+                    time, step, text, mesh = self._listed(path)
                 except RunError as error:
                     notes.append(f"{error}; {self._collection.path.name} goes on without it")
                     continue
                 self._collection.add(text)
+                self._vtk.add(mesh)
             self._collection.write()
+            self._vtk.restart()
             for i in paths:
                 if i >= number:
                     paths[i].unlink()

@@ -75,7 +75,7 @@ def particles(
     kinds : mapping of str to Field
         Definition of each field.
     """
-    file = _relative(path)
+    file = relative(path)
     topology = 'TopologyType="Polyvertex"', 1
     fields = {name: (kinds[name].kind, kinds[name].columns, types[name]) for name in types}
     return _grid("particles", file, time, (count, count), topology, fields)
@@ -104,18 +104,18 @@ def mesh(
         Fields, including `position`: attribute type, columns (0 for a scalar), type.
     """
     topology = _CELLS[dimension - 1], 2**dimension
-    return _grid("grid", _relative(path), time, counts, topology, fields)
+    return _grid("grid", relative(path), time, counts, topology, fields)
 
 
 def surface(path: Path, time: float, counts: tuple[int, int], dimension: int) -> str:
     """Return the XDMF text of a frame of the rigid bodies; as `mesh`, for cells of surfaces."""
     fields: dict[str, Kind] = {"position": ("Vector", 3, "<f8"), "body": ("Scalar", 0, "<i8")}
     topology = ('TopologyType="Polyvertex"', *_CELLS)[dimension - 1], 2 ** (dimension - 1)
-    return _grid("rigid", _relative(path), time, counts, topology, fields)
+    return _grid("rigid", relative(path), time, counts, topology, fields)
 
 
-def _relative(path: Path) -> str:
-    """Return the name of a frame in the XDMF file."""
+def relative(path: Path) -> str:
+    """Return the name of a frame in the files that list all of them."""
     return f"{path.parent.name}/{path.name}" if path.parent.name == "frames" else path.name
 
 

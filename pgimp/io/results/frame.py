@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
+#: The cells of XDMF, and the group of VTK: no fields.
+FOR_READERS = ("connectivity", "VTKHDF")
+
 
 class Frame:
     """The particles at one time; ``frame["stress"]`` reads a field.
@@ -59,7 +62,7 @@ class Frame:
             self.step = int(file.attrs["step"])
             self.bodies = [str(name) for name in file.attrs["bodies"]]
             self.materials = [str(name) for name in file.attrs["materials"]]
-            self.fields = [name for name in file.names if name != "connectivity"]
+            self.fields = [name for name in file.names if name not in FOR_READERS]
             self.types = {name: file[name].dtype.newbyteorder("<").str for name in self.fields}
             self._count = len(file["id"])
 

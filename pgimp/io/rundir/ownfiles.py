@@ -13,8 +13,10 @@ from pgimp.io.rundir.probefiles import PROBES, probe_file, probes_ever
 
 RUN = "run.json"
 REPORT = "report.html"
-_XDMF = ("particles.xdmf", "grid.xdmf", "rigid.xdmf")
-TOP = ("case.yaml", "input.yaml", *_XDMF, "history.csv", "log.txt", REPORT, RUN)
+_LISTS = tuple(
+    f"{name}.{kind}" for kind in ("xdmf", "vtkhdf") for name in ("particles", "grid", "rigid")
+)
+TOP = ("case.yaml", "input.yaml", *_LISTS, "history.csv", "log.txt", REPORT, RUN)
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
 GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
 RIGID_FRAME = re.compile(r"rigid-(\d{6,})\.h5")
@@ -24,8 +26,8 @@ FAILURE = "failure"
 FAILED = ".failed"
 #: Files being written.
 PART = re.compile(
-    r"\.(case\.yaml|input\.yaml|run\.json|report\.(txt|html)|particles\.(xdmf|h5)|"
-    r"(grid|rigid)\.xdmf|(particles|grid|rigid|step)-\d+\.h5)\.part"
+    r"\.(case\.yaml|input\.yaml|run\.json|report\.(txt|html)|particles\.h5|"
+    r"(particles|grid|rigid)\.(xdmf|vtkhdf)|(particles|grid|rigid|step)-\d+\.h5)\.part"
 )
 # Files that a run writes, by folder.
 _DATA = {

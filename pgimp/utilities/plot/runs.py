@@ -163,6 +163,38 @@ def every_snapshot(shown: PlotRun) -> list[PlotFrame]:
     return found
 
 
+def frames_of(shown: PlotRun, frames: Sequence[int], times: Sequence[float]) -> list[Frame]:
+    """Find frames of a run by their numbers, else by times; parameters as for `snapshots`.
+
+    Raises
+    ------
+    UsageError
+        If the run has no such frame.
+    """
+    every = shown.run.frames
+    if not every:
+        more = " yet" if shown.run.state == "running" else "; output.every makes them"
+        raise UsageError(f"{shown.path} has no frames{more}")
+    found = []
+    for number in frames:
+        if not -len(every) <= number < len(every):
+            raise UsageError(
+                f"{shown.path} has no frame {number}: it has {len(every)}, "
+                f"0 to {len(every) - 1} (or -1, the last)"
+            )
+        found.append(every[number])
+    for time in times if not frames else ():
+        first, last = every[0].time, every[-1].time
+        slack = _LATE * max(abs(last), abs(first), 1e-300)
+        if not first - slack <= time <= last + slack:
+            raise UsageError(
+                f"{shown.path} has no frame at time {time:g}: its frames go from "
+                f"{first:g} to {last:g}{_ended(shown)}"
+            )
+        found.append(min(every, key=lambda frame: abs(frame.time - time)))
+    return found
+
+
 def snapshots(
     runs: Sequence[PlotRun], frames: Sequence[int], times: Sequence[float]
 ) -> list[PlotFrame]:
@@ -189,27 +221,7 @@ def snapshots(
     """
     found = []
     for shown in runs:
-        every = shown.run.frames
-        if not every:
-            more = " yet" if shown.run.state == "running" else "; output.every makes them"
-            raise UsageError(f"{shown.path} has no frames{more}")
-        if frames:
-            for number in frames:
-                if not -len(every) <= number < len(every):
-                    raise UsageError(
-                        f"{shown.path} has no frame {number}: it has {len(every)}, "
-                        f"0 to {len(every) - 1} (or -1, the last)"
-                    )
-                found.append(PlotFrame(shown, every[number]))
-        for time in times if not frames else ():
-            first, last = every[0].time, every[-1].time
-            slack = _LATE * max(abs(last), abs(first), 1e-300)
-            if not first - slack <= time <= last + slack:
-                raise UsageError(
-                    f"{shown.path} has no frame at time {time:g}: its frames go from "
-                    f"{first:g} to {last:g}{_ended(shown)}"
-                )
-            found.append(PlotFrame(shown, min(every, key=lambda frame: abs(frame.time - time))))
+        found += [PlotFrame(shown, frame) for frame in frames_of(shown, frames, times)]
     if len(found) > _MOST_PANELS:
         raise UsageError(f"{len(found)} frames in one figure; {_MOST_PANELS} is the most")
     dimensions = {snapshot.shown.dimension for snapshot in found}

@@ -23,7 +23,10 @@ EVERY = 4
 #: blown up; and every scene is run about seven times.
 MOST_STEPS = 3000
 #: What a run leaves that no number of ranks may change.
-SAME = ("case.yaml", "history.csv", "*.xdmf", "frames/*", "probes/*", "failure/particles.h5")
+SAME = (
+    "case.yaml", "history.csv", "*.xdmf", "*.vtkhdf", "frames/*", "probes/*",
+    "failure/particles.h5",
+)  # fmt: skip
 
 
 class Outcome(NamedTuple):

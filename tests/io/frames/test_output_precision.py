@@ -41,7 +41,7 @@ def test_a_frame_holds_the_same_but_for_rounding(tmp_path, form, dimension):
     single = "precision" in FORMS[form]
     with h5py.File(whole) as one, h5py.File(other) as two:
         assert list(one) == list(two) and one.attrs.keys() == two.attrs.keys()
-        for name in one:
+        for name in [name for name in one if name != "VTKHDF"]:
             exact = one[name][()]
             rounded = exact.astype(np.float32) if single and exact.dtype == float else exact
             assert two[name].dtype == rounded.dtype
@@ -68,8 +68,8 @@ def test_every_number_of_ranks_writes_the_same_file(tmp_path, mpirun, ranks):
             write_frames(serial, Serial(), count, 3, gone=GONE.get(kind, ()), **FORMS[form])
             directory = tmp_path / f"{form}-{kind}"
             assert frame_digests(directory) == frame_digests(serial), (form, kind)
-            xdmf = (directory / "particles.xdmf").read_bytes()
-            assert xdmf == (serial / "particles.xdmf").read_bytes()
+            for name in ("particles.xdmf", "particles.vtkhdf"):
+                assert (directory / name).read_bytes() == (serial / name).read_bytes()
 
 
 @pytest.mark.parametrize("form", ["packed", "both"])

@@ -87,6 +87,7 @@ def test_files_that_are_no_runs_are_left_alone(tmp_path, name, overwrite):
         ("checkpoints/.step-000000007.h5.part", True),
         ("failure/particles.h5", True),
         ("grid.xdmf", True),
+        ("grid.vtkhdf", True),
         ("history.csv", True),
         (".failed", True),
         ("frames", False),

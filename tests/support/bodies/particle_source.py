@@ -116,6 +116,7 @@ def write_frames(directory, comm, count, dimension, empty=(), number=2, gone=(),
     for _ in range(number):
         frames.write(sim)
     frames.finish()
+    frames.close()
     return frames, values
 
 

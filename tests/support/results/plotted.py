@@ -20,7 +20,7 @@ def hdf5(runs, name, number=-1):
     """The fields of a frame, by h5py alone."""
     path = sorted((runs / name / "frames").glob("particles-*.h5"))[number]
     with h5py.File(path) as file:
-        return {key: file[key][:] for key in file}
+        return {key: file[key][:] for key in file if key != "VTKHDF"}
 
 
 def history(runs, name):

@@ -6,7 +6,7 @@ EVERY = "checkpoint={every: {steps: 40}, keep: 3}"
 
 
 def check_same(one, other):
-    for name in ("history.csv", "particles.xdmf", "case.yaml"):
+    for name in ("history.csv", "particles.xdmf", "particles.vtkhdf", "case.yaml"):
         assert (one.path / name).read_bytes() == (other.path / name).read_bytes()
     for mine, theirs in zip(one, other, strict=True):
         assert mine.path.read_bytes() == theirs.path.read_bytes()

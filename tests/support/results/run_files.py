@@ -16,5 +16,5 @@ def go_back(run, part):
 def digests(run):
     """Of all frames and the files that list them, of the history and of the probes."""
     files = [*sorted((run / "frames").iterdir()), run / "history.csv"]
-    files += [*run.glob("probes/*"), *run.glob("*.xdmf")]
+    files += [*run.glob("probes/*"), *run.glob("*.xdmf"), *run.glob("*.vtkhdf")]
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}

@@ -1,0 +1,214 @@
+"""The file ``.vtkhdf`` that shows all frames of a run to VTK and ParaView as one series in time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.io.frames import vtkhdf
+from pgimp.io.frames.xdmf import relative
+from pgimp.io.results.frame import FOR_READERS, Reading
+from pgimp.storage.atomic import write
+from pgimp.storage.hdf5 import open_file
+from pgimp.storage.image import Image
+
+Array = np.ndarray
+
+# Rewriting takes time with the number of frames: at most this share of a run's.
+_SHARE = 0.01
+
+
+class Mesh(NamedTuple):
+    """Points and cells of a frame, and its fields."""
+
+    path: Path
+    time: float
+    points: int
+    cells: int
+    nodes: int
+    """Vertices of a cell."""
+    fields: Mapping[str, tuple[int, str]]
+    """Columns, 0 for a scalar, and type of each field, including `position`."""
+
+    @property
+    def cut(self) -> bool:
+        """Whether it is cut in parts: particles are, as their cells do not share vertices."""
+        return "id" in self.fields
+
+
+class VtkSeries:
+    """A temporal series of frames, whose datasets it shows without a copy.
+
+    A field that a frame does not have is not a number there, or -1. So is each field of a frame
+    that is lost later.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its name ends in ``.vtkhdf``.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._meshes: list[Mesh] = []
+        self._stale = False
+        self._next = 0.0
+
+    def add(self, mesh: Mesh) -> None:
+        """Add a frame."""
+        self._meshes.append(mesh)
+        self._stale = True
+
+    def restart(self) -> None:
+        """Delete the file, unless it can be rewritten; an OSError if that is not possible."""
+        if self._meshes:
+            self.write()
+        else:
+            self.path.unlink(missing_ok=True)
+
+    def show(self) -> None:
+        """Rewrite the file, unless that would take too large a share of the run's time.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; the older version then stays.
+        """
+        began = perf_counter()
+        if began >= self._next:
+            self.write()
+            ended = perf_counter()
+            self._next = ended + (ended - began) / _SHARE
+
+    def write(self, durable: bool = False) -> None:
+        """Rewrite the file with all frames so far, if it does not have them yet.
+
+        Parameters
+        ----------
+        durable : bool
+            Whether it must survive a crash of the machine.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; the older version then stays.
+        """
+        if not self._stale:
+            return
+        image = Image()
+        with open_file(image, "w") as file:
+            _fill(vtkhdf.begin(file, (2, 0)), self._meshes)
+        image.seek(0)
+        write(self.path, image.read(image.size), durable)
+        self._stale = False
+
+
+def described(path: Path) -> Mesh:
+    """Read the description of a frame; a RunError if the file is wrong."""
+    with Reading(path) as file:
+        names = [name for name in file.names if name not in FOR_READERS]
+        datasets = {name: file[name] for name in names}
+        fields = {
+            name: (dataset.shape[1] if dataset.ndim == 2 else 0, dataset.dtype.str)
+            for name, dataset in datasets.items()
+        }
+        cells = file["connectivity"].shape
+        nodes = cells[1] if len(cells) == 2 else 1
+        points = len(datasets["position"])
+        return Mesh(path, float(file.attrs["time"]), points, cells[0], nodes, fields)
+
+
+def _fill(group: Any, meshes: list[Mesh]) -> None:
+    """Describe the frames to VTK: parts, offsets of each frame, and views of its datasets."""
+    cut, nodes = meshes[0].cut, meshes[0].nodes
+    most = max(mesh.cells for mesh in meshes)
+    period = max(min(vtkhdf.PART, most) if cut else most, 1)
+    number, parts = _parts(group, meshes)
+    # VTK looks for a frame's offsets in `Offsets` behind those of its cells, by as many rows as
+    # there are parts before it. They are the same in all frames, and repeat with the period.
+    cells = -parts % (period + 1)
+    points = _before([mesh.points for mesh in meshes])
+    ids = _before([0 if cut else nodes * mesh.cells for mesh in meshes])
+    steps = group.create_group("Steps", track_order=True)
+    steps.attrs["NSteps"] = np.int64(len(meshes))
+    vtkhdf.small(steps, "Values", [mesh.time for mesh in meshes], "<f8")
+    for name, values in (
+        ("PartOffsets", parts),
+        ("NumberOfParts", number),
+        ("PointOffsets", points),
+        ("CellOffsets", cells[:, None]),
+        ("ConnectivityIdOffsets", ids[:, None]),
+    ):
+        vtkhdf.small(steps, name, values)
+    of_all = max(int(start) + mesh.points for start, mesh in zip(points, meshes, strict=True))
+    files = [relative(mesh.path).encode() for mesh in meshes]
+    data, offsets = group.create_group("PointData"), steps.create_group("PointDataOffsets")
+    for name, (columns, dtype) in _fields(meshes).items():
+        fill = np.nan if dtype.kind == "f" else -1
+        where = (group, "Points") if name == "position" else (data, name)
+        views = vtkhdf.Views(*where, of_all, dtype, columns, fill)
+        for start, file, mesh in zip(points.tolist(), files, meshes, strict=True):
+            if mesh.fields.get(name, (-1,))[0] == columns:
+                shape = (mesh.points, columns) if columns else (mesh.points,)
+                views.add(start, mesh.points, file, f"/{name}".encode(), shape)
+        views.create()
+        if name != "position":
+            offsets[name] = steps["PointOffsets"]
+    if cut:
+        vtkhdf.repeated(group, "Connectivity", period, 1, most)
+    else:
+        total = sum(nodes * mesh.cells for mesh in meshes)
+        views = vtkhdf.Views(group, "Connectivity", total, np.int64)
+        for start, file, mesh in zip(ids.tolist(), files, meshes, strict=True):
+            shape = (mesh.cells, nodes)
+            views.add(start, nodes * mesh.cells, file, b"/connectivity", shape)
+        views.create()
+    end = int((cells + parts).max()) + most + int(number.max())
+    vtkhdf.repeated(group, "Offsets", period + 1, nodes, end)
+    vtkhdf.cell_types(group, int(cells.max()) + most, nodes)
+
+
+def _parts(group: Any, meshes: list[Mesh]) -> tuple[Array, Array]:
+    """Write the sizes of the parts; return each frame's number of parts and its first part.
+
+    Frames of the same size have the same parts. An empty part goes with a single one where another
+    frame has several: VTK 9.7 reads no more parts of any frame if the first one has only one.
+    """
+    several = meshes[0].cut and max(mesh.points for mesh in meshes) > vtkhdf.PART
+    first: dict[tuple[int, int], int] = {}
+    sizes: list[tuple[int, int]] = []
+    number, parts = [], []
+    for mesh in meshes:
+        key = mesh.points, mesh.cells
+        own = [(n, n) for n in vtkhdf.cut_in_parts(mesh.points)] if mesh.cut else [key]
+        if several and len(own) == 1:
+            own.append((0, 0))
+        if key not in first:
+            first[key] = len(sizes)
+            sizes += own
+        number.append(len(own))
+        parts.append(first[key])
+    points, cells = np.array(sizes).T
+    vtkhdf.small(group, "NumberOfPoints", points)
+    vtkhdf.small(group, "NumberOfCells", cells)
+    vtkhdf.small(group, "NumberOfConnectivityIds", meshes[0].nodes * cells)
+    return np.array(number), np.array(parts)
+
+
+def _before(counts: list[int]) -> Array:
+    """Sum of the counts before each."""
+    return np.cumsum([0, *counts[:-1]])
+
+
+def _fields(meshes: list[Mesh]) -> dict[str, tuple[int, np.dtype]]:
+    """Columns and type of each field of any frame, by name; of several types, the widest."""
+    found: dict[str, tuple[int, np.dtype]] = {}
+    for mesh in meshes:
+        for name, (columns, dtype) in mesh.fields.items():
+            known = found.get(name, (columns, np.dtype(dtype)))
+            found[name] = known[0], np.promote_types(known[1], dtype)
+    return dict(sorted(found.items()))

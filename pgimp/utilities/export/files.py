@@ -1,0 +1,145 @@
+"""Frames as files of their own: tables (CSV) of the particles, or VTU, which most readers know."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from pgimp.errors import UsageError
+from pgimp.io.results.frame import FOR_READERS, Frame, Reading
+from pgimp.io.results.tables import absent
+from pgimp.physics.fields import components_of
+from pgimp.storage.atomic import temporary, write
+from pgimp.storage.plain import require_plain
+
+Array = np.ndarray
+
+_ROWS = 1 << 14
+# meshio's name of the cell with so many vertices.
+_CELLS = {1: "vertex", 2: "line", 4: "quad", 8: "hexahedron"}
+
+
+def require_fields(frames: Sequence[Frame], fields: Sequence[str]) -> None:
+    """Ensure that one of the frames has each of the fields.
+
+    Raises
+    ------
+    UsageError
+        With the name of the first that none has.
+    """
+    known = list(dict.fromkeys(name for frame in frames for name in frame.fields))
+    for name in fields:
+        if name not in known:
+            raise UsageError(absent(f"field {name!r} in these frames", name, known))
+
+
+def tables(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Iterator[Path]:
+    """Write a CSV file for each frame, a line for each particle, in all digits; yield their paths.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder for them.
+    frames : sequence of Frame
+        The frames.
+    fields : sequence of str
+        Fields besides `id`; all, if there are none.
+    """
+    for frame in frames:
+        names = ["id", *(name for name in _chosen(frame.fields, fields) if name != "id")]
+
+        def fill(part: Path, frame: Frame = frame, names: Sequence[str] = names) -> None:
+            with open(part, "w", encoding="utf-8", newline="") as stream:
+                writer = csv.writer(stream, lineterminator="\n")
+                for first in range(0, max(len(frame), 1), _ROWS):
+                    last = min(first + _ROWS, len(frame))
+                    columns = _columns({name: frame.rows(name, first, last) for name in names})
+                    if first == 0:
+                        writer.writerow(columns)
+                    writer.writerows(zip(*columns.values(), strict=True))
+
+        path = folder / f"{frame.path.stem}.csv"
+        _replace(path, fill)
+        yield path
+
+
+def _columns(fields: dict[str, Array]) -> dict[str, list[float]]:
+    """Columns of fields, a component each."""
+    found = {}
+    for name, values in fields.items():
+        if values.ndim == 1:
+            found[name] = values.tolist()
+        else:
+            parts = components_of(name, values.shape[1])
+            found |= {f"{name}-{part}": values[:, i].tolist() for i, part in enumerate(parts)}
+    return found
+
+
+def grids(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Iterator[Path]:
+    """Write VTU files of the frames, with those of the grid and of rigid bodies; yield their paths.
+
+    A ``.pvd`` file lists the files of each kind with their times, for ParaView.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder for them.
+    frames : sequence of Frame
+        The frames.
+    fields : sequence of str
+        Fields of the particles; all, if there are none.
+    """
+    for kind in ("particles", "grid", "rigid"):
+        lines = []
+        for frame in frames:
+            source = frame.path.with_name(f"{kind}-{frame.path.stem.partition('-')[2]}.h5")
+            if source.exists():
+                path = folder / f"{source.stem}.vtu"
+                _grid(source, path, fields if kind == "particles" else ())
+                lines.append(f'<DataSet timestep="{frame.time!r}" file={quoteattr(path.name)}/>\n')
+                yield path
+        if lines:
+            path = folder / f"{kind}.pvd"
+            write(
+                path,
+                '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
+                f"{''.join(lines)}</Collection>\n</VTKFile>\n",
+            )
+            yield path
+
+
+def _grid(source: Path, path: Path, fields: Sequence[str]) -> None:
+    import meshio
+
+    with Reading(source) as file:
+        names = [name for name in file.names if name not in (*FOR_READERS, "position")]
+        points, cells = file["position"][()], file["connectivity"][()]
+        data = {name: file[name][()] for name in _chosen(names, fields)}
+    if cells.ndim == 1:
+        cells = cells[:, None]
+    mesh = meshio.Mesh(points, [(_CELLS[cells.shape[1]], cells)], point_data=data)
+    _replace(path, lambda part: mesh.write(part, file_format="vtu"))
+
+
+def _chosen(names: Sequence[str], fields: Sequence[str]) -> list[str]:
+    """The fields that are there, in the order of the frame."""
+    return [name for name in names if not fields or name in fields]
+
+
+def _replace(path: Path, fill: Callable[[Path], None]) -> None:
+    """Write a file under a temporary name, and rename it when it is complete."""
+    with suppress(FileNotFoundError):
+        require_plain(path)
+    part = temporary(path)
+    try:
+        fill(part)
+        part.rename(path)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
