@@ -1,6 +1,6 @@
 """Loads of a case besides stress and gravity, and the particles that carry them."""
 
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -145,13 +145,18 @@ class SceneLoads:
     def _constraints_at(self, start: float, end: float) -> tuple:
         return tuple(entry.parameters(start, end) for entry in self.constraints)
 
-    def displacement(self, number: int, t: float) -> tuple[float | None, ...]:
-        """Displacement that a constraint has prescribed until `t`, with previous stages."""
+    def displacement(
+        self, number: int, t: float, moved: Sequence[float]
+    ) -> tuple[float | None, ...]:
+        """Displacement of a constraint's particles until `t`, with previous stages.
+
+        `moved` is the displacement under given forces. None along directions that are free.
+        """
         name, entry = list(self.case.constraints)[number], self.constraints[number]
-        before = self.case.staged.displacements.get(name, (0.0,) * len(entry.velocity))
+        before = self.case.staged.displacements.get(name, (0.0,) * len(entry.rigid))
+        each = zip(entry.rigid, entry.displacement(t), before, moved, strict=False)
         return tuple(
-            None if shift is None else shift + offset
-            for shift, offset in zip(entry.displacement(t), before, strict=True)
+            (shift or 0.0) + offset + more if rigid else None for rigid, shift, offset, more in each
         )
 
     def initialise(self, p: Particles, n: int) -> None:

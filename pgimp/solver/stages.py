@@ -26,6 +26,7 @@ from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
 from pgimp.solver.history.diagnostics import sums_of_bodies
 from pgimp.solver.lagrangian.motion import enter_motion
+from pgimp.solver.loads.grips import STATES, Grips
 from pgimp.solver.rest.settle import begin_settling
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.warmup import warm_up
@@ -85,11 +86,14 @@ def enter(now: Start, case: Case) -> Start:
         particles = rank.particles
     balance.watch(rank.count)
     books, free, before = rank.booked(), dict(_free(rank)), rank.grid
+    grips = _grips(rank.grips, old, new)
     rank.enter(new, particles)
     _take_over(old, new, books, rank.booked())
     if rank.free:
         rank.free.states = [free[name] for name, _ in _free(rank)]
     enter_motion(rank, before)
+    if rank.grips:
+        rank.grips.begin(rank, grips)
     if arrivals:
         arrivals.enter(now)
         particles = rank.particles
@@ -228,6 +232,14 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
         has.escaped[:] = had.escaped
     if had.damping.size and has.damping.size:
         has.damping[:, :TAKEN] = had.damping[:, :TAKEN]
+
+
+def _grips(grips: Grips | None, old: Scene, new: Scene) -> np.ndarray:
+    """States of the next stage's grips: what those that stay have, zeros else."""
+    case = new.case
+    had = np.zeros((len(old.case.constraints), STATES, 3)) if grips is None else grips.state
+    names = [name if not reselects(old.case, case, name) else None for name in case.constraints]
+    return _rows(list(old.case.constraints), names, had)
 
 
 def _free(rank: Rank) -> list[tuple[str, State]]:

@@ -108,7 +108,9 @@ def check_constraints(
         yield from check_body_of(path, entry, every_body, body_names, why)
         wrong = list(check_region((*path, "region"), entry.region, dimensions))
         yield from wrong
-        yield from length((*path, "velocity"), entry.velocity, dimensions)
+        for key in ("velocity", "force"):
+            if getattr(entry, key):
+                yield from length((*path, key), getattr(entry, key), dimensions)
         if wrong or not sound or any(region.FROM_FILE for region in entry.region.simple()):
             continue
         low, high = entry.region.bounds()

@@ -13,6 +13,7 @@ from pgimp.errors import NO_REST, NoRestError
 from pgimp.kernels.data.ledger import INTERNAL, UNBALANCED
 from pgimp.solver.configurations import fastest
 from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.loads.grips import DISPLACEMENT
 from pgimp.solver.rank import Rank
 from pgimp.solver.rest.damping import EVERY, bring_to_rest, damping_of, damping_to_rest, total_sums
 from pgimp.solver.start.start import Start
@@ -117,6 +118,8 @@ def begin_at_rest(start: Start) -> Start:
         particles.origin[rows] = particles.x[rows]
     for sums in rank.ledger:
         sums[:] = 0.0
+    if rank.grips:
+        rank.grips.state[:, DISPLACEMENT] = 0.0
     rank.clamped = rank.held = 0
     rank.damping, scene.domain.settling = damping_of(scene), False
     start.diagnostic_sums, start.settling = Diagnostics(), False

@@ -1,5 +1,7 @@
 """Features of random scenes that move bodies from outside; see `scene_features`."""
 
+import math
+
 from proofs.scenes.bodies import number, vector
 from proofs.scenes.materials import runs
 
@@ -120,6 +122,28 @@ def traction(rng, scene):
     scene.case["tractions"] = {"load": entry}
 
 
+def _forced(rng, scene, entry):
+    """Forces in place of some of a constraint's velocities, with a mass, a spring or a dashpot."""
+    low, high = scene.corners[entry["body"]]
+    size = min(b - a for a, b in zip(low, high, strict=True))
+    volume = math.prod(b - a for a, b in zip(low, high, strict=True))
+    most = 0.02 * volume * scene.speed**2 / size
+    force = components(rng, scene, most)
+    change = {
+        "force": force,
+        "velocity": [
+            None if f is not None else v for f, v in zip(force, entry["velocity"], strict=True)
+        ],
+    }
+    if rng.random() < 0.5:
+        change["mass"] = number(rng, 0.1, 2.0) * volume
+    if rng.random() < 0.5:
+        stiffness = number(rng, 0.0, 2.0) * most / size
+        dashpot = number(rng, 0.1, 2.0) * volume * scene.speed / size
+        change["spring"] = {"stiffness": stiffness, "dashpot": dashpot}
+    return change
+
+
 def constraint(rng, scene):
     """A half of a body or all of it moves as told."""
     body = rng.choice([*scene.case["bodies"]])
@@ -135,5 +159,7 @@ def constraint(rng, scene):
         normal = [1.0, *vector(rng, scene.dimension - 1, 1.0)]
         region = {"half-space": {"point": middle, "normal": normal}}
     entry = {"body": body, "region": region, "velocity": velocity}
+    if rng.kind.random() < 0.3 and body not in scene.case.get("inflow", {}):
+        entry |= _forced(rng, scene, entry)
     grips = scene.case.setdefault("constraints", {})
     grips[f"grip{len(grips)}"] = entry

@@ -60,7 +60,8 @@ def settling(rng, scene):
     stage = {"name": "rest", "settle": {"tolerance": number(rng, 0.2, 0.9), "steps": 200}}
     still = {"velocity": [0.0] * scene.dimension}
     if stops := [name for name, entry in held.items() if entry and entry["body"] not in gone]:
-        stage["constraints"] = dict.fromkeys(stops, still)
+        freed = still | {"force": [], "mass": 0.0, "spring": None}
+        stage["constraints"] = {n: freed if held[n].get("force") else still for n in stops}
     if moves := [face for face, kind in walls.items() if kind and "velocity" in kind]:
         stage["boundaries"] = dict.fromkeys(moves, "fixed")
     if "damping" in case and rng.random() < 0.5:
@@ -151,6 +152,8 @@ def constraints(rng, scene, now, stage):
         if rng.random() < 0.3:
             velocity[rng.randrange(scene.dimension)] = None
         change = {"velocity": velocity}
+        if entry.get("force"):
+            change |= {"force": [], "mass": 0.0, "spring": None}
         if all(each is None for each in velocity):
             change["velocity"] = [0.0] * scene.dimension
         if len(had) > 1 and rng.random() < 0.5:
