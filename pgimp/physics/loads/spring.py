@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pydantic import Field, model_validator
 
-from pgimp.schema.base import Model, NonNegative
+from pgimp.schema.base import Model, NonNegative, Vector
 from pgimp.schema.problems import Problem, raise_problems
 
 
 class Spring(Model):
-    """A spring and dashpot to ground, alike along each direction that a force controls."""
+    """A spring and dashpot to ground, alike along each direction in which they can act."""
 
     stiffness: NonNegative = Field(
         description="force by displacement since the start [force/length]"
@@ -22,3 +22,13 @@ class Spring(Model):
             text = "expected a stiffness above 0, or a dashpot: this spring has no force"
             raise_problems("Spring", [Problem(("stiffness",), text)])
         return self
+
+
+class AnchoredSpring(Spring):
+    """A spring and dashpot between the centre of mass of a rigid body and a point of ground."""
+
+    to: Vector | None = Field(
+        default=None,
+        description="where the spring has no force; null: where the centre is at the start "
+        "[length]",
+    )
