@@ -16,6 +16,7 @@ from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.lattice_body import LEAST_FRACTION
+from pgimp.scene.surfaces import SurfaceLoads
 
 
 def covered_fractions(low: float, high: float, edges: np.ndarray) -> np.ndarray:
@@ -90,7 +91,8 @@ class SceneLoads:
         if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid
         self.force, self.walls = force, walls
-        self.tractions = list(case.tractions.values())
+        self.tractions = [entry for entry in case.tractions.values() if entry.face is not None]
+        self.surfaces = SurfaceLoads(case)
         self.constraints = list(case.constraints.values())
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
@@ -98,7 +100,8 @@ class SceneLoads:
         self._spread = Spread(2.0 * self.half, size, method.chi, method.ends)
         self._follows = dict(zip(self.bodies, follows, strict=False))
         self._width = 2.0 * size if method.chi == "box" else size
-        self._varies = bool(force) or any(entry.varies for entry in self.tractions)
+        self._varies = bool(force) or any(entry.varies for entry in case.tractions.values())
+        self._varies |= self.surfaces.varies
         self._constraints_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
         self._constraints = self._constraints_at(0.0, 0.0)
@@ -117,6 +120,7 @@ class SceneLoads:
             "mean": self.averages,
             "around": self.averages and any(self.lagrangian),
             "tractions": len(self.tractions),
+            "surfaces_loaded": len(self.surfaces.entries),
             "constraints": bool(self.constraints),
         }
 
@@ -139,7 +143,7 @@ class SceneLoads:
         mean, mean_lagrangian = ((), self.mean) if all(self.lagrangian) else (self.mean, ())
         return Loads(
             self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean,
-            mean_lagrangian, self.rest,
+            mean_lagrangian, self.rest, self.surfaces.at(t),
         )  # fmt: skip
 
     def _constraints_at(self, start: float, end: float) -> tuple:

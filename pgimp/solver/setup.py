@@ -106,6 +106,7 @@ def begin(
         ),
     )
     scene.interaction.loads.require_all_hold(particles, count, comm)
+    scene.interaction.loads.surfaces.require(particles, count, comm)
     if later := later_constraints([each.case for each in scenes]):
         mine = held(later, particles.body[:count], particles.x[:count])
         start.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))

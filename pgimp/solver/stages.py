@@ -17,6 +17,7 @@ from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import TAKEN, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import STRAIN, SUMS
+from pgimp.physics.loads.surfaces import surface_width
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.rigid.free_body import State
@@ -141,10 +142,18 @@ def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
         shape = like.shape[1:]
         same = array.shape[1:] == shape
         arrays[name] = array if same else np.zeros((p.capacity, *shape), like.dtype)
-    names = [list(scene.case.tractions) for scene in (old, new)]
+    names = [
+        [name for name, entry in scene.case.tractions.items() if entry.face is not None]
+        for scene in (old, new)
+    ]
     if names[0] != names[1]:
         kept = [names[0].index(name) for name in names[1]]
         arrays["patch"] = np.ascontiguousarray(p.patch[:, kept])
+    names = [list(scene.interaction.loads.surfaces.entries) for scene in (old, new)]
+    if names[0] != names[1]:
+        kept, width = [names[0].index(name) for name in names[1]], surface_width(new.dimension)
+        parts = p.surface.reshape(p.capacity, -1, width)[:, kept]
+        arrays["surface"] = np.ascontiguousarray(parts.reshape(p.capacity, len(kept) * width))
     if old.case.constraints or new.case.constraints:
         found = _held(rank, old.case, new)
         if new.case.constraints:

@@ -201,7 +201,7 @@ def _pressed(case: Case) -> set[str]:
 def _ineffective_tractions(case: Case) -> Iterator[str]:
     """Yield the tractions that a wall supports entirely."""
     for name, entry in case.tractions.items():
-        condition = case.boundaries.get(entry.face)
+        condition = case.boundaries.get(entry.face or "")
         if condition is None:
             continue
         axis, side = entry.axis, entry.side
