@@ -39,6 +39,12 @@ class SurfaceLoads:
         }
 
     @property
+    def closed(self) -> list[tuple[int, int]]:
+        """Axis and side of the domain's faces with a condition, which hold what lies on them."""
+        return [("xyz".index(face[0]), -1 if face.endswith("min") else 1)
+                for face in self.case.boundaries]  # fmt: skip
+
+    @property
     def varies(self) -> bool:
         """Whether the pressure of a liquid varies in time."""
         liquids = [entry.hydrostatic for entry in self.entries.values() if entry.hydrostatic]

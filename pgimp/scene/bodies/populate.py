@@ -103,7 +103,7 @@ def _set_surfaces(
         if isinstance(body, LatticeBody):
             ring = scene.case.axisymmetric
             p.surface[mine, k * width : (k + 1) * width] = parts_of(
-                body, entry.region, p.x[mine], planes, ring
+                body, entry.region, p.x[mine], planes, ring, loads.closed
             )
 
 

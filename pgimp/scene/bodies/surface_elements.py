@@ -21,6 +21,9 @@ from pgimp.scene.bodies.lattice_body import LatticeBody
 Reals = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+#: Faces of the lattice, by axis and side.
+Closed = Sequence[tuple[int, int]]
+
 #: Parts of a box along each direction, by the dimensions.
 _PARTS = (1, 4, 2)
 
@@ -77,7 +80,9 @@ def _edge(edges: Reals, i: Indices) -> Reals:
     return inside + np.minimum(i, 0) * low + np.maximum(i - last, 0) * high
 
 
-def find_elements(body: LatticeBody, within: Region, planes: tuple[int, int]) -> Elements:
+def find_elements(
+    body: LatticeBody, within: Region, planes: tuple[int, int], closed: Closed = ()
+) -> Elements:
     """Find the elements of a body's surface within a region, in a range of lattice planes.
 
     Parameters
@@ -88,6 +93,8 @@ def find_elements(body: LatticeBody, within: Region, planes: tuple[int, int]) ->
         Elements with their centroid in here count.
     planes : (int, int)
         First plane and end; elements there, and up to a box beyond the lattice, are found.
+    closed : sequence of (axis, side)
+        Faces of the lattice, low (-1) or high (1), behind which bodies go on: none is on these.
     """
     ranges = []
     least, most = within.bounds()
@@ -98,7 +105,12 @@ def find_elements(body: LatticeBody, within: Region, planes: tuple[int, int]) ->
         if d == 0:
             low, high = max(low, planes[0]), min(high, planes[1])
         ranges.append(np.arange(low, max(low, high)))
-    found = _cut_elements(body, ranges) if body.cut else _whole_elements(body, ranges)
+        if (d, -1) in closed:
+            ranges[d] = ranges[d][ranges[d] >= 0]
+        if (d, 1) in closed:
+            ranges[d] = ranges[d][ranges[d] < len(e) - 1]
+    find = _cut_elements if body.cut else _whole_elements
+    found = find(body, ranges, closed)
     return found.chosen(within.contains(found.centroid)) if len(found.box) else found
 
 
@@ -120,7 +132,7 @@ def _near(body: LatticeBody, low: Reals, high: Reals) -> NDArray[np.bool_]:
     return found
 
 
-def _cut_elements(body: LatticeBody, ranges: Sequence[Indices]) -> Elements:
+def _cut_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) -> Elements:
     """Elements of a surface that cuts boxes."""
     D, boxes = len(ranges), []
     for plane in ranges[0]:
@@ -148,6 +160,12 @@ def _cut_elements(body: LatticeBody, ranges: Sequence[Indices]) -> Elements:
         for side, at in ((-1.0, low), (1.0, high)):
             a, b, half = low.copy(), high.copy(), 0.5 * _THIN * size[:, d]
             a[:, d], b[:, d] = at[:, d] - half, at[:, d] + half
+            if (d, int(side)) in closed:
+                end = body.edges[d][0 if side < 0.0 else -1]
+                if side < 0.0:
+                    a[:, d] = np.maximum(a[:, d], end)
+                else:
+                    b[:, d] = np.minimum(b[:, d], end)
             inside, first = measure(body.region, a, b)
             thickness = b[:, d] - a[:, d]
             face = inside / thickness
@@ -164,11 +182,16 @@ def _cut_elements(body: LatticeBody, ranges: Sequence[Indices]) -> Elements:
     return Elements(box, 0.5 * (low + high), area, moment).chosen(there)
 
 
-def _whole_elements(body: LatticeBody, ranges: Sequence[Indices]) -> Elements:
+def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) -> Elements:
     """Faces between boxes with a particle and without one."""
     D = len(ranges)
     wide = [np.arange(r[0] - 1, r[-1] + 2) if len(r) else r for r in ranges]
     exists = _exists(body, wide)
+    for d, side in closed:
+        beyond = -1 if side < 0 else len(body.edges[d]) - 1
+        along = np.moveaxis(exists, d, 0)
+        if len(wide[d]) and beyond in wide[d] and beyond - side in wide[d]:
+            along[beyond - wide[d][0]] = along[beyond - side - wide[d][0]]
     every, offsets = [], [np.zeros((0, D), np.int64)]
     for d in range(D):
         for side in (-1, 1):
@@ -239,7 +262,12 @@ def carriers(body: LatticeBody, elements: Elements, planes: tuple[int, int]) -> 
 
 
 def parts_of(
-    body: LatticeBody, within: Region, x: Reals, planes: tuple[int, int], ring: bool
+    body: LatticeBody,
+    within: Region,
+    x: Reals,
+    planes: tuple[int, int],
+    ring: bool,
+    closed: Closed = (),
 ) -> Reals:
     """Parts of a surface that particles carry: area, area vector, first moments, (n, width).
 
@@ -253,12 +281,14 @@ def parts_of(
         First plane and end.
     ring : bool
         Whether boxes stand for rings about the axis x = 0.
+    closed
+        As in `find_elements`.
     """
     n, D = x.shape
     found = np.zeros((n, 1 + D + D * D))
     if not n:
         return found
-    elements = find_elements(body, within, (planes[0] - _AWAY, planes[1] + _AWAY))
+    elements = find_elements(body, within, (planes[0] - _AWAY, planes[1] + _AWAY), closed)
     goes = carriers(body, elements, planes)
     shape = tuple(len(e) + 2 for e in body.edges)
     own = np.stack([np.searchsorted(e, x[:, d]) - 1 for d, e in enumerate(body.edges)], axis=1)
