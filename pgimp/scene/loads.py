@@ -92,13 +92,13 @@ class SceneLoads:
             self.mean = liquid
         self.force, self.walls = force, walls
         self.tractions = [entry for entry in case.tractions.values() if entry.face is not None]
-        self.surfaces = SurfaceLoads(case)
         self.constraints = list(case.constraints.values())
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
         self._spread = Spread(2.0 * self.half, size, method.chi, method.ends)
         self._follows = dict(zip(self.bodies, follows, strict=False))
+        self.surfaces = SurfaceLoads(case, self._follows)
         self._width = 2.0 * size if method.chi == "box" else size
         self._varies = bool(force) or any(entry.varies for entry in case.tractions.values())
         self._varies |= self.surfaces.varies

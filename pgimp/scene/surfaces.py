@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Mapping
 
 import numpy as np
 
@@ -23,6 +23,8 @@ class SurfaceLoads:
     ----------
     case : Case
         The case.
+    follows : dict of str to bool
+        Whether the size of each body's particles follows the deformation.
 
     Attributes
     ----------
@@ -32,7 +34,8 @@ class SurfaceLoads:
         Numbers of a particle's part of a surface.
     """
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, follows: Mapping[str, bool]) -> None:
+        self.follows = follows
         self.case, self.width = case, surface_width(case.dimensions)
         self.entries = {
             name: entry for name, entry in case.tractions.items() if entry.region is not None
@@ -59,7 +62,7 @@ class SurfaceLoads:
         part = 0.0 if case.method.chi == "point" else 0.5
         half = tuple(float(part * h / n) for h, n in each)
         return tuple(
-            entry.surface_load(k * self.width, half, pull, t)
+            entry.surface_load(k * self.width, half, bool(self.follows.get(entry.body)), pull, t)
             for k, entry in enumerate(self.entries.values())
         )
 

@@ -110,16 +110,18 @@ def _surface_force(load, particles, p, F, D, N, c):
     return t[0] * area - q * n[0], t[1] * area - q * n[1], t[2] * area - q * n[2]
 
 
-def _moved(frame, F, c):
+def _moved(load, frame, F, c):
     """Centroid of a part, from its particle, in the configuration of the weights."""
 
 
 @specialise(_moved)
-def _moved_of(frame, F, c):
+def _moved_of(load, frame, F, c):
     if is_initial(frame):
-        return lambda frame, F, c: c
+        return lambda load, frame, F, c: c
 
-    def moved(frame, F, c):
+    def moved(load, frame, F, c):
+        if not load.stretches:
+            return c
         C = columns(F)
         return (
             C[0][0] * c[0] + C[1][0] * c[1] + C[2][0] * c[2],
@@ -131,15 +133,20 @@ def _moved_of(frame, F, c):
 
 
 @inner_kernel
-def _along(load, frame, particles, p, part, d, vertex, like):
-    """Weights of the support's vertices along direction `d`; they stay within the support."""
+def _along(load, frame, particles, p, part, own, d, vertex, like):
+    """Weights of the support's vertices along direction `d`; they stay within the particle.
+
+    `own` is the particle's half-width in cells: beyond it there may be no mass.
+    """
     c, N = part
     square = N[0] * N[0] + N[1] * N[1] + N[2] * N[2]
     across = 1.0 - N[d] * N[d] / square if square > 0.0 else 1.0
     last = len(like) - 1.0
-    half = min(load.half[d] * sqrt(max(across, 0.0)) * frame.inverse[d], 0.5 * last)
-    x = coordinate(frame, particles, p, d) + c[d]
-    g = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+    half = load.half[d] * sqrt(max(across, 0.0)) * frame.inverse[d]
+    half = min(half, own, 0.5 * last)
+    x = coordinate(frame, particles, p, d)
+    at = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+    g = min(max(at + c[d] * frame.inverse[d], at - own + half), at + own - half)
     return means(False, False, half, min(max(g, half), last - half), like)
 
 
@@ -153,7 +160,9 @@ def _support_of(load, layout, window, particles, p, layer, part, buffer):
     like = (0.0,) * layout[0].instance_class.vertices()
 
     def support1(load, layout, window, particles, p, layer, part, buffer):
-        w = _along(load, layout[1], particles, p, part, 0, layer, like)
+        shape, frame = layout
+        half = half_widths(shape, frame, particles, p)
+        w = _along(load, frame, particles, p, part, half[0], 0, layer, like)
         keep_support(buffer, 0, w, w)
         return 0
 
@@ -161,8 +170,8 @@ def _support_of(load, layout, window, particles, p, layer, part, buffer):
         shape, frame = layout
         half = half_widths(shape, frame, particles, p)
         j = first_vertex(frame, 1, half[1], coordinate(frame, particles, p, 1))
-        w = _along(load, frame, particles, p, part, 0, layer, like)
-        v = _along(load, frame, particles, p, part, 1, j, like)
+        w = _along(load, frame, particles, p, part, half[0], 0, layer, like)
+        v = _along(load, frame, particles, p, part, half[1], 1, j, like)
         keep_support(buffer, 0, w, w)
         keep_support(buffer, 1, v, v)
         return (j - window.lower[1]) * window.stride[1]
@@ -172,9 +181,9 @@ def _support_of(load, layout, window, particles, p, layer, part, buffer):
         half = half_widths(shape, frame, particles, p)
         j = first_vertex(frame, 1, half[1], coordinate(frame, particles, p, 1))
         k = first_vertex(frame, 2, half[2], coordinate(frame, particles, p, 2))
-        w = _along(load, frame, particles, p, part, 0, layer, like)
-        v = _along(load, frame, particles, p, part, 1, j, like)
-        u = _along(load, frame, particles, p, part, 2, k, like)
+        w = _along(load, frame, particles, p, part, half[0], 0, layer, like)
+        v = _along(load, frame, particles, p, part, half[1], 1, j, like)
+        u = _along(load, frame, particles, p, part, half[2], 2, k, like)
         keep_support(buffer, 0, w, w)
         keep_support(buffer, 1, v, v)
         keep_support(buffer, 2, u, u)
@@ -191,7 +200,7 @@ def _part(load, frame, particles, p):
     N = _vector(particles.surface, p, load.column, D)
     c = _centroid(particles.surface, p, load.column, D, N)
     f = _surface_force(load, particles, p, F, D, N, c)
-    return f, (_moved(frame, F, c), N)
+    return f, (_moved(load, frame, F, c), N)
 
 
 @inner_kernel

@@ -29,6 +29,8 @@ class SurfaceLoad(NamedTuple):
         Half-widths over which a part is spread, in the initial state; zeros for points.
     follows : bool
         Whether areas and normals are current; else initial.
+    stretches : bool
+        Whether distances from particles follow the deformation, as the particles' size does.
     traction : tuple of 3 float
         Force per area.
     pressure : float
@@ -40,6 +42,7 @@ class SurfaceLoad(NamedTuple):
     column: int
     half: tuple[float, ...]
     follows: bool
+    stretches: bool
     traction: tuple[float, float, float]
     pressure: float
     gradient: tuple[float, float, float]

@@ -160,14 +160,19 @@ class TractionEntry(Model):
         return -1 if self.face.endswith("min") else 1
 
     def surface_load(
-        self, column: int, half: tuple[float, ...], gravity: Sequence[float], t: float
+        self,
+        column: int,
+        half: tuple[float, ...],
+        stretches: bool,
+        gravity: Sequence[float],
+        t: float,
     ) -> SurfaceLoad:
         """Parameters of the kernels for a load on a region's surface; see `SurfaceLoad`."""
         pressure, vector = self._values(t)
         gradient = (0.0, 0.0, 0.0)
         if self.hydrostatic is not None:
             pressure, gradient = self.hydrostatic.pressure(gravity, t)
-        return SurfaceLoad(column, half, self.follower, vector, pressure, gradient)
+        return SurfaceLoad(column, half, self.follower, stretches, vector, pressure, gradient)
 
     def _values(self, t: float) -> tuple[float, tuple[float, float, float]]:
         """Pressure and traction at time `t`."""
