@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from pgimp.geometry.regions import RegionEntry
+from pgimp.geometry.regions.base import REGION
 from pgimp.physics.loads.surfaces import Hydrostatic, SurfaceLoad
 from pgimp.schema.base import Model, Name
 from pgimp.schema.dispatch import Either
@@ -95,7 +95,7 @@ class TractionEntry(Model):
     face: str | None = Field(
         default=None, description="face of its box, x-min to z-max; null: see `region`"
     )
-    region: Annotated[Any, Either("a region or null", {dict: RegionEntry, None: None})] = Field(
+    region: Annotated[Any, Either("a region or null", {dict: REGION, None: None})] = Field(
         default=None,
         description="in place of `face` a part of space: the load is on the surface of the body "
         "that lies in it at the start, whatever the body's region is",

@@ -141,7 +141,14 @@ def settled():
                 "spring": {"stiffness": 20.0},
             }
         },
-        tractions={"push": load},
+        tractions={
+            "push": load,
+            "sea": {
+                "body": "left",
+                "region": {"half-space": {"point": [4.0, 0.0], "normal": [1.0, 0.0]}},
+                "hydrostatic": {"level": {"table": [[0.0, 2.0], [0.6, 3.0]]}, "density": 0.8},
+            },
+        },
         damping={"kinetic": True, "local": 0.2},
         start={"settle": {"tolerance": 0.02}},
         output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},

@@ -54,6 +54,12 @@ def plates_initial():
     return _plates(
         bodies,
         boundaries={"y-min": "fixed"},
+        tractions={
+            "wind": {
+                "body": "other", "traction": [0.3, -0.2], "follower": False,
+                "region": {"ball": {"center": [16.8, 2.3], "radius": 1.5}},
+            }
+        },
         contact=[{"bodies": "all", "friction": 0.3}],
         constraints={
             "grip": {
