@@ -133,10 +133,10 @@ def _moved_of(load, frame, F, c):
 
 
 @inner_kernel
-def _along(load, frame, particles, p, part, own, d, vertex, like):
+def _along(load, frame, x, part, own, d, vertex, like):
     """Weights of the support's vertices along direction `d`; they stay within the particle.
 
-    `own` is the particle's half-width in cells: beyond it there may be no mass.
+    `own` is the particle's half-width in cells, about x: beyond it there may be no mass.
     """
     c, N = part
     square = N[0] * N[0] + N[1] * N[1] + N[2] * N[2]
@@ -144,7 +144,6 @@ def _along(load, frame, particles, p, part, own, d, vertex, like):
     last = len(like) - 1.0
     half = load.half[d] * sqrt(max(across, 0.0)) * frame.inverse[d]
     half = min(half, own, 0.5 * last)
-    x = coordinate(frame, particles, p, d)
     at = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
     g = min(max(at + c[d] * frame.inverse[d], at - own + half), at + own - half)
     return means(False, False, half, min(max(g, half), last - half), like)
@@ -161,17 +160,18 @@ def _support_of(load, layout, window, particles, p, layer, part, buffer):
 
     def support1(load, layout, window, particles, p, layer, part, buffer):
         shape, frame = layout
-        half = half_widths(shape, frame, particles, p)
-        w = _along(load, frame, particles, p, part, half[0], 0, layer, like)
+        half, x = half_widths(shape, frame, particles, p), coordinate(frame, particles, p, 0)
+        w = _along(load, frame, x, part, half[0], 0, layer, like)
         keep_support(buffer, 0, w, w)
         return 0
 
     def support2(load, layout, window, particles, p, layer, part, buffer):
         shape, frame = layout
         half = half_widths(shape, frame, particles, p)
-        j = first_vertex(frame, 1, half[1], coordinate(frame, particles, p, 1))
-        w = _along(load, frame, particles, p, part, half[0], 0, layer, like)
-        v = _along(load, frame, particles, p, part, half[1], 1, j, like)
+        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+        j = first_vertex(frame, 1, half[1], y)
+        w = _along(load, frame, x, part, half[0], 0, layer, like)
+        v = _along(load, frame, y, part, half[1], 1, j, like)
         keep_support(buffer, 0, w, w)
         keep_support(buffer, 1, v, v)
         return (j - window.lower[1]) * window.stride[1]
@@ -179,11 +179,13 @@ def _support_of(load, layout, window, particles, p, layer, part, buffer):
     def support3(load, layout, window, particles, p, layer, part, buffer):
         shape, frame = layout
         half = half_widths(shape, frame, particles, p)
-        j = first_vertex(frame, 1, half[1], coordinate(frame, particles, p, 1))
-        k = first_vertex(frame, 2, half[2], coordinate(frame, particles, p, 2))
-        w = _along(load, frame, particles, p, part, half[0], 0, layer, like)
-        v = _along(load, frame, particles, p, part, half[1], 1, j, like)
-        u = _along(load, frame, particles, p, part, half[2], 2, k, like)
+        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+        j = first_vertex(frame, 1, half[1], y)
+        z = coordinate(frame, particles, p, 2)
+        k = first_vertex(frame, 2, half[2], z)
+        w = _along(load, frame, x, part, half[0], 0, layer, like)
+        v = _along(load, frame, y, part, half[1], 1, j, like)
+        u = _along(load, frame, z, part, half[2], 2, k, like)
         keep_support(buffer, 0, w, w)
         keep_support(buffer, 1, v, v)
         keep_support(buffer, 2, u, u)
