@@ -134,7 +134,11 @@ def walls(rng, scene, now, stage):
 def tractions(rng, scene, now, stage):
     """A traction is another, or ends where there is another."""
     for name, entry in now["tractions"].items():
-        if "pressure" in entry:
+        if "hydrostatic" in entry:
+            stage["tractions"] = {
+                name: {"hydrostatic": {"level": number(rng, 0.0, 5.0), "density": 1.0}}
+            }
+        elif "pressure" in entry:
             stage["tractions"] = {name: {"pressure": number(rng, -5, 5)}}
         else:
             stage["tractions"] = {name: {"traction": vector(rng, scene.dimension, 5.0)}}

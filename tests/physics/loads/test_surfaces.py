@@ -7,6 +7,8 @@ from scenes import box, field, scene, start
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 
+pytestmark = pytest.mark.slow(60)
+
 EVERYWHERE = {"box": {"min": [-9.0, -9.0], "max": [99.0, 99.0]}}
 DISK = {"ball": {"center": [4.1, 4.2], "radius": 2.53}}
 

@@ -7,6 +7,8 @@ from scenes import box, field, finish, scene, start
 
 from pgimp.case.schema import Case
 
+pytestmark = pytest.mark.slow(60)
+
 RAMP = [[0.0, 0.0], [0.3, 6.0], [1.0, -2.0]]
 
 
