@@ -217,8 +217,8 @@ def test_wrong_entries_are_named():
     assert "tractions.t.body" in problems(body="bdy")
     assert "tractions.t.face" in problems(face="z-max")
     assert "tractions.t.face" in problems(face="right")
-    assert "either a traction or a pressure" in problems(traction=[1.0, 0.0])
-    assert "either a traction or a pressure" in problems(pressure=None)
+    assert "one of traction, pressure and hydrostatic" in problems(traction=[1.0, 0.0])
+    assert "one of traction, pressure and hydrostatic" in problems(pressure=None)
     text = problems(pressure=None, traction=[1.0])
     assert "tractions.t.traction" in text and "expected 2 entries" in text
     text = problems(pressure=None, traction={"table": [[0.0, [1.0, 0.0, 0.0]]]})
