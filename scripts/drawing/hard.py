@@ -77,7 +77,9 @@ def hard_grazing(redraw):
         changes = [f"method.shape={shape}"]
         history = run("hard/grazing", redraw, f"hard-grazing-{shape}", changes, ranks=1).history
         energy = history["kinetic-energy"] + history["strain-energy"]
-        axis.plot(history["time"] / 0.08, 100 * energy / energy[0], color=colour, lw=0.7, label=shape)
+        axis.plot(
+            history["time"] / 0.08, 100 * energy / energy[0], color=colour, lw=0.7, label=shape
+        )
     axis.set(xlabel="periods", ylabel="energy [%]", xlim=(0, 100))
     axis.legend(fontsize=8)
     save(figure, "hard-grazing")

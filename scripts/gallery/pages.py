@@ -11,15 +11,20 @@ PLACE = re.compile(r"<!-- gallery -->.*?<!-- end of the gallery -->", re.DOTALL)
 
 _CARD = """\
 <article>
-<a href="cases/{key}.html"><img loading="lazy" src="cases/pictures/{key}.png" alt="{shows}"></a>
+<a href="cases/{key}.html"><img loading="lazy" src="cases/pictures/{key}.png" alt="{name}"></a>
 <h3 id="{key}"><a href="cases/{key}.html">{name}</a> <small>{dimensions}D</small></h3>
 <p>{title}.</p>
-<dl><dt>verifies</dt><dd>{verifies}</dd><dt>size</dt><dd>{size}</dd></dl>
+<dl><dt>verifies</dt> <dd>{verifies}</dd> <dt>size</dt> <dd>{size}</dd></dl>
 <pre><code>{command}</code></pre>
 <p><a href="cases/{key}.html#the-case-file">case file</a>
 <a href="cases/notebooks/{key}.ipynb" download>notebook</a></p>
 </article>"""
+#: Without contents at its side a page has room for the lines of a case.
 _PAGE = """\
+---
+hide: [toc]
+---
+
 # {name}
 
 <p>{title}.</p>
@@ -29,23 +34,25 @@ _PAGE = """\
 {remarks}
 
 <dl class="facts">
-<dt>physics</dt><dd>{physics}</dd>
-<dt>verifies</dt><dd>{verifies}</dd>
-<dt>size</dt><dd>{size}</dd>
+<dt>physics</dt> <dd>{physics}</dd>
+<dt>verifies</dt> <dd>{verifies}</dd>
+<dt>size</dt> <dd>{size}</dd>
 </dl>
 
-In a checkout, or from a copy of your own:
+In a checkout:
 
 ```sh
 {command}
 ```
 
+A copy to change, with what belongs to it:
+
 ```sh
 pgimp init {name}
 ```
 
-[Notebook](notebooks/{key}.ipynb): it writes the case, changes values, runs it and draws results,
-in Jupyter or VS Code. More cases: [{trade}](../docs/index.md#{anchor}).
+[The notebook](notebooks/{key}.ipynb) writes such a copy, changes values, runs it and draws
+results, in Jupyter or VS Code. More cases: [{trade}](../docs/index.md#{anchor}).
 
 ## The case file
 
@@ -74,7 +81,7 @@ def case_page(case: Facts) -> str:
     """The page of a case, which lies in cases/."""
     trade = next((trade for trade, names in TRADES.items() if case.name in names), "Methods")
     more = {"trade": trade, "anchor": anchor(trade), "text": case.text.rstrip()}
-    more |= {"physics": escape(case.parts["Physics"]), "path": case.path}
+    more |= {"physics": _html(case.parts["Physics"]), "path": case.path}
     return _PAGE.format(**_shared(case), remarks=case.remarks, **more)
 
 
@@ -88,9 +95,13 @@ def _card(case: Facts) -> str:
 
 
 def _shared(case: Facts) -> dict[str, str]:
-    said = {"shows": case.shows, "title": case.title, "verifies": case.verifies}
-    said |= {"size": case.parts["Size"].rstrip("."), "command": case.command}
-    return {"key": case.key, "name": case.name} | {key: escape(text) for key, text in said.items()}
+    said = {"title": case.title, "verifies": case.verifies, "size": case.parts["Size"].rstrip(".")}
+    plain = {"key": case.key, "name": case.name, "shows": case.shows, "command": case.command}
+    return plain | {key: _html(text) for key, text in said.items()}
+
+
+def _html(text: str) -> str:
+    return re.sub(r"`(.+?)`", r"<code>\1</code>", escape(text))
 
 
 def _study(study: Facts) -> str:
