@@ -9,6 +9,9 @@ from gallery.trades import TRADES
 #: The part of docs/index.md in whose place the gallery is: what code hosts show instead.
 PLACE = re.compile(r"<!-- gallery -->.*?<!-- end of the gallery -->", re.DOTALL)
 
+#: Another case in the text of one that lies in a folder of cases/.
+_OTHER = re.compile(r"\.\./([\w/-]+)\.yaml")
+
 _CARD = """\
 <article>
 <a href="cases/{key}.html"><img loading="lazy" src="cases/pictures/{key}.png" alt="{name}"></a>
@@ -81,13 +84,18 @@ def case_page(case: Facts) -> str:
     """The page of a case, which lies in cases/."""
     trade = next((trade for trade, names in TRADES.items() if case.name in names), "Methods")
     more = {"trade": trade, "anchor": anchor(trade), "text": case.text.rstrip()}
-    more |= {"physics": _html(case.parts["Physics"]), "path": case.path}
+    physics = _OTHER.sub(_link, _html(case.parts["Physics"]))
+    more |= {"physics": physics, "path": case.path}
     return _PAGE.format(**_shared(case), remarks=case.remarks, **more)
 
 
 def anchor(title: str) -> str:
     """The anchor of a heading."""
     return title.lower().replace(" ", "-")
+
+
+def _link(other: re.Match) -> str:
+    return f'<a href="{other[1].replace("/", "-")}.html">{other[1]}</a>'
 
 
 def _card(case: Facts) -> str:
