@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from pgimp.geometry.regions import RegionEntry
 from pgimp.physics.loads.motion import RigidMotion
+from pgimp.physics.loads.spring import AnchoredSpring
 from pgimp.schema.base import Model, Positive, Vector
 from pgimp.schema.dispatch import Either, WithKey
 from pgimp.schema.problems import Problem, raise_problems
@@ -151,6 +152,13 @@ class Free(Model):
         default=(),
         description="ways in which it does not move, whatever acts on it: along x, y, z, or "
         "rotation about their directions; rotation: about all of them",
+    )
+    force: VaryingVector = Field(
+        default=None,
+        description="force at its centre of mass: a vector, constant or over time [force]",
+    )
+    spring: AnchoredSpring | None = Field(
+        default=None, description="a spring and dashpot to ground, at its centre of mass"
     )
 
     def may(self, dimensions: int) -> tuple[bool, ...]:

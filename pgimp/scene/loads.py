@@ -1,6 +1,6 @@
 """Loads of a case besides stress and gravity, and the particles that carry them."""
 
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.merge import LEAST_FRACTION
+from pgimp.scene.surfaces import SurfaceLoads
 
 
 def covered_fractions(low: float, high: float, edges: np.ndarray) -> np.ndarray:
@@ -90,15 +91,17 @@ class SceneLoads:
         if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid
         self.force, self.walls = force, walls
-        self.tractions = list(case.tractions.values())
+        self.tractions = [entry for entry in case.tractions.values() if entry.face is not None]
         self.constraints = list(case.constraints.values())
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)
         self._spread = Spread(2.0 * self.half, size, method.chi, method.ends)
         self._follows = dict(zip(self.bodies, follows, strict=False))
+        self.surfaces = SurfaceLoads(case, self._follows)
         self._width = 2.0 * size if method.chi == "box" else size
-        self._varies = bool(force) or any(entry.varies for entry in self.tractions)
+        self._varies = bool(force) or any(entry.varies for entry in case.tractions.values())
+        self._varies |= self.surfaces.varies
         self._constraints_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
         self._constraints = self._constraints_at(0.0, 0.0)
@@ -117,6 +120,7 @@ class SceneLoads:
             "mean": self.averages,
             "around": self.averages and any(self.lagrangian),
             "tractions": len(self.tractions),
+            "surfaces_loaded": len(self.surfaces.entries),
             "constraints": bool(self.constraints),
         }
 
@@ -139,19 +143,24 @@ class SceneLoads:
         mean, mean_lagrangian = ((), self.mean) if all(self.lagrangian) else (self.mean, ())
         return Loads(
             self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean,
-            mean_lagrangian, self.rest,
+            mean_lagrangian, self.rest, self.surfaces.at(t),
         )  # fmt: skip
 
     def _constraints_at(self, start: float, end: float) -> tuple:
         return tuple(entry.parameters(start, end) for entry in self.constraints)
 
-    def displacement(self, number: int, t: float) -> tuple[float | None, ...]:
-        """Displacement that a constraint has prescribed until `t`, with previous stages."""
+    def displacement(
+        self, number: int, t: float, moved: Sequence[float]
+    ) -> tuple[float | None, ...]:
+        """Displacement of a constraint's particles until `t`, with previous stages.
+
+        `moved` is the displacement under given forces. None along directions that are free.
+        """
         name, entry = list(self.case.constraints)[number], self.constraints[number]
-        before = self.case.staged.displacements.get(name, (0.0,) * len(entry.velocity))
+        before = self.case.staged.displacements.get(name, (0.0,) * len(entry.rigid))
+        each = zip(entry.rigid, entry.displacement(t), before, moved, strict=False)
         return tuple(
-            None if shift is None else shift + offset
-            for shift, offset in zip(entry.displacement(t), before, strict=True)
+            (shift or 0.0) + offset + more if rigid else None for rigid, shift, offset, more in each
         )
 
     def initialise(self, p: Particles, n: int) -> None:

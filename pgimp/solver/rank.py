@@ -28,6 +28,7 @@ from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
+from pgimp.solver.loads.grips import grips_of
 from pgimp.solver.rest.absorbing import absorbing_of
 from pgimp.solver.rest.damping import damping_of
 
@@ -69,8 +70,8 @@ class Rank:
         Sums booked by plane.
     contact : NoContact
         The contact of bodies, or one of its kinds.
-    flows, damping, absorbing, inflow : Flows, VertexDamping, AbsorbingFaces, Inflow, or None
-        Filling of the vertices, damping, absorbing faces, and inflow, in scenes with them.
+    flows, damping, absorbing, inflow, grips : Flows, .., or None
+        Filling of vertices, damping, absorbing faces, inflow, grips that forces move, if any.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
@@ -116,6 +117,7 @@ class Rank:
         self.flows = Flows(scene, comm) if scene.interaction.flows else None
         self.damping = damping_of(scene)
         self.absorbing, self.inflow = absorbing_of(scene), inflow_of(scene)
+        self.grips = grips_of(scene, comm)
         self._lattice: LatticeCells | None = None
         self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
@@ -275,6 +277,7 @@ class Rank:
         self.damping = damping_of(scene)
         self.absorbing = absorbing_of(scene, kept)
         self.inflow = inflow_of(scene, self.inflow)
+        self.grips = grips_of(scene, self.comm, self.grips)
         self._allocate(self.slab)
         self.grid.store(window)
 

@@ -40,6 +40,7 @@ class RankState(Protocol):
     damping: Any
     absorbing: Any
     inflow: Any
+    grips: Any
     keeping: Keeping
 
     @property

@@ -106,6 +106,7 @@ def begin(
         ),
     )
     scene.interaction.loads.require_all_hold(particles, count, comm)
+    scene.interaction.loads.surfaces.require(particles, count, comm)
     if later := later_constraints([each.case for each in scenes]):
         mine = held(later, particles.body[:count], particles.x[:count])
         start.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
@@ -130,6 +131,8 @@ def begin(
     start.warnings += overstress.measure(scene, particles, count, comm)
     put_in_order(start, slab, particles, count)
     begin_motion(start.rank)
+    if start.rank.grips:
+        start.rank.grips.begin(start.rank)
     if len(scenes) > 1 and scene.materials.variations:
         require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
     start.warnings += locking(start.case)

@@ -17,6 +17,7 @@ from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import TAKEN, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import STRAIN, SUMS
+from pgimp.physics.loads.surfaces import surface_width
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.rigid.free_body import State
@@ -26,6 +27,7 @@ from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
 from pgimp.solver.history.diagnostics import sums_of_bodies
 from pgimp.solver.lagrangian.motion import enter_motion
+from pgimp.solver.loads.grips import STATES, Grips
 from pgimp.solver.rest.settle import begin_settling
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.warmup import warm_up
@@ -85,11 +87,14 @@ def enter(now: Start, case: Case) -> Start:
         particles = rank.particles
     balance.watch(rank.count)
     books, free, before = rank.booked(), dict(_free(rank)), rank.grid
+    grips = _grips(rank.grips, old, new)
     rank.enter(new, particles)
     _take_over(old, new, books, rank.booked())
     if rank.free:
         rank.free.states = [free[name] for name, _ in _free(rank)]
     enter_motion(rank, before)
+    if rank.grips:
+        rank.grips.begin(rank, grips)
     if arrivals:
         arrivals.enter(now)
         particles = rank.particles
@@ -137,10 +142,18 @@ def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
         shape = like.shape[1:]
         same = array.shape[1:] == shape
         arrays[name] = array if same else np.zeros((p.capacity, *shape), like.dtype)
-    names = [list(scene.case.tractions) for scene in (old, new)]
+    names = [
+        [name for name, entry in scene.case.tractions.items() if entry.face is not None]
+        for scene in (old, new)
+    ]
     if names[0] != names[1]:
         kept = [names[0].index(name) for name in names[1]]
         arrays["patch"] = np.ascontiguousarray(p.patch[:, kept])
+    names = [list(scene.interaction.loads.surfaces.entries) for scene in (old, new)]
+    if names[0] != names[1]:
+        kept, width = [names[0].index(name) for name in names[1]], surface_width(new.dimension)
+        parts = p.surface.reshape(p.capacity, -1, width)[:, kept]
+        arrays["surface"] = np.ascontiguousarray(parts.reshape(p.capacity, len(kept) * width))
     if old.case.constraints or new.case.constraints:
         found = _held(rank, old.case, new)
         if new.case.constraints:
@@ -228,6 +241,14 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
         has.escaped[:] = had.escaped
     if had.damping.size and has.damping.size:
         has.damping[:, :TAKEN] = had.damping[:, :TAKEN]
+
+
+def _grips(grips: Grips | None, old: Scene, new: Scene) -> np.ndarray:
+    """States of the next stage's grips: what those that stay have, zeros else."""
+    case = new.case
+    had = np.zeros((len(old.case.constraints), STATES, 3)) if grips is None else grips.state
+    names = [name if not reselects(old.case, case, name) else None for name in case.constraints]
+    return _rows(list(old.case.constraints), names, had)
 
 
 def _free(rank: Rank) -> list[tuple[str, State]]:

@@ -81,9 +81,11 @@ def step(
     if damping:
         damping.add_forces(rank, update)
     contact.update_momentum(rank, update)  # (14, 17)
-    hold_constrained(rank, update)
+    update = hold_constrained(rank, update)
     lap("momentum")
     contact.exchange(rank, update)
+    if rank.grips:
+        rank.grips.bear(rank)
     lap("contact")
     if damping:
         damping.book(rank, update)

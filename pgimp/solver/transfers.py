@@ -119,10 +119,7 @@ def particle_forcing(
     controlled: bool | float,
 ) -> Forcing:
     """Forcing of the particles in a step, without vertex-only loads; see `vertex_forcing`."""
-    t, constraints = (
-        update.t,
-        rank.scene.interaction.loads.constraints_at(update.t.start, update.t.end),
-    )
+    t, constraints = update.t, update.forcing.marked[0] if update.forcing.marked else ()
     if loads.approached:
         loads = loads._replace(approached=())
     return Forcing(

@@ -74,10 +74,17 @@ def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
             rank.clearances.find(rank.grid)
 
 
-def hold_constrained(rank: RankState, update: VertexUpdate) -> None:
-    """Set the velocities that constraints prescribe."""
-    if update.forcing.marked:
-        rank.call(apply_constraints, rank.grid.field, update.forcing, update.ledger)
+def hold_constrained(rank: RankState, update: VertexUpdate) -> VertexUpdate:
+    """Set the velocities of constraints; return the update with those that forces give."""
+    if not update.forcing.marked:
+        return update
+    if rank.grips and rank.grips.acts:
+        marked = (rank.grips.find(rank, update), rank.grid.marks)
+        update = update._replace(forcing=update.forcing._replace(marked=marked))
+    rank.call(apply_constraints, rank.grid.field, update.forcing, update.ledger)
+    if rank.grips:
+        rank.grips.await_contact(rank)
+    return update
 
 
 def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:

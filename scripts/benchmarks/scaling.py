@@ -6,9 +6,9 @@ import sys
 from statistics import median
 
 from blocks import block, create
-from messages import counting, sent
 from picture import plt, save
 from report import ERRORS, count, number, origin, spread, write
+from workers.messages import counting, sent
 from workers.processes import Worker, environment, launch, wait
 
 from pgimp.solver.simulation import RESORT

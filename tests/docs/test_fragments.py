@@ -68,6 +68,8 @@ FRAGMENTS = (
     ("gravity: [{sine", lambda: scene(2), ()),
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
     ("bodies:                               # of a dam", ground, ()),
+    ("constraints:\n  press:", lambda: scene(2), ()),
+    ("tractions:\n  bore:", lambda: scene(2), ()),
     ("inflow:\n  jet:", lambda: scene(2, ("water",)), ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.

@@ -9,7 +9,7 @@ from pgimp.case.checks.domain import check_grid
 from pgimp.case.checks.regions import check_region
 from pgimp.case.grid import Grid
 from pgimp.case.output import PointProbe
-from pgimp.geometry.regions import REGIONS
+from pgimp.geometry.regions import REGIONS, Points
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.motion import check_rotation
 from pgimp.physics.loads.tractions import TractionEntry
@@ -67,19 +67,23 @@ def check_tractions(
     body_names: Iterable[str],
     materials: Mapping[str, Material],
     tractions: Mapping[str, TractionEntry],
+    gravity: object,
 ) -> Problems:
-    """Check that tractions act on faces of boxes, and on solids."""
+    """Check that tractions act on faces of boxes or on regions' surfaces, and on solids."""
     for name, entry in tractions.items():
         path: tuple[str | int, ...] = ("tractions", name)
         why = "a traction pulls at a body of a material; a rigid one moves as its key `rigid` says"
         yield from check_body_of(path, entry, every_body, body_names, why)
-        if entry.face not in faces(dimensions):
+        if entry.face is None:
+            yield from _surface_problems(path, dimensions, entry, bodies, gravity)
+        elif entry.face not in faces(dimensions):
             yield Problem((*path, "face"), unknown("face", entry.face, faces(dimensions)))
-        if entry.body in bodies and name_of(bodies[entry.body].region, REGIONS) != "box":
+        elif entry.body in bodies and name_of(bodies[entry.body].region, REGIONS) != "box":
             kind = name_of(bodies[entry.body].region, REGIONS)
             yield Problem(
-                (*path, "body"),
-                f"the region of '{entry.body}' is a {kind}; tractions act on faces of a box",
+                (*path, "face"),
+                f"the region of '{entry.body}' is a {kind}, which has no such faces; load the part "
+                "of its surface that lies in a region: region: {box: ..} in place of face",
             )
         law = materials.get(bodies[entry.body].material) if entry.body in bodies else None
         if law is not None and law.VOLUME_ONLY:
@@ -90,6 +94,23 @@ def check_tractions(
             )
             yield Problem((*path, "body"), text)
         yield from lengths((*path, "traction"), entry.traction, dimensions)
+
+
+def _surface_problems(
+    path: tuple[str | int, ...],
+    dimensions: int,
+    entry: TractionEntry,
+    bodies: Mapping[str, Body],
+    gravity: object,
+) -> Problems:
+    """Check a load on the part of a surface that lies in a region."""
+    yield from check_region((*path, "region"), entry.region, dimensions)
+    if entry.body in bodies and isinstance(bodies[entry.body].region, Points):
+        text = f"'{entry.body}' is of particles from a file, whose surface is not known"
+        yield Problem((*path, "body"), text + "; load a body with a region or a mesh")
+    if entry.hydrostatic is not None and gravity is None:
+        text = "needs gravity, which gives the weight of the liquid: gravity: [0.0, -9.81]"
+        yield Problem((*path, "hydrostatic"), text)
 
 
 def check_constraints(
@@ -108,7 +129,9 @@ def check_constraints(
         yield from check_body_of(path, entry, every_body, body_names, why)
         wrong = list(check_region((*path, "region"), entry.region, dimensions))
         yield from wrong
-        yield from length((*path, "velocity"), entry.velocity, dimensions)
+        for key in ("velocity", "force"):
+            if getattr(entry, key):
+                yield from length((*path, key), getattr(entry, key), dimensions)
         if wrong or not sound or any(region.FROM_FILE for region in entry.region.simple()):
             continue
         low, high = entry.region.bounds()

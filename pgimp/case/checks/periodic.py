@@ -98,6 +98,8 @@ def check_periodic_bodies(
             "velocity, separating) along the other directions, or a stiff body of a material",
         )
     for name, entry in tractions.items():
+        if entry.face is None:
+            continue
         body, axis = bodies.get(entry.body), "xyz".index(entry.face[0])
         if axis in axes and body is not None and not isinstance(body.region, Points):
             end = body.region.bounds()[entry.face.endswith("max")][axis]

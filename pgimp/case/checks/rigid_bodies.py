@@ -56,6 +56,9 @@ def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: F
     for i, way in enumerate(free.fixed):
         if way not in ways and not (dimensions == 2 and way == "rotation-z"):
             yield Problem((*path, "rigid", "fixed", i), unknown("way", way, ways))
+    yield from lengths((*path, "rigid", "force"), free.force, dimensions)
+    if free.spring and free.spring.to is not None:
+        yield from length((*path, "rigid", "spring", "to"), free.spring.to, dimensions)
     where, may = (*path, "velocity"), free.may(dimensions)
     along = body.velocity
     about: tuple[float, ...] = ()

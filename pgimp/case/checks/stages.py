@@ -120,7 +120,7 @@ def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
     for name, entry in now.materials.items():
         yield from _material(("materials", name), before.materials[name], entry, now.dimensions)
     for name, entry in now.tractions.items():
-        for key in ("body", "face"):
+        for key in ("body", "face", "region", "follower"):
             if getattr(entry, key) != getattr(before.tractions[name], key):
                 yield Problem(("tractions", name, key), "cannot change in a stage")
     for name, entry in now.constraints.items():

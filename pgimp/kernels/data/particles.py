@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.kernels.data.frame import identity
+from pgimp.physics.loads.surfaces import surface_width
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -42,6 +43,8 @@ class Carried(NamedTuple):
         Whether they have the gradient of J.
     axial, plate : bool
         Whether they are rings, or parts of a plate: F has a zz, out of the plane.
+    surfaces_loaded : int
+        Number of loads on parts of surfaces.
     winding : bool
         Whether they count their turns through periodic faces.
     """
@@ -61,6 +64,7 @@ class Carried(NamedTuple):
     axial: bool = False
     plate: bool = False
     winding: bool = False
+    surfaces_loaded: int = 0
 
     @property
     def undeformed(self) -> tuple[float, ...]:
@@ -226,6 +230,16 @@ class Particles(NamedTuple):
             lambda c: c.dimensions if c.winding else 0, np.int64,
         ),
     ]  # fmt: skip
+
+    surface: Annotated[
+        FloatArray,
+        Column(
+            "for each load on a part of a surface its part there: area, area vector, and the first "
+            "moments of that about its position, row by row, at the start",
+            "area, area length",
+            lambda c: c.surfaces_loaded * surface_width(c.dimensions),
+        ),
+    ]
 
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":

@@ -12,9 +12,11 @@ from pgimp.jit.tuples import plus_scaled, read, scaled
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.grid.wall_gap import Sides, divergence
+from pgimp.kernels.loads.surfaces import scatter_surfaces, surface_power
 from pgimp.kernels.loads.tractions import scatter_tractions, traction_power
 from pgimp.physics.exact.base import BodyForce, body_force
 from pgimp.physics.loads.bodyforce import acceleration
+from pgimp.physics.loads.surfaces import SurfaceLoad
 from pgimp.physics.loads.tractions import Traction
 
 
@@ -44,6 +46,8 @@ class Loads(NamedTuple):
     rest : (bodies,) bool or ()
         Bodies that come to rest on faces that hold every component: see
         `pgimp.kernels.grid.resting`.
+    surfaces : tuple of SurfaceLoad
+        See `pgimp.kernels.loads.surfaces`.
     """
 
     viscosity: tuple = ()
@@ -55,10 +59,17 @@ class Loads(NamedTuple):
     mean: float | np.ndarray | tuple[()] = ()
     mean_lagrangian: float | np.ndarray | tuple[()] = ()
     rest: np.ndarray | tuple[()] = ()
+    surfaces: tuple[SurfaceLoad, ...] = ()
 
     def summed(self) -> Self:
         """The loads that sums of particles need, to compile kernels once for all others."""
         return self._replace(relaxation=(), rest=())
+
+
+def _has_surfaces(loads):
+    """Whether loads, given by their Numba type, or a stand-in for them, have any on surfaces."""
+    names = loads.instance_class._fields
+    return "surfaces" in names and len(loads.types[names.index("surfaces")]) > 0
 
 
 def _three(V):
@@ -190,7 +201,19 @@ def scatter_loads(loads, setting, field, particles, rows, span, layer):
 
 @specialise(scatter_loads)
 def _scatter_loads(loads, setting, field, particles, rows, span, layer):
-    if len(loads.types[1]) == 0:
+    faces, surfaces = len(loads.types[1]) > 0, _has_surfaces(loads)
+
+    def scatter_both(loads, setting, field, particles, rows, span, layer):
+        scatter_tractions(loads.tractions, setting, field, particles, rows, span, layer)
+        scatter_surfaces(loads.surfaces, setting, field, particles, rows, span, layer)
+
+    if faces and surfaces:
+        return scatter_both
+    if surfaces:
+        return lambda loads, setting, field, particles, rows, span, layer: scatter_surfaces(
+            loads.surfaces, setting, field, particles, rows, span, layer
+        )
+    if not faces:
         return lambda loads, setting, field, particles, rows, span, layer: None
     return lambda loads, setting, field, particles, rows, span, layer: scatter_tractions(
         loads.tractions, setting, field, particles, rows, span, layer
@@ -203,7 +226,19 @@ def layer_power(loads, setting, field, particles, rows, span, layer):
 
 @specialise(layer_power)
 def _layer_power(loads, setting, field, particles, rows, span, layer):
-    if len(loads.types[1]) == 0:
+    faces, surfaces = len(loads.types[1]) > 0, _has_surfaces(loads)
+
+    def power_of_both(loads, setting, field, particles, rows, span, layer):
+        own = traction_power(loads.tractions, setting, field, particles, rows, span, layer)
+        return own + surface_power(loads.surfaces, setting, field, particles, rows, span, layer)
+
+    if faces and surfaces:
+        return power_of_both
+    if surfaces:
+        return lambda loads, setting, field, particles, rows, span, layer: surface_power(
+            loads.surfaces, setting, field, particles, rows, span, layer
+        )
+    if not faces:
         return lambda loads, setting, field, particles, rows, span, layer: 0.0
     return lambda loads, setting, field, particles, rows, span, layer: traction_power(
         loads.tractions, setting, field, particles, rows, span, layer

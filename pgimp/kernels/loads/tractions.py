@@ -87,17 +87,17 @@ def _mean(ends, tent, half, g):
     return max(1.0 - abs(g), 0.0) + 0.5 * corners - _rounding(tent, half, g)
 
 
-def _means(ends, tent, half, g, like):
+def means(ends, tent, half, g, like):
     """Means at vertices 0, 1, ..., as many as in `like`."""
 
 
-@specialise(_means)
+@specialise(means)
 def _means_of(ends, tent, half, g, like):
     if len(like) == 1:
         return lambda ends, tent, half, g, like: (_mean(ends, tent, half, g),)
     return lambda ends, tent, half, g, like: (
         _mean(ends, tent, half, g),
-        *_means(ends, tent, half, g - 1.0, like[1:]),
+        *means(ends, tent, half, g - 1.0, like[1:]),
     )
 
 
@@ -134,7 +134,7 @@ def _along(traction, frame, F, x, d, vertex, like):
     if traction.follows and not traction.tents:  # a face that is inclined reaches past the box
         half = min(half, own)
         g = min(max(g, position - own + half), position + own - half)
-    return _means(traction.ends, tent, half, min(max(g, half), last - half), like)
+    return means(traction.ends, tent, half, min(max(g, half), last - half), like)
 
 
 def _support(traction, layout, window, particles, p, layer, F, buffer):

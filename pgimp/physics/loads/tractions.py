@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from pgimp.geometry.regions.base import REGION
+from pgimp.physics.loads.surfaces import Hydrostatic, SurfaceLoad
 from pgimp.schema.base import Model, Name
+from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.tables import MayVary, VaryingVector, VectorFunction
 from pgimp.schema.time_functions import TimeFunction
@@ -85,10 +89,17 @@ class Spread(NamedTuple):
 
 
 class TractionEntry(Model):
-    """A force on a face of a body that fills a box; it follows the particles along the face."""
+    """A force on a face of a body that fills a box, or on any part of a body's surface."""
 
-    body: Name = Field(description="name of the body, whose region is a box")
-    face: str = Field(description="face of its box, x-min to z-max")
+    body: Name = Field(description="name of the body; with `face` its region is a box")
+    face: str | None = Field(
+        default=None, description="face of its box, x-min to z-max; null: see `region`"
+    )
+    region: Annotated[Any, Either("a region or null", {dict: REGION, None: None})] = Field(
+        default=None,
+        description="in place of `face` a part of space: the load is on the surface of the body "
+        "that lies in it at the start, whatever the body's region is",
+    )
     traction: VaryingVector = Field(
         default=None,
         description="force per current area: a vector, or a table over time, linear in between "
@@ -100,27 +111,76 @@ class TractionEntry(Model):
         "into the body; a number or a table over time [stress]",
     )
 
+    hydrostatic: Hydrostatic | None = Field(
+        default=None,
+        description="with `region`, in place of a pressure that of a liquid, which gravity gives",
+    )
+    follower: bool = Field(
+        default=True,
+        description="with `region`: whether areas and normals are the current ones; false: the "
+        "initial ones, so that the force keeps direction and size",
+    )
+
     @model_validator(mode="after")
     def _check_kind(self) -> TractionEntry:
-        if (self.traction is None) == (self.pressure is None):
-            text = "expected either a traction or a pressure"
-            raise_problems("traction", [Problem(("traction",), text)])
+        given, found = [self.traction, self.pressure, self.hydrostatic], []
+        if sum(each is not None for each in given) != 1:
+            text = "expected one of traction, pressure and hydrostatic"
+            found.append(Problem(("traction",), text))
+        if (self.face is None) == (self.region is None):
+            found.append(Problem(("face",), "expected either a face of a box or a region"))
+        elif self.region is None:
+            if self.hydrostatic is not None:
+                found.append(Problem(("hydrostatic",), "is for a load with a `region`"))
+            if not self.follower:
+                text = "is for a load with a `region`; on a face loads follow the deformation"
+                found.append(Problem(("follower",), text))
+        if self.hydrostatic is not None and not self.follower:
+            text = "the pressure of a liquid follows the surface: leave false out"
+            found.append(Problem(("follower",), text))
+        raise_problems("traction", found)
         return self
 
     @property
     def varies(self) -> bool:
         """Whether the parameters depend on time."""
-        return isinstance(self.traction, VectorFunction) or isinstance(self.pressure, TimeFunction)
+        own = self.traction, self.pressure
+        return isinstance(own[0], VectorFunction) or isinstance(own[1], TimeFunction)
 
     @property
     def axis(self) -> int:
         """Direction of the face's normal."""
+        assert self.face is not None
         return "xyz".index(self.face[0])
 
     @property
     def side(self) -> int:
         """End along the axis: -1 or 1."""
+        assert self.face is not None
         return -1 if self.face.endswith("min") else 1
+
+    def surface_load(
+        self,
+        column: int,
+        half: tuple[float, ...],
+        stretches: bool,
+        gravity: Sequence[float],
+        t: float,
+    ) -> SurfaceLoad:
+        """Parameters of the kernels for a load on a region's surface; see `SurfaceLoad`."""
+        pressure, vector = self._values(t)
+        gradient = (0.0, 0.0, 0.0)
+        if self.hydrostatic is not None:
+            pressure, gradient = self.hydrostatic.pressure(gravity, t)
+        return SurfaceLoad(column, half, self.follower, stretches, vector, pressure, gradient)
+
+    def _values(self, t: float) -> tuple[float, tuple[float, float, float]]:
+        """Pressure and traction at time `t`."""
+        q, b = self.pressure, self.traction
+        pressure = 0.0 if q is None else q.value(t) if isinstance(q, TimeFunction) else float(q)
+        vector = () if b is None else b.value(t) if isinstance(b, VectorFunction) else b
+        x, y, z = (*(float(c) for c in vector), 0.0, 0.0, 0.0)[:3]
+        return pressure, (x, y, z)
 
     def parameters(self, column: int, spread: Spread, follows: bool, t: float) -> Traction:
         """Parameters of the kernels.
@@ -136,10 +196,7 @@ class TractionEntry(Model):
         t : float
             The time.
         """
-        q, b = self.pressure, self.traction
-        pressure = 0.0 if q is None else q.value(t) if isinstance(q, TimeFunction) else float(q)
-        vector = () if b is None else b.value(t) if isinstance(b, VectorFunction) else b
-        x, y, z = (*(float(c) for c in vector), 0.0, 0.0, 0.0)[:3]
+        pressure, vector = self._values(t)
         chi, wide = spread.chi, [0.0 if spread.chi == "point" else float(h) for h in spread.half]
         # A sum of tents falls from one to zero between a particle's centre and its outer end.
         # A sum of boxes falls at once, or in steps at the outer ends of overlapping boxes.
@@ -148,7 +205,7 @@ class TractionEntry(Model):
         reach = {"point": 0.0, "box": boxes}.get(chi, 0.5 * wide[self.axis])
         wide[self.axis] = reach if chi == "tent" else 0.0
         patch = column, reach, tuple(wide), chi == "tent"
-        return Traction(self.axis, self.side, *patch, spread.ends, follows, (x, y, z), pressure)
+        return Traction(self.axis, self.side, *patch, spread.ends, follows, vector, pressure)
 
     def areas(
         self, parts: list[np.ndarray], columns: list[np.ndarray], spacing: np.ndarray, overlap: int

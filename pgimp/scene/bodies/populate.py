@@ -11,7 +11,9 @@ from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.physics.materials.base import has
 from pgimp.scene.bodies.cloud_gradients import with_gradients
 from pgimp.scene.bodies.lattice import Lattice, ParticleBlock
+from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.point_cloud import Cloud
+from pgimp.scene.bodies.surface_elements import parts_of
 from pgimp.scene.scene import Scene
 
 
@@ -85,7 +87,24 @@ def populate(
     if p.origin.shape[1]:
         p.origin[:] = p.x
     scene.interaction.loads.initialise(p, row)
+    _set_surfaces(scene, lattice, p, row, planes)
     return p
+
+
+def _set_surfaces(
+    scene: Scene, lattice: Lattice, p: Particles, n: int, planes: tuple[int, int]
+) -> None:
+    """Set the parts of loaded surfaces that the first `n` particles carry."""
+    loads = scene.interaction.loads.surfaces
+    width = loads.width
+    for k, entry in enumerate(loads.entries.values()):
+        number = scene.body_names.index(entry.body)
+        body, mine = lattice.bodies[number], np.flatnonzero(p.body[:n] == number)
+        if isinstance(body, LatticeBody):
+            ring = scene.case.axisymmetric
+            p.surface[mine, k * width : (k + 1) * width] = parts_of(
+                body, entry.region, p.x[mine], planes, ring, loads.closed
+            )
 
 
 def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:

@@ -61,7 +61,7 @@ def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
         velocity, turns = _velocity(body.velocity, 0.5 * (low + high))
         moved = [entry for entry in case.constraints.values() if entry.body == name]
         if moved:
-            displacement = _integral(_prescribed(moved[-1].velocity, times), times)
+            displacement = _integral(_prescribed(moved[-1].motion, times), times)
         elif any(_held(case, low, high)):
             displacement = np.zeros((len(times), len(low)))
         else:

@@ -63,7 +63,7 @@ def strains(case: Case, body: BodyFacts) -> dict[str, float]:
     moved = [entry.velocity for entry in case.constraints.values() if entry.body == body.name]
     moved += [one.velocity for one in case.boundaries.values() if hasattr(one, "velocity")]
     if moved:
-        speeds = [_greatest(component) for velocity in moved for component in velocity]
+        speeds = [_greatest(component) for velocity in moved for component in velocity] or [0.0]
         found["by prescribed velocities"] = max(speeds) / c
     return found
 
@@ -201,7 +201,7 @@ def _pressed(case: Case) -> set[str]:
 def _ineffective_tractions(case: Case) -> Iterator[str]:
     """Yield the tractions that a wall supports entirely."""
     for name, entry in case.tractions.items():
-        condition = case.boundaries.get(entry.face)
+        condition = case.boundaries.get(entry.face or "")
         if condition is None:
             continue
         axis, side = entry.axis, entry.side

@@ -67,7 +67,7 @@ def supports(case: Case, body: BodyFacts) -> Iterator[Support]:
             ends = zip(*entry.region.bounds(), body.low, body.high, strict=True)
             box = [(max(a, low), min(b, high)) for a, b, low, high in ends]
             low, high = [a for a, _ in box], [b for _, b in box]
-            held = tuple(component is not None for component in entry.velocity)
+            held = entry.rigid
             yield Support(f"constraint {name}", tuple(low), tuple(high), held)
 
 

@@ -12,6 +12,7 @@ from pgimp.errors import CaseError
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import FREEDOMS, Pose, RigidBody, Triple
 from pgimp.scene.rigid.bulk import Bulk
+from pgimp.schema.tables import VectorFunction
 
 Matrix = tuple[float, ...]
 """Nine numbers, row by row."""
@@ -84,6 +85,7 @@ class FreeBody:
         assert entry.free is not None
         self.name = name
         self.bulk, self.may = bulk, entry.free.may(dimensions)
+        self.free = entry.free
         self.first = self._at_start(entry)
         self._last: tuple[State | None, Six] = (None, ())
 
@@ -175,6 +177,30 @@ class FreeBody:
             _triple(p[3:]),
             add(state.angle, turn),
         )
+
+    def carried(self, state: State, start: float, dt: float, gravity: Six) -> list[float]:
+        """Return the momentum after a step from `start` under gravity, force and spring.
+
+        The spring acts by its deflection at the beginning, the dashpot by the mean velocity. As a
+        quarter of k dt^2 is added to the mass in this, no spring shortens the steps.
+        """
+        mass, spring = self.bulk.mass, self.free.spring
+        if self.free.force is None and spring is None:
+            return [p + dt * mass * g for p, g in zip(state.momentum, gravity, strict=True)]
+        push = [mass * g for g in gravity]
+        if self.free.force is not None:
+            force = self.free.force
+            given = force.value(start) if isinstance(force, VectorFunction) else force
+            for d, f in enumerate(given):
+                push[d] += f
+        if spring is None:
+            return [p + dt * f for p, f in zip(state.momentum, push, strict=True)]
+        heavy = mass + 0.5 * dt * spring.dashpot + 0.25 * dt**2 * spring.stiffness
+        to = (*(spring.to or self.first.centre), 0.0, 0.0)[:3]
+        for d, (x, at, p) in enumerate(zip(state.centre, to, state.momentum, strict=True)):
+            push[d] -= spring.stiffness * (x - at) + spring.dashpot * p / mass
+        part = dt * mass / heavy
+        return [p + part * f for p, f in zip(state.momentum, push, strict=True)]
 
     def pushed(self, state: State, given: list[float]) -> State:
         """Return the state after an impulse and an angular impulse, along its free directions."""

@@ -187,6 +187,7 @@ class Arrivals:
         stress = scene.case.staged.stress
         try:
             scene.interaction.loads.require_all_hold(particles, own, comm, self.names)
+            scene.interaction.loads.surfaces.require(particles, own, comm, self.names)
             if stress is not None:
                 set_geostatic_stress(scene, particles, own, comm, stress, time)
         except CaseError as error:

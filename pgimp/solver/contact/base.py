@@ -34,6 +34,8 @@ class NoContact:
     ----------
     at_vertices : bool
         Whether bodies exchange impulses at shared vertices, for output in frames.
+    bears : bool
+        Whether `exchange` leaves impulses to constraints, at vertices that they hold.
     fields : tuple of int
         Number of each body's velocity field; () if all share one for ever.
     free : FreeBodies or None
@@ -43,6 +45,7 @@ class NoContact:
     """
 
     at_vertices = False
+    bears = False
     fields: tuple[int, ...] = ()
     free: FreeBodies | None = None
     data: Any = ()

@@ -162,8 +162,7 @@ class FreeBodies:
         found: list[list[float]] = []
         for body, state in zip(self.bodies, self.states, strict=True):
             inertia = body.halfway(state, t.dt)
-            weight = [t.dt * body.bulk.mass * g for g in gravity]
-            push = [p + w for p, w in zip(state.momentum, weight, strict=True)]
+            push = body.carried(state, t.start, t.dt, gravity)
             momenta = [
                 p if may else 0.0 for p, may in zip((*push, *state.spin), body.may, strict=True)
             ]

@@ -210,11 +210,11 @@ HISTORY = (
             Column(
                 "displacement.NAME-AXIS",
                 "length",
-                "displacement that each constraint prescribes, none where it is free: the integral "
-                "of its `velocity` since the start; its particles move in steps by the velocity at "
-                "each step's end, so that theirs differs from it by an error of first order in the "
-                "step",
-                lambda s, k: s.scene.interaction.loads.displacement(k, s.done.end),
+                "displacement of each constraint, none where it is free: the integral of its "
+                "`velocity` since the start; its particles move in steps by the velocity at each "
+                "step's end, so that theirs differs from it by an error of first order in the "
+                "step. Where a `force` moves them, their own",
+                lambda s, k: s.scene.interaction.loads.displacement(k, s.done.end, s.moved[k]),
             ),
         ),
     ),

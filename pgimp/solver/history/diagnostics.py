@@ -113,9 +113,8 @@ def column_names(scene: Scene) -> list[str]:
     faces = len(scene.domain.faces)
     contact = np.zeros((len(scene.interaction.pairs.way) if scene.interaction.pairs else 0, BOOKED))
     rigid_bodies = np.zeros((len(scene.interaction.rigid_bodies), TOOLED))
-    force = np.zeros(
-        (faces + len(scene.interaction.loads.constraints) + len(contact) + 2 * len(rigid_bodies), 3)
-    )
+    moved = np.zeros((len(scene.case.constraints), 3))
+    force = np.zeros((faces + len(moved) + len(contact) + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
     bodies = np.zeros((len(scene.body_names), scene.materials.sums))
     errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
@@ -144,6 +143,7 @@ def column_names(scene: Scene) -> list[str]:
                 np.zeros((len(bodies), VOLUMES)),
                 np.zeros(DAMPED),
                 {},
+                moved,
                 errors,
                 errors,
             )
@@ -229,13 +229,14 @@ class Diagnostics:
                 share = (float(mass / total[MASS]), done.end, face.name)
                 self.most_outside = max(self.most_outside, share)
         force = self._forces(done.end + self.settling_time, impulse)
+        moved = rank.grips.moved if rank.grips else np.zeros((len(scene.case.constraints), 3))
         return line_of(
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene),
                 self.added_so_far(scene), inflow, self.changed,
                 self.settling_time, self.told, self.first_energy, work,
                 force, outside_mass, walls, contact, rigid_bodies, inside,
-                filled, damping, rank.free.now if rank.free else {}, added, most,
+                filled, damping, rank.free.now if rank.free else {}, moved, added, most,
             )
         )  # fmt: skip
 

@@ -69,6 +69,8 @@ class Totals(NamedTuple):
         The ledger of damping; (0,) without it.
     free : dict of int to (FreeBody, State)
         The free rigid bodies, by number, and their states.
+    moved : (constraints, 3) float64
+        Displacements of constraints under given forces, zeros without any.
     errors, greatest : (ERRORS,) float64
         Sums and maxima of the errors, see `layer_errors`; zeros without exact solution.
     """
@@ -95,6 +97,7 @@ class Totals(NamedTuple):
     filled: np.ndarray
     damping: np.ndarray
     free: dict[int, tuple[FreeBody, State]]
+    moved: np.ndarray
     errors: np.ndarray
     greatest: np.ndarray
 

@@ -72,6 +72,7 @@ def find_cells(rank: RankState) -> LatticeCells:
     fits = (np.abs(within - place) < _NEAR * per_cell).all(axis=1)
     fits &= (number[:, 0] == p.layer[rows]) & ((0 <= place) & (place < per_cell)).all(axis=1)
     fits &= ~p.patch[rows].any(axis=1)  # tractions are forces on particles
+    fits &= ~p.surface[rows].any(axis=1)
     mine = np.flatnonzero(fits)
     offset = np.zeros(len(mine), np.int64)
     for d in range(1, D):

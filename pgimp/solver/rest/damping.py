@@ -60,6 +60,9 @@ class VertexDamping:
     def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
         """Add the forces of damping to the sums at the vertices, before the momentum update."""
         field, forcing = rank.grid.field, update.forcing
+        if rank.grips and rank.grips.acts:
+            held = rank.grips.undisturbed(forcing.marked[0])
+            forcing = forcing._replace(marked=(held, forcing.marked[1]))
         if self.settles and needed(update.t.number % EVERY == 0):
             rank.call(sum_internal_forces, field, forcing, rank.ledger)
         if not self._forces:
@@ -116,6 +119,8 @@ def _of_all_planes(rank: RankState) -> np.ndarray:
 def bring_to_rest(rank: RankState) -> None:
     """Set the velocities of all particles and vertices to zero, and book what they had."""
     population, particles, grid = rank.population, rank.population.stored, rank.grid
+    if rank.grips:
+        rank.grips.rest()
     rows, start = population.order, population.start
     taken = np.zeros((len(rank.ledger.damping), TAKEN))
     m, v = particles.m[rows, None], particles.v[rows]

@@ -13,6 +13,7 @@ from pgimp.errors import NO_REST, NoRestError
 from pgimp.kernels.data.ledger import INTERNAL, UNBALANCED
 from pgimp.solver.configurations import fastest
 from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.loads.grips import DISPLACEMENT
 from pgimp.solver.rank import Rank
 from pgimp.solver.rest.damping import EVERY, bring_to_rest, damping_of, damping_to_rest, total_sums
 from pgimp.solver.start.start import Start
@@ -43,15 +44,23 @@ def unbalanced_part(rank: Rank) -> float:
 
 def _tractions(rank: Rank) -> float:
     """Sum of the magnitudes of the particles' tractions; collective."""
-    tractions = rank.scene.interaction.loads.at(rank.scene.case.staged.start).tractions
-    if not tractions:
+    loads = rank.scene.interaction.loads.at(rank.scene.case.staged.start)
+    if not (loads.tractions or loads.surfaces):
         return 0.0
     p, (rows, start) = rank.population.stored, rank.population.ordered
     sums = np.zeros(len(start) - 1)
     layer = np.repeat(np.arange(len(sums)), np.diff(start))
-    for each in tractions:
+    for each in loads.tractions:
         force = float(np.sqrt(np.square(each.traction).sum())) + abs(each.pressure)
         np.add.at(sums, layer, force * p.patch[rows, each.column])
+    for one in loads.surfaces:
+        pressure = np.full(len(rows), one.pressure)
+        for d in range(p.x.shape[1]):
+            pressure += one.gradient[d] * p.x[rows, d]
+        if any(one.gradient):
+            pressure = np.maximum(pressure, 0.0)
+        pressure = np.abs(pressure) + float(np.sqrt(np.square(one.traction).sum()))
+        np.add.at(sums, layer, pressure * p.surface[rows, one.column])
     return float(np.concatenate(rank.comm.allgather(sums)).sum())
 
 
@@ -117,6 +126,8 @@ def begin_at_rest(start: Start) -> Start:
         particles.origin[rows] = particles.x[rows]
     for sums in rank.ledger:
         sums[:] = 0.0
+    if rank.grips:
+        rank.grips.state[:, DISPLACEMENT] = 0.0
     rank.clamped = rank.held = 0
     rank.damping, scene.domain.settling = damping_of(scene), False
     start.diagnostic_sums, start.settling = Diagnostics(), False

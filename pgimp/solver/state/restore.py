@@ -18,6 +18,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.velocity_fields import MOST
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, keep_masses, put_motion
+from pgimp.solver.loads.grips import Grips
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.state import State
 
@@ -135,12 +136,15 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             whole = _whole(source, name, (planes, *mine.shape[1:]))
             found[name] = whole[first : first + len(mine)]
         if scene.interaction.rigid_bodies.free:
-            states = _whole(
-                source, "free-bodies", (len(scene.interaction.rigid_bodies.free), STATE)
-            )
+            count = len(scene.interaction.rigid_bodies.free)
+            states = _whole(source, "free-bodies", (count, STATE))
             if (abs((states[:, 3:7] ** 2).sum(axis=1) - 1.0) > 1e-9).any():
                 raise DamagedError("the rotation of a rigid body is none")
             found["free-bodies"] = states
+        if "grips" in source.whole and rank.grips is None:  # of a stage before
+            rank.grips = Grips(scene, rank.comm)
+        if rank.grips:
+            found["grips"] = _whole(source, "grips", rank.grips.state.shape)
         bodies = len(scene.body_names)
         if rank.absorbing:
             found |= rank.absorbing.stored(source, _whole)
@@ -151,9 +155,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
                 raise DamagedError("the velocity fields of its bodies are none")
             found["velocity-fields"] = assignment
         if state.last_line is not None:
-            rows = (len(scene.interaction.pairs.way) if scene.interaction.pairs else 0) + 2 * len(
-                scene.interaction.rigid_bodies
-            )
+            rows = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
+            rows += 2 * len(scene.interaction.rigid_bodies)
             shape = (len(scene.domain.faces) + len(scene.interaction.loads.constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)
@@ -165,6 +168,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             mine[:] = found[name]
     if rank.free:
         rank.free.states = [FreeState.of(numbers.tolist()) for numbers in found["free-bodies"]]
+    if rank.grips:
+        rank.grips.state[:] = found["grips"]
     if rank.absorbing:
         rank.absorbing.restore(found)
     if "velocity-fields" in found:

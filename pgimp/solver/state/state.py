@@ -206,11 +206,15 @@ def capture(
         more[before : before + len(found)] = found
         return more
 
-    whole = {"layers": by_layer([part[0] for part in parts], layers).astype(np.int64)}
+    whole: dict[str, np.ndarray] = {
+        "layers": by_layer([part[0] for part in parts], layers).astype(np.int64)
+    }
     for i, name in enumerate(own.datasets()):
         whole[name] = by_layer([part[2][i] for part in parts], layers + extra)
     if rank.free:
         whole["free-bodies"] = np.array([state.numbers for state in rank.free.states])
+    if rank.grips:
+        whole["grips"] = rank.grips.state
     if rank.absorbing:
         whole |= rank.absorbing.datasets()
     whole["velocity-fields"] = rank.contact.assignment

@@ -225,7 +225,10 @@ class Books:
                     gained += _kept(values)
             self.created = float(max(0.0, gained.max()) / largest)
         case = self.case
-        free = [name for name, body in case.rigid_bodies.items() if body.free]
+        driven = [
+            b for b in case.rigid_bodies.values() if b.free and (b.free.force or b.free.spring)
+        ]
+        free = [n for n, b in case.rigid_bodies.items() if b.free and b not in driven]
         for name in () if case.gravity else free:
             own, done = every[f"tool.{name}.kinetic-energy"], every[f"tool.{name}.work"]
             most = max(own.max() + np.abs(done).max(), 1e-300)

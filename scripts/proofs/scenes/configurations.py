@@ -183,7 +183,7 @@ def periodic(rng, scene):
         case["contact"] = laws
     case.pop("body_force", None)
     loads = {name: load for name, load in case.pop("tractions", {}).items()
-             if load["face"] not in faces}  # fmt: skip
+             if load.get("face") not in faces}  # fmt: skip
     if loads:
         case["tractions"] = loads
     for body in case["bodies"].values():

@@ -3,6 +3,8 @@
 See `scene_features`.
 """
 
+import math
+
 from proofs.scenes.bodies import ball, box, middle, number, union, vector
 from proofs.scenes.loads import table
 
@@ -57,6 +59,12 @@ def free(rng, scene):
     if rng.random() < 0.3:
         free["fixed"] = [rng.choice(("rotation", "x") if D > 1 else ("x",))]
         velocity[0] *= free["fixed"] != ["x"]
+    mass = free["density"] * math.prod(b - a for a, b in zip(first, last, strict=True))
+    if rng.random() < 0.25:
+        free["force"] = vector(rng, D, 0.05 * mass * scene.speed**2 / max(size))
+    if rng.random() < 0.25:
+        rate = number(rng, 0.05, 0.5) * scene.speed / max(size)
+        free["spring"] = {"stiffness": mass * rate**2, "dashpot": 0.3 * mass * rate}
     entry = {"rigid": free, "region": rng.choice((box, ball, union))(rng, first, last, scene)}
     entry["velocity"] = velocity
     if D > 1 and not free.get("fixed") and rng.random() < 0.4:

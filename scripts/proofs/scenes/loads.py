@@ -1,5 +1,7 @@
 """Features of random scenes that move bodies from outside; see `scene_features`."""
 
+import math
+
 from proofs.scenes.bodies import number, vector
 from proofs.scenes.materials import runs
 
@@ -99,6 +101,17 @@ def damping(rng, scene):
     case["damping"] = {kind: kinds[kind] for kind in chosen}
 
 
+def _on_surface(rng, scene, bodies):
+    """A load on the surface of any body, from its corner to somewhere inside or beyond it."""
+    name = rng.choice([name for name, body in bodies.items() if "points" not in body["region"]]
+                      or [next(iter(bodies))])  # fmt: skip
+    low, high = scene.corners[name]
+    least = [a - (b - a) for a, b in zip(low, high, strict=True)]
+    most = [a + number(rng, 0.6, 2.0) * (b - a) for a, b in zip(low, high, strict=True)]
+    region = {"box": {"min": least, "max": most}}
+    return {"body": name, "region": region, "follower": rng.random() < 0.7}
+
+
 def traction(rng, scene):
     """A pressure or a traction on a face of a body that is a box; the first is made one."""
     bodies = {name: body for name, body in scene.case["bodies"].items() if not runs(scene, name)}
@@ -110,6 +123,8 @@ def traction(rng, scene):
         low, high = scene.corners[boxes[0]]
         bodies[boxes[0]]["region"] = {"box": {"min": low, "max": high}}
     entry = {"body": rng.choice(boxes), "face": rng.choice(scene.faces)}
+    if rng.kind.random() < 0.4:
+        entry = _on_surface(rng, scene, bodies)
     if rng.random() < 0.5:
         entry["pressure"] = table(rng, scene, 5.0) if rng.random() < 0.4 else number(rng, -5, 5)
     else:
@@ -117,7 +132,36 @@ def traction(rng, scene):
         entry["traction"] = (
             table(rng, scene, 5.0, scene.dimension) if varies else vector(rng, scene.dimension, 5.0)
         )
+    if entry.get("follower") is False or "gravity" not in scene.case or rng.random() < 0.7:
+        scene.case["tractions"] = {"load": entry}
+        return
+    if "region" in entry:
+        del entry["pressure" if "pressure" in entry else "traction"]
+        low, high = scene.corners[entry["body"]]
+        entry["hydrostatic"] = {"level": number(rng, min(low), max(high)), "density": 1.0}
     scene.case["tractions"] = {"load": entry}
+
+
+def _forced(rng, scene, entry):
+    """Forces in place of some of a constraint's velocities, with a mass, a spring or a dashpot."""
+    low, high = scene.corners[entry["body"]]
+    size = min(b - a for a, b in zip(low, high, strict=True))
+    volume = math.prod(b - a for a, b in zip(low, high, strict=True))
+    most = 0.02 * volume * scene.speed**2 / size
+    force = components(rng, scene, most)
+    change = {
+        "force": force,
+        "velocity": [
+            None if f is not None else v for f, v in zip(force, entry["velocity"], strict=True)
+        ],
+    }
+    if rng.random() < 0.5:
+        change["mass"] = number(rng, 0.1, 2.0) * volume
+    if rng.random() < 0.5:
+        stiffness = number(rng, 0.0, 2.0) * most / size
+        dashpot = number(rng, 0.1, 2.0) * volume * scene.speed / size
+        change["spring"] = {"stiffness": stiffness, "dashpot": dashpot}
+    return change
 
 
 def constraint(rng, scene):
@@ -135,5 +179,7 @@ def constraint(rng, scene):
         normal = [1.0, *vector(rng, scene.dimension - 1, 1.0)]
         region = {"half-space": {"point": middle, "normal": normal}}
     entry = {"body": body, "region": region, "velocity": velocity}
+    if rng.kind.random() < 0.3 and body not in scene.case.get("inflow", {}):
+        entry |= _forced(rng, scene, entry)
     grips = scene.case.setdefault("constraints", {})
     grips[f"grip{len(grips)}"] = entry

@@ -130,7 +130,7 @@ def _lower(case):
         return None
     found = _flat(case, D) | {"dimensions": D - 1}
     loads = found.get("tractions", {}).items()
-    found["tractions"] = {k: e for k, e in loads if e["face"][0] != "xyz"[D - 1]}
+    found["tractions"] = {k: e for k, e in loads if e.get("face", "zyx"[-D])[0] != "xyz"[D - 1]}
     if D == 2:
         for name, each in found["materials"].items():
             modulus = each.get("young", each.get("bulk", 100.0))  # soils, fluids and gases, too

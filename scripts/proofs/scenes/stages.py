@@ -60,7 +60,8 @@ def settling(rng, scene):
     stage = {"name": "rest", "settle": {"tolerance": number(rng, 0.2, 0.9), "steps": 200}}
     still = {"velocity": [0.0] * scene.dimension}
     if stops := [name for name, entry in held.items() if entry and entry["body"] not in gone]:
-        stage["constraints"] = dict.fromkeys(stops, still)
+        freed = still | {"force": [], "mass": 0.0, "spring": None}
+        stage["constraints"] = {n: freed if held[n].get("force") else still for n in stops}
     if moves := [face for face, kind in walls.items() if kind and "velocity" in kind]:
         stage["boundaries"] = dict.fromkeys(moves, "fixed")
     if "damping" in case and rng.random() < 0.5:
@@ -133,7 +134,11 @@ def walls(rng, scene, now, stage):
 def tractions(rng, scene, now, stage):
     """A traction is another, or ends where there is another."""
     for name, entry in now["tractions"].items():
-        if "pressure" in entry:
+        if "hydrostatic" in entry:
+            stage["tractions"] = {
+                name: {"hydrostatic": {"level": number(rng, 0.0, 5.0), "density": 1.0}}
+            }
+        elif "pressure" in entry:
             stage["tractions"] = {name: {"pressure": number(rng, -5, 5)}}
         else:
             stage["tractions"] = {name: {"traction": vector(rng, scene.dimension, 5.0)}}
@@ -151,6 +156,8 @@ def constraints(rng, scene, now, stage):
         if rng.random() < 0.3:
             velocity[rng.randrange(scene.dimension)] = None
         change = {"velocity": velocity}
+        if entry.get("force"):
+            change |= {"force": [], "mass": 0.0, "spring": None}
         if all(each is None for each in velocity):
             change["velocity"] = [0.0] * scene.dimension
         if len(had) > 1 and rng.random() < 0.5:

@@ -217,15 +217,15 @@ def test_wrong_entries_are_named():
     assert "tractions.t.body" in problems(body="bdy")
     assert "tractions.t.face" in problems(face="z-max")
     assert "tractions.t.face" in problems(face="right")
-    assert "either a traction or a pressure" in problems(traction=[1.0, 0.0])
-    assert "either a traction or a pressure" in problems(pressure=None)
+    assert "one of traction, pressure and hydrostatic" in problems(traction=[1.0, 0.0])
+    assert "one of traction, pressure and hydrostatic" in problems(pressure=None)
     text = problems(pressure=None, traction=[1.0])
     assert "tractions.t.traction" in text and "expected 2 entries" in text
     text = problems(pressure=None, traction={"table": [[0.0, [1.0, 0.0, 0.0]]]})
     assert "tractions.t.traction.table.0.1" in text
     case = block(2, [1.0, 1.0], [3.0, 3.0], {"t": load("x-max", pressure=1.0)})
     case["bodies"]["body"]["region"] = {"ball": {"centre": [4.0, 4.0], "radius": 1.0}}
-    with pytest.raises(Exception, match="is a ball; tractions act on faces of a box"):
+    with pytest.raises(Exception, match="is a ball, which has no such faces"):
         Case.model_validate(case)
 
 

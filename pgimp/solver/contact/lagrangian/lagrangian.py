@@ -68,6 +68,8 @@ class LagrangianContact(NoContact):
         The rigid bodies that move freely, if any.
     """
 
+    bears = True
+
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)
         self.call = Bound()

@@ -34,7 +34,12 @@ def damped():
     )
     case["method"]["affine"] = True
     case["time"]["stages"] = [
-        {"name": "slow", "end": 0.9, "damping": {"mass": 3.0}},
+        {
+            "name": "slow",
+            "end": 0.9,
+            "damping": {"mass": 3.0},
+            "constraints": {"grip": {"velocity": [0.0, None], "force": [None, 5.0]}},
+        },
         {"name": "free", "end": 1.0, "damping": None},
         {"name": "rest", "end": 1.6, "damping": {"kinetic": True}},
     ]
@@ -128,8 +133,22 @@ def settled():
         materials=PAIR,
         gravity=[0.0, -1.0],
         boundaries={"y-min": {"separating": {"friction": 0.3}}},
-        constraints={"grip": held | {"velocity": [{"table": [[0.0, 0.0], [0.5, 2.0]]}, 0.0]}},
-        tractions={"push": load},
+        constraints={
+            "grip": held
+            | {
+                "velocity": [None, 0.0],
+                "force": [{"table": [[0.0, 0.0], [0.5, 9.0]]}, None],
+                "spring": {"stiffness": 20.0},
+            }
+        },
+        tractions={
+            "push": load,
+            "sea": {
+                "body": "left",
+                "region": {"half-space": {"point": [4.0, 0.0], "normal": [1.0, 0.0]}},
+                "hydrostatic": {"level": {"table": [[0.0, 2.0], [0.6, 3.0]]}, "density": 0.8},
+            },
+        },
         damping={"kinetic": True, "local": 0.2},
         start={"settle": {"tolerance": 0.02}},
         output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},

@@ -43,7 +43,7 @@ def plates():
 
 
 def plates_initial():
-    """The same laws in the initial configuration, where two meet; one grips a wall."""
+    """The same laws in the initial configuration, where two meet; one is pulled from a wall."""
     bodies = {
         "flier": box([1.0, 2.0], [4.2, 4.9], [4.0, 0.5], "metal"),
         "held": box([5.0, 0.0], [10.0, 6.0]),
@@ -54,11 +54,17 @@ def plates_initial():
     return _plates(
         bodies,
         boundaries={"y-min": "fixed"},
+        tractions={
+            "wind": {
+                "body": "other", "traction": [0.3, -0.2], "follower": False,
+                "region": {"ball": {"center": [16.8, 2.3], "radius": 1.5}},
+            }
+        },
         contact=[{"bodies": "all", "friction": 0.3}],
         constraints={
             "grip": {
                 "body": "held", "region": {"half-space": {"point": [0, 5.4], "normal": [0, -1]}},
-                "velocity": [None, 0.5],
+                "force": [None, 8.0], "mass": 3.0, "spring": {"stiffness": 5.0, "dashpot": 1.0},
             }
         },
     )  # fmt: skip

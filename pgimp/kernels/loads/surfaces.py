@@ -1,0 +1,248 @@
+"""Loads on any part of a body's surface, carried by the particles near it.
+
+A particle's part of a surface has an area, an area vector and its first moments about the particle,
+all of the initial state; see `pgimp.scene.bodies.surface_elements`. Its centroid moves with the
+particle: x_p + F c in the current configuration. The force is spread there by the vertices'
+tent functions, averaged over a particle's width along the surface. These sum up to one, so that the
+total force is exact.
+"""
+
+from math import sqrt
+
+from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.vectors.lanes import zeros
+from pgimp.jit.vectors.simd import lane, pack, stack
+from pgimp.kernels.data.velocity_fields import field_of
+from pgimp.kernels.loads.tractions import columns, means
+from pgimp.kernels.transfer.first_vertex import (
+    coordinate,
+    deformation,
+    first_vertex,
+    half_widths,
+    is_initial,
+)
+from pgimp.kernels.transfer.gather import gather_products
+from pgimp.kernels.transfer.scatter import Share, scatter_products
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, keep_support
+from pgimp.kernels.transfer.transfer import Support
+
+#: Part of the squared area below which an area vector is that of no direction.
+_NONE = 1e-20
+
+
+@inner_kernel
+def _cofactor(F, N):
+    """J F^-T N: the current area vector by Nanson's formula."""
+    C = columns(F)
+    x, y, z = 0.0, 0.0, 0.0
+    for i in range(3):
+        a, b, n = C[(i + 1) % 3], C[(i + 2) % 3], N[i]
+        x += n * (a[1] * b[2] - a[2] * b[1])
+        y += n * (a[2] * b[0] - a[0] * b[2])
+        z += n * (a[0] * b[1] - a[1] * b[0])
+    return x, y, z
+
+
+@inner_kernel
+def _vector(surface, p, first, D):
+    """Area vector of a part as three numbers."""
+    y = surface[p, first + 2] if D > 1 else 0.0
+    z = surface[p, first + 3] if D > 2 else 0.0
+    return surface[p, first + 1], y, z
+
+
+@inner_kernel
+def _moment(surface, p, first, D, j, d):
+    """First moment along `j` of component `d` of the area vector of a part."""
+    return surface[p, first + 1 + D + D * j + d] if j < D and d < D else 0.0
+
+
+@inner_kernel
+def _centroid(surface, p, first, D, N):
+    """Centroid of a part, from its particle, in the initial state."""
+    square = N[0] * N[0] + N[1] * N[1] + N[2] * N[2]
+    if not square > _NONE * surface[p, first] ** 2:
+        return 0.0, 0.0, 0.0
+    x, y, z = 0.0, 0.0, 0.0
+    for d in range(3):
+        x += _moment(surface, p, first, D, 0, d) * N[d]
+        y += _moment(surface, p, first, D, 1, d) * N[d]
+        z += _moment(surface, p, first, D, 2, d) * N[d]
+    return x / square, y / square, z / square
+
+
+@inner_kernel
+def _position(particles, p, D):
+    """Current position as three numbers."""
+    y = particles.x[p, 1] if D > 1 else 0.0
+    z = particles.x[p, 2] if D > 2 else 0.0
+    return particles.x[p, 0], y, z
+
+
+@inner_kernel
+def _surface_force(load, particles, p, F, D, N, c):
+    """Force on a part: with a pressure that varies in space by its first moments."""
+    surface, first = particles.surface, load.column
+    n, area = N, surface[p, first]
+    C, g = columns(F), load.gradient
+    if load.follows:
+        n = _cofactor(F, N)
+        square = N[0] * N[0] + N[1] * N[1] + N[2] * N[2]
+        if square > _NONE * area * area:
+            area *= sqrt((n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / square)
+    q, t = load.pressure, load.traction
+    if g[0] != 0.0 or g[1] != 0.0 or g[2] != 0.0:
+        at = _position(particles, p, D)
+        q += g[0] * at[0] + g[1] * at[1] + g[2] * at[2]
+        h = (
+            g[0] * C[0][0] + g[1] * C[0][1] + g[2] * C[0][2],
+            g[0] * C[1][0] + g[1] * C[1][1] + g[2] * C[1][2],
+            g[0] * C[2][0] + g[1] * C[2][1] + g[2] * C[2][2],
+        )
+        if not q + h[0] * c[0] + h[1] * c[1] + h[2] * c[2] > 0.0:  # above the level
+            return 0.0, 0.0, 0.0
+        x, y, z = q * N[0], q * N[1], q * N[2]
+        for j in range(3):
+            x += h[j] * _moment(surface, p, first, D, j, 0)
+            y += h[j] * _moment(surface, p, first, D, j, 1)
+            z += h[j] * _moment(surface, p, first, D, j, 2)
+        n, q = _cofactor(F, (x, y, z)), 1.0
+    return t[0] * area - q * n[0], t[1] * area - q * n[1], t[2] * area - q * n[2]
+
+
+def _moved(load, frame, F, c):
+    """Centroid of a part, from its particle, in the configuration of the weights."""
+
+
+@specialise(_moved)
+def _moved_of(load, frame, F, c):
+    if is_initial(frame):
+        return lambda load, frame, F, c: c
+
+    def moved(load, frame, F, c):
+        if not load.stretches:
+            return c
+        C = columns(F)
+        return (
+            C[0][0] * c[0] + C[1][0] * c[1] + C[2][0] * c[2],
+            C[0][1] * c[0] + C[1][1] * c[1] + C[2][1] * c[2],
+            C[0][2] * c[0] + C[1][2] * c[1] + C[2][2] * c[2],
+        )
+
+    return moved
+
+
+@inner_kernel
+def _along(load, frame, x, part, own, d, vertex, like):
+    """Weights of the support's vertices along direction `d`; they stay within the particle.
+
+    `own` is the particle's half-width in cells, about x: beyond it there may be no mass.
+    """
+    c, N = part
+    square = N[0] * N[0] + N[1] * N[1] + N[2] * N[2]
+    across = 1.0 - N[d] * N[d] / square if square > 0.0 else 1.0
+    last = len(like) - 1.0
+    half = load.half[d] * sqrt(max(across, 0.0)) * frame.inverse[d]
+    half = min(half, own, 0.5 * last)
+    at = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+    g = min(max(at + c[d] * frame.inverse[d], at - own + half), at + own - half)
+    return means(False, False, half, min(max(g, half), last - half), like)
+
+
+def _support(load, layout, window, particles, p, layer, part, buffer):
+    """Store the weights of the vertices under a part; returns the first offset."""
+
+
+@specialise(_support)
+def _support_of(load, layout, window, particles, p, layer, part, buffer):
+    D = len(layout[1].types[0])
+    like = (0.0,) * layout[0].instance_class.vertices()
+
+    def support1(load, layout, window, particles, p, layer, part, buffer):
+        shape, frame = layout
+        half, x = half_widths(shape, frame, particles, p), coordinate(frame, particles, p, 0)
+        w = _along(load, frame, x, part, half[0], 0, layer, like)
+        keep_support(buffer, 0, w, w)
+        return 0
+
+    def support2(load, layout, window, particles, p, layer, part, buffer):
+        shape, frame = layout
+        half = half_widths(shape, frame, particles, p)
+        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+        j = first_vertex(frame, 1, half[1], y)
+        w = _along(load, frame, x, part, half[0], 0, layer, like)
+        v = _along(load, frame, y, part, half[1], 1, j, like)
+        keep_support(buffer, 0, w, w)
+        keep_support(buffer, 1, v, v)
+        return (j - window.lower[1]) * window.stride[1]
+
+    def support3(load, layout, window, particles, p, layer, part, buffer):
+        shape, frame = layout
+        half = half_widths(shape, frame, particles, p)
+        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+        j = first_vertex(frame, 1, half[1], y)
+        z = coordinate(frame, particles, p, 2)
+        k = first_vertex(frame, 2, half[2], z)
+        w = _along(load, frame, x, part, half[0], 0, layer, like)
+        v = _along(load, frame, y, part, half[1], 1, j, like)
+        u = _along(load, frame, z, part, half[2], 2, k, like)
+        keep_support(buffer, 0, w, w)
+        keep_support(buffer, 1, v, v)
+        keep_support(buffer, 2, u, u)
+        return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
+
+    return (support1, support2, support3)[D - 1]
+
+
+@inner_kernel
+def _part(load, frame, particles, p):
+    """Force on a particle's part of a surface, and (centroid, area vector) for its weights."""
+    D = len(frame.origin)
+    F = deformation(frame, particles, p)
+    N = _vector(particles.surface, p, load.column, D)
+    c = _centroid(particles.surface, p, load.column, D, N)
+    f = _surface_force(load, particles, p, F, D, N, c)
+    return f, (_moved(load, frame, F, c), N)
+
+
+@inner_kernel
+def scatter_surfaces(loads, setting, field, particles, rows, span, layer):
+    """Add the forces on a layer's parts of surfaces, in canonical order, to its own planes.
+
+    For the arguments see `pgimp.kernels.loads.tractions.scatter_tractions`.
+    """
+    shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
+    buffer = stack(SUPPORT_SIZE)
+    zero = pack(0.0, 0.0, 0.0, 0.0)
+    nothing = zeros(frame.origin)
+    for k in range(span[0], span[1]):
+        p = rows[k]
+        for t in range(len(loads)):
+            if particles.surface[p, loads[t].column] == 0.0:
+                continue
+            f, part = _part(loads[t], frame, particles, p)
+            offset = _support(loads[t], (shape, frame), window, particles, p, layer, part, buffer)
+            offset += field_of(window, particles, p)
+            share = Share(zero, pack(0.0, f[0], f[1], f[2]), nothing, (), (), ())
+            scatter_products(shape, scratch, Support(buffer, 0), offset, window.stride, share)
+
+
+@inner_kernel
+def surface_power(loads, setting, field, particles, rows, span, layer):
+    """Power of the loads on a layer's parts of surfaces, as of tractions."""
+    shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
+    start = (layer - window.lower[0]) * window.stride[0]
+    buffer = stack(SUPPORT_SIZE)
+    power = 0.0
+    for k in range(span[0], span[1]):
+        p = rows[k]
+        for t in range(len(loads)):
+            if particles.surface[p, loads[t].column] == 0.0:
+                continue
+            f, part = _part(loads[t], frame, particles, p)
+            offset = _support(loads[t], (shape, frame), window, particles, p, layer, part, buffer)
+            offset += field_of(window, particles, p)
+            support, at = Support(buffer, 0), start + offset
+            U = gather_products(shape, G, support, at, window.stride, frame.origin, (), ())[0]
+            power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
+    return power

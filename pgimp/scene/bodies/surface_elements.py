@@ -1,0 +1,311 @@
+"""Elements of a body's surface in the boxes of the lattice, and the particles that carry them.
+
+By the divergence theorem the area vector of the surface in a box is what the areas inside on the
+box's faces lack of a closed surface. Its first moments follow from the volume inside and from the
+moments of these areas. So all elements together close exactly, whatever the region. Elements are of
+parts of lattice boxes, so that a load may begin and end within a box.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.geometry.measure import measure
+from pgimp.geometry.regions.base import Region
+from pgimp.scene.bodies.lattice_body import LatticeBody
+
+Reals = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+#: Faces of the lattice, by axis and side.
+Closed = Sequence[tuple[int, int]]
+
+#: Parts of a box along each direction, by the dimensions.
+_PARTS = (1, 4, 2)
+
+#: Thickness of the slabs by which areas are measured, and least area, over those of a part.
+_THIN, _LEAST = 1e-4, 1e-9
+
+#: Boxes from an element to the particle that carries it, at most.
+_AWAY = 2
+
+#: Boxes whose distances are found at once.
+_BLOCK = 200_000
+
+
+class Elements(NamedTuple):
+    """Elements of a surface.
+
+    Attributes
+    ----------
+    box : (n, D) int64
+        The lattice boxes that they lie in, ascending.
+    centre : (n, D) float64
+        Points to which moments refer.
+    area : (n, D) float64
+        Area vectors, out of the body.
+    moment : (n, D, D) float64
+        Integrals of the position from `centre`, along the second index, times the normal.
+    """
+
+    box: Indices
+    centre: Reals
+    area: Reals
+    moment: Reals
+
+    @property
+    def centroid(self) -> Reals:
+        """Positions of the elements."""
+        found, D = self.centre.copy(), self.centre.shape[1]
+        square = sum(self.area[:, d] ** 2 for d in range(D))
+        for j in range(D):
+            away = sum(self.moment[:, j, d] * self.area[:, d] for d in range(D))
+            found[:, j] += np.divide(away, square, out=np.zeros(len(found)), where=square > 0.0)
+        return found
+
+    def chosen(self, rows: NDArray[Any]) -> Elements:
+        """Some of them, by a mask or in an order."""
+        return Elements(self.box[rows], self.centre[rows], self.area[rows], self.moment[rows])
+
+
+def _edge(edges: Reals, i: Indices) -> Reals:
+    """Coordinates of edges of boxes, also beyond the lattice."""
+    last = len(edges) - 1
+    inside = edges[np.clip(i, 0, last)]
+    low, high = edges[1] - edges[0], edges[-1] - edges[-2]
+    return inside + np.minimum(i, 0) * low + np.maximum(i - last, 0) * high
+
+
+def find_elements(
+    body: LatticeBody, within: Region, planes: tuple[int, int], closed: Closed = ()
+) -> Elements:
+    """Find the elements of a body's surface within a region, in a range of lattice planes.
+
+    Parameters
+    ----------
+    body : LatticeBody
+        The body; its boxes are whole where surfaces do not cut them.
+    within : Region
+        Elements with their centroid in here count.
+    planes : (int, int)
+        First plane and end; elements there, and up to a box beyond the lattice, are found.
+    closed : sequence of (axis, side)
+        Faces of the lattice, low (-1) or high (1), behind which bodies go on: none is on these.
+    """
+    ranges = []
+    least, most = within.bounds()
+    for d, (e, (begin, end)) in enumerate(zip(body.edges, body.box, strict=True)):
+        low = max(begin - 1, int(np.floor((max(least[d], -1e300) - e[0]) / body.size[d])) - 1, -1)
+        high = (min(most[d], 1e300) - e[0]) / body.size[d]
+        high = min(end + 1, int(np.ceil(min(high, 2.0**60))) + 1, len(e))
+        if d == 0:
+            low, high = max(low, planes[0]), min(high, planes[1])
+        ranges.append(np.arange(low, max(low, high)))
+        if (d, -1) in closed:
+            ranges[d] = ranges[d][ranges[d] >= 0]
+        if (d, 1) in closed:
+            ranges[d] = ranges[d][ranges[d] < len(e) - 1]
+    find = _cut_elements if body.cut else _whole_elements
+    found = find(body, ranges, closed)
+    return found.chosen(within.contains(found.centroid)) if len(found.box) else found
+
+
+def _products(axes: Sequence[Indices]) -> Indices:
+    """All combinations of numbers, in C order, (n, D)."""
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+
+
+def _near(body: LatticeBody, low: Reals, high: Reals) -> NDArray[np.bool_]:
+    """Mask of the boxes that the surface may meet."""
+    found = np.empty(len(low), bool)
+    for begin in range(0, len(low), _BLOCK):
+        few = slice(begin, begin + _BLOCK)
+        square = np.zeros(len(low[few]))
+        for d in range(low.shape[1]):
+            square += (high[few, d] - low[few, d]) ** 2
+        away = np.abs(body.region.distance(0.5 * (low[few] + high[few])))
+        found[few] = away <= 0.5 * np.sqrt(square) * (1.0 + 1e-6)
+    return found
+
+
+def _cut_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) -> Elements:
+    """Elements of a surface that cuts boxes."""
+    D, boxes = len(ranges), []
+    for plane in ranges[0]:
+        some = _products([np.array([plane]), *ranges[1:]])
+        ends = (np.stack([_edge(e, some[:, d] + k) for d, e in enumerate(body.edges)], axis=1)
+                for k in (0, 1))  # fmt: skip
+        boxes.append(some[_near(body, *ends)] if len(some) else some)
+    box = np.concatenate(boxes) if boxes else np.zeros((0, D), np.int64)
+    parts = _PARTS[D - 1]
+    each = _products([np.arange(parts)] * D)
+    part = np.tile(each, (len(box), 1))
+    box = np.repeat(box, len(each), axis=0)
+    low, high = np.empty(box.shape), np.empty(box.shape)
+    for d, e in enumerate(body.edges):
+        a, b = _edge(e, box[:, d]), _edge(e, box[:, d] + 1)
+        low[:, d] = a + part[:, d] / parts * (b - a)
+        high[:, d] = a + (part[:, d] + 1) / parts * (b - a)
+    near = _near(body, low, high) if len(low) else np.zeros(0, bool)
+    box, low, high = box[near], low[near], high[near]
+    n, size = len(box), high - low
+    area, moment = np.zeros((n, D)), np.zeros((n, D, D))
+    volume = measure(body.region, low, high)[0]
+    for d in range(D):
+        moment[:, d, d] += volume
+        for side, at in ((-1.0, low), (1.0, high)):
+            a, b, half = low.copy(), high.copy(), 0.5 * _THIN * size[:, d]
+            a[:, d], b[:, d] = at[:, d] - half, at[:, d] + half
+            if (d, int(side)) in closed:
+                end = body.edges[d][0 if side < 0.0 else -1]
+                if side < 0.0:
+                    a[:, d] = np.maximum(a[:, d], end)
+                else:
+                    b[:, d] = np.minimum(b[:, d], end)
+            inside, first = measure(body.region, a, b)
+            thickness = b[:, d] - a[:, d]
+            face = inside / thickness
+            area[:, d] -= side * face
+            for j in range(D):
+                arm = side * 0.5 * size[:, d] * face if j == d else first[:, j] / thickness
+                moment[:, j, d] -= side * arm
+    there = np.zeros(n, bool)
+    for d in range(D):
+        full = np.ones(n)
+        for j in range(D):
+            full *= size[:, j] if j != d else 1.0
+        there |= np.abs(area[:, d]) > _LEAST * full
+    return Elements(box, 0.5 * (low + high), area, moment).chosen(there)
+
+
+def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) -> Elements:
+    """Faces between boxes with a particle and without one."""
+    D = len(ranges)
+    wide = [np.arange(r[0] - 1, r[-1] + 2) if len(r) else r for r in ranges]
+    exists = _exists(body, wide)
+    for d, side in closed:
+        beyond = -1 if side < 0 else len(body.edges[d]) - 1
+        along = np.moveaxis(exists, d, 0)
+        if len(wide[d]) and beyond in wide[d] and beyond - side in wide[d]:
+            along[beyond - wide[d][0]] = along[beyond - side - wide[d][0]]
+    every, offsets = [], [np.zeros((0, D), np.int64)]
+    for d in range(D):
+        for side in (-1, 1):
+            inner = tuple(slice(1, -1) for _ in range(D))
+            other = tuple(slice(1 + side * (j == d), exists.shape[j] - 1 + side * (j == d))
+                          for j in range(D))  # fmt: skip
+            box = np.argwhere(exists[inner] & ~exists[other])
+            offsets.append(box + [r[0] if len(r) else 0 for r in ranges])
+            every.append((d, side))
+    parts = []
+    for (d, side), box in zip(every, offsets[1:], strict=True):
+        low, high = (
+            np.stack([_edge(e, box[:, j] + k) for j, e in enumerate(body.edges)], axis=1)
+            for k in (0, 1)
+        )
+        area, size = np.zeros(low.shape), high - low
+        area[:, d] = side
+        for j in range(D):
+            area[:, d] *= size[:, j] if j != d else 1.0
+        centre = 0.5 * (low + high)
+        centre[:, d] = (low, high)[side > 0][:, d]
+        parts.append(Elements(box, centre, area, np.zeros((len(box), D, D))))
+    found = Elements(*map(np.concatenate, zip(*parts, strict=True)))
+    return found.chosen(np.lexsort(found.box.T[::-1]))
+
+
+def _exists(body: LatticeBody, ranges: Sequence[Indices]) -> NDArray[np.bool_]:
+    """Mask of the boxes with a particle; none is beyond the lattice."""
+    found = np.zeros([len(r) for r in ranges], bool)
+    if not found.size:
+        return found
+    first = [int(r[0]) for r in ranges]
+    for volumes in body.slabs((max(first[0], 0), max(int(ranges[0][-1]) + 1, 0))):
+        shape = tuple(end - begin for begin, end in volumes.ranges)
+        cut, place = [], []
+        for (begin, end), a, r in zip(volumes.ranges, first, ranges, strict=True):
+            low, high = max(begin, a), min(end, a + len(r))
+            cut.append(slice(low - begin, max(low, high) - begin))
+            place.append(slice(low - a, max(low, high) - a))
+        found[tuple(place)] = volumes.exists.reshape(shape)[tuple(cut)]
+    return found
+
+
+def carriers(body: LatticeBody, elements: Elements, planes: tuple[int, int]) -> Indices:
+    """Boxes of the particles that carry elements: their own, or the nearest with a particle.
+
+    Those without any within `_AWAY` boxes get -2.
+    """
+    D = len(body.edges)
+    box = elements.box.copy()
+    if not len(box):
+        return box
+    ranges = [np.arange(box[:, d].min() - _AWAY, box[:, d].max() + _AWAY + 1) for d in range(D)]
+    first = np.array([r[0] for r in ranges])
+    exists = _exists(body, ranges)
+    lacking = np.flatnonzero(~exists[tuple((box - first).T)])
+    steps = _products([np.arange(-_AWAY, _AWAY + 1)] * D)
+    centroid = elements.centroid
+    for row in lacking:
+        near = box[row] + steps
+        near = near[exists[tuple((near - first).T)]]
+        away = np.zeros(len(near))
+        for d, e in enumerate(body.edges):
+            middle = 0.5 * (_edge(e, near[:, d]) + _edge(e, near[:, d] + 1))
+            away += ((middle - centroid[row, d]) / body.size[d]) ** 2
+        box[row] = near[np.argmin(np.round(away, 9))] if len(near) else -2
+    return box
+
+
+def parts_of(
+    body: LatticeBody,
+    within: Region,
+    x: Reals,
+    planes: tuple[int, int],
+    ring: bool,
+    closed: Closed = (),
+) -> Reals:
+    """Parts of a surface that particles carry: area, area vector, first moments, (n, width).
+
+    Parameters
+    ----------
+    body, within
+        As in `find_elements`.
+    x : (n, D) float64
+        Positions of the body's particles in these planes, in the order of the lattice.
+    planes : (int, int)
+        First plane and end.
+    ring : bool
+        Whether boxes stand for rings about the axis x = 0.
+    closed
+        As in `find_elements`.
+    """
+    n, D = x.shape
+    found = np.zeros((n, 1 + D + D * D))
+    if not n:
+        return found
+    elements = find_elements(body, within, (planes[0] - _AWAY, planes[1] + _AWAY), closed)
+    goes = carriers(body, elements, planes)
+    shape = tuple(len(e) + 2 for e in body.edges)
+    own = np.stack([np.searchsorted(e, x[:, d]) - 1 for d, e in enumerate(body.edges)], axis=1)
+    numbers = np.ravel_multi_index(tuple((own + 2).T), shape)
+    target = np.ravel_multi_index(tuple((goes + 2).T), shape) if len(goes) else np.zeros(0, int)
+    row = np.minimum(np.searchsorted(numbers, target), n - 1)
+    mine = numbers[row] == target
+    elements, row = elements.chosen(mine), row[mine]
+    factor = np.ones(len(row))
+    if ring:
+        factor = 2.0 * np.pi * np.maximum(elements.centroid[:, 0], 0.0)
+    square = sum(elements.area[:, d] ** 2 for d in range(D))
+    np.add.at(found[:, 0], row, factor * np.sqrt(square))
+    for d in range(D):
+        np.add.at(found[:, 1 + d], row, factor * elements.area[:, d])
+        for j in range(D):
+            arm = elements.centre[:, j] - x[row, j]
+            moment = elements.moment[:, j, d] + arm * elements.area[:, d]
+            np.add.at(found[:, 1 + D + D * j + d], row, factor * moment)
+    return found

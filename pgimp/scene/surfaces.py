@@ -1,0 +1,91 @@
+"""Loads of a case on parts of its bodies' surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Mapping
+
+import numpy as np
+
+from pgimp.case.locations import located
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError
+from pgimp.kernels.data.particles import Particles
+from pgimp.mpi.communicator import Communicator
+from pgimp.physics.loads.surfaces import SurfaceLoad, surface_width
+from pgimp.schema.tables import VectorFunction
+from pgimp.schema.time_functions import TimeFunction
+
+
+class SurfaceLoads:
+    """Tractions, pressures and pressures of liquids on the surface in a region.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    follows : dict of str to bool
+        Whether the size of each body's particles follows the deformation.
+
+    Attributes
+    ----------
+    entries : dict of str to TractionEntry
+        Their entries by name, in the order of their columns.
+    width : int
+        Numbers of a particle's part of a surface.
+    """
+
+    def __init__(self, case: Case, follows: Mapping[str, bool]) -> None:
+        self.follows = follows
+        self.case, self.width = case, surface_width(case.dimensions)
+        self.entries = {
+            name: entry for name, entry in case.tractions.items() if entry.region is not None
+        }
+
+    @property
+    def closed(self) -> list[tuple[int, int]]:
+        """Axis and side of the domain's faces with a condition, which hold what lies on them."""
+        return [("xyz".index(face[0]), -1 if face.endswith("min") else 1)
+                for face in self.case.boundaries]  # fmt: skip
+
+    @property
+    def varies(self) -> bool:
+        """Whether the pressure of a liquid varies in time."""
+        liquids = [entry.hydrostatic for entry in self.entries.values() if entry.hydrostatic]
+        levels = any(isinstance(liquid.level, TimeFunction) for liquid in liquids)
+        return levels or (bool(liquids) and isinstance(self.case.gravity, VectorFunction))
+
+    def at(self, t: float) -> tuple[SurfaceLoad, ...]:
+        """Parameters of the kernels at time `t`."""
+        case, gravity = self.case, self.case.gravity
+        pull = gravity.value(t) if isinstance(gravity, VectorFunction) else gravity or ()
+        each = zip(case.grid.cell, case.method.particles_per_cell, strict=True)
+        part = 0.0 if case.method.chi == "point" else 0.5
+        half = tuple(float(part * h / n) for h, n in each)
+        return tuple(
+            entry.surface_load(k * self.width, half, bool(self.follows.get(entry.body)), pull, t)
+            for k, entry in enumerate(self.entries.values())
+        )
+
+    def require(
+        self, p: Particles, n: int, comm: Communicator, bodies: Container[str] | None = None
+    ) -> None:
+        """Refuse loads on regions that touch no surface of their body; collective.
+
+        The particles are the first `n`, of `bodies`, by default all that are there.
+
+        Raises
+        ------
+        CaseError
+            On every rank, if there is one.
+        """
+        if not self.entries:
+            return
+        loaded = np.any(comm.allgather((p.surface[:n, :: self.width] > 0.0).any(axis=0)), axis=0)
+        for (name, entry), there in zip(self.entries.items(), loaded, strict=True):
+            awaited = entry.body in self.case.staged.awaited
+            if not there and not awaited and (bodies is None or entry.body in bodies):
+                with located(self.case):
+                    raise CaseError(
+                        f"tractions.{name}.region: touches no surface of '{entry.body}'; let it "
+                        "reach across the surface, to both sides"
+                    )

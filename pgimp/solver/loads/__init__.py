@@ -1,0 +1,1 @@
+"""Grips that given forces move."""

@@ -1,0 +1,37 @@
+"""Measures loads on surfaces; see scripts/loads."""
+
+from studies.harness import options_of, origin, table
+from studies.loads import sea, tube
+
+#: Pressures over Young's modulus: small strain, and a bore that grows by half.
+SMALL, LARGE = 1e-4, 0.15
+
+
+def tubes(pressure, exact):
+    """Rows of a tube under a pressure, by configuration and cells."""
+    rows = []
+    for configuration in ("initial", "current"):
+        for cells in (8, 16):
+            found = tube.blown(cells, configuration, pressure, exact)
+            rows.append([f"`{configuration}`, {cells} cells a radius", *found])
+    return rows
+
+
+def main():
+    """Measure what is asked for, and print its tables."""
+    what = {"nargs": "*", "among": ("bore", "blown", "sea"), "metavar": "WHAT"}
+    options = options_of("loads", what=what)
+    chosen = options.what or what["among"]
+    measured = f"Measured by `scripts/loads` on one core of {origin()}."
+    titles = ["tube", "displacement at the bore", "everywhere, root mean square", "steps", "time"]
+    if "bore" in chosen:
+        print(table(titles, tubes(SMALL, tube.lame(SMALL)), measured))
+    if "blown" in chosen:
+        print(table(titles, tubes(LARGE, tube.shot(LARGE)), measured))
+    if "sea" in chosen:
+        rows = [[name, f"{sea.error(*entry):.0e}"] for name, entry in sea.BODIES.items()]
+        print(table(["body under water", "error of the force"], rows, measured))
+
+
+if __name__ == "__main__":
+    main()

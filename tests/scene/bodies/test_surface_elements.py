@@ -1,0 +1,58 @@
+"""Elements of surfaces: they close, have the area, and do not depend on the range of planes."""
+
+import numpy as np
+import pytest
+
+from pgimp.geometry.regions import Ball, Box
+from pgimp.scene.bodies.lattice_body import LatticeBody
+from pgimp.scene.bodies.surface_elements import find_elements, parts_of
+
+EVERYWHERE = {D: Box(min=[-99.0] * D, max=[99.0] * D) for D in (2, 3)}
+
+
+def body(region, D, cut=True):
+    """A body on a lattice of boxes of half a unit."""
+    edges = [np.arange(17) * 0.5] * D
+    return LatticeBody(region, edges, [e[:-1] + 0.25 for e in edges], cut)
+
+
+def positions(lattice):
+    """Positions and volumes of the particles."""
+    found = [(lattice.points(v.ranges, i), v.fraction(i)) for v in lattice.slabs((0, 16))
+             for i in [np.flatnonzero(v.exists)]]  # fmt: skip
+    x, part = (np.concatenate(each) for each in zip(*found, strict=True))
+    return x, part * 0.5 ** x.shape[1]
+
+
+@pytest.mark.parametrize("cut", [True, False])
+@pytest.mark.parametrize("D", [2, 3])
+@pytest.mark.parametrize("kind", ["ball", "box"])
+def test_elements_close_and_have_the_volume(kind, D, cut):
+    ball = Ball(center=[4.1, 4.2, 3.9][:D], radius=2.53)
+    lattice = body(ball if kind == "ball" else Box(min=[0.0] * D, max=[6.13] * D), D, cut)
+    x, volume = positions(lattice)
+    parts = parts_of(lattice, EVERYWHERE[D], x, (0, 16), False)
+    N, M = parts[:, 1 : 1 + D], parts[:, 1 + D :].reshape(-1, D, D)
+    np.testing.assert_allclose(N.sum(axis=0), 0.0, atol=1e-9)
+    moments = (M + x[:, :, None] * N[:, None, :]).sum(axis=0)
+    np.testing.assert_allclose(moments, np.eye(D) * volume.sum(), atol=1e-5 * volume.sum())
+    if kind == "ball" and cut:
+        exact = (2.0 * np.pi * 2.53, 4.0 * np.pi * 2.53**2)[D - 2]
+        assert parts[:, 0].sum() == pytest.approx(exact, rel=2e-2)
+
+
+def test_ranges_of_planes_give_the_same_bits():
+    lattice = body(Ball(center=[4.1, 4.2], radius=2.53), 2)
+    x, _ = positions(lattice)
+    whole = parts_of(lattice, EVERYWHERE[2], x, (0, 16), False)
+    for planes in ((0, 5), (5, 8), (8, 16)):
+        mine = (x[:, 0] >= 0.5 * planes[0]) & (x[:, 0] < 0.5 * planes[1])
+        np.testing.assert_array_equal(
+            parts_of(lattice, EVERYWHERE[2], x[mine], planes, False), whole[mine]
+        )
+
+
+def test_faces_that_hold_have_no_surface():
+    lattice = body(Box(min=[0.0, 0.0], max=[6.0, 6.0]), 2)
+    found = find_elements(lattice, EVERYWHERE[2], (-2, 18), [(0, -1), (1, -1)])
+    np.testing.assert_allclose(found.area.sum(axis=0), [6.0, 6.0], atol=1e-9)
