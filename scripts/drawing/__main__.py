@@ -18,6 +18,16 @@ from flowing import (
     slope,
     sod,
 )
+from hard import (
+    fluid_dam_break,
+    hard_bending,
+    hard_column,
+    hard_grazing,
+    hard_shock,
+    hard_spinning,
+    hard_translation,
+    nut,
+)
 from looking import block3d, block3d_initial, block3d_paraview
 from meeting import corner, drum, hertz, hertz_line
 from metal import plate_impact, taylor_bar, thick_tube
@@ -31,7 +41,8 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
     taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, plane_waves, sod,
      channel, sand_column, slope, graded, excavation, safety, footing, dam_break, jet, gate, blast,
-    error_and_cost,
+    nut, fluid_dam_break, hard_translation, hard_column, hard_shock, hard_spinning, hard_bending,
+    hard_grazing, error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")
 parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))

@@ -29,11 +29,11 @@ BLUE, RED, GREEN, ORANGE, GREY = style.BLUE, style.RED, style.GREEN, style.ORANG
 plt.rcParams.update(style.STYLE)
 
 
-def run(case, redraw, name=None, overrides=(), ranks=2):
-    """Run cases/CASE.yaml, unless it is only to be drawn again."""
+def run(case, redraw, name=None, overrides=(), ranks=2, words=()):
+    """Run cases/CASE.yaml, unless it is only to be drawn again; `words` are further options."""
     directory = RUNS / f"{name or case}.out"
     if not (redraw and directory.exists()):
-        words = [ROOT / "scripts/run", ROOT / f"cases/{case}.yaml", "-n", str(ranks)]
+        words = [ROOT / "scripts/run", ROOT / f"cases/{case}.yaml", "-n", str(ranks), *words]
         words += ["-o", directory, "--overwrite"]
         for override in overrides:
             words += ["--set", override]

@@ -1,0 +1,18 @@
+"""The trade of each case: the sections of the gallery, and the order within them."""
+
+TRADES = {
+    "Solids and impact": (
+        "block3d", "disks", "rolling", "rolling-ball", "incline", "upsetting", "pile", "hertz",
+        "hertz-line", "corner", "bar-vibration", "tube", "shock", "geometry/nut",
+    ),
+    "Metals": ("taylor-bar", "taylor-axisymmetric", "plate-impact", "thick-tube"),
+    "Soils": ("excavation", "slope", "safety", "footing", "sand-column", "graded"),
+    "Fluids and grains": (
+        "dam-break", "gate", "jet", "channel", "blast", "sod", "drum", "fluid/dam-break",
+    ),
+    "Methods": (
+        "compaction", "vortex", "spinning-block", "plane-waves", "hard/translation",
+        "hard/column", "hard/shock", "hard/spinning", "hard/stretch", "hard/bending",
+        "hard/grazing", "hard/blocks",
+    ),
+}  # fmt: skip
