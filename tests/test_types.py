@@ -3,10 +3,7 @@
 import sys
 from pathlib import Path
 
-import pytest
 from processes import run
-
-pytestmark = pytest.mark.slow(15)
 
 #: mypy's memory of what has not changed; another one than that of the package's own options.
 CACHE = Path(__file__).resolve().parents[1] / ".mypy_cache" / "strict"

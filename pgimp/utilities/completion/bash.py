@@ -47,7 +47,7 @@ _pgimp_offer() { # words WORD... | files SUFFIX... | folders MARK... | any
     COMPREPLY+=("${found[@]}")
 }
 _pgimp() {
-    local command=run current wanted= place=0 glue=false word
+    local command=run current wanted="" place=0 glue=false word
     local -a words=()
     COMPREPLY=()
     # Readline has broken words at = and :, of which only that after an option ends one.
@@ -69,7 +69,7 @@ _pgimp() {
     fi
     for word in "${words[@]}"; do
         if [[ -n $wanted ]]; then
-            wanted=
+            wanted=""
         elif [[ $word == -* ]]; then
             ! _pgimp_takes "$command" "$word" >/dev/null || wanted=$word
         else

@@ -10,8 +10,6 @@ from pgimp.commands import COMMANDS
 from pgimp.commands.init import packaged
 from pgimp.utilities.element.paths import PATHS
 
-pytestmark = pytest.mark.slow(25)
-
 SHELLS = ("bash", "zsh", "fish")
 FOLDERS = {"block.out", "results", "sweep.study.out"}
 #: Lines, and what the word at their end may be.
