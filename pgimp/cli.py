@@ -41,7 +41,7 @@ _PARALLEL = ("run", "bench")
 _IMPORTING = ("run", "check", "study", "batch", "schema", "element", "report")
 
 COMMAND_LIST = "commands:\n" + "\n".join(
-    f"  {name:<9} {summary}" for name, summary in COMMANDS.items()
+    f"  {name:<10} {summary}" for name, summary in COMMANDS.items()
 )
 OVERVIEW = f"""\
 usage: pgimp CASE.yaml [options]               run a case on one rank
@@ -172,6 +172,8 @@ def parser_of(name: str) -> Parser:
             allow_abbrev=False,
         )
     importlib.import_module(f"pgimp.commands.{name}").add_arguments(parser)
+    if name == "completion":
+        parser.set_defaults(parser_of=parser_of)  # commands know no command line but their own
     if name in _IMPORTING:
         parser.add_argument(
             "--import",

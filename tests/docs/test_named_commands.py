@@ -22,8 +22,8 @@ COMMAND = re.compile(BEFORE.pattern + r"(?P<command>(pgimp|scripts/[\w./-]+)( .*
 #: Files that readers have, or get by what the pages tell them.
 THEIRS = ("case.yaml", "my-case.yaml", "mine.yaml")
 PLACEHOLDER = re.compile(r"\[?[A-Z]+\d?(\.yaml|\.py|\.out)?(\.\.\.)?\]?")
-#: Options of mpirun, pytest and Slurm.
-FOREIGN = {"--mpi", "--hypothesis-profile", "--mem", "--signal"}
+#: Options of mpirun, pytest, Slurm and EasyBuild.
+FOREIGN = {"--mpi", "--hypothesis-profile", "--mem", "--signal", "--robot", "--sourcepath"}
 
 
 def spans(text):

@@ -75,6 +75,8 @@ PROGRAMS = {
     "slurmd": ["slurmd"],
     "slurm-client": ["sbatch"],
     "valgrind": ["valgrind"],
+    "zsh": ["zsh"],
+    "fish": ["fish"],
 }
 
 

@@ -1,0 +1,1 @@
+"""``pgimp completion``: the command line, read from its parsers, as scripts of shells."""
