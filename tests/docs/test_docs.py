@@ -55,9 +55,9 @@ def test_the_first_page_shows_every_case(site):
     assert "gallery -->" not in first
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")
 def test_pages_are_read_from_the_disk(site, tmp_path):
     """Without a server: nothing is lost or too wide, and what is typed into the box is found."""
+    assert CHROMIUM, "chromium is not installed: apt-get install chromium"
     browser = Browser(tmp_path)
     try:
         for name in ("index", "cases/excavation", "materials"):

@@ -77,6 +77,7 @@ PROGRAMS = {
     "valgrind": ["valgrind"],
     "zsh": ["zsh"],
     "fish": ["fish"],
+    "chromium": ["chromium"],
 }
 
 
