@@ -87,7 +87,7 @@ def runs(tmp_path_factory, mpirun, python):
                 go_back(results[start] / path.stem, RESUMED[start])
         words = [PROGRAMS / "rank_probe.py", "runs", results[start], *some]
         env = TCP if ranks == 4 else None
-        job = python(words, 900) if ranks == 1 else mpirun(ranks, words, 900, env=env)
+        job = python(words, 2400) if ranks == 1 else mpirun(ranks, words, 2400, env=env)
         assert job.returncode == 0, job.stderr
     return results
 
