@@ -28,7 +28,7 @@ FILLED_BY = {
         r"frames/particles-\d{6}\.h5",
     ),
     "checkpoints": (
-        "output={every: {steps: 30}, at: []}",
+        "output={every: {steps: 60}, at: []}",
         "checkpoint={every: {steps: 1}, keep: 1000}",
         "time.end=0.6",
         r"checkpoints/step-\d{9}\.h5",

@@ -63,7 +63,7 @@ def test_taichi_is_imported_only_where_it_runs(python):
 
 
 def test_messages_are_counted_exactly(tmp_path, mpirun):
-    from messages import counting
+    from workers.messages import counting
 
     env = counting(tmp_path) | {"PYTHONPATH": str(BENCHMARKS)}
     done = mpirun(2, [PROGRAMS / "message_probe.py"], env=env)

@@ -105,7 +105,7 @@ def test_a_material_from_outside_gives_the_bits_of_the_same_one_inside(rubber):
     for path in paths:
         with h5py.File(path) as own, h5py.File(rubber / "outside/frames" / path.name) as other:
             assert set(own) == set(other)
-            for name in own:
+            for name in set(own) - {"VTKHDF"}:  # links to these
                 assert np.array_equal(own[name][()], other[name][()]), name
     assert np.abs(h5py.File(paths[-1])["stress"][()]).max() > 1.0
     known = pgimp.open(rubber / "outside").info["materials"]

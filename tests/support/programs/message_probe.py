@@ -7,7 +7,7 @@ reductions of 24 bytes.
 import json
 
 import numpy as np
-from messages import sent
+from workers.messages import sent
 from mpi4py import MPI
 
 comm = MPI.COMM_WORLD
