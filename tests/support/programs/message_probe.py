@@ -7,8 +7,8 @@ reductions of 24 bytes.
 import json
 
 import numpy as np
-from workers.messages import sent
 from mpi4py import MPI
+from workers.messages import sent
 
 comm = MPI.COMM_WORLD
 other = 1 - comm.rank
