@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
+#: Most quantities that a line names.
+_NAMED = 3
+
 
 class Rule(NamedTuple):
     """An indicator's quantity and its bound.
@@ -171,7 +174,3 @@ def line(found: list[Indicator]) -> str:
     shown = "; ".join(one.text for one in named[:_NAMED])
     more = f"; and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
     return f"{shown}{more}: docs/{named[0].rule.page}"
-
-
-#: Most quantities that a line names.
-_NAMED = 3

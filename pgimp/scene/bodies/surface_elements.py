@@ -9,17 +9,14 @@ parts of lattice boxes, so that a load may begin and end within a box.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.geometry.measure import measure
 from pgimp.geometry.regions.base import Region
+from pgimp.scene.bodies.elements import Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
-
-Reals = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 #: Faces of the lattice, by axis and side.
 Closed = Sequence[tuple[int, int]]
@@ -35,41 +32,6 @@ _AWAY = 2
 
 #: Boxes whose distances are found at once.
 _BLOCK = 200_000
-
-
-class Elements(NamedTuple):
-    """Elements of a surface.
-
-    Attributes
-    ----------
-    box : (n, D) int64
-        The lattice boxes that they lie in, ascending.
-    centre : (n, D) float64
-        Points to which moments refer.
-    area : (n, D) float64
-        Area vectors, out of the body.
-    moment : (n, D, D) float64
-        Integrals of the position from `centre`, along the second index, times the normal.
-    """
-
-    box: Indices
-    centre: Reals
-    area: Reals
-    moment: Reals
-
-    @property
-    def centroid(self) -> Reals:
-        """Positions of the elements."""
-        found, D = self.centre.copy(), self.centre.shape[1]
-        square = sum(self.area[:, d] ** 2 for d in range(D))
-        for j in range(D):
-            away = sum(self.moment[:, j, d] * self.area[:, d] for d in range(D))
-            found[:, j] += np.divide(away, square, out=np.zeros(len(found)), where=square > 0.0)
-        return found
-
-    def chosen(self, rows: NDArray[Any]) -> Elements:
-        """Some of them, by a mask or in an order."""
-        return Elements(self.box[rows], self.centre[rows], self.area[rows], self.moment[rows])
 
 
 def _edge(edges: Reals, i: Indices) -> Reals:
@@ -235,7 +197,7 @@ def _exists(body: LatticeBody, ranges: Sequence[Indices]) -> NDArray[np.bool_]:
     return found
 
 
-def carriers(body: LatticeBody, elements: Elements, planes: tuple[int, int]) -> Indices:
+def carriers(body: LatticeBody, elements: Elements) -> Indices:
     """Boxes of the particles that carry elements: their own, or the nearest with a particle.
 
     Those without any within `_AWAY` boxes get -2.
@@ -289,7 +251,7 @@ def parts_of(
     if not n:
         return found
     elements = find_elements(body, within, (planes[0] - _AWAY, planes[1] + _AWAY), closed)
-    goes = carriers(body, elements, planes)
+    goes = carriers(body, elements)
     shape = tuple(len(e) + 2 for e in body.edges)
     own = np.stack([np.searchsorted(e, x[:, d]) - 1 for d, e in enumerate(body.edges)], axis=1)
     numbers = np.ravel_multi_index(tuple((own + 2).T), shape)

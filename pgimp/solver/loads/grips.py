@@ -2,8 +2,8 @@
 
 The vertices of a grip move as one along the directions of the force. Its acceleration a is that of
 a rigid body: of the vertices' mass and the mass that is added, under the force, the spring and
-dashpot, and all forces at its vertices. Planes are summed in
-order, so that all ranks find the same bits.
+dashpot, and all forces at its vertices. Planes are summed in order, so that all ranks find the
+same bits.
 """
 
 from __future__ import annotations

@@ -95,8 +95,7 @@ def read_particles(
         On every rank, if frames request data that the checkpoint does not hold.
     """
     edges = np.concatenate([[0], np.cumsum(layers)])[slab.first : slab.first + slab.layers + 1]
-    first, start = int(edges[0]), edges - edges[0]
-    n = int(start[-1])
+    first, start, n = int(edges[0]), edges - edges[0], int(edges[-1] - edges[0])
 
     def read() -> Particles:
         particles = _read_rows(scene, source, first, n)
