@@ -172,9 +172,16 @@ class Checkpoints:
         path = self.folder / f"step-{sim.step:09d}.h5"
         records = sim.diagnostic_sums
         state, rows, whole, spread = capture(
-            sim.rank, sim.now, sim.rate, sim.count, records, sim.watch, sim.stage, sim.clock,
+            sim.rank,
+            sim.now,
+            sim.rate,
+            sim.count,
+            records,
+            sim.watch,
+            sim.stage,
+            sim.clock,
             sim.settling,
-        )  # fmt: skip
+        )
         about = {
             "program": "pgimp",
             "case": self._case,

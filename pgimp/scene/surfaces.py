@@ -44,8 +44,10 @@ class SurfaceLoads:
     @property
     def closed(self) -> list[tuple[int, int]]:
         """Axis and side of the domain's faces with a condition, which hold what lies on them."""
-        return [("xyz".index(face[0]), -1 if face.endswith("min") else 1)
-                for face in self.case.boundaries]  # fmt: skip
+        return [
+            ("xyz".index(face[0]), -1 if face.endswith("min") else 1)
+            for face in self.case.boundaries
+        ]
 
     @property
     def varies(self) -> bool:

@@ -99,8 +99,10 @@ def _cut_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) 
     D, boxes = len(ranges), []
     for plane in ranges[0]:
         some = _products([np.array([plane]), *ranges[1:]])
-        ends = (np.stack([_edge(e, some[:, d] + k) for d, e in enumerate(body.edges)], axis=1)
-                for k in (0, 1))  # fmt: skip
+        ends = (
+            np.stack([_edge(e, some[:, d] + k) for d, e in enumerate(body.edges)], axis=1)
+            for k in (0, 1)
+        )
         boxes.append(some[_near(body, *ends)] if len(some) else some)
     box = np.concatenate(boxes) if boxes else np.zeros((0, D), np.int64)
     parts = _PARTS[D - 1]
@@ -158,8 +160,9 @@ def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed
     for d in range(D):
         for side in (-1, 1):
             inner = tuple(slice(1, -1) for _ in range(D))
-            other = tuple(slice(1 + side * (j == d), exists.shape[j] - 1 + side * (j == d))
-                          for j in range(D))  # fmt: skip
+            other = tuple(
+                slice(1 + side * (j == d), exists.shape[j] - 1 + side * (j == d)) for j in range(D)
+            )
             box = np.argwhere(exists[inner] & ~exists[other])
             offsets.append(box + [r[0] if len(r) else 0 for r in ranges])
             every.append((d, side))

@@ -202,10 +202,12 @@ def estimate(
 
     rows = [(prod(body.boxes[1:]), body.boxes[0]) for body in bodies]
     volumes = 24.0 * max(min(deep, _SLAB // max(row, 1) + 5) * row for row, deep in rows)
-    measured = sum(
-        body.surface for body, entry in zip(bodies, case.bodies.values(), strict=True)
+    cut = sum(
+        body.surface
+        for body, entry in zip(bodies, case.bodies.values(), strict=True)
         if entry.surface == "cut"
-    ) * 8 * (1 + D) * share * (1.0 if ranks == 1 else 2.0)  # fmt: skip
+    )
+    measured = cut * 8 * (1 + D) * share * (1.0 if ranks == 1 else 2.0)
     counting = Part(
         f"finding the particles on a lattice of {' x '.join(f'{n:,}' for n in lattice)} boxes",
         lattice[0] * (32.0 * names + 40)

@@ -91,9 +91,19 @@ def prepare(whole: Case) -> Prepared:
     dt = _step(scene, rate)
     require_slow(scene.interaction.rigid_bodies, dt)
     return Prepared(
-        scenes, lattice, counts, notes, memory, found, varied, of_stages, crossing, rate, dt,
+        scenes,
+        lattice,
+        counts,
+        notes,
+        memory,
+        found,
+        varied,
+        of_stages,
+        crossing,
+        rate,
+        dt,
         entering,
-    )  # fmt: skip
+    )
 
 
 def _rate(case: Case, bodies: list[BodyFacts], inverse: float) -> float:

@@ -98,8 +98,10 @@ def script(commands: Sequence[Command], version: str) -> str:
         if option.value
         for name in option.names
     )
-    lines = [f"complete -c pgimp -n __pgimp_begins -a {one.name} -d {_quoted(one.summary)}"
-             for one in others]  # fmt: skip
+    lines = [
+        f"complete -c pgimp -n __pgimp_begins -a {one.name} -d {_quoted(one.summary)}"
+        for one in others
+    ]
     lines += [line for one in commands for line in _lines(one)]
     return (
         _SCRIPT.replace("VERSION", version)
