@@ -4,11 +4,12 @@ from itertools import product
 from time import process_time
 
 from studies.harness import Kept, key, options_of, origin, out, put, table
-from studies.initial import meetings
+from studies.initial import impacts, meetings
 from studies.initial.keeping import cube, hourglass, order, ringing, speed, spin, stretch, vortex
 
 BOTH = ("current", "initial")
-WHAT = ("ringing", "spin", "stretch", "vortex", "cube", "hourglass", "contact", "speed")
+WHAT = ("ringing", "spin", "stretch", "vortex", "cube", "hourglass", "impact", "contact",
+        "speed")  # fmt: skip
 CELLS = (0.1, 0.05, 0.025)
 SMOOTH = "initial, smooth"
 WORDS = {
@@ -44,6 +45,8 @@ def jobs():
         add(vortex, "current", amplitude, 0.05, "finite-gimp", name=("current", amplitude, 0.05))
     for shape, even in product(("gimp", "cpdi"), (True, False)):
         add(stretch, shape, even)
+    for one, viscosity in product(BOTH, impacts.VISCOSITIES):
+        add(impacts.impact, one, *viscosity)
     for one in BOTH:
         for name, problem in meetings.PROBLEMS.items():
             for fine in range(len(problem.arguments)):
@@ -56,6 +59,11 @@ def jobs():
 def contacts(kept):
     note = f"Measured on one core of {kept['origin']}."
     return meetings.table(lambda *name: kept.get(key(("contact", *name))), BOTH, note)
+
+
+def waves(kept):
+    note = f"Measured on one core of {kept['origin']}."
+    return impacts.text(lambda *name: kept.get(key(("impact", *name))), note)
 
 
 def text(kept):
@@ -139,5 +147,5 @@ def main():
         print(f"initial: {key(name)}: {found}, {process_time() - began:.0f} s", flush=True)
         kept["origin"] = origin()
         kept.add(name, found)
-    put({"initial": text(kept), "initial-contact": contacts(kept)})
-    print(text(kept))
+    put({"initial": text(kept), "initial-contact": contacts(kept), "impacts": waves(kept)})
+    print(text(kept), waves(kept), sep="\n\n")
