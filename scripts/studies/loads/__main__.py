@@ -8,12 +8,13 @@ SMALL, LARGE = 1e-4, 0.15
 
 
 def tubes(pressure, exact):
-    """Rows of a tube under a pressure, by configuration and cells."""
+    """Rows of a tube under a pressure, by configuration, particles and cells."""
     rows = []
-    for configuration in ("initial", "current"):
+    for configuration, per_cell in (("initial", 2), ("current", 2), ("current", 3)):
         for cells in (8, 16):
-            found = tube.blown(cells, configuration, pressure, exact)
-            rows.append([f"`{configuration}`, {cells} cells a radius", *found])
+            found = tube.blown(cells, configuration, pressure, exact, per_cell)
+            words = ", 3 x 3 particles a cell" * (per_cell == 3)
+            rows.append([f"`{configuration}`{words}, {cells} cells a radius", *found])
     return rows
 
 
@@ -23,7 +24,8 @@ def main():
     options = options_of("loads", what=what)
     chosen = options.what or what["among"]
     measured = f"Measured by `scripts/loads` on one core of {origin()}."
-    titles = ["tube", "displacement at the bore", "everywhere, root mean square", "steps", "time"]
+    titles = ["tube", "displacement at the bore", "everywhere, root mean square", "load", "steps",
+              "time"]  # fmt: skip
     if "bore" in chosen:
         print(table(titles, tubes(SMALL, tube.lame(SMALL)), measured))
     if "blown" in chosen:
