@@ -213,6 +213,7 @@ def _run(
     stop: Stop,
 ) -> bool:
     """Run a case in a directory; return whether it reached its end."""
+    from pgimp.case.functions import functions_of
     from pgimp.case.reader import dump_case
     from pgimp.jit.compiled.cache import announced
     from pgimp.jit.outside import digests
@@ -243,10 +244,13 @@ def _run(
         about = describe_start(comm, sim.count, step)
         if isinstance(case.time.step, float | int):
             about["courant"] = sim.rate * float(case.time.step)
-        if materials := digests(sim.scene.materials.parameters):
-            about["materials"] = materials
+        own = {
+            "materials": digests(sim.scene.materials.parameters),
+            "functions": digests(entry.source() for entry in functions_of(case)),
+        }
+        about |= {key: known for key, known in own.items() if known}
         if step is not None:
-            _warn_of_edited(materials, directory, log)
+            _warn_of_edited(own, directory, log)
         directory.prepare(texts, about, resumed is not None)
         log.write_to(output / "log.txt")
         return advance(case, sim, resumed and resumed.about, directory, log, stop)
@@ -255,15 +259,16 @@ def _run(
         log.close()
 
 
-def _warn_of_edited(materials: dict[str, str], directory: RunDirectory, log: Log) -> None:
-    """Warn of materials from outside the package that have changed since the run began."""
-    before = (directory.before or {}).get("materials")
-    for name, known in before.items() if isinstance(before, dict) else ():
-        if materials.get(name) != known:
-            log.say(
-                f"warning: {name} is not what it was when the run began; from here on the material "
-                "acts as it does now"
-            )
+def _warn_of_edited(own: dict[str, dict[str, str]], directory: RunDirectory, log: Log) -> None:
+    """Warn of materials and functions of one's own that have changed since the run began."""
+    for key, now in own.items():
+        before = (directory.before or {}).get(key)
+        for name, known in before.items() if isinstance(before, dict) else ():
+            if now.get(name) != known:
+                log.say(
+                    f"warning: {name} is not what it was when the run began; from here on the "
+                    f"{key.removesuffix('s')} acts as it does now"
+                )
 
 
 def _set_up(case: Case, comm: Communicator, log: Log, began: float) -> Simulation:

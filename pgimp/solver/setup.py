@@ -21,7 +21,7 @@ from pgimp.kernels.once.prestress import remember_stress
 from pgimp.kernels.order.order import layers_of
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
-from pgimp.scene.bodies.geostatic import set_geostatic_stress
+from pgimp.scene.bodies.initial_stress import set_initial_stress
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks import nearness, overstress
 from pgimp.scene.checks.facts import rest_rate
@@ -124,7 +124,7 @@ def begin(
         )
     _compile(start, scenes[1:], 0)
     if scene.case.start.stress is not None:
-        set_geostatic_stress(scene, particles, count, comm, scene.case.start.stress)
+        set_initial_stress(scene, particles, count, comm, scene.case.start.stress)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)

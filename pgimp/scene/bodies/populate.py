@@ -127,12 +127,12 @@ def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) ->
 
 def prestressed(scene: Scene) -> list[int]:
     """Bodies whose particles store the stress of their start in other states."""
+    given = scene.case.start.stress, scene.case.staged.stress
     return [
         number
-        for number, body in enumerate(scene.case.bodies.values())
+        for number, (name, body) in enumerate(scene.case.bodies.items())
         if (
-            scene.case.start.stress is not None
-            or scene.case.staged.stress is not None
+            any(each is not None and each.begins(name) for each in given)
             or (isinstance(body.region, Points) and body.region.summary.stress)
         )
         and scene.case.materials[body.material].states
