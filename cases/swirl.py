@@ -10,7 +10,7 @@ A neo-Hookean solid has P = mu F + (lambda ln J - mu) F^-T. By Piola's identity,
 
     Div P = -2 pi^2 mu u + (lambda (1 - ln J) + mu)/J^2 cof(F) Grad J,
 
-and the body force is b = u_tt - Div P/rho0. The material is that of the case (cases/own/swirl.yaml).
+and the body force is b = u_tt - Div P/rho0. The material is that of cases/own/swirl.yaml.
 """
 
 from math import cos, log, pi, sin

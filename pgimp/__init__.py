@@ -29,10 +29,12 @@ if TYPE_CHECKING:
     from pgimp.physics.materials.parameters.outside import takes_vectors
     from pgimp.physics.materials.registry import register_material
     from pgimp.solver.driver import Simulation
+    from pgimp.solver.each.each import Each
     from pgimp.utilities.element.march import element
 
 __all__ = [
     "CaseError",
+    "Each",
     "PgimpError",
     "RunError",
     "Simulation",
@@ -53,6 +55,7 @@ __all__ = [
 
 _HOMES = {
     "CaseError": "pgimp.errors",
+    "Each": "pgimp.solver.each.each",
     "PgimpError": "pgimp.errors",
     "RunError": "pgimp.errors",
     "Simulation": "pgimp.solver.driver",

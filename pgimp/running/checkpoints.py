@@ -173,7 +173,7 @@ class Checkpoints:
         records = sim.diagnostic_sums
         state, rows, whole, spread = capture(
             sim.rank, sim.now, sim.rate, sim.count, records, sim.watch, sim.stage, sim.clock,
-            sim.settling,
+            sim.settling, sim.calls.stored() if sim.calls else None,
         )  # fmt: skip
         about = {
             "program": "pgimp",

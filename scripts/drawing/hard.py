@@ -1,4 +1,4 @@
-"""The hard cases, the nut, fluid and solution from outside: what the first seconds of a run show."""
+"""The hard cases, the nut, fluid and solution from outside: what the first seconds show."""
 
 import subprocess
 import sys

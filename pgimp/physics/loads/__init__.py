@@ -10,6 +10,7 @@ gives a NamedTuple with a kernel as static method:
 
 from pgimp.physics.functions.over_time import FunctionOfTime
 from pgimp.physics.loads.bodyforce import BodyForceEntry
+from pgimp.physics.loads.controlled import Controlled
 from pgimp.physics.loads.own_force import OwnForce
 from pgimp.physics.loads.rotating_frame import RotatingFrame
 from pgimp.schema.time_functions import FORMS
@@ -20,4 +21,4 @@ BODY_FORCES: dict[str, type[BodyForceEntry]] = {
     "function": OwnForce,
 }
 
-FORMS["function"] = FunctionOfTime
+FORMS |= {"function": FunctionOfTime, "control": Controlled}
