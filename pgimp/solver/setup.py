@@ -27,6 +27,7 @@ from pgimp.scene.checks import nearness, overstress
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
 from pgimp.scene.checks.locking import locking, stripes
+from pgimp.scene.checks.own_functions import require_sound
 from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
@@ -105,6 +106,7 @@ def begin(
             comm, lambda: creation.create(own, lattice, counts, layer), CaseError
         ),
     )
+    require_sound(scene, particles, count, comm)
     scene.interaction.loads.require_all_hold(particles, count, comm)
     scene.interaction.loads.surfaces.require(particles, count, comm)
     if later := later_constraints([each.case for each in scenes]):

@@ -59,10 +59,18 @@ class FunctionEntry(Model):
             for name in self.arguments
             if spelled(name) not in found.defaults
         ]
-        for name, default in found.defaults.items():
-            if name not in values and default is None:
-                text = f"missing; {found} has no default of it"
-                problems.append(Problem(("parameters", name), text, True))
+        missing = [
+            name
+            for name, default in found.defaults.items()
+            if name not in values and default is None
+        ]
+        if missing and not values:
+            text = f"missing; {found} needs {', '.join(missing)}"
+            problems.append(Problem(("parameters",), text, True))
+            missing = []
+        for name in missing:
+            text = f"missing; {found} has no default of it"
+            problems.append(Problem(("parameters", name), text, True))
         raise_problems("function", problems)
         full = {name: values.get(name, default) for name, default in found.defaults.items()}
         self.__dict__["arguments"], self.__dict__["found"] = full, found

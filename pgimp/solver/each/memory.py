@@ -23,7 +23,7 @@ def encoded(state: Mapping[str, Any], where: str) -> dict[str, Any]:
     RunError
         If a value is of no known type, or all are too large.
     """
-    found = {}
+    found: dict[str, Any] = {}
     for name, value in state.items():
         if not isinstance(name, str):
             raise RunError(f"{where}: the state has the key {name!r}; keys are texts")

@@ -115,12 +115,17 @@ def test_a_case_names_what_is_unknown():
         "function": "pull", "parameters": {"strength": 1.0, "direction": (1.0, 0.0)}
     }  # fmt: skip
     text = refused(body_force=entry | {"function": "pul"})
-    assert "body_force.function: unknown body force 'pul'. did you mean 'pull'?" in text
+    assert "body_force.function: unknown body force 'pul'; did you mean 'pull'?" in text
     assert "--import FILE.py" in text
     text = refused(body_force=entry | {"function": "sqrt-of"})
     assert f"expected a body force, but this is the coefficient 'sqrt-of' ({__file__}:" in text
     text = refused(body_force={"function": "pull"})
+    assert "body_force.parameters: missing; the body force 'pull' (" in text
+    assert ") needs strength" in text
+    entry["parameters"] = {"direction": [0.0, 1.0]}
+    text = refused(body_force=entry)
     assert "body_force.parameters.strength: missing; the body force 'pull' (" in text
+    entry["parameters"] = {"strength": 1.0}
     text = refused(body_force=entry | {"parameters": {"strengt": 1.0}})
     assert "body_force.parameters.strengt: unknown parameter 'strengt'" in text
     text = refused(body_force=entry | {"parameters": {"strength": "large"}})
@@ -199,6 +204,23 @@ def test_what_is_no_number_is_refused():
     bodies = {"b": case()["bodies"]["b"] | {"velocity": {"function": "hole"}}}
     with pytest.raises(CaseError, match=r"bodies.b.velocity: .* returns \(inf, 0\) at \(1.25, 1"):
         pgimp.Simulation(case(bodies=bodies))
+
+
+def far(X, t):
+    return (0.1 + t, 0.0 * X[0]), (1.0, 0.0), (0.0, 0.0, 0.0, 0.0)
+
+
+def empty(x, t):
+    return (0.0 if x[0] < 2.0 else sqrt(t - 1.0)), 0.0
+
+
+def test_what_does_not_suit_the_particles_is_refused_as_they_are_made():
+    pgimp.exact_solution(far)
+    with pytest.raises(CaseError, match=r"exact.function: .* begins with a displacement of 0.1 at"):
+        pgimp.Simulation(case(exact={"function": "far"}))
+    pgimp.body_force(empty)
+    with pytest.raises(CaseError, match=r"body_force.function: .*returns \(nan, 0\) at the part"):
+        pgimp.Simulation(case(body_force={"function": "empty"}))
 
 
 def swing(t, rate):
