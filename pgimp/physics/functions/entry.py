@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field, model_validator
 
 from pgimp.physics.functions.registry import FUNCTIONS, Function, Kind, Value, spelled
-from pgimp.schema.base import Model, Name, Number, Vector
+from pgimp.schema.base import Model, Name, Number, tuples
 from pgimp.schema.dispatch import Either
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem, raise_problems
@@ -16,8 +16,11 @@ from pgimp.schema.sizes import Problems
 #: Hint for unknown functions.
 _OUTSIDE = "; functions of one's own are registered by a file: --import FILE.py"
 
+_Numbers = Annotated[tuple[Number, ...], Field(strict=True, min_length=1, max_length=1000)]
+
 _Parameter = Annotated[
-    float | tuple[float, ...], Either("a number or a list of them", {float: Number, tuple: Vector})
+    float | tuple[float, ...],
+    Either("a number or a list of them", {float: Number, tuple: _Numbers}),
 ]
 
 
@@ -37,6 +40,14 @@ class FunctionEntry(Model):
         description="values of the function's parameters, each a number or a list of numbers; by "
         "default those that the function gives",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_lists_of_parameters(cls, data: object) -> object:
+        given = data.get("parameters") if isinstance(data, dict) else None
+        if isinstance(data, dict) and isinstance(given, dict):
+            return data | {"parameters": {name: tuples(value) for name, value in given.items()}}
+        return data
 
     @model_validator(mode="after")
     def _check_function(self) -> FunctionEntry:
