@@ -67,3 +67,24 @@ def _finite(what: str, x: np.ndarray, values: np.ndarray) -> None:
 
 def _listed(numbers: np.ndarray) -> str:
     return ", ".join(f"{each:.6g}" for each in numbers)
+
+
+def force_without_value(scene: Scene, x: np.ndarray, t: float) -> str:
+    """Describe what a body force of one's own returns at a place and time; empty for numbers.
+
+    Of a place that is no number any more it is the middle of the domain.
+    """
+    force, frame = scene.case.body_force, scene.domain.frame
+    if not isinstance(force, OwnForce):
+        return ""
+    middle = [
+        o + 0.5 * n * h for o, n, h in zip(frame.origin, frame.cells, frame.cell, strict=True)
+    ]
+    place = np.where(np.isfinite(x), x, middle)[None]
+    values = np.zeros_like(place)
+    forces_at(force.source(), (0.0,) * scene.dimension, place, t, values)
+    if np.isfinite(values).all():
+        return ""
+    return (
+        f"{force.registered} returns ({_listed(values[0])}) at ({_listed(place[0])}), t = {t:.6g}"
+    )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pgimp
-from pgimp.errors import CaseError, UsageError
+from pgimp.errors import CaseError, RunError, UsageError
 from pgimp.jit.kernel import kernel
 from pgimp.physics.functions.registry import FUNCTIONS
 from pgimp.physics.materials import registry
@@ -221,6 +221,19 @@ def test_what_does_not_suit_the_particles_is_refused_as_they_are_made():
     pgimp.body_force(empty)
     with pytest.raises(CaseError, match=r"body_force.function: .*returns \(nan, 0\) at the part"):
         pgimp.Simulation(case(body_force={"function": "empty"}))
+
+
+def ends(x, t, until):
+    return sqrt(until - t), 0.0
+
+
+def test_a_force_that_is_no_number_any_more_is_named():
+    pgimp.body_force(ends)
+    entry = {"function": "ends", "parameters": {"until": 0.025}}
+    text = r"is not a finite number: the body force 'ends' \(.*:\d+\) returns \(nan, 0\) at .*0.03"
+    sim = pgimp.Simulation(case(body_force=entry))
+    with pytest.raises(RunError, match=text):
+        sim.step(5)
 
 
 def swing(t, rate):
