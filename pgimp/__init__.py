@@ -1,8 +1,9 @@
 """pgimp: the Generalized Interpolation Material Point method, on slabs over MPI.
 
 From Python: ``load`` a case and change it, ``run`` it (under mpirun on all ranks), drive a
-``Simulation`` step by step, ``open`` a run directory, and ``register_material`` for laws of your
-own. Importing pgimp imports neither MPI nor Numba nor h5py.
+``Simulation`` step by step, ``open`` a run directory, ``register_material`` for laws of your own,
+and decorators, as ``body_force``, for functions of your own. Importing pgimp imports neither MPI
+nor Numba nor h5py.
 """
 
 from __future__ import annotations
@@ -18,38 +19,58 @@ if TYPE_CHECKING:
     from pgimp.errors import CaseError, PgimpError, RunError, UsageError
     from pgimp.io.results.reader import open
     from pgimp.mpi.peers import world
+    from pgimp.physics.functions.decorators import (
+        body_force,
+        coefficient,
+        exact_solution,
+        stress,
+        velocity,
+    )
     from pgimp.physics.materials.parameters.outside import takes_vectors
     from pgimp.physics.materials.registry import register_material
     from pgimp.solver.driver import Simulation
+    from pgimp.solver.each.each import Each
     from pgimp.utilities.element.march import element
 
 __all__ = [
     "CaseError",
+    "Each",
     "PgimpError",
     "RunError",
     "Simulation",
     "UsageError",
+    "body_force",
+    "coefficient",
     "element",
+    "exact_solution",
     "load",
     "open",
     "register_material",
     "run",
+    "stress",
     "takes_vectors",
+    "velocity",
     "world",
 ]
 
 _HOMES = {
     "CaseError": "pgimp.errors",
+    "Each": "pgimp.solver.each.each",
     "PgimpError": "pgimp.errors",
     "RunError": "pgimp.errors",
     "Simulation": "pgimp.solver.driver",
     "UsageError": "pgimp.errors",
+    "body_force": "pgimp.physics.functions.decorators",
+    "coefficient": "pgimp.physics.functions.decorators",
     "element": "pgimp.utilities.element.march",
+    "exact_solution": "pgimp.physics.functions.decorators",
     "load": "pgimp.case.load",
     "open": "pgimp.io.results.reader",
     "register_material": "pgimp.physics.materials.registry",
     "run": "pgimp.commands.run",
+    "stress": "pgimp.physics.functions.decorators",
     "takes_vectors": "pgimp.physics.materials.parameters.outside",
+    "velocity": "pgimp.physics.functions.decorators",
     "world": "pgimp.mpi.peers",
 }
 

@@ -181,7 +181,7 @@ def parser_of(name: str) -> Parser:
             metavar="FILE.py",
             action="append",
             default=[],
-            help="a Python file or module that registers materials of its own; repeatable",
+            help="a Python file or module that registers materials or functions; repeatable",
         )
     return parser
 

@@ -8,8 +8,9 @@ from pydantic import Field
 
 from pgimp.geometry.regions import RegionEntry
 from pgimp.physics.loads.motion import RigidMotion, zero_vector
+from pgimp.physics.loads.own_velocity import OwnVelocity
 from pgimp.schema.base import Model, Name, Vector
-from pgimp.schema.dispatch import Either
+from pgimp.schema.dispatch import Either, WithKey
 
 
 class Body(Model):
@@ -23,9 +24,14 @@ class Body(Model):
         "its part inside; whole: whole particles, those whose centre lies inside",
     )
     velocity: Annotated[
-        tuple[float, ...] | RigidMotion,
-        Either("one number a direction or {rotation: ...}", {tuple: Vector, dict: RigidMotion}),
-    ] = zero_vector("initial velocity: a vector or a rigid motion [length/time]")
+        tuple[float, ...] | RigidMotion | OwnVelocity,
+        Either(
+            "one number a direction, {rotation: ...} or {function: ...}",
+            {tuple: Vector, dict: WithKey("function", OwnVelocity, RigidMotion)},
+        ),
+    ] = zero_vector(
+        "initial velocity: a vector, a rigid motion or a function of one's own [length/time]"
+    )
     configuration: Literal["current", "initial"] = Field(
         default="current",
         description="current: particles move over the grid; for what flows or breaks. initial: the "

@@ -30,6 +30,7 @@ def with_defaults(data: dict[str, Any]) -> dict[str, Any]:
             for name, body in bodies.items()
         }
         for body in data["bodies"].values():
-            if isinstance(body, dict) and isinstance(body.get("velocity"), dict):
-                body["velocity"] = {"translation": zeros, **body["velocity"]}
+            motion = body.get("velocity") if isinstance(body, dict) else None
+            if isinstance(motion, dict) and "function" not in motion:
+                body["velocity"] = {"translation": zeros, **motion}
     return data

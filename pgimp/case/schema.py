@@ -33,6 +33,7 @@ from pgimp.case.start import StartEntry
 from pgimp.case.steps import AUTO, CourantStep
 from pgimp.case.time import Time
 from pgimp.physics.contact.pairs import ContactEntry
+from pgimp.physics.functions.over_time import until
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.inflow import InflowEntry
 from pgimp.physics.loads.tractions import TractionEntry
@@ -269,6 +270,17 @@ class Case(Model):
         data = with_defaults(data)
         context = info.context or {}
         known = context.get("counted", 0.0), context.get("began", 0.0), context.get("gone", ())
+        span = data.get("time")
+        with until(span.get("end") if isinstance(span, Mapping) else None):
+            return cls._check_sound(data, handler, known)
+
+    @classmethod
+    def _check_sound(
+        cls,
+        data: dict[str, Any],
+        handler: ModelWrapValidatorHandler[Self],
+        known: tuple[Any, Any, Any],
+    ) -> Self:
         try:
             case = handler(data)
         except ValidationError as error:

@@ -8,8 +8,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from pgimp.physics.loads.own_stress import OwnStress
 from pgimp.schema.base import Count, Model, Name, NonNegative, Number
-from pgimp.schema.dispatch import Either
+from pgimp.schema.dispatch import Either, WithKey
 
 #: K0 by Jaky, for ground that was never loaded otherwise.
 JAKY = "1-sin-phi"
@@ -46,6 +47,10 @@ class InitialStress(Model):
         "bears the stress, times this; null: as the material says [1]",
     )
 
+    def begins(self, body: str) -> bool:
+        """Whether a body begins with the stress."""
+        return True
+
     def ratio(self, body: str, material: Any) -> float:
         """Return k0 of a body and its material."""
         value = self.k0[body] if isinstance(self.k0, Mapping) else self.k0
@@ -70,10 +75,17 @@ class Settle(Model):
 class StartEntry(Model):
     """The start of a run."""
 
-    stress: InitialStress | None = Field(
+    stress: Annotated[
+        InitialStress | OwnStress | None,
+        Either(
+            "{k0: ...}, {function: ...} or null",
+            {dict: WithKey("function", OwnStress, InitialStress), None: None},
+        ),
+    ] = Field(
         default=None,
-        description="geostatic: bodies begin with the stress of the weight above each particle, "
-        "and with what of deformation and state belongs to it; before `settle`. null: none",
+        description="geostatic: bodies begin with the stress of the weight above each particle, or "
+        "with that of a function of one's own, and with what of deformation and state belongs to "
+        "it; before `settle`. null: none",
     )
 
     settle: Settle | None = Field(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.io.results.reader import Run
     from pgimp.schema.overrides import Overrides
+    from pgimp.solver.each.each import Each
+    from pgimp.solver.each.now import Now
     from pgimp.solver.simulation import Simulation
 
 #: Exit status of a run that stopped early on request, with a checkpoint.
@@ -110,6 +113,7 @@ def run(
     resume: bool = False,
     wall_time: float | None = None,
     quiet: bool = False,
+    each: Each | Callable[[Now], object] | None = None,
 ) -> Run:
     """Run a case from Python; collective.
 
@@ -133,6 +137,9 @@ def run(
         Seconds after which the run has stopped, with a checkpoint; its state is then "stopped".
     quiet : bool
         Whether the terminal gets only errors.
+    each : callable or Each, optional
+        A function that is called after every step, or after every N, see `pgimp.Each`; with
+        `resume` its state is that of the checkpoint.
 
     Returns
     -------
@@ -154,7 +161,10 @@ def run(
     from pgimp.case.load import load
     from pgimp.case.writer import dump_case
     from pgimp.io.results import reader
+    from pgimp.solver.each.each import each_of
+    from pgimp.solver.each.levels import own_levels
 
+    calls = each_of(each)
     comm = world() if comm is None else comm
     end_all_on_exceptions(comm)
     if output is not None and not str(output):
@@ -178,7 +188,7 @@ def run(
             raise UsageError("a run is either replaced or resumed; choose one")
         with Stop(comm, wall_time) as stop:
             log = Log(comm.rank == 0, quiet)
-            _run(case, text, comm, Path(output), overwrite, resume, log, stop)
+            _run(own_levels(case), text, comm, Path(output), overwrite, resume, log, stop, calls)
     return reader.open(output)
 
 
@@ -211,8 +221,10 @@ def _run(
     resume: bool,
     log: Log,
     stop: Stop,
+    each: Each | None = None,
 ) -> bool:
     """Run a case in a directory; return whether it reached its end."""
+    from pgimp.case.functions import functions_of
     from pgimp.case.reader import dump_case
     from pgimp.jit.compiled.cache import announced
     from pgimp.jit.outside import digests
@@ -228,12 +240,12 @@ def _run(
         if comm.rank == 0:  # takes longer than writing most frames
             load_h5py()
         with announced(log.say):
-            found = load_pair(case, comm, directory, log) if resume else None
+            found = load_pair(case, comm, directory, log, each) if resume else None
             if found == "done":
                 log.say(f"{output} holds this run, done already: nothing is left to do")
                 return True
             resumed = found if isinstance(found, Resumed) else None
-            sim = _set_up(case, comm, log, began) if resumed is None else resumed.sim
+            sim = _set_up(case, comm, log, began, each) if resumed is None else resumed.sim
         for note in sim.notes:
             log.say(f"note: {note}")
         for warning in sim.warnings:
@@ -243,10 +255,13 @@ def _run(
         about = describe_start(comm, sim.count, step)
         if isinstance(case.time.step, float | int):
             about["courant"] = sim.rate * float(case.time.step)
-        if materials := digests(sim.scene.materials.parameters):
-            about["materials"] = materials
+        own = {
+            "materials": digests(sim.scene.materials.parameters),
+            "functions": digests(entry.source() for entry in functions_of(case)),
+        }
+        about |= {key: known for key, known in own.items() if known}
         if step is not None:
-            _warn_of_edited(materials, directory, log)
+            _warn_of_edited(own, directory, log)
         directory.prepare(texts, about, resumed is not None)
         log.write_to(output / "log.txt")
         return advance(case, sim, resumed and resumed.about, directory, log, stop)
@@ -255,21 +270,24 @@ def _run(
         log.close()
 
 
-def _warn_of_edited(materials: dict[str, str], directory: RunDirectory, log: Log) -> None:
-    """Warn of materials from outside the package that have changed since the run began."""
-    before = (directory.before or {}).get("materials")
-    for name, known in before.items() if isinstance(before, dict) else ():
-        if materials.get(name) != known:
-            log.say(
-                f"warning: {name} is not what it was when the run began; from here on the material "
-                "acts as it does now"
-            )
+def _warn_of_edited(own: dict[str, dict[str, str]], directory: RunDirectory, log: Log) -> None:
+    """Warn of materials and functions of one's own that have changed since the run began."""
+    for key, now in own.items():
+        before = (directory.before or {}).get(key)
+        for name, known in before.items() if isinstance(before, dict) else ():
+            if now.get(name) != known:
+                log.say(
+                    f"warning: {name} is not what it was when the run began; from here on the "
+                    f"{key.removesuffix('s')} acts as it does now"
+                )
 
 
-def _set_up(case: Case, comm: Communicator, log: Log, began: float) -> Simulation:
+def _set_up(
+    case: Case, comm: Communicator, log: Log, began: float, each: Each | None
+) -> Simulation:
     from pgimp.solver.simulation import Simulation
 
-    sim = Simulation(case, comm)
+    sim = Simulation(case, comm, each=each)
     ranks = f"{comm.size} ranks" if comm.size > 1 else "1 rank"
     stages = f" in {len(case.stages)} stages" if case.time.stages else ""
     log.say(

@@ -103,11 +103,22 @@ def digests(parameters: Iterable[NamedTuple]) -> dict[str, str]:
 def unchanged(before: Mapping[str, str]) -> bool:
     """Return whether the types of `digests` are unchanged in this process."""
     for name, known in before.items():
-        module, _, path = name.rpartition(".")
-        kind = getattr(sys.modules.get(module), path, None)
+        kind = _found(name)
         if not known or not isinstance(kind, type) or _digest_once(kind)[:16] != known:
             return False
     return True
+
+
+def _found(name: str) -> object:
+    """Return what has a qualified name in this process, None if there is no such thing."""
+    parts = name.split(".")
+    for cut in range(len(parts) - 1, 0, -1):
+        found: object = sys.modules.get(".".join(parts[:cut]))
+        if found is not None:
+            for part in parts[cut:]:
+                found = getattr(found, part, None)
+            return found
+    return None
 
 
 def digest(entry: type) -> str:

@@ -181,6 +181,7 @@ class Checkpoints:
             sim.stage,
             sim.clock,
             sim.settling,
+            sim.calls.stored() if sim.calls else None,
         )
         about = {
             "program": "pgimp",

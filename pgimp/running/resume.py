@@ -19,6 +19,7 @@ from pgimp.running.checkpoints import About, intact, made_by, number_of, present
 from pgimp.running.log import Log
 from pgimp.running.probes import require_known
 from pgimp.schema.document import LARGEST_FILE
+from pgimp.solver.each.each import Each
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.state.state import State
 from pgimp.solver.time.clock import clock_of
@@ -36,7 +37,9 @@ class Resumed(NamedTuple):
     about: About
 
 
-def resume(case: Case, comm: Communicator, directory: RunDirectory, log: Log) -> Resumed | str:
+def resume(
+    case: Case, comm: Communicator, directory: RunDirectory, log: Log, each: Each | None = None
+) -> Resumed | str:
     """Find the newest intact checkpoint of a run and restore its state; collective.
 
     Parameters
@@ -49,6 +52,8 @@ def resume(case: Case, comm: Communicator, directory: RunDirectory, log: Log) ->
         Claimed for this run.
     log : Log
         Receives the messages.
+    each : Each, optional
+        A function that is called after steps.
 
     Returns
     -------
@@ -86,7 +91,7 @@ def resume(case: Case, comm: Communicator, directory: RunDirectory, log: Log) ->
                 raise DamagedError("its time is not that of its step, or past the end of its case")
             if _ended(case, state) and before.get("state") == "done":
                 return "done"
-            sim = Simulation(case, comm, file)
+            sim = Simulation(case, comm, file, each)
         except DamagedError as error:
             log.say(f"warning: {path} cannot be used: {error}; looking for an earlier one")
             continue

@@ -21,7 +21,8 @@ from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first
-from pgimp.physics.variation import TableVariation
+from pgimp.physics.variation import Places, TableVariation
+from pgimp.physics.variation.own import OwnVariation
 from pgimp.scene.materials import LEAST, MOST
 from pgimp.scene.variations import tables
 from pgimp.schema.messages import dotted
@@ -77,6 +78,7 @@ def _share(case: Case, comm: Communicator, only: Collection[str] | None) -> None
     if only is not None:
         return
     _read_points(case, comm)
+    _learn_functions(case)
     _read_tables(case, comm)
     if problems := on_root(comm, lambda: _beyond(case) or _away(case)):
         raise CaseError("\n".join(problems))
@@ -230,6 +232,18 @@ def _read_points(case: Case, comm: Communicator) -> None:
         means = dict(zip(found.states, found.means, strict=True))
         for column, _, part in columns:
             part.learn(means[column])
+
+
+def _learn_functions(case: Case) -> None:
+    """Take typical values of parameters by functions of one's own, at the middles of bodies."""
+    for name, material in case.materials.items():
+        regions = [body.region for body in case.bodies.values() if body.material == name]
+        for variation in material.variations.values():
+            for part in variation.parts():
+                if isinstance(part, OwnVariation) and regions:
+                    ends = np.array([region.bounds() for region in regions], float)
+                    values = part.own_values(Places(ends.mean(axis=1), {}))
+                    part.learn(float(values.mean()))
 
 
 def _read_tables(case: Case, comm: Communicator) -> None:

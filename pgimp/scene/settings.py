@@ -56,6 +56,7 @@ class Settings:
         self.settles = case.start.settle is not None
         fields = case.output.fields
         self.origins = self.by_vertex or bool(case.exact) or "displacement" in fields
+        self.origins |= bool(case.body_force) and case.body_force.initial
         self.controlled: bool | float = case.courant is not None
         if case.courant is not None and case.watched:
             self.controlled = case.courant / MOST_CELLS

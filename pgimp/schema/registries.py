@@ -70,7 +70,10 @@ def _below(what: str, name: str, entry: type[BaseModel], content: object) -> Bas
 
 
 class ByKey(Dispatch):
-    """A mapping with one key, its type's name in a registry: ``{box: {...}}``."""
+    """A mapping with one key, its type's name in a registry: ``{box: {...}}``.
+
+    A type that has a key of its name is the whole mapping: ``{function: .., parameters: ..}``.
+    """
 
     def __init__(self, registry: Registry, what: str):
         self.registry, self.what = registry, what
@@ -83,6 +86,9 @@ class ByKey(Dispatch):
         names = ", ".join(known)
         if not isinstance(value, Mapping) or not value:
             raise problem(f"expected a {self.what}, a mapping with one of {names}; {got(value)}")
+        for name in value:
+            if name in known and name in known[name].model_fields:
+                return known[name].model_validate(value)
         strange = [name for name in value if name not in known]
         texts = [Problem((name,), unknown(self.what, str(name), known)) for name in strange]
         if not strange and len(value) > 1:
@@ -93,7 +99,8 @@ class ByKey(Dispatch):
 
     def write(self, value: BaseModel) -> dict[str, object]:
         """See `Dispatch`."""
-        return {name_of(value, self.registry()): plain(value)}
+        name = name_of(value, self.registry())
+        return plain(value) if name in type(value).model_fields else {name: plain(value)}
 
     def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """Refer to a definition, since the types may contain one another."""
@@ -184,6 +191,8 @@ class ByName(ByKey):
                 raise problem(unknown(self.what, value, known))
             if needed := _required(known[value]):
                 keys = ", ".join(f"{key}: .." for key in needed)
+                if value in needed:
+                    raise problem(f"expected {{{keys}, parameters: {{..}}}}, {got(value)}")
                 raise problem(f"expected {{{value}: {{{keys}}}}}, {got(value)}")
             return known[value].model_validate({})
         return super().validate(value)
@@ -198,6 +207,9 @@ class ByName(ByKey):
         """See `Dispatch`."""
         forms: list[dict[str, object]] = []
         for name, entry in self.registry().items():
+            if name in entry.model_fields:
+                forms.append(handler(entry.__pydantic_core_schema__))
+                continue
             if not _required(entry):
                 forms.append({"const": name, "description": inspect.getdoc(entry)})
             if not _is_word(entry):

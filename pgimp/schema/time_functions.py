@@ -8,16 +8,14 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import accumulate, pairwise
-from typing import Any
 
 from pydantic import BaseModel, Field, model_validator
 
 from pgimp.errors import CaseError
 from pgimp.schema.base import Model, Number, Positive
-from pgimp.schema.dispatch import plain
 from pgimp.schema.paths import FileName
 from pgimp.schema.problems import Problem, problem, raise_problems
 from pgimp.schema.profile import read_profile
@@ -244,25 +242,18 @@ class Sine(TimeFunction):
         return self._from_beginning(t) - self._from_beginning(0.0)
 
 
-#: Forms of a number over time, by the key that names them.
-_FORMS: Mapping[str, type[BaseModel]] = {
-    "table": Table,
-    "ramp": Ramp,
-    "sine": Sine,
-    "series": Series,
-}
+#: Forms of a number over time, by the key that names them; floors above add theirs.
+FORMS: dict[str, type[BaseModel]] = {"table": Table, "ramp": Ramp, "sine": Sine, "series": Series}
 
 
 class OverTime(ByKey):
     """A number over time, ``{table: [[time, value], ..]}`` or ``{ramp: {..}}`` and others."""
 
     def __init__(self) -> None:
-        super().__init__(lambda: _FORMS, "function of time")
+        super().__init__(lambda: FORMS, "function of time")
 
     def validate(self, value: object) -> BaseModel | None:
         """See `Dispatch`."""
-        if isinstance(value, Table) or (isinstance(value, Mapping) and "table" in value):
-            return Table.model_validate(value)
         found = super().validate(value)
         if not isinstance(found, Series):
             return found
@@ -271,12 +262,8 @@ class OverTime(ByKey):
         except CaseError as error:
             raise problem(str(error)) from None
 
-    def write(self, value: BaseModel) -> Any:
-        """See `Dispatch`."""
-        return plain(value) if isinstance(value, Table) else super().write(value)
-
 
 OVER_TIME = OverTime()
 
 #: What a number that may vary in time may be, for messages.
-ALLOWED = "{table: [[time, value], ..]}, {ramp: ..}, {sine: ..} or {series: ..}"
+ALLOWED = "{table: [[time, value], ..]}, {ramp: ..}, {sine: ..}, {series: ..} or {function: ..}"

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable
 from math import inf, isclose
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.case.load import Source, load
 from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
-from pgimp.io.results.tables import Fields
 from pgimp.mpi.comm import world
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.peers import created, together
 from pgimp.mpi.together import end_all_on_exceptions, require_same
-from pgimp.physics import fields
 from pgimp.schema.overrides import Overrides
 from pgimp.solver import simulation
-
-if TYPE_CHECKING:
-    import pandas
+from pgimp.solver.each.each import Each, each_of
+from pgimp.solver.each.levels import own_levels
+from pgimp.solver.each.now import Now
+from pgimp.solver.each.particles import Particles
 
 #: Relative difference, to the later one, below which times are equal.
 _SAME = 1e-12
@@ -40,6 +38,8 @@ class Simulation:
         Of all ranks; by default all ranks of the launcher.
     overrides : mapping, or sequence of str
         Changes to the case, as for `pgimp.load`.
+    each : callable or Each, optional
+        A function that is called after every step, or after every N, see `pgimp.Each`.
 
     Attributes
     ----------
@@ -57,15 +57,19 @@ class Simulation:
     """
 
     def __init__(
-        self, case: Source, comm: Communicator | None = None, overrides: Overrides = ()
+        self,
+        case: Source,
+        comm: Communicator | None = None,
+        overrides: Overrides = (),
+        each: Each | Callable[[Now], object] | None = None,
     ) -> None:
         comm = world() if comm is None else comm
         end_all_on_exceptions(comm)
-        self.case: Case = load(case, overrides)
+        self.case: Case = own_levels(load(case, overrides))
         require_same(comm, "pgimp.Simulation", dump_case(self.case))
         self._name = f"simulation {created(comm)}"
         with together(comm, self._name):
-            self.core = simulation.Simulation(self.case, comm)
+            self.core = simulation.Simulation(self.case, comm, each=each_of(each))
             while self.core.preparing:
                 self.core.advance()
             self.core.diagnostics()  # what later ones refer to: energy at the start
@@ -159,73 +163,3 @@ class Simulation:
         """Return the current line of history.csv; None except on rank 0; collective."""
         with together(self.core.comm, f"diagnostics() of {self._name}"):
             return self.core.diagnostics()
-
-
-class Particles(Mapping[str, np.ndarray]):
-    """The current particles of this rank, by the names of the fields of a frame.
-
-    Each access copies the current values, in ascending id; see cases/reference.md for the
-    fields. ``len(particles["id"])`` is the number of particles.
-    """
-
-    def __init__(self, core: simulation.Simulation) -> None:
-        self._core = core
-
-    def _names(self) -> list[str]:
-        followed = self._core.particles.origin.shape[1] > 0
-        turns = self._core.particles.winding.shape[1] > 0
-        return [
-            name
-            for name in self._core.scene.fields
-            if name not in fields.FAILURE
-            and (followed or name != "displacement")
-            and (turns or name != "unwrapped")
-        ]
-
-    def __iter__(self) -> Iterator[str]:
-        """Go through the names of the fields."""
-        return iter(self._names())
-
-    def __len__(self) -> int:
-        """Return the number of fields."""
-        return len(self._names())
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """Return a field.
-
-        Parameters
-        ----------
-        name : str
-            As in frames; ``displacement`` only if the case has it in ``output.fields``.
-
-        Returns
-        -------
-        ndarray, shape (n,) or (n, k)
-            A copy.
-
-        Raises
-        ------
-        KeyError
-            If there is no such field.
-        """
-        if name not in self._names():
-            raise KeyError(f"there is no field {name}; there are {', '.join(self._names())}")
-        core = self._core
-        rows = core.live()
-        rows = rows[np.argsort(core.particles.id[rows])]
-        scene = core.scene
-        source = fields.Source(
-            core.particles,
-            rows,
-            scene.dimension,
-            scene.materials.body_material,
-            periods=scene.domain.ends,
-            plate=scene.carried.plate,
-        )
-        return scene.fields[name].values(source)
-
-    def to_pandas(self, *names: str) -> pandas.DataFrame:
-        """Return fields, all by default, as a pandas.DataFrame; see `Frame.to_pandas`."""
-        chosen = [name for name in names or self if name != "id"]
-        found = Fields({"id": self["id"]} | {name: self[name] for name in chosen})
-        return found.to_pandas().set_index("id")

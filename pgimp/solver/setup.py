@@ -21,12 +21,13 @@ from pgimp.kernels.once.prestress import remember_stress
 from pgimp.kernels.order.order import layers_of
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
-from pgimp.scene.bodies.geostatic import set_geostatic_stress
+from pgimp.scene.bodies.initial_stress import set_initial_stress
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks import nearness, overstress
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
 from pgimp.scene.checks.locking import locking, stripes
+from pgimp.scene.checks.own_functions import require_sound
 from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
@@ -105,6 +106,7 @@ def begin(
             comm, lambda: creation.create(own, lattice, counts, layer), CaseError
         ),
     )
+    require_sound(scene, particles, count, comm)
     scene.interaction.loads.require_all_hold(particles, count, comm)
     scene.interaction.loads.surfaces.require(particles, count, comm)
     if later := later_constraints([each.case for each in scenes]):
@@ -124,7 +126,7 @@ def begin(
         )
     _compile(start, scenes[1:], 0)
     if scene.case.start.stress is not None:
-        set_geostatic_stress(scene, particles, count, comm, scene.case.start.stress)
+        set_initial_stress(scene, particles, count, comm, scene.case.start.stress)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)

@@ -11,6 +11,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver import setup
 from pgimp.solver.decomposition import RESORT, rebalance, resort
+from pgimp.solver.each.each import Each, calls_of
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.rest.settle import (
@@ -46,6 +47,8 @@ class Simulation(SimulationProgress):
         mpi4py's, or `pgimp.mpi.comm.Serial`.
     source : CheckpointFile, optional
         The state to continue from; without it the case begins.
+    each : Each, optional
+        A function that is called after every N steps; `calls` are its calls.
 
     Attributes
     ----------
@@ -98,7 +101,11 @@ class Simulation(SimulationProgress):
     warnings: list[str]
 
     def __init__(
-        self, case: Case, comm: Communicator, source: CheckpointFile | None = None
+        self,
+        case: Case,
+        comm: Communicator,
+        source: CheckpointFile | None = None,
+        each: Each | None = None,
     ) -> None:
         state = None if source is None else State.of(source)
         self.cases, self.comm = case.stages, comm
@@ -111,6 +118,7 @@ class Simulation(SimulationProgress):
         self.doing: Step | None = None
         self.failure: Failure | None = None
         self.unbalanced = nan
+        self.calls = calls_of(each, self, state)
         self.request = self.agreed_request = Request.NONE
         self.reduction = StepReduction(comm)
         if source is None or state is None:
@@ -194,7 +202,8 @@ class Simulation(SimulationProgress):
         sort = number % RESORT == 0
         watch = self.watch if self.watch and self.watch.due(number) else None
         look = self.settling and is_due(number)
-        if complete or move or sort or watch or look or self.comm.size == 1:
+        call = self.calls is not None and not self.preparing and self.calls.due(number)
+        if complete or move or sort or watch or look or call or self.comm.size == 1:
             self.complete_reduction()
         if watch:
             watch.look(rank, self.step, self.time, self.clock)
@@ -207,6 +216,8 @@ class Simulation(SimulationProgress):
             resort(rank, balance, reduction, number)
         if look:
             self._look_for_rest()
+        if self.calls and call:
+            self.calls.call()
 
     def _look_for_rest(self) -> None:
         """End the settling if the run, or the stage, has come to rest; collective."""

@@ -27,6 +27,7 @@ from hard import (
     hard_spinning,
     hard_translation,
     nut,
+    own_swirl,
 )
 from looking import block3d, block3d_initial, block3d_paraview
 from meeting import corner, drum, hertz, hertz_line
@@ -41,8 +42,8 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
     taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, plane_waves, sod,
      channel, sand_column, slope, graded, excavation, safety, footing, dam_break, jet, gate, blast,
-    nut, fluid_dam_break, hard_translation, hard_column, hard_shock, hard_spinning, hard_bending,
-    hard_grazing, error_and_cost,
+    nut, fluid_dam_break, own_swirl, hard_translation, hard_column, hard_shock, hard_spinning,
+    hard_bending, hard_grazing, error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")
 parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))

@@ -1,4 +1,4 @@
-"""The hard cases, the nut and the fluid from outside: what the first seconds of a run show."""
+"""The hard cases, the nut, fluid and solution from outside: what the first seconds show."""
 
 import subprocess
 import sys
@@ -27,6 +27,26 @@ def fluid_dam_break(redraw):
     look = {"xlim": (0.0, 2.0), "ylim": (0.0, 1.0), "aspect": "equal", "title": "t = {:.2f} s"}
     instants(axes.flat, results, times, speed, (0.0, 3.0), {"label": "speed [m/s]"}, **look)
     save(figure, "fluid-dam-break")
+
+
+def own_swirl(redraw):
+    """The body at three instants, coloured by the von Mises stress; its error on three grids."""
+    cells, results, words = (0.1, 0.05, 0.025), {}, ["--import", "cases/swirl.py"]
+    for cell in cells:
+        change = [f"grid.cell=[{cell},{cell}]", f"time.step={0.05 * cell}"]
+        results[cell] = run("own/swirl", redraw, f"swirl-{cell}", change, ranks=1, words=words)
+    figure, axes = plt.subplots(1, 4, figsize=(10, 2.8), layout="constrained")
+    look = {"xlim": (0.0, 1.0), "ylim": (0.0, 1.0), "aspect": "equal", "title": "t = {:.1f} s"}
+    bar = {"label": "von Mises stress [Pa]"}
+    shown = results[0.05], (0.0, 0.2, 0.4), "von-mises", (0.0, 220.0)
+    instants(axes[:3], *shown, bar, **look)
+    for cell, colour in zip(cells, (RED, BLUE, GREY), strict=True):
+        history = results[cell].history
+        error = 1e3 * history["error.displacement-l2"]
+        axes[3].semilogy(history["time"][1:], error[1:], color=colour, label=f"{1e3 * cell:g} mm")
+    axes[3].set(xlabel="time [s]", ylabel="error of the displacement [mm]")
+    axes[3].legend(fontsize=7)
+    save(figure, "own-swirl")
 
 
 def hard_shock(redraw):

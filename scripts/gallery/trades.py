@@ -11,7 +11,7 @@ TRADES = {
         "dam-break", "gate", "jet", "channel", "blast", "sod", "drum", "fluid/dam-break",
     ),
     "Methods": (
-        "compaction", "vortex", "spinning-block", "plane-waves", "hard/translation",
+        "compaction", "vortex", "spinning-block", "plane-waves", "own/swirl", "hard/translation",
         "hard/column", "hard/shock", "hard/spinning", "hard/stretch", "hard/bending",
         "hard/grazing", "hard/blocks",
     ),

@@ -154,7 +154,8 @@ def work(folder, numbers, options):
 def by_mpirun(where, number):
     """What is wrong with a scene on real ranks."""
     ranks = 2 + number // MPIRUN % 4
-    words = ["--import", scene_runs.SOFTENING, "case.yaml", "-o", "runs/mpirun", "--quiet"]
+    words = ["--import", scene_runs.SOFTENING, "--import", scene_runs.FUNCTIONS]
+    words += ["case.yaml", "-o", "runs/mpirun", "--quiet"]
     job = Job(ranks, words, where)
     status, _ = job.wait(300.0)
     if status != 0:

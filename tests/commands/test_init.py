@@ -27,8 +27,8 @@ pytestmark = pytest.mark.slow(30)
 ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / "cases"
 NAMES = [str(path.relative_to(CASES).with_suffix("")) for path in CASES.rglob("*.yaml")]
-#: The case of fluid/ has a material from outside the package, see tests/cases/test_dam_break.py.
-ONLY_CASES = [name for name in NAMES if not name.startswith(("studies/", "fluid/"))]
+#: Those of fluid/ and own/ need files of Python, see tests/cases/test_dam_break.py, test_swirl.py.
+ONLY_CASES = [name for name in NAMES if not name.startswith(("studies/", "fluid/", "own/"))]
 
 
 @pytest.fixture(autouse=True)

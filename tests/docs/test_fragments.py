@@ -47,6 +47,12 @@ def ground():
     return scene(2, ("soil", "fill")) | {"grid": {"size": [8.0, 6.0], "cell": [0.5, 0.5]}}
 
 
+def windy():
+    """A case for which the functions of docs/own-functions.md are registered."""
+    exec(compile(block_of("from math import exp, sin\n"), "wind.py", "exec"), {"__name__": "wind"})
+    return scene(2)
+
+
 #: Beginnings of blocks, a case that each belongs to, and the keys below which it stands there.
 FRAGMENTS = (
     ("time:\n  end: 0.6  ", lambda: file_of("excavation"), ()),
@@ -71,6 +77,7 @@ FRAGMENTS = (
     ("constraints:\n  press:", lambda: scene(2), ()),
     ("tractions:\n  bore:", lambda: scene(2), ()),
     ("inflow:\n  jet:", lambda: scene(2, ("water",)), ()),
+    ("bodies:                               # by functions", windy, ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.
 OTHERS = ("format: 1\n", "# safety.yaml\n", "# yaml-language-server: $schema=pgimp-schema.json\n")

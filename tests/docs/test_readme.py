@@ -46,6 +46,10 @@ INSTEAD = {
     "cases/fluid.py cases/disks.yaml -o fluid.out --set "
     "'materials.jelly={model: fluid, bulk: 1.0e3, shear: 0.1, density: 1.0e3}' "
     "--set contact=[] --set time.end=0.004 --quiet",
+    "mpirun -n 2 pgimp case.yaml --import wind.py": "mpirun -n 2 pgimp cases/own/swirl.yaml "
+    "--import cases/swirl.py -o swirl.out --set time.end=0.01 --quiet",
+    "pgimp study cases/studies/swirl.yaml --import cases/swirl.py": "pgimp study "
+    "cases/studies/swirl.yaml --import cases/swirl.py --list",
     # The run has been too short for the times of the text.
     "pgimp plot block3d.out --field von-mises --time 0,0.32,0.46,0.6": "pgimp plot block3d.out "
     "--field von-mises --frame 0,-1",

@@ -12,6 +12,7 @@ from pgimp.case.output import PointProbe
 from pgimp.geometry.regions import REGIONS, Points
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.motion import check_rotation
+from pgimp.physics.loads.own_velocity import OwnVelocity
 from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.base import Material
@@ -37,6 +38,10 @@ def check_velocities(dimensions: int, bodies: Mapping[str, Body]) -> Problems:
         path = ("bodies", name, "velocity")
         if isinstance(body.velocity, tuple):
             yield from length(path, body.velocity, dimensions)
+            continue
+        if isinstance(body.velocity, OwnVelocity):
+            for found in body.velocity.misfits(dimensions):
+                yield found._replace(path=(*path, *found.path))
             continue
         rotation = body.velocity.rotation
         yield from length((*path, "translation"), body.velocity.translation, dimensions)

@@ -146,8 +146,9 @@ def check_body_force(dimensions: int, body_force: BodyForceEntry | None) -> Prob
         text = f"{name} exists in {allowed} only, but the case has {dimensions}D"
         yield Problem(("body_force", name), text)
         return
+    below = () if name in type(body_force).model_fields else (name,)
     for found in body_force.check(dimensions):
-        yield found._replace(path=("body_force", name, *found.path))
+        yield found._replace(path=("body_force", *below, *found.path))
 
 
 def check_gravity(dimensions: int, gravity: object) -> Problems:

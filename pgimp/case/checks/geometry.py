@@ -10,6 +10,8 @@ from pgimp.case.start import StartEntry
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.contact.pairs import ContactEntry
+from pgimp.physics.functions.entry import FunctionEntry
+from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.materials.base import Material
 from pgimp.physics.rigid import Free, RigidBody
 from pgimp.physics.shapes.base import Shape
@@ -78,7 +80,7 @@ def check_plane_stress(
         yield Problem(
             ("start", "stress"), "has a part out of the plane; take settle, or plane-strain"
         )
-    if exact is not None:
+    if exact is not None and not isinstance(exact, FunctionEntry):
         yield Problem(("exact",), "is not known in plane stress; leave it out")
 
 
@@ -104,7 +106,7 @@ def check_axis(
             ("gravity",), "acts along the axis, y, alone: x is the radius; take [0.0, ...]"
         )
     for name, value in (("body_force", body_force), ("exact", exact)):
-        if value is not None:
+        if value is not None and not isinstance(value, FunctionEntry):
             yield Problem((name,), "is not known in axisymmetry; leave it out")
 
 
@@ -130,7 +132,7 @@ def check_rings(
             "bodies in the current configuration and mean dilatation only; take current",
         )
     for name, body in bodies.items():
-        if not isinstance(body.velocity, tuple) or _radial(body.velocity):
+        if isinstance(body.velocity, RigidMotion) or _radial(body.velocity):
             yield Problem(
                 ("bodies", name, "velocity"),
                 "is along the axis, y, alone, as all of a body moves at it: x is the radius",

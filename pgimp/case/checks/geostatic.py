@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from pgimp.case.body import Body
 from pgimp.case.start import JAKY, InitialStress, StartEntry, friction_angle
 from pgimp.geometry.regions import Points
+from pgimp.physics.loads.own_stress import OwnStress
 from pgimp.physics.materials.base import Material
 from pgimp.physics.materials.cam_clay import CamClay
 from pgimp.physics.rigid import RigidBody
@@ -25,9 +26,14 @@ def check_geostatic(
     bodies: Mapping[str, Body],
     rigid_bodies: Mapping[str, RigidBody],
     exact: object,
+    dimensions: int,
 ) -> Problems:
     """Check that there is a weight along one axis, and that bodies have what its stress needs."""
     if start.stress is None:
+        return
+    laws = {name: materials.get(body.material) for name, body in bodies.items()}
+    if isinstance(start.stress, OwnStress):
+        yield from _own(start.stress, dimensions, bodies, laws)
         return
     pull = gravity.value(0.0) if isinstance(gravity, VectorFunction) else gravity
     parts = pull if isinstance(pull, list | tuple) else ()
@@ -49,10 +55,43 @@ def check_geostatic(
     if isinstance(start.stress.k0, Mapping):
         for name in sorted(set(start.stress.k0) - set(bodies)):
             yield Problem((*STRESS, "k0", name), unknown("body", name, bodies))
-    laws = {name: materials.get(body.material) for name, body in bodies.items()}
     yield from _unfit(start.stress, bodies, laws)
     if start.stress.ocr is not None and not any(isinstance(x, CamClay) for x in laws.values()):
         yield Problem((*STRESS, "ocr"), "is of cam-clay, and no body is of it; leave it out")
+
+
+def _own(
+    entry: OwnStress,
+    dimensions: int,
+    bodies: Mapping[str, Body],
+    laws: Mapping[str, Material | None],
+) -> Iterator[Problem]:
+    """Yield the problems of a stress by a function of one's own."""
+    for found in entry.misfits(dimensions):
+        yield found._replace(path=(*STRESS, *found.path))
+    for i, name in enumerate(entry.bodies or ()):
+        if name not in bodies:
+            yield Problem((*STRESS, "bodies", i), unknown("body", name, bodies))
+    for name, body in bodies.items():
+        if entry.begins(name):
+            yield from _without_stress(name, body, laws[name])
+
+
+def _without_stress(name: str, body: Body, law: Material | None) -> Iterator[Problem]:
+    """Yield the problems of a body that cannot begin with a stress."""
+    if isinstance(body.region, Points):
+        yield Problem(
+            STRESS,
+            f"the particles of '{name}' come from a file, whose columns are unknown: give "
+            "their stress there (stress-xx, ..), and leave start.stress out",
+        )
+    carries = law is None or (law.CARRIES_STRESS and law.CARRIES_PRESSURE)
+    if body.configuration == "initial" and not carries:
+        yield Problem(
+            ("bodies", name, "configuration"),
+            f"initial begins undeformed, and the stress of '{body.material}' follows from the "
+            "deformation: take current, or hooke, or settle in place of start.stress",
+        )
 
 
 def _unfit(
@@ -61,12 +100,7 @@ def _unfit(
     """Yield the problems of bodies."""
     for name, body in bodies.items():
         law = laws[name]
-        if isinstance(body.region, Points):
-            yield Problem(
-                STRESS,
-                f"the particles of '{name}' come from a file, whose columns are unknown: give "
-                "their stress there (stress-xx, ..), and leave start.stress out",
-            )
+        yield from _without_stress(name, body, law)
         if law is None:
             continue
         by_body = isinstance(entry.k0, Mapping)
@@ -80,10 +114,4 @@ def _unfit(
                 where,
                 f"1-sin-phi needs the friction-angle of a soil, which '{body.material}' of "
                 f"'{name}' has not; give a number, by body: {{{name}: 0.5}}",
-            )
-        if body.configuration == "initial" and not (law.CARRIES_STRESS and law.CARRIES_PRESSURE):
-            yield Problem(
-                ("bodies", name, "configuration"),
-                f"initial begins undeformed, and the stress of '{body.material}' follows from the "
-                "deformation: take current, or hooke, or settle in place of start.stress",
             )

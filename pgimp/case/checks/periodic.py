@@ -10,6 +10,7 @@ from pgimp.case.output import Output
 from pgimp.geometry.regions import Points
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
+from pgimp.physics.functions.entry import FunctionEntry
 from pgimp.physics.loads import BODY_FORCES
 from pgimp.physics.loads.bodyforce import BodyForceEntry
 from pgimp.physics.loads.tractions import TractionEntry
@@ -110,7 +111,7 @@ def check_periodic_bodies(
                     f"{entry.face} of '{entry.body}' is on a periodic face, behind which it may go "
                     "on; a body with an end there begins within the domain",
                 )
-    if body_force is not None:
+    if body_force is not None and not isinstance(body_force, FunctionEntry):
         yield Problem(
             ("body_force", name_of(body_force, BODY_FORCES)),
             f"{faces}, but this force depends on the position, and would jump there; take gravity",

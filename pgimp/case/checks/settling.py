@@ -8,7 +8,6 @@ from pgimp.case.body import Body
 from pgimp.case.start import StartEntry
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.loads.constraints import ConstraintEntry
-from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import Motion, RigidBody
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -66,7 +65,7 @@ def _moving(
 ) -> Iterator[Path]:
     """Yield the paths of what moves at a time."""
     for name, body in bodies.items():
-        if isinstance(body.velocity, RigidMotion) or any(body.velocity or ()):
+        if not isinstance(body.velocity, tuple) or any(body.velocity):
             yield "bodies", name, "velocity"
     for name, rigid in rigid_bodies.items():
         if isinstance(rigid.rigid, Motion) and any(

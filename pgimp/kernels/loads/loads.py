@@ -15,6 +15,7 @@ from pgimp.kernels.grid.wall_gap import Sides, divergence
 from pgimp.kernels.loads.surfaces import scatter_surfaces, surface_power
 from pgimp.kernels.loads.tractions import scatter_tractions, traction_power
 from pgimp.physics.exact.base import BodyForce, body_force
+from pgimp.physics.functions.call import call
 from pgimp.physics.loads.bodyforce import acceleration
 from pgimp.physics.loads.surfaces import SurfaceLoad
 from pgimp.physics.loads.tractions import Traction
@@ -85,9 +86,26 @@ def _force(force, frame, particles, p):
     """Body force per mass of particle `p` as three numbers, (17)."""
 
 
+def _own_force(kind):
+    """`_force` by a function of one's own, which may take the initial position."""
+
+    def force_by_place(force, frame, particles, p):
+        x, v = read(particles.x, p, 0, frame.origin), read(particles.v, p, 0, frame.origin)
+        return _three(call(force.source, (x, x, v, force.time)))
+
+    def force_by_origin(force, frame, particles, p):
+        X = read(particles.origin, p, 0, frame.origin)
+        x, v = read(particles.x, p, 0, frame.origin), read(particles.v, p, 0, frame.origin)
+        return _three(call(force.source, (X, x, v, force.time)))
+
+    return force_by_origin if 0 in kind.taken else force_by_place
+
+
 @specialise(_force)
 def _force_of(force, frame, particles, p):
     D = len(frame.types[0])
+    if hasattr(force.types[0].instance_class, "taken"):
+        return _own_force(force.types[0].instance_class)
     if hasattr(force.types[0].instance_class, "acceleration"):
 
         def force_here(force, frame, particles, p):

@@ -11,6 +11,7 @@ The tuple has ``scale(t)``, the reference stress of the error (47), and kernels 
 from pgimp.physics.exact.base import Solution
 from pgimp.physics.exact.compaction import Compaction
 from pgimp.physics.exact.generalized_vortex import GeneralizedVortex
+from pgimp.physics.exact.own import OwnSolution
 from pgimp.physics.exact.plane_wave import PlaneWave
 from pgimp.physics.exact.shock import Shock
 from pgimp.physics.exact.spinning_block import SpinningBlock
@@ -24,4 +25,5 @@ EXACT: dict[str, type[Solution]] = {
     "generalized-vortex": GeneralizedVortex,
     "spinning-block": SpinningBlock,
     "plane-wave": PlaneWave,
+    "function": OwnSolution,
 }

@@ -8,8 +8,17 @@ gives a NamedTuple with a kernel as static method:
   directions that the case does not have.
 """
 
+from pgimp.physics.functions.over_time import FunctionOfTime
 from pgimp.physics.loads.bodyforce import BodyForceEntry
+from pgimp.physics.loads.controlled import Controlled
+from pgimp.physics.loads.own_force import OwnForce
 from pgimp.physics.loads.rotating_frame import RotatingFrame
+from pgimp.schema.time_functions import FORMS
 
 #: The body forces by their name in the case, ``body_force: {NAME: {...}}``.
-BODY_FORCES: dict[str, type[BodyForceEntry]] = {"rotating-frame": RotatingFrame}
+BODY_FORCES: dict[str, type[BodyForceEntry]] = {
+    "rotating-frame": RotatingFrame,
+    "function": OwnForce,
+}
+
+FORMS |= {"function": FunctionOfTime, "control": Controlled}

@@ -11,6 +11,11 @@ from pgimp.schema.sizes import Problems, length
 class BodyForceEntry(Model):
     """Base of the entries ``body_force``."""
 
+    @property
+    def initial(self) -> bool:
+        """Whether the force depends on particles' initial positions."""
+        return False
+
     @abstractmethod
     def parameters(self) -> NamedTuple:
         """Parameters of the kernels, see `pgimp.physics.loads`."""

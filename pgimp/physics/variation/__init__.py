@@ -9,6 +9,7 @@ numbers into the material.
 from pgimp.physics.variation.along import LayersVariation, TableVariation
 from pgimp.physics.variation.base import KINDS, VARIATION, NoValueError, Path, Places, Variation
 from pgimp.physics.variation.column import FromColumn
+from pgimp.physics.variation.own import OwnVariation
 from pgimp.physics.variation.randomfield import RandomVariation
 
 __all__ = ["KINDS", "VARIATION", "NoValueError", "Path", "Places", "TableVariation", "Variation"]
@@ -18,4 +19,5 @@ KINDS |= {
     "layers": LayersVariation,
     "random": RandomVariation,
     "column": FromColumn,
+    "function": OwnVariation,
 }

@@ -17,17 +17,12 @@ import numpy as np
 
 from pgimp.case.start import InitialStress
 from pgimp.errors import CaseError
-from pgimp.kernels.data.frame import identity
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.once.prestress import bearable_stress
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.materials.cam_clay import CamClay
+from pgimp.scene.bodies.prestrain import find_deformation, unknowns_along
 from pgimp.scene.scene import Scene
-
-#: Newton steps, at most; the change of a logarithm for a slope; the part of the wanted stress that
-#: may be missing in the end.
-_STEPS, _CHANGE, _MISSING = 60, -1e-6, 1e-9
 
 
 def set_geostatic_stress(
@@ -140,7 +135,9 @@ def _set_body(
     wanted[:, axis] = -weight
     p.sigma[rows] = wanted
     if not (law.CARRIES_STRESS and law.CARRIES_PRESSURE):
-        find_deformation(scene, p, rows, name, wanted, axis)
+        words = "the weight above", "and this k0; take another k0, stiffer material, or settle"
+        unknowns = unknowns_along(scene, name, axis)
+        find_deformation(scene, (p, rows), name, wanted, unknowns, words)
     if isinstance(law, CamClay) and entry.ocr is not None:
         pressure, q = -wanted[:, :3].mean(axis=1), (1.0 - k0) * weight
         bears = pressure + (q / law.m) ** 2 / np.maximum(pressure, 1e-300)
@@ -148,69 +145,3 @@ def _set_body(
             "preconsolidation", scene.materials.names.index(scene.case.bodies[name].material)
         )
         p.state[rows, at] = entry.ocr * bears
-
-
-def find_deformation(
-    scene: Scene, p: Particles, rows: np.ndarray, name: str, wanted: np.ndarray, axis: int
-) -> None:
-    """Find the deformation under which the law gives a stress: its mean, or two components.
-
-    Newton's method in the logarithms of the stretches, particle by particle.
-    """
-    D, axial = scene.dimension, scene.case.axisymmetric
-    law = scene.case.materials[scene.case.bodies[name].material]
-    mean = law.VOLUME_ONLY or law.CARRIES_STRESS
-    # Directions of the unknowns: all, or the one along gravity and those across it.
-    directions = D + axial
-    groups = (
-        [list(range(directions))] if mean else [[axis], [d for d in range(directions) if d != axis]]
-    )
-    groups = [group for group in groups if group]
-    one, place = np.array(identity(D, axial)), [d * (D + 1) for d in range(D)] + [D * D] * axial
-    setting, found = scene.setting.without_shape(), np.empty_like(wanted)
-
-    def goal(sigma: np.ndarray) -> np.ndarray:
-        if mean:
-            return np.asarray(sigma[:, :3].mean(axis=1))[:, None]
-        return np.stack([sigma[:, group[0]] for group in groups], axis=1)
-
-    def missing(u: np.ndarray) -> np.ndarray:
-        F = np.tile(one, (len(rows), 1))
-        for k, group in enumerate(groups):
-            F[:, [place[d] for d in group]] = np.exp(u[:, k, None])
-        p.F[rows] = F
-        bearable_stress(setting, p, rows, found)
-        return goal(found) - goal(wanted)
-
-    n = len(groups)
-    u, scale = np.zeros((len(rows), n)), np.abs(wanted).max(axis=1, initial=0.0)
-    best, at_best, going = np.full(len(rows), np.inf), u.copy(), np.ones(len(rows), bool)
-    for _ in range(_STEPS):
-        error = missing(u)
-        size = np.abs(error).max(axis=1, initial=0.0)
-        better = (size < best) & going
-        best[better], at_best[better] = size[better], u[better]
-        going &= better  # each particle by itself: bits do not depend on the others
-        if not going.any():
-            break
-        slope = np.empty((len(rows), n, n))
-        for k in range(n):
-            moved = u.copy()
-            moved[:, k] += _CHANGE
-            slope[:, :, k] = (missing(moved) - error) / _CHANGE
-        singular = ~(np.abs(np.linalg.det(slope)) > 0.0)
-        slope[singular] = np.eye(n)
-        step = np.linalg.solve(slope, error[:, :, None])[:, :, 0]
-        step[singular] = 0.0
-        u = u - np.clip(step, -0.2, 0.2)
-    missing(at_best)
-    if (best > _MISSING * scale).any():
-        worst = int(np.argmax(best - _MISSING * scale))
-        raise CaseError(
-            f"start.stress: '{name}' has no deformation with the stress of the weight above, "
-            f"{scale[worst]:.3g}, and this k0; take another k0, stiffer material, or settle"
-        )
-    if not law.CARRIES_STRESS:
-        p.sigma[rows] = found
-    J = np.linalg.det(p.F[rows][:, : D * D].reshape(-1, D, D)) * p.F[rows][:, D * D :].prod(axis=1)
-    p.V0[rows] = p.V[rows] / J

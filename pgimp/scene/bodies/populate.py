@@ -5,9 +5,12 @@ from itertools import chain
 
 import numpy as np
 
+from pgimp.case.locations import located
+from pgimp.errors import CaseError
 from pgimp.geometry.regions import Points
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.errors import initial_velocities
+from pgimp.physics.loads.own_velocity import OwnVelocity
 from pgimp.physics.materials.base import has
 from pgimp.scene.bodies.cloud_gradients import with_gradients
 from pgimp.scene.bodies.lattice import Lattice, ParticleBlock
@@ -124,12 +127,12 @@ def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) ->
 
 def prestressed(scene: Scene) -> list[int]:
     """Bodies whose particles store the stress of their start in other states."""
+    given = scene.case.start.stress, scene.case.staged.stress
     return [
         number
-        for number, body in enumerate(scene.case.bodies.values())
+        for number, (name, body) in enumerate(scene.case.bodies.items())
         if (
-            scene.case.start.stress is not None
-            or scene.case.staged.stress is not None
+            any(each is not None and each.begins(name) for each in given)
             or (isinstance(body.region, Points) and body.region.summary.stress)
         )
         and scene.case.materials[body.material].states
@@ -147,6 +150,8 @@ def velocities(scene: Scene, body: int, positions: np.ndarray) -> np.ndarray:
         return v
     motion = scene.case.bodies[scene.case.body_names[body]].velocity
     D = scene.dimension
+    if isinstance(motion, OwnVelocity):
+        return own_velocities(scene, body, motion, positions)
     if isinstance(motion, tuple):
         return np.tile(np.array(motion, float), (len(positions), 1))
     v = np.zeros_like(positions)
@@ -165,6 +170,22 @@ def velocities(scene: Scene, body: int, positions: np.ndarray) -> np.ndarray:
         axis=1,
     )
     return v + turn[:, :D]
+
+
+def own_velocities(
+    scene: Scene, body: int, motion: OwnVelocity, positions: np.ndarray
+) -> np.ndarray:
+    """Initial velocities by a function of one's own, (n, D); those that are no number refused."""
+    v = motion.at(positions)
+    if not np.isfinite(v).all():
+        row = int(np.argmin(np.isfinite(v).all(axis=1)))
+        place = ", ".join(f"{x:.6g}" for x in positions[row])
+        with located(scene.case):
+            raise CaseError(
+                f"bodies.{scene.body_names[body]}.velocity: {motion.registered} returns "
+                f"({', '.join(f'{each:g}' for each in v[row])}) at ({place})"
+            )
+    return v
 
 
 def _velocity_gradients(scene: Scene, body: int, positions: np.ndarray) -> np.ndarray:

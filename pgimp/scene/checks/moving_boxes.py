@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pgimp.geometry.regions import Points
+from pgimp.physics.loads.own_velocity import OwnVelocity
 from pgimp.scene.checks.supports import held_at
 from pgimp.schema.tables import VectorFunction
 from pgimp.schema.time_functions import TimeFunction
@@ -75,11 +76,13 @@ def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
 
 
 def _velocity(
-    entry: tuple[float, ...] | RigidMotion, middle: np.ndarray
+    entry: tuple[float, ...] | RigidMotion | OwnVelocity, middle: np.ndarray
 ) -> tuple[np.ndarray, bool]:
     """Initial velocity of a body's point, (D,), and whether the body turns."""
     if isinstance(entry, tuple):
         return np.array(entry, float), False
+    if isinstance(entry, OwnVelocity):
+        return entry.at(middle[None])[0], False
     D, rate = len(middle), entry.rotation.rate
     arm, translation = np.zeros(3), entry.translation
     arm[:D] = middle - entry.rotation.about

@@ -19,7 +19,7 @@ from pgimp.kernels.order.order import layers_of, locate
 from pgimp.kernels.rigid.bodies import distances
 from pgimp.kernels.sums.sums import SUMS
 from pgimp.mpi.collective import all_or_none
-from pgimp.scene.bodies.geostatic import set_geostatic_stress
+from pgimp.scene.bodies.initial_stress import set_initial_stress
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.scene import Scene, count_particles
@@ -189,7 +189,7 @@ class Arrivals:
             scene.interaction.loads.require_all_hold(particles, own, comm, self.names)
             scene.interaction.loads.surfaces.require(particles, own, comm, self.names)
             if stress is not None:
-                set_geostatic_stress(scene, particles, own, comm, stress, time)
+                set_initial_stress(scene, particles, own, comm, stress, time)
         except CaseError as error:
             raise RunError(f"{scene.case.staged.title}: {error}") from None
         if bodies := prestressed(scene):

@@ -6,6 +6,7 @@ import numpy as np
 
 from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE, TOO_FAST
+from pgimp.scene.checks.own_functions import force_without_value
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
 
@@ -85,6 +86,8 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     elif error == OUTSIDE and _face(rank, row) in rank.scene.case.boundaries:
         advice = _DRAWN_OUT
     came = origin(rank, row, step.end) if error == OUTSIDE else ""
+    if error == NOT_FINITE and (text := force_without_value(rank.scene, p.x[row], step.start)):
+        came, advice = f": {text}", "another force there, or another end of the run"
     return (
         f"particle {p.id[row]} of body '{body}' {explanation(rank, row, error)}{came}",
         f"in step {step.number} to time {step.end:.6g} (dt {step.dt:.4g}), at ({position}), "

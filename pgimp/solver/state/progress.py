@@ -16,12 +16,14 @@ from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
+    from pgimp.scene.scene import Scene
 
 
 class SimulationProgress:
     """What follows from the attributes of `pgimp.solver.simulation.Simulation`."""
 
     cases: tuple[Case, ...]
+    scene: Scene
     stage: int
     comm: Communicator
     clock: FixedClock | CourantClock

@@ -7,7 +7,7 @@ the case, or only save time (the window, the holes between rows), are left out.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
@@ -54,6 +54,7 @@ class State(BaseModel):
     removed: list[float] | None = Field(default=None, max_length=100)
     added: list[float] | None = Field(default=None, max_length=100)
     inflow: list[float] | None = Field(default=None, max_length=300)
+    each: dict[str, dict[str, Any]] | None = None
     changed: float = 0.0
     settling_time: float = Field(ge=0.0, default=0.0)
     told: list[float] = Field(
@@ -124,6 +125,7 @@ def capture(
     stage: int = 0,
     clock: FixedClock | CourantClock | None = None,
     settling: bool = False,
+    each: dict[str, dict[str, Any]] | None = None,
 ) -> tuple[dict[str, object], Ordered, dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Capture the state of a simulation between two steps; collective.
 
@@ -147,6 +149,8 @@ def capture(
         Its clock.
     settling : bool
         Whether the run still comes to rest before time 0.
+    each : dict, optional
+        State and loads of a function that is called after steps.
 
     Returns
     -------
@@ -190,6 +194,7 @@ def capture(
         removed=None if records.removed is None else records.removed.tolist(),
         added=None if records.added is None else records.added.tolist(),
         inflow=rank.inflow.numbers if rank.inflow else None,
+        each=each,
         changed=records.changed,
         settling_time=records.settling_time,
         told=records.told.tolist(),

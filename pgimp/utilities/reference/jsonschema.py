@@ -8,7 +8,7 @@ from pgimp.case.schema import Case
 from pgimp.geometry.regions import REGION
 from pgimp.physics.variation import KINDS, VARIATION
 from pgimp.schema.registries import COMMENT, ByKey
-from pgimp.schema.time_functions import OVER_TIME, Table
+from pgimp.schema.time_functions import OVER_TIME
 
 Schema = dict[str, Any]
 
@@ -28,8 +28,7 @@ def json_schema() -> Schema:
     definitions: Schema = {}
     schema = _collect(Case.model_json_schema(), definitions)
     definitions[REGION.what] = {"oneOf": _named(REGION, definitions)}
-    table = _collect(Table.model_json_schema(), definitions)
-    definitions[OVER_TIME.what] = {"oneOf": [table, *_named(OVER_TIME, definitions)[1:]]}
+    definitions[OVER_TIME.what] = {"oneOf": _named(OVER_TIME, definitions)}
     definitions[VARIATION.what] = {
         "oneOf": [_collect(kind.model_json_schema(), definitions) for kind in KINDS.values()]
     }
@@ -71,15 +70,18 @@ def study_schema() -> Schema:
 
 
 def _named(kind: ByKey, definitions: Schema) -> list[Schema]:
-    return [
-        {
-            "type": "object",
-            "properties": {name: _collect(entry.model_json_schema(), definitions)},
-            "required": [name],
-            "additionalProperties": False,
-        }
-        for name, entry in kind.registry().items()
-    ]
+    forms = []
+    for name, entry in kind.registry().items():
+        content = _collect(entry.model_json_schema(), definitions)
+        if name not in entry.model_fields:  # else it is the whole mapping
+            content = {
+                "type": "object",
+                "properties": {name: content},
+                "required": [name],
+                "additionalProperties": False,
+            }
+        forms.append(content)
+    return forms
 
 
 def _collect(schema: Schema, definitions: Schema) -> Schema:

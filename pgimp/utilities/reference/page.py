@@ -73,8 +73,9 @@ def reference() -> str:
         if below := list(_rows(section.path, section.schema, schema["$defs"], [])):
             pages.append(_table(_HEAD, below))
     pages += ["## Functions of time\n", _TIME]
-    for form in schema["$defs"][OVER_TIME.what]["oneOf"][1:]:
-        ((name, content),) = form["properties"].items()
+    forms = zip(OVER_TIME.registry(), schema["$defs"][OVER_TIME.what]["oneOf"], strict=True)
+    for name, form in [*forms][1:]:
+        content = form["properties"][name] if len(form["properties"]) == 1 else form
         pages += [f"### `{{{name}: ..}}`\n", content["description"] + "\n"]
         pages.append(_table(_HEAD, _rows("", content, schema["$defs"], [])))
     pages += ["## Parameters that vary in space\n", _VARIATIONS]

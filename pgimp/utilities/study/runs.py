@@ -151,7 +151,7 @@ def _is_done(study: Study, run: Planned, output: Path, info: dict[str, Any]) -> 
     version = info.get("versions", {}).get(runinfo.PROGRAM)
     if info.get("ranks") != study.ranks or version != runinfo.installed(runinfo.PROGRAM):
         return False
-    if not unchanged(info.get("materials", {})):
+    if not unchanged(info.get("materials", {}) | info.get("functions", {})):
         return False
     with suppress(OSError, ValueError):
         return read_plain(output / "case.yaml", LARGEST_FILE).decode() == run.resolved

@@ -33,6 +33,7 @@ import math
 
 import numpy as np
 from proofs.scenes.energy import Seen
+from proofs.scenes.own.by_hand import forces_by_hand
 
 from pgimp.errors import RunError
 from pgimp.scene.checks.facts import wave_speed
@@ -122,10 +123,13 @@ class Books:
             self.case, self._line = sim.case, sim.diagnostics()
         rows, start, last = sim.live(), sim.time, self._line
         gravity = np.array(sim.scene.domain.gravity(start)[:D])
+        pull = gravity + forces_by_hand(sim, rows)  # per mass of each particle
         impulse = last["mass"] * gravity + patch_forces(sim)
+        impulse += ((pull - gravity) * sim.particles.m[rows, None]).sum(axis=0)
         ids, p = sim.particles.id[rows].tolist(), sim.particles
         x = unwrapped(sim, rows)
-        before, mass = (dict(zip(ids, of, strict=True)) for of in (x, p.m[rows]))
+        weight = pull * p.m[rows, None]
+        before, weight = (dict(zip(ids, of, strict=True)) for of in (x, weight))
         seen, affine = Seen(), self.case.method.affine
         with seen.step() if self._accelerates or affine else contextlib.nullcontext():
             sim.advance()
@@ -155,15 +159,15 @@ class Books:
         # Absorbing faces do the work of the forces with which they hold what was there at first.
         known &= not any(entry.absorbs for entry in self.case.boundaries.values())
         if (len(forces) <= 1 or not moves) and known:
-            self._check_work(line, last, gravity, before, mass, start)
+            self._check_work(line, last, before, weight, start)
 
-    def _check_work(self, line, last, gravity, before, mass, start):
+    def _check_work(self, line, last, before, weight, start):
         sim = self.sim
         rows = sim.live()
         if len(rows) < len(before):  # the way of those that have left is not known
             return
         ids, x = sim.particles.id[rows].tolist(), unwrapped(sim, rows)
-        work = sum(mass[i] * (gravity @ (x[n] - before[i])) for n, i in enumerate(ids))
+        work = sum(weight[i] @ (x[n] - before[i]) for n, i in enumerate(ids))
         for kind in ("boundaries", "constraints"):
             for name, entry in getattr(self.case, kind).items():
                 if hasattr(entry, "velocity"):
@@ -235,7 +239,10 @@ class Books:
             if (gained := float((own - own[0] + done).max()) / most) > RIGID:
                 text = f"{name} gains {gained:.3g} of its energy"
                 self.wrong.append(("books: free rigid body", text))
-        loads = ("boundaries", "constraints", "tractions", "gravity", "rigid_bodies", "damping")
+        loads = (
+            "boundaries", "constraints", "tractions", "gravity", "rigid_bodies", "damping",
+            "body_force",
+        )  # fmt: skip
         held = any(getattr(case, load) for case in self.sim.cases for load in loads)
         if not held and self.D > 1 and len(self._lines) > 1:
             speed = math.sqrt(2.0 * energy.max() / self.mass)

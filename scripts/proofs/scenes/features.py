@@ -29,6 +29,12 @@ from proofs.scenes.loads import (
 )
 from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
 from proofs.scenes.output import checkpoints, frames, grid_frames, history, probes, small_files
+from proofs.scenes.own.features_of_functions import (
+    own_coefficients,
+    own_force,
+    own_stress,
+    own_velocity,
+)
 from proofs.scenes.stages import settling, stages
 
 SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
@@ -235,6 +241,10 @@ FEATURES = (
     Feature("along the axis", along_the_axis),
     Feature("periodic faces", periodic, 0.2, compiled=True),
     Feature("settling", settling, 0.1, compiled=True),
+    Feature("body force of one's own", own_force, 0.15, compiled=True),
+    Feature("velocity of one's own", own_velocity, 0.15),
+    Feature("stress of one's own", own_stress, 0.08, compiled=True),
+    Feature("coefficients of one's own", own_coefficients, 0.12, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),

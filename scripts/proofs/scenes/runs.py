@@ -16,6 +16,8 @@ from pgimp.errors import CaseError, PgimpError
 
 #: The material with a memory that some scenes have.
 SOFTENING = Path(__file__).parents[3] / "cases/softening.py"
+#: Functions of one's own.
+FUNCTIONS = Path(__file__).with_name("own") / "random_functions.py"
 #: Steps between two moves of slab boundaries.
 EVERY = 4
 #: A run with more steps to go is ended: a scene has some 60, or 200 where pgimp chooses them. What
@@ -50,6 +52,7 @@ def prepare():
     from pgimp.physics.materials.registry import import_file
 
     import_file(str(SOFTENING))
+    import_file(str(FUNCTIONS))
     from pgimp.commands import run
     from pgimp.decomposition import halo, migrate, redistribute
     from pgimp.decomposition.balance import Balance

@@ -10,7 +10,6 @@ or two longer.
 from __future__ import annotations
 
 import inspect
-import re
 from typing import NamedTuple
 
 import numba
@@ -20,6 +19,7 @@ from pgimp.errors import UsageError
 from pgimp.jit.compiled.cache import Store
 from pgimp.jit.kernel import FOLDER
 from pgimp.jit.outside import NumbaObject, part_of
+from pgimp.jit.results import INTEGER_HINT, described, is_integer, is_tuple, why
 from pgimp.jit.vectors.simd import vec4
 from pgimp.physics.materials.base import (
     LOSSES,
@@ -45,9 +45,6 @@ _ONE_BY_ONE = ("energy", "losses", "initial_state")
 #: Components of a symmetric tensor, in the order of `pgimp.jit.algebra`, and their number.
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 _COUNTS = (3, 4, 6)
-_COLOUR = re.compile("\x1b\\[[0-9;]*m")
-_LONGEST_MESSAGE = 600
-_INTEGER_HINT = "; write 0.0 for 0"
 
 _fitting: set[tuple[type, str, int]] = set()
 
@@ -151,11 +148,7 @@ def _examine(who: str, parameters: NamedTuple, dimensions: int) -> None:
         try:
             result = _result(parameters, quantity, kinds)
         except Exception as error:  # also errors of Numba itself
-            text = " ".join(_COLOUR.sub("", str(error)).split())
-            text = text.partition("pipeline (step: nopython frontend) ")[2] or text
-            if len(text) > _LONGEST_MESSAGE:
-                text = f"{text[: _LONGEST_MESSAGE - 3]}..."
-            raise UsageError(f"{where} does not compile: {text}") from error
+            raise UsageError(f"{where} does not compile: {why(error)}") from error
         if quantity == "stress":
             width = state_width(type(parameters), dimensions)
             if width:
@@ -167,17 +160,17 @@ def _examine(who: str, parameters: NamedTuple, dimensions: int) -> None:
             _require_states(where, result, state_width(type(parameters), dimensions))
         elif result != types.float64:
             raise UsageError(
-                f"{where} must return a float, but returns {_described(result)}"
-                f"{_INTEGER_HINT * _is_integer(result)}"
+                f"{where} must return a float, but returns {described(result)}"
+                f"{INTEGER_HINT * is_integer(result)}"
             )
 
 
 def _require_state(where: str, result: NumbaObject, width: int) -> NumbaObject:
     """Refuse a result other than a pair of stress and state; return the type of the stress."""
-    if not _is_tuple(result) or len(result) != 2:
+    if not is_tuple(result) or len(result) != 2:
         raise UsageError(
             f"{where} must return a pair, the stress and the state of {width}, as the material has "
-            f"a STATE, but returns {_described(result)}"
+            f"a STATE, but returns {described(result)}"
         )
     _require_states(where, result[1], width)
     return result[0]
@@ -185,61 +178,37 @@ def _require_state(where: str, result: NumbaObject, width: int) -> NumbaObject:
 
 def _require_states(where: str, state: NumbaObject, width: int) -> None:
     """Refuse a state other than a tuple of `width` floats."""
-    parts = [*state] if _is_tuple(state) else []
+    parts = [*state] if is_tuple(state) else []
     if len(parts) != width or any(part != types.float64 for part in parts):
-        listed = ": " * bool(parts) + ", ".join(map(_described, parts))
+        listed = ": " * bool(parts) + ", ".join(map(described, parts))
         raise UsageError(
             f"{where} must return the state as a tuple of {width} floats, but returns "
-            f"{_described(state)}{listed}"
+            f"{described(state)}{listed}"
         )
 
 
 def _require_losses(where: str, result: NumbaObject) -> None:
     """Refuse a result other than a tuple with a float for each of `LOSSES`."""
-    parts = [*result] if _is_tuple(result) else []
+    parts = [*result] if is_tuple(result) else []
     if len(parts) != len(LOSSES) or any(part != types.float64 for part in parts):
         raise UsageError(
             f"{where} must return a tuple of {len(LOSSES)} floats, {', '.join(LOSSES)}, but "
-            f"returns {_described(result)}"
+            f"returns {described(result)}"
         )
 
 
 def _require_stress(where: str, result: NumbaObject, dimensions: int) -> None:
     wanted = _COUNTS[dimensions - 1]
     names = _COMPONENTS[:wanted]
-    given = len(result) if isinstance(result, types.BaseTuple) else None
+    given = len(result) if is_tuple(result) else None
     if given != wanted:
         raise UsageError(
             f"{where} must return the {wanted} components {' '.join(names)} of a stress in "
-            f"{dimensions}D as a tuple, but returns {_described(result)}"
+            f"{dimensions}D as a tuple, but returns {described(result)}"
         )
     for name, part in zip(names, result, strict=True):
         if part != types.float64:
             raise UsageError(
                 f"{where} must return {wanted} floats, but the component {name} is "
-                f"{_described(part)}{_INTEGER_HINT * _is_integer(part)}"
+                f"{described(part)}{INTEGER_HINT * is_integer(part)}"
             )
-
-
-def _is_tuple(kind: NumbaObject) -> bool:
-    return isinstance(kind, types.BaseTuple)
-
-
-def _is_integer(kind: NumbaObject) -> bool:
-    return isinstance(kind, types.Integer | types.IntegerLiteral)
-
-
-def _described(kind: NumbaObject) -> str:
-    """Describe a Numba type."""
-    if isinstance(kind, types.BaseTuple):
-        return f"a tuple of {len(kind)}"
-    for known, words in (
-        (types.Optional, "None in some cases"),
-        (types.NoneType, "None"),
-        (types.Boolean, "a bool"),
-        (types.Complex, "a complex number"),
-        (types.Array, "an array"),
-    ):
-        if isinstance(kind, known):
-            return words
-    return "an int" if _is_integer(kind) else "a float" if kind == types.float64 else str(kind)

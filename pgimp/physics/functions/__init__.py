@@ -1,0 +1,1 @@
+"""Functions of one's own in a case: body forces, velocities, stresses, coefficients, solutions."""
