@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 from math import inf, isclose
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from pgimp.case.load import Source, load
 from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.io.results.tables import Fields
+from pgimp.kernels.sums.energies import strain_energies
 from pgimp.mpi.comm import world
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.peers import created, together
@@ -221,6 +223,7 @@ class Particles(Mapping[str, np.ndarray]):
             scene.materials.body_material,
             periods=scene.domain.ends,
             plate=scene.carried.plate,
+            energy=partial(strain_energies, scene.setting),
         )
         return scene.fields[name].values(source)
 

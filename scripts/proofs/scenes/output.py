@@ -1,9 +1,10 @@
 """Features of random scenes that say what a run writes; see `scene_features`."""
 
+from pgimp.physics.derived import DERIVED, OF_STRESS
 from proofs.scenes.bodies import number
 
 FIELDS = ("velocity", "stress", "displacement", "deformation", "pressure", "von-mises", "strain",
-          "mass", "density")  # fmt: skip
+          "mass", "density", *DERIVED)  # fmt: skip
 
 
 def frames(rng, scene):
@@ -46,6 +47,9 @@ def probes(rng, scene):
         entry = {"place": at} if rng.random() < 0.4 else {"body": name, "at": at}
         if rng.random() < 0.7:
             entry["every"] = {"steps": rng.randint(1, 9)}
+        if rng.random() < 0.3:
+            known = [*(OF_STRESS if "place" in entry else DERIVED)]
+            entry["fields"] = rng.sample(known, rng.randint(1, 4))
         found[f"at-{name}"] = entry
 
 
