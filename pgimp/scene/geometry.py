@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.checks.probes import check_near
+from pgimp.case.checks.places.probes import check_near
 from pgimp.case.checks.regions import check_bounds
 from pgimp.case.locations import located
 from pgimp.case.schema import Case

@@ -61,6 +61,7 @@ FRAGMENTS = (
     ("region:\n", lambda: scene(2), ("bodies", "block")),
     ("materials:\n  steel:", lambda: scene(2, ("steel",)), ()),
     ("probes:\n", lambda: file_of("bar-vibration"), ()),
+    ("gauges:\n  waist:", lambda: scene(2), ()),
     ("materials:\n  clay:", lambda: scene(2, ("clay",)), ()),
     ("young:\n", lambda: scene(2), ("materials", "rubber")),
     ("boundaries:\n  x-min: periodic", lambda: scene(2), ()),

@@ -52,9 +52,7 @@ class Point:
         Derived fields that it has besides.
     """
 
-    def __init__(
-        self, number: int, origin: Sequence[float], fields: Sequence[str] = ()
-    ) -> None:
+    def __init__(self, number: int, origin: Sequence[float], fields: Sequence[str] = ()) -> None:
         self.number = number
         self.fields = tuple(fields)
         self.origin = tuple(origin)
@@ -220,9 +218,7 @@ def _line(sim: Simulation, names: list[str], values: np.ndarray | None) -> Line:
     return line
 
 
-def nearest(
-    sim: Simulation, body: int, at: Sequence[float], fields: Sequence[str] = ()
-) -> Point:
+def nearest(sim: Simulation, body: int, at: Sequence[float], fields: Sequence[str] = ()) -> Point:
     """The particle of a body whose centre is closest to a position now; collective.
 
     Of several that are equally close, the one with the lowest number.
