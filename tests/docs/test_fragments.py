@@ -57,6 +57,7 @@ FRAGMENTS = (
     ("dimensions: 2\ngeometry: plane-stress", lambda: scene(2, ("sheet",)), ()),
     ("bodies:\n  bar:", lambda: scene(2), ()),
     ("bodies:\n  pile:", lambda: scene(1, ("concrete",)), ()),
+    ("bodies:\n  ground:\n    material: steel", lambda: scene(3, ("steel",)), ()),
     ("bodies:\n  part:", lambda: scene(3, ("steel",)), ()),
     ("region:\n", lambda: scene(2), ("bodies", "block")),
     ("materials:\n  steel:", lambda: scene(2, ("steel",)), ()),

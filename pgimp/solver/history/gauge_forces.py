@@ -16,6 +16,7 @@ import numpy as np
 from pgimp.case.gauges import CutGauge, Gauge, WallGauge
 from pgimp.geometry.regions import Box, HalfSpace
 from pgimp.geometry.regions.base import Region
+from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import FORCE, MASS, RECORD
@@ -108,7 +109,7 @@ def sum_vertices(rank: Rank, time: float, gauge: Gauge, external: bool) -> Verti
     groups = groups_by_configuration(scene, rank.population)
     if gauge.bodies is not None or getattr(gauge, "within", None) is not None:
         groups = tuple(_part(rank, gauge, group) for group in groups)
-    sum_particles(rank, groups, loads, False)
+    sum_particles(rank, groups, loads, False, call=Bound())
     rank.halo.finish(grid)
     join_seams(rank, False)
     return _forces(rank, scene.domain.gravity(time) if external else (0.0, 0.0, 0.0))
