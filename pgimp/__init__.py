@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from pgimp.case.load import load
     from pgimp.commands.run import run
     from pgimp.errors import CaseError, PgimpError, RunError, UsageError
-    from pgimp.io.results.reader import open
     from pgimp.mpi.peers import world
     from pgimp.physics.materials.parameters.outside import takes_vectors
     from pgimp.physics.materials.registry import register_material
     from pgimp.solver.driver import Simulation
     from pgimp.utilities.element.march import element
+    from pgimp.utilities.opened import open
 
 __all__ = [
     "CaseError",
@@ -46,7 +46,7 @@ _HOMES = {
     "UsageError": "pgimp.errors",
     "element": "pgimp.utilities.element.march",
     "load": "pgimp.case.load",
-    "open": "pgimp.io.results.reader",
+    "open": "pgimp.utilities.opened",
     "register_material": "pgimp.physics.materials.registry",
     "run": "pgimp.commands.run",
     "takes_vectors": "pgimp.physics.materials.parameters.outside",

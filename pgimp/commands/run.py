@@ -153,7 +153,7 @@ def run(
     """
     from pgimp.case.load import load
     from pgimp.case.writer import dump_case
-    from pgimp.io.results import reader
+    from pgimp.utilities import opened
 
     comm = world() if comm is None else comm
     end_all_on_exceptions(comm)
@@ -179,7 +179,7 @@ def run(
         with Stop(comm, wall_time) as stop:
             log = Log(comm.rank == 0, quiet)
             _run(case, text, comm, Path(output), overwrite, resume, log, stop)
-    return reader.open(output)
+    return opened.open(output)
 
 
 def _read(name: str, comm: Communicator) -> bytes:

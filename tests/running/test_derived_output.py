@@ -91,3 +91,20 @@ def test_a_probe_keeps_its_columns(run):
 def test_fields_that_a_probe_cannot_have(probe, text):
     with pytest.raises(pgimp.CaseError, match=text):
         pgimp.load(flying(probes={"one": probe}))
+
+
+def test_tables_have_units(run):
+    """In the case's own, or in length, mass and time where it names none."""
+    units = run.history.units
+    assert set(units) == set(run.history.dtype.names)
+    assert units["strain-energy"] == "energy" and units["body.a.centre-x"] == "length"
+    assert units["step"] == "" and run.history[-1:].units == units
+    assert run.probes["point"].units["principal-stress-1"] == "stress"
+    run.case.__dict__["units"] = "m, kg, s"
+    try:
+        assert run.history.units["momentum-y"] == "kg m/s / m"
+        assert run.probes["place"].units["max-shear"] == "Pa"
+        assert run.probes["point"].units["velocity-x"] == "m/s"
+        assert run.history.units["strain-energy"] == "J/m"
+    finally:
+        run.case.__dict__["units"] = "none"
