@@ -80,7 +80,9 @@ def gauges(rng, scene):
     along = rng.randrange(D)
     normal = [1.0 if d == along else 0.0 for d in range(D)]
     found["gate"] = {"flux": {"half-space": {"point": point, "normal": normal}}, "within": part}
-    for face, kind in faces.items():
+    # A stage may open a face.
+    later = [stage.get("boundaries") for stage in case["time"].get("stages", ())]
+    for face, kind in faces.items() if not any(later) else ():
         if kind != "periodic" and not (initial and "separating" in kind):
             found[f"on-{face}"] = {"wall": face}
             if rng.random() < 0.5:
