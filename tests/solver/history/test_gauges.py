@@ -5,6 +5,7 @@ import pytest
 from scenes import box, finish, scene, start
 
 import pgimp
+from pgimp.utilities.plot.units import kind_of_column
 
 WALLS = {"x-min": "slip", "x-max": "slip", "y-min": "slip"}
 WATER = {"model": "newtonian", "bulk": 1.0e4, "shear-viscosity": 1.0, "density": 1.0}
@@ -250,3 +251,18 @@ def test_a_plane_across_a_periodic_direction_has_a_flux_and_no_force():
     spans = {"box": {"min": [0.0, 0.0], "max": [8.0, 2.0]}}
     sim = start(scene(2, body, boundaries=ends, gauges={"a": {"cut": spans}}))
     assert sim.diagnostics()["gauge.a.force-y"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("column", "kind"),
+    [
+        ("gauge.waist.force-y", "force"),
+        ("gauge.a.mean.moment-z", "energy"),
+        ("gauge.a.mass-flux", "mass/time"),
+        ("gauge.a.mean.momentum-flux-x", "force"),
+        ("gauge.a.pressure", "stress"),
+        ("gauge.a.height", "length"),
+    ],
+)
+def test_columns_have_units(column, kind):
+    assert kind_of_column(column) == kind
