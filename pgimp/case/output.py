@@ -12,7 +12,7 @@ from pgimp.physics.derived import DERIVED, OF_STRESS
 from pgimp.physics.fields import OPTIONAL, PREFIX
 from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
 from pgimp.schema.dispatch import Either
-from pgimp.schema.messages import unknown
+from pgimp.schema.messages import nearest, unknown
 from pgimp.schema.problems import Problem, problem, raise_problems
 from pgimp.schema.registries import ByWord
 
@@ -30,7 +30,10 @@ def _field(value: str) -> str:
     if value.startswith(PREFIX):
         return value
     if value not in OPTIONAL and value not in (states := _states()):
-        raise problem(unknown("field", value, [*OPTIONAL, *states]))
+        names = [*OPTIONAL, *states]
+        if nearest(value, names) not in DERIVED:  # a shorter list
+            names = [name for name in names if name not in DERIVED]
+        raise problem(unknown("field", value, names))
     return value
 
 

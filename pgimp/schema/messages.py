@@ -62,7 +62,7 @@ def dotted(path: Iterable[str | int]) -> str:
     return ".".join(shorten(str(part)) for part in path)
 
 
-def _listed(names: Iterable[object], most: int = 24) -> str:
+def _listed(names: Iterable[object], most: int = 30) -> str:
     """Return names joined by commas, at most `most`."""
     shown = [shorten(str(name)) for name in islice(names, most + 1)]
     return ", ".join(shown[:most]) + (", ..." if len(shown) > most else "")

@@ -8,7 +8,6 @@ order, so that their bits do not depend on the ranks.
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -55,12 +54,17 @@ class Vertices(NamedTuple):
 
     def sums(self, terms: Array) -> Array:
         """Return sums by plane of terms (n, k), (planes, k)."""
-        ends = np.searchsorted(self.plane, np.arange(self.planes + 1))
-        found = np.zeros((self.planes, terms.shape[1]))
-        for i, (begin, end) in enumerate(pairwise(ends)):
-            if begin < end:
-                found[i] = np.add.reduce(terms[begin:end], axis=0)
-        return found
+        return sums_by(self.plane, self.planes, terms)
+
+
+def sums_by(group: Array, count: int, terms: Array) -> Array:
+    """Return sums of terms (n, k) by group, (count, k); the groups ascend."""
+    found = np.zeros((count, terms.shape[1]))
+    there, first = np.unique(group, return_index=True)
+    ends = np.append(first, len(group))[1:]
+    for i, begin, end in zip(there, first, ends, strict=True):
+        found[i] = np.add.reduce(terms[begin:end], axis=0)
+    return found
 
 
 def chosen(rank: Rank, gauge: Gauge, rows: Array) -> Array:

@@ -7,7 +7,6 @@ Sums of particles go layer by layer in canonical order, as those of vertices by 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from pgimp.solver.history.gauge_forces import (
     on_wall,
     place_of,
     sum_vertices,
+    sums_by,
     through_cut,
     wall_area,
 )
@@ -80,54 +80,50 @@ def _total(scene: Scene, gauge: Gauge, parts: Sequence[Array]) -> Array:
     return found
 
 
-def _by_layer(rank: Rank, gauge: Gauge) -> list[Array]:
-    """Rows of the chosen particles of each layer of this rank."""
+def _counted(rank: Rank, gauge: Gauge) -> tuple[Array, Array]:
+    """Rows of the particles that a gauge counts, in order, and their layers in this rank."""
     population = rank.population
-    order, start = population.order, population.start
-    counted = chosen(rank, gauge, order)
-    return [order[begin:end][counted[begin:end]] for begin, end in pairwise(start)]
+    layer = np.repeat(np.arange(population.layers), np.diff(population.start))
+    if gauge.bodies is None and getattr(gauge, "within", None) is None:
+        return population.order, layer
+    counted = chosen(rank, gauge, population.order)
+    return population.order[counted], layer[counted]
 
 
 def _flux(rank: Rank, gauge: FluxGauge) -> Array:
     """Sums by layer of mass and momentum that leave a surface, per time."""
     surface, particles = gauge_surface(rank.scene, gauge.flux), rank.particles
-    layers = _by_layer(rank, gauge)
-    found = np.zeros((len(layers), FLUXES))
-    D = rank.scene.dimension
-    for i, rows in enumerate(layers):
-        rate = surface.passing(place_of(rank, rows), np.asarray(particles.v[rows]))
-        rows, rate = rows[rate != 0.0], rate[rate != 0.0]
-        if len(rows):
-            passed = (rate * particles.m[rows])[:, None]
-            terms = np.hstack([passed, passed * particles.v[rows]])
-            found[i, : 1 + D] = np.add.reduce(terms, axis=0)
-    return found
+    rows, layer = _counted(rank, gauge)
+    rate = surface.passing(place_of(rank, rows), np.take(particles.v, rows, axis=0))
+    there = np.flatnonzero(rate)
+    rows, layer, rate = rows[there], layer[there], rate[there]
+    passed = (rate * particles.m[rows])[:, None]
+    terms = np.zeros((len(rows), FLUXES))
+    terms[:, :1], terms[:, 1 : 1 + rank.scene.dimension] = passed, passed * particles.v[rows]
+    return sums_by(layer, rank.population.layers, terms)
 
 
 def _level(rank: Rank, gauge: LevelGauge) -> Array:
     """Sums by layer of volumes in a column, and the highest point in each."""
     scene, particles, up = rank.scene, rank.particles, rank.scene.dimension - 1
     cell, periods = scene.domain.frame.cell, scene.domain.periods
-    layers = _by_layer(rank, gauge)
-    found = np.zeros((len(layers), LEVEL))
-    found[:, 1] = -np.inf
-    for i, rows in enumerate(layers):
-        x = place_of(rank, rows)
-        weight = np.ones(len(rows))
-        for d, at in enumerate(gauge.level):
-            away = x[:, d] - at
-            if periods[d] > 0.0:
-                away -= np.round(away / periods[d]) * periods[d]
-            weight *= np.maximum(0.0, 1.0 - np.abs(away) / cell[d])
-        there = weight > 0.0
-        rows, weight, height = rows[there], weight[there], x[there, up]
-        if len(rows):
-            volume = particles.V[rows]
-            if scene.case.axisymmetric:
-                volume = volume / (2.0 * np.pi * particles.x[rows, 0].clip(1e-300))
-            source = Source(particles, rows, scene.dimension, ())
-            found[i, 0] = np.add.reduce((weight * volume)[:, None], axis=0)[0]
-            found[i, 1] = (height + half_of(source)).max()
+    rows, layer = _counted(rank, gauge)
+    x = place_of(rank, rows)
+    weight = np.ones(len(rows))
+    for d, at in enumerate(gauge.level):
+        away = x[:, d] - at
+        if periods[d] > 0.0:
+            away -= np.round(away / periods[d]) * periods[d]
+        weight *= np.maximum(0.0, 1.0 - np.abs(away) / cell[d])
+    there = np.flatnonzero(weight)
+    rows, layer, height = rows[there], layer[there], x[there, up]
+    volume = particles.V[rows]
+    if scene.case.axisymmetric:
+        volume = volume / (2.0 * np.pi * particles.x[rows, 0].clip(1e-300))
+    found = np.full((rank.population.layers, LEVEL), -np.inf)
+    terms = (weight[there] * volume)[:, None]
+    found[:, :1] = sums_by(layer, len(found), terms)
+    np.maximum.at(found[:, 1], layer, height + half_of(Source(particles, rows, up + 1, ())))
     return found
 
 
