@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from pgimp.case.load import load
     from pgimp.commands.run import run
     from pgimp.errors import CaseError, PgimpError, RunError, UsageError
-    from pgimp.io.results.reader import open
     from pgimp.mpi.peers import world
     from pgimp.physics.functions.decorators import (
         body_force,
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from pgimp.solver.driver import Simulation
     from pgimp.solver.each.each import Each
     from pgimp.utilities.element.march import element
+    from pgimp.utilities.opened import open
 
 __all__ = [
     "CaseError",
@@ -65,7 +65,7 @@ _HOMES = {
     "element": "pgimp.utilities.element.march",
     "exact_solution": "pgimp.physics.functions.decorators",
     "load": "pgimp.case.load",
-    "open": "pgimp.io.results.reader",
+    "open": "pgimp.utilities.opened",
     "register_material": "pgimp.physics.materials.registry",
     "run": "pgimp.commands.run",
     "stress": "pgimp.physics.functions.decorators",

@@ -8,10 +8,11 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, Field
 
 from pgimp.physics.columns import GRID
+from pgimp.physics.derived import DERIVED, OF_STRESS
 from pgimp.physics.fields import OPTIONAL, PREFIX
 from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
 from pgimp.schema.dispatch import Either
-from pgimp.schema.messages import unknown
+from pgimp.schema.messages import nearest, unknown
 from pgimp.schema.problems import Problem, problem, raise_problems
 from pgimp.schema.registries import ByWord
 
@@ -29,7 +30,10 @@ def _field(value: str) -> str:
     if value.startswith(PREFIX):
         return value
     if value not in OPTIONAL and value not in (states := _states()):
-        raise problem(unknown("field", value, [*OPTIONAL, *states]))
+        names = [*OPTIONAL, *states]
+        if nearest(value, names) not in DERIVED:  # a shorter list
+            names = [name for name in names if name not in DERIVED]
+        raise problem(unknown("field", value, names))
     return value
 
 
@@ -42,6 +46,12 @@ def _names_fields(schema: dict[str, object]) -> None:
 def _quantity(value: str) -> str:
     if value not in GRID:
         raise problem(unknown("quantity of the grid", value, GRID))
+    return value
+
+
+def _known(value: str, names: Mapping[str, object]) -> str:
+    if value not in names:
+        raise problem(unknown("derived field", value, names))
     return value
 
 
@@ -61,6 +71,21 @@ GridName = Annotated[
     str, AfterValidator(_quantity), Field(strict=True, json_schema_extra={"enum": [*GRID]})
 ]
 """Name of a quantity of the grid that frames may hold."""
+
+
+DerivedName = Annotated[
+    str,
+    AfterValidator(lambda value: _known(value, DERIVED)),
+    Field(strict=True, json_schema_extra={"enum": [*DERIVED]}),
+]
+"""Name of a field that is computed from others."""
+
+StressFieldName = Annotated[
+    str,
+    AfterValidator(lambda value: _known(value, OF_STRESS)),
+    Field(strict=True, json_schema_extra={"enum": [*OF_STRESS]}),
+]
+"""Name of a field that is computed from the stress."""
 
 
 class Output(Model):
@@ -123,6 +148,10 @@ class PointProbe(Model):
         description="a line at the first step at or after every multiple of this, at the start and "
         "at the end; null: as the history [time]",
     )
+    fields: Annotated[tuple[DerivedName, ...], AfterValidator(_unique)] = Field(
+        default=(),
+        description="further columns: fields that are computed from others, as frames have them",
+    )
 
 
 class PlaceProbe(Model):
@@ -133,6 +162,9 @@ class PlaceProbe(Model):
         default=None,
         description="a line at the first step at or after every multiple of this, at the start and "
         "at the end; null: as the history [time]",
+    )
+    fields: Annotated[tuple[StressFieldName, ...], AfterValidator(_unique)] = Field(
+        default=(), description="further columns: fields that follow from its mean stress"
     )
 
 

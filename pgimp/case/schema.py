@@ -25,6 +25,7 @@ from pgimp.case.checks.parts import check, sound_parts
 from pgimp.case.courant import largest_courant
 from pgimp.case.damping import Damping
 from pgimp.case.defaults import with_defaults
+from pgimp.case.gauges import GaugeEntry
 from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
@@ -202,6 +203,13 @@ class Case(Model):
         max_length=200,
         description="what is followed in a file of its own, `probes/NAME.csv`: a material point, "
         "{body: bar, at: [50.0]}, or a place fixed in space, {place: [50.0]}",
+        json_schema_extra={"additionalProperties": False},
+    )
+    gauges: dict[Name, GaugeEntry] = Field(
+        default={},
+        max_length=60,
+        description="forces through cuts, fluxes, forces on parts of walls and levels, in columns "
+        "`gauge.NAME` of history.csv",
         json_schema_extra={"additionalProperties": False},
     )
     checkpoint: Checkpoint = Field(default=Checkpoint(), description="checkpoints")

@@ -160,9 +160,9 @@ def run(
     """
     from pgimp.case.load import load
     from pgimp.case.writer import dump_case
-    from pgimp.io.results import reader
     from pgimp.solver.each.each import each_of
     from pgimp.solver.each.levels import own_levels
+    from pgimp.utilities import opened
 
     calls = each_of(each)
     comm = world() if comm is None else comm
@@ -189,7 +189,7 @@ def run(
         with Stop(comm, wall_time) as stop:
             log = Log(comm.rank == 0, quiet)
             _run(own_levels(case), text, comm, Path(output), overwrite, resume, log, stop, calls)
-    return reader.open(output)
+    return opened.open(output)
 
 
 def _read(name: str, comm: Communicator) -> bytes:

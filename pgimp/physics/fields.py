@@ -2,49 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
-
 import numpy as np
 
-from pgimp.physics.source import Source, within
-
-Array = np.ndarray
-
-#: Components of a symmetric tensor.
-TENSOR = "xx yy zz xy yz xz"
+from pgimp.physics.derived import DERIVED
+from pgimp.physics.source import TENSOR, Array, Field, Source, within
 
 #: Prefix of the fields of spatially varying parameters, before their keys in the case.
 PREFIX = "parameter-"
-
-
-class Field(NamedTuple):
-    """A quantity of a particle: its function, meaning and format in frames.
-
-    Attributes
-    ----------
-    values : callable
-        Takes a `Source`; returns an array of shape (n,) or (n, columns).
-    meaning : str
-        With the unit in square brackets where there is one.
-    components : str
-        Names of the components in order; empty for a scalar.
-    kind : str
-        The attribute type that XDMF readers need.
-    dtype : str
-        Type in the file.
-    """
-
-    values: Callable[[Source], Array]
-    meaning: str
-    components: str = ""
-    kind: str = "Scalar"
-    dtype: str = "<f8"
-
-    @property
-    def columns(self) -> int:
-        """Number of components; 0 for a scalar."""
-        return len(self.components.split())
 
 
 def _padded(values: Array, columns: int) -> Array:
@@ -252,8 +216,8 @@ OPTIONAL = {
         "nature, `pgimp compare` leaves it out",
         dtype="<i4",
     ),
-}
-"""What ``output.fields`` may name in every case; states of materials come to it."""
+} | DERIVED
+"""What ``output.fields`` may name in every case, to which states of materials come."""
 
 FIELDS = ALWAYS | OPTIONAL
 

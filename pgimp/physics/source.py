@@ -1,13 +1,16 @@
-"""Data from which fields of particles are computed."""
+"""Fields of particles: their declaration, and the data from which they are computed."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 Array = np.ndarray
+
+#: Components of a symmetric tensor.
+TENSOR = "xx yy zz xy yz xz"
 
 
 class Source(NamedTuple):
@@ -29,6 +32,8 @@ class Source(NamedTuple):
         Low end and period of the domain by direction, 0 where it is not periodic; () without any.
     plate : bool
         Whether the particles are parts of a plate, in plane stress.
+    energy : callable or None
+        Takes particles and rows; returns the strain energy per initial volume.
     """
 
     particles: Any
@@ -38,6 +43,7 @@ class Source(NamedTuple):
     rank: int = 0
     periods: tuple[tuple[float, float], ...] = ()
     plate: bool = False
+    energy: Callable[[Any, Array], Array] | None = None
 
     def take(self, symbol: str) -> Array:
         """Return the selected rows of an array of the particles: (n,) or (n, k)."""
@@ -56,3 +62,32 @@ def within(x: Array, periods: Sequence[tuple[float, float]]) -> Array:
         if period > 0.0:
             x[:, d] -= np.floor((x[:, d] - low) / period) * period
     return x
+
+
+class Field(NamedTuple):
+    """A quantity of a particle: its function, meaning and format in frames.
+
+    Attributes
+    ----------
+    values : callable
+        Takes a `Source`; returns an array of shape (n,) or (n, columns).
+    meaning : str
+        With the unit in square brackets where there is one.
+    components : str
+        Names of the components in order; empty for a scalar.
+    kind : str
+        The attribute type that XDMF readers need.
+    dtype : str
+        Type in the file.
+    """
+
+    values: Callable[[Source], Array]
+    meaning: str
+    components: str = ""
+    kind: str = "Scalar"
+    dtype: str = "<f8"
+
+    @property
+    def columns(self) -> int:
+        """Number of components; 0 for a scalar."""
+        return len(self.components.split())

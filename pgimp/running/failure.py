@@ -18,6 +18,7 @@ from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.order.order import vertices_of
 from pgimp.kernels.update.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
+from pgimp.physics.derived import DERIVED
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
 from pgimp.solver.configurations import fastest
 from pgimp.solver.start.particle_errors import Failure, explanation
@@ -84,7 +85,7 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
     found = _Found(rows, kinds, _places(sim, rows)[0])
     chosen, radius = _around(sim, found)
     # The same on any number of ranks.
-    fields = [name for name in scene.fields if name not in BY_RANKS]
+    fields = [name for name in scene.fields if name not in {*BY_RANKS, *DERIVED}]
     if not scene.settings.origins:
         fields.remove("displacement")
     if not scene.domain.ends:

@@ -39,6 +39,8 @@ class Record(BaseModel):
         Step of the last line that is safe on disk.
     lines : int or None
         Number of lines up to it; None if unknown.
+    fields : list of str
+        Derived fields in further columns.
     """
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
@@ -49,6 +51,7 @@ class Record(BaseModel):
     origin: _Place
     line: int = Field(ge=-1, le=2**53)
     lines: int | None = Field(default=None, ge=0, le=2**53)
+    fields: list[str] = Field(default=[], max_length=100)
 
 
 #: A probe in the case.
@@ -84,6 +87,11 @@ def require_known(case: Case, records: Mapping[str, Record]) -> None:
                 f"probes.{name}: the run began with another probe of this name; take another name "
                 "for the new one"
             )
+        if record is not None and record.fields != list(entry.fields):
+            raise UsageError(
+                f"probes.{name}.fields: the run began with other columns; take another name for "
+                "the new ones"
+            )
 
 
 class _Probe(NamedTuple):
@@ -106,6 +114,7 @@ class _Probe(NamedTuple):
             origin=origin,
             line=self.file.step,
             lines=self.file.count,
+            fields=list(self.entry.fields),
         )
 
 
@@ -189,11 +198,12 @@ class Probes:
             body, at = _what(entry)
             target: Point | Place
             if body is None:
-                target = Place(at)
+                target = Place(at, entry.fields)
             elif name in records:
-                target = Point(records[name].number, records[name].origin)
+                target = Point(records[name].number, records[name].origin, entry.fields)
             else:
-                target = nearest(self._sim, self._sim.scene.body_names.index(body), at)
+                number = self._sim.scene.body_names.index(body)
+                target = nearest(self._sim, number, at, entry.fields)
             self._probes[name] = _Probe(entry, target, LineFile(probe_file(self._directory, name)))
         if self._probes:
             on_root(self._sim.comm, self._make_folder)

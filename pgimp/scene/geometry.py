@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.checks.probes import check_near
+from pgimp.case.checks.places.probes import check_near
 from pgimp.case.checks.regions import check_bounds
 from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh.tree import build_tree, nothing
-from pgimp.geometry.regions import Mesh, Points
+from pgimp.geometry.regions import Points
 from pgimp.geometry.regions.base import Region
+from pgimp.geometry.regions.enclosed import Enclosed
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
@@ -31,14 +32,14 @@ from pgimp.schema.messages import dotted
 _FAR_TOO_LARGE, _MILLI = 50.0, 0.001
 
 
-def _meshes(case: Case, only: Collection[str] | None = None) -> Iterator[tuple[str, Mesh]]:
+def _meshes(case: Case, only: Collection[str] | None = None) -> Iterator[tuple[str, Enclosed]]:
     """Meshes of a case, with the key of their region; of all bodies, or of some."""
     for section in ("bodies", "constraints"):
         for name, entry in getattr(case, section).items():
             if only is not None and getattr(entry, "body", name) not in only:
                 continue
             for region in entry.region.simple():
-                if isinstance(region, Mesh):
+                if isinstance(region, Enclosed):
                     yield f"{section}.{name}.region", region
 
 
@@ -59,11 +60,11 @@ def share(case: Case, comm: Communicator, only: Collection[str] | None = None) -
 def _share(case: Case, comm: Communicator, only: Collection[str] | None) -> None:
     if only is None:
         release(case)
-    known: dict[Mesh, object] = {}
+    known: dict[Enclosed, object] = {}
     for key, mesh in _meshes(case, only):
         mesh.__dict__.pop("surface", None)
 
-        def read(key: str = key, mesh: Mesh = mesh) -> object:
+        def read(key: str = key, mesh: Enclosed = mesh) -> object:
             try:
                 return mesh.surface
             except CaseError as error:
@@ -107,20 +108,20 @@ def _beyond(case: Case) -> list[str]:
 
 def _unit(case: Case, region: Region) -> str:
     """Describe the unit in which a far too large region would fit; empty if it would not."""
-    if not isinstance(region, Mesh | Points):
+    if not isinstance(region, Enclosed | Points):
         return ""
     low, high = (np.array(end) for end in region.bounds())
     origin, corner = (np.array(end, float) for end in (case.grid.origin, case.grid.corner))
     if not ((high - low) > _FAR_TOO_LARGE * (corner - origin)).any():
         return ""
     about = np.zeros(case.dimensions)  # centre of the scaling
-    if isinstance(region, Mesh) and region.translate is not None:
+    if isinstance(region, Enclosed) and region.translate is not None:
         about += region.translate
     low, high = about + _MILLI * (low - about), about + _MILLI * (high - about)
     if not ((low >= origin) & (high <= corner)).all():
         return ""
     ask = f"are lengths in {region.file} in a smaller unit than the grid's, as mm for m?"
-    if isinstance(region, Mesh):
+    if isinstance(region, Enclosed):
         return f"{ask} scale: {_MILLI * region.scale:g} would make it fit"
     return (
         f"{ask} Times {_MILLI:g}, and volumes times {_MILLI**case.dimensions:g}, its particles "

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Forcing, Report
 from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
 from pgimp.kernels.grid.seam import join_seam
@@ -53,6 +54,7 @@ def sum_particles(
     loads: Loads,
     marked: bool,
     by_cells: bool = False,
+    call: Bound | None = None,
 ) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds the neighbours' sums.
 
@@ -68,7 +70,10 @@ def sum_particles(
         Whether constrained vertices are marked.
     by_cells : bool
         Whether lattice particles may be summed cell by cell, without their masses.
+    call : Bound, optional
+        For loads of other types than the steps have.
     """
+    call = call or rank.call
     by_cells &= rank.scene.by_cells and not rank.failed
     grid, population, every = rank.grid, rank.population, []
     particles = population.stored if by_cells else population.particles
@@ -79,8 +84,8 @@ def sum_particles(
         every.append((group.setting.without_materials(), group.loaded(loads.summed()), order))
     if marked:
         grid.marks.fill(0)
-        for call, (setting, _, order) in zip(rank.calls, every, strict=True):
-            call(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
+        for each, (setting, _, order) in zip(rank.calls, every, strict=True):
+            each(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
     setting, summed, order = every[0]
     others: Others | Cells | tuple[()] = Others(*every[1]) if len(every) > 1 else ()
     if by_cells:
@@ -89,7 +94,7 @@ def sum_particles(
         others = no_cells(rank.scene, rank.grid.slab.layers)
     grid.active.fill(0)
     for runs in rank.halo.parts(rank.population.start):  # first the layers neighbours wait for
-        rank.call(  # (16, 17, 18, 21, 22)
+        call(  # (16, 17, 18, 21, 22)
             particles_to_grid, setting, grid.field, particles, summed, order, runs, others
         )
         rank.halo.proceed(grid, marked)

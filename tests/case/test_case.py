@@ -180,6 +180,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "  compression: none\n"
         "history: {every: {steps: 100}}\n"
         "probes: {}\n"
+        "gauges: {}\n"
         "checkpoint: {every: {wall: 900.0}, keep: 2}\n"
     )
 

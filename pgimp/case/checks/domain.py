@@ -13,6 +13,7 @@ from pgimp.case.steps import CourantStep
 from pgimp.case.time import Time
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip
+from pgimp.physics.derived import DERIVED
 from pgimp.physics.fields import OPTIONAL
 from pgimp.physics.loads import BODY_FORCES
 from pgimp.physics.loads.bodyforce import BodyForceEntry
@@ -117,7 +118,7 @@ def check_fields(
     if len(materials) < len(declared) or len(bodies) < len(body_names) or in_use - has.keys():
         return  # the fields of the others are unknown
     known = {*OPTIONAL, *(field for name in in_use for field in has[name])}
-    there = f"there are: {', '.join(sorted(known))}"
+    there = f"there are: {', '.join(sorted(known - DERIVED.keys()))}"
     for i, name in enumerate(output.fields):
         idle = [repr(material) for material, fields in has.items() if name in fields]
         if name in known:

@@ -41,7 +41,8 @@ from pgimp.case.checks.periodic import (
     check_periodic_faces,
     check_unwrapped,
 )
-from pgimp.case.checks.probes import check_probes
+from pgimp.case.checks.places.gauges import check_gauges
+from pgimp.case.checks.places.probes import check_probes
 from pgimp.case.checks.regions import check_regions
 from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
 from pgimp.case.checks.settling import check_settling
@@ -57,6 +58,7 @@ from pgimp.schema.sizes import Problems
 
 _NAMED = (
     "materials", "bodies", "boundaries", "escape", "tractions", "constraints", "inflow", "probes",
+    "gauges",
 )  # fmt: skip
 """Parts of a case that are made of named entries."""
 
@@ -177,4 +179,5 @@ _CHECKS = (
     check_initial_output,
     check_output,
     check_probes,
+    check_gauges,
 )

@@ -41,6 +41,8 @@ def check_region(path: tuple[str | int, ...], region: Any, dimensions: int) -> P
         yield Problem(path, "particles of a file are a body of their own, and no part of a region")
         return
     region.belong(dimensions)
+    for keys, text in region.misfits(dimensions):
+        yield Problem((*path, *keys), text)
     for field, info in type(region).model_fields.items():
         yield from length((*path, info.alias or field), getattr(region, field), dimensions)
 

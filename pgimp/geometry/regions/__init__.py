@@ -10,6 +10,7 @@ from pgimp.geometry.regions.box import Box
 from pgimp.geometry.regions.combine import Difference, Intersection, Union
 from pgimp.geometry.regions.cylinder import Cylinder
 from pgimp.geometry.regions.half_space import HalfSpace
+from pgimp.geometry.regions.heights import Heights
 from pgimp.geometry.regions.mesh import Mesh
 from pgimp.geometry.regions.points import Points
 
@@ -19,6 +20,7 @@ REGIONS |= {
     "cylinder": Cylinder,
     "half-space": HalfSpace,
     "mesh": Mesh,
+    "heights": Heights,
     "points": Points,
     "union": Union,
     "difference": Difference,
@@ -33,6 +35,7 @@ __all__ = [
     "Cylinder",
     "Difference",
     "HalfSpace",
+    "Heights",
     "Intersection",
     "Mesh",
     "Points",

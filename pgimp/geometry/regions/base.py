@@ -74,6 +74,10 @@ class Region(ABC):
     def belong(self, dimensions: int) -> None:
         """Set the dimensions of the case."""
 
+    def misfits(self, dimensions: int) -> Iterator[tuple[tuple[str, ...], str]]:
+        """Yield keys below the region that do not fit the dimensions, and why."""
+        return iter(())
+
     def simple(self) -> Iterator[Region]:
         """Yield its simple regions."""
         yield self

@@ -11,17 +11,16 @@ facets within a box leave an error of second order.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from pgimp.errors import CaseError
-from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Points, Region
-from pgimp.schema.base import Model, Number, Positive, Vector
+from pgimp.geometry.regions.base import Points
+from pgimp.geometry.regions.enclosed import Enclosed
+from pgimp.schema.base import Number, Positive, Vector
 from pgimp.schema.dispatch import Either
 from pgimp.schema.paths import FileName
 
@@ -29,11 +28,10 @@ if TYPE_CHECKING:
     from pgimp.geometry.mesh.tree import Surface
 
 
-class Mesh(Model, Region):
+class Mesh(Enclosed):
     """Inside of a mesh: a closed surface (STL, OBJ, PLY) or cells (Gmsh, VTU); holes are empty."""
 
-    DIMENSIONS: ClassVar[tuple[int, ...]] = (2, 3)
-    FROM_FILE: ClassVar[bool] = True
+    WHAT: ClassVar[str] = "the mesh"
 
     file: FileName = Field(
         description="file of the mesh, from the folder of the case; meshio tells its format by "
@@ -82,15 +80,6 @@ class Mesh(Model, Region):
         except CaseError as error:
             raise CaseError(f"the mesh {self.file} {error}") from None
 
-    def belong(self, dimensions: int) -> None:
-        """See `Region.belong`."""
-        self.__dict__["dimensions_of_case"] = dimensions
-
-    @property
-    def dimensions(self) -> int:
-        """Directions of the case."""
-        return self.__dict__.get("dimensions_of_case", 3)
-
     def _moved(self, points: Points) -> Points:
         """Points after scaling, turning and moving."""
         points = points * self.scale
@@ -101,58 +90,6 @@ class Mesh(Model, Region):
         elif self.rotate:
             points = _turned(points, 0, 1, self.rotate)
         return points if self.translate is None else points + np.array(self.translate)[:D]
-
-    def contains(self, points: Points) -> Mask:
-        """See `Region.contains`."""
-        return self.surface.contains(points)
-
-    def bounds(self) -> Bounds:
-        """See `Region.bounds`."""
-        return self.surface.bounds
-
-    def distance(self, points: Points) -> Lengths:
-        """See `Region.distance`; exact."""
-        return self.surface.distance(points)
-
-    def curved(self, points: Points) -> Lengths:
-        """See `Region.curved`."""
-        return np.abs(self.distance(points))
-
-    def planes(self) -> list[Plane]:
-        """See `Region.planes`."""
-        return []
-
-    def crossings(self, points: Points, axis: int) -> Lengths:
-        """See `Region.crossings`."""
-        return self.surface.crossings(points, axis)
-
-    def fill(
-        self, edges: list[Lengths], ranges: Sequence[tuple[int, int]]
-    ) -> tuple[Mask, NDArray[np.int64], Lengths, Points]:
-        """See `Region.fill`."""
-        try:
-            return self.surface.fill(edges, list(ranges))
-        except CaseError as error:
-            raise CaseError(f"the mesh {self.file} {error}") from None
-
-    def facts(self) -> list[str]:
-        """See `Region.facts`."""
-        surface = self.surface
-        low, high = surface.bounds
-        what = "triangles" if self.dimensions == 3 else "segments"
-        size = "volume" if self.dimensions == 3 else "area"
-
-        def place(x: tuple[float, ...]) -> str:
-            return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
-
-        return [
-            f"{surface.facets:,} {what}, from {place(low)} to {place(high)}, "
-            f"{size} {surface.volume:.6g}"
-        ]
-
-    def notes(self) -> list[str]:
-        """See `Region.notes`."""
-        return [f"{self.file}: {note}" for note in self.surface.notes]
 
 
 def _turned(points: Points, i: int, j: int, degrees: float) -> Points:

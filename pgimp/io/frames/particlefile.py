@@ -13,6 +13,7 @@ import numpy as np
 from pgimp.io.frames.particlevalues import CONNECTIVITY, Values
 from pgimp.io.frames.vtkhdf import add_group
 from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.sums.energies import strain_energies
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import Source
@@ -148,7 +149,7 @@ class ParticleFile:
             materials = tuple(scene.materials.body_material)
             source = Source(
                 particles, rows.storage, scene.dimension, materials, comm.rank, scene.domain.ends,
-                scene.carried.plate,
+                scene.carried.plate, partial(strain_energies, scene.setting),
             )  # fmt: skip
             values = Values(self.types, self.kinds, source, instead)
             file = way(part, rows, attributes, values, what)

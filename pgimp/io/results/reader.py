@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,28 +23,9 @@ from pgimp.terminal import escape
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
-__all__ = ["Frame", "Run", "open"]
+__all__ = ["Frame", "Run"]
 
-
-def open(directory: str | Path) -> Run:
-    """Open a run directory, also of a run that is in progress or has failed.
-
-    Parameters
-    ----------
-    directory : str or Path
-        The run directory.
-
-    Returns
-    -------
-    Run
-        The results, with later additions by the run.
-
-    Raises
-    ------
-    UsageError
-        If the directory has no run.
-    """
-    return Run(Path(directory))
+UnitsOf = Callable[["Run", Sequence[str]], dict[str, str]]
 
 
 class Run:
@@ -54,6 +35,8 @@ class Run:
     ----------
     path : Path
         The directory.
+    units : callable, optional
+        Takes the run and names of columns; returns their units.
 
     Raises
     ------
@@ -61,8 +44,8 @@ class Run:
         If it has no run.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, units: UnitsOf | None = None) -> None:
+        self.path, self._units = path, units
         self._known: dict[Path, tuple[tuple[int, int], Frame]] = {}
         if runinfo.read(path / RUN) is None:
             raise UsageError(f"{path} is no run directory of pgimp: it has no {RUN}.")
@@ -159,14 +142,20 @@ class Run:
 
     @property
     def history(self) -> Table:
-        """history.csv so far, as a structured array: ``run.history["time"]``."""
-        return history.read(self.path / "history.csv").view(Table)
+        """history.csv so far, as a structured array: ``run.history["time"]``; with `units`."""
+        return self._table(self.path / "history.csv")
+
+    def _table(self, path: Path) -> Table:
+        table: Table = history.read(path).view(Table)
+        if self._units is not None:
+            table.units_of = partial(self._units, self)
+        return table
 
     @property
     def probes(self) -> Tables:
         """Each ``probes/NAME.csv`` so far, as `history`: ``run.probes["tip"]["position-x"]``."""
         files = sorted(probe_files(self.path))
-        return Tables({path.stem: history.read(path).view(Table) for path in files})
+        return Tables({path.stem: self._table(path) for path in files})
 
     def follow(self, number: int) -> Fields:
         """Follow a particle through the frames, from when it came to before it left the domain.

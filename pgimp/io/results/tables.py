@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +18,19 @@ if TYPE_CHECKING:
 
 class Table(np.ndarray):
     """A structured array, a field for each column: ``table["time"]``, ``table.dtype.names``."""
+
+    #: Returns the units of columns; None where they are not known.
+    units_of: Callable[[Sequence[str]], dict[str, str]] | None = None
+
+    def __array_finalize__(self, of: object) -> None:
+        """Keep the units in parts of a table."""
+        self.units_of = getattr(of, "units_of", None)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column, empty for one without: ``table.units["strain-energy"]``."""
+        names = self.dtype.names or ()
+        return self.units_of(names) if self.units_of else dict.fromkeys(names, "")
 
     def __getitem__(self, key: Any) -> Any:
         """Return a column by its name; lines are indexed as in any array.
@@ -56,7 +69,10 @@ class Table(np.ndarray):
         UsageError
             If pandas is not installed.
         """
-        return data_frame({name: np.asarray(self[name]) for name in self.dtype.names or ()})
+        frame = data_frame({name: np.asarray(self[name]) for name in self.dtype.names or ()})
+        if self.units_of is not None:
+            frame.attrs["units"] = self.units
+        return frame
 
 
 class Tables(dict[str, Table]):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.io.results.tables import Fields
+from pgimp.kernels.sums.energies import strain_energies
 from pgimp.physics import fields
 
 if TYPE_CHECKING:
@@ -76,6 +78,7 @@ class Particles(Mapping[str, np.ndarray]):
             scene.materials.body_material,
             periods=scene.domain.ends,
             plate=scene.carried.plate,
+            energy=partial(strain_energies, scene.setting),
         )
         return scene.fields[name].values(source)
 

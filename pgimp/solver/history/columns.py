@@ -12,6 +12,7 @@ from pgimp.kernels.sums.sums import KINETIC, MASS, MOMENT, MOMENTUM, STRAIN
 from pgimp.solver.history.contact_columns import MEETING, WALLS
 from pgimp.solver.history.error_columns import ERRORS
 from pgimp.solver.history.flow_columns import FLOWS
+from pgimp.solver.history.gauge_columns import GAUGES
 from pgimp.solver.history.passed_columns import ESCAPED, REMOVED_AND_CAME
 from pgimp.solver.history.totals import Column, Group, Totals
 
@@ -233,6 +234,7 @@ HISTORY = (
     ),
     *WALLS,
     *MEETING,
+    *GAUGES,
     *ERRORS,
 )
 """Columns of ``history.csv``, in their order; AXIS stands for x, y, z, as many as there are."""

@@ -24,6 +24,8 @@ from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exac
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.contact.keeping import QUARTER
 from pgimp.solver.history.columns import line_of
+from pgimp.solver.history.gauge_means import Means
+from pgimp.solver.history.gauges import measure
 from pgimp.solver.history.totals import Totals
 from pgimp.solver.lagrangian.motion import complete_sums
 from pgimp.solver.rank import Rank
@@ -118,37 +120,13 @@ def column_names(scene: Scene) -> list[str]:
     none = np.zeros(scene.materials.sums)
     bodies = np.zeros((len(scene.body_names), scene.materials.sums))
     errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
-    return list(
-        line_of(
-            Totals(
-                scene,
-                START,
-                bodies,
-                none,
-                none,
-                none,
-                none,
-                none,
-                0.0,
-                0.0,
-                told,
-                0.0,
-                0.0,
-                force,
-                np.zeros(faces),
-                np.zeros((faces, WALL_BOOKED)),
-                contact,
-                rigid_bodies,
-                np.zeros(len(rigid_bodies), np.int64),
-                np.zeros((len(bodies), VOLUMES)),
-                np.zeros(DAMPED),
-                {},
-                moved,
-                errors,
-                errors,
-            )
-        )
-    )
+    totals = Totals(
+        scene, START, bodies, none, none, none, none, none, 0.0, 0.0, told, 0.0, 0.0, force,
+        np.zeros(faces), np.zeros((faces, WALL_BOOKED)), contact, rigid_bodies,
+        np.zeros(len(rigid_bodies), np.int64), np.zeros((len(bodies), VOLUMES)), np.zeros(DAMPED),
+        {}, moved, errors, errors, {}, {},
+    )  # fmt: skip
+    return list(line_of(totals))
 
 
 class Diagnostics:
@@ -172,6 +150,8 @@ class Diagnostics:
         self.added: np.ndarray | None = None
         self.changed = 0.0
         self.told = np.zeros(len(LOSSES))
+        #: Means of the gauges, on rank 0.
+        self.means = Means()
 
     def removed_so_far(self, scene: Scene) -> np.ndarray:
         """Sums of the bodies that stages have removed."""
@@ -194,6 +174,7 @@ class Diagnostics:
         own = rank.booked()
         impulse = _impulses(own)
         errors = self._own_errors(rank, done.end)
+        gauges = measure(rank, done.end) if scene.case.gauges else {}
         rows = rank.population.ordered.rows
         inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
         booked = (
@@ -201,7 +182,7 @@ class Diagnostics:
             own.damping,
         )  # fmt: skip
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
-        if parts is None:
+        if parts is None or gauges is None:
             return None
         bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
@@ -237,6 +218,7 @@ class Diagnostics:
                 self.settling_time, self.told, self.first_energy, work,
                 force, outside_mass, walls, contact, rigid_bodies, inside,
                 filled, damping, rank.free.now if rank.free else {}, moved, added, most,
+                gauges, self.means.add(scene, done.end, gauges),
             )
         )  # fmt: skip
 

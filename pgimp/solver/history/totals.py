@@ -73,6 +73,8 @@ class Totals(NamedTuple):
         Displacements of constraints under given forces, zeros without any.
     errors, greatest : (ERRORS,) float64
         Sums and maxima of the errors, see `layer_errors`; zeros without exact solution.
+    gauges, means : dict of str to ndarray
+        What the gauges measure, see `pgimp.solver.history.gauges`, and means over time.
     """
 
     scene: Scene
@@ -100,6 +102,8 @@ class Totals(NamedTuple):
     moved: np.ndarray
     errors: np.ndarray
     greatest: np.ndarray
+    gauges: dict[str, np.ndarray]
+    means: dict[str, np.ndarray]
 
     def along(self, sums: Any, first: int) -> Any:
         """Return a vector among sums, in the directions of the scene."""

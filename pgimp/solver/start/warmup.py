@@ -13,6 +13,7 @@ from pgimp.kernels.once.prestress import bearable_stress, remember_stress
 from pgimp.kernels.order.layer_changes import partition_migrants
 from pgimp.kernels.order.order import layers_of
 from pgimp.kernels.rigid.bodies import distances
+from pgimp.kernels.sums.energies import strain_energies
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.kernels.transfer.g2p import grid_to_particles
 from pgimp.kernels.transfer.p2g import complete, particles_to_grid
@@ -37,6 +38,9 @@ from pgimp.solver.window import open_window
 
 #: A step in which also flows are due.
 STEP = Step(EVERY, 0.0, 1.0, 1.0)
+
+#: The field that a kernel computes.
+ENERGY = "strain-energy-density"
 
 #: Rough compile time beyond that of the arguments, in letters of their types: materials and shapes.
 LONG = {grid_to_particles: 8000, particles_to_grid: 6000}
@@ -70,6 +74,8 @@ def _rehearse(scene: Scene) -> None:
     rank.population.restore_order(rows, rows)
     fastest(scene, particles, rows, scene.settings.controlled)
     Diagnostics().line(rank, STEP)
+    if any(ENERGY in each.fields for each in (scene.case.output, *scene.case.probes.values())):
+        strain_energies(scene.setting, particles, rows)
     if rank.contact.at_vertices and "contact" in scene.case.output.grid:
         active_grid(rank, STEP.start, STEP.dt)
     complete(rank.grid.field, 0, 1, False, np.empty(0))

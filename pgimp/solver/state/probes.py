@@ -8,14 +8,17 @@ history.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from math import floor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pgimp.decomposition.population import Population
+from pgimp.kernels.sums.energies import strain_energies
 from pgimp.physics.columns import FOLLOWED, PLACE, Around
-from pgimp.physics.fields import TENSOR, Source
+from pgimp.physics.derived import OF_STRESS
+from pgimp.physics.fields import FIELDS, TENSOR, Source
 from pgimp.storage.framefile import blocks
 
 if TYPE_CHECKING:
@@ -45,10 +48,13 @@ class Point:
         Its id.
     origin : sequence of float
         Its position at the start.
+    fields : sequence of str
+        Derived fields that it has besides.
     """
 
-    def __init__(self, number: int, origin: Sequence[float]) -> None:
+    def __init__(self, number: int, origin: Sequence[float], fields: Sequence[str] = ()) -> None:
         self.number = number
+        self.fields = tuple(fields)
         self.origin = tuple(origin)
         #: Whether it has left all ranks.
         self.gone = False
@@ -87,10 +93,11 @@ class Point:
             tuple(scene.materials.body_material),
             periods=scene.domain.ends,
             plate=scene.carried.plate,
+            energy=partial(strain_energies, scene.setting),
         )
         place = "unwrapped" if scene.domain.ends else "position"
         found = []
-        for name, components in _followed(scene):
+        for name, components in _followed(scene, self.fields):
             if name == "displacement":
                 now = scene.fields[place].values(source)[0, : scene.dimension]
                 found.append(now - self.origin)
@@ -102,14 +109,14 @@ class Point:
     def line(self, sim: Simulation, parts: list[np.ndarray | None]) -> Line:
         """A line on rank 0, from each rank's part; nothing but the time after its removal."""
         names = []
-        for name, components in _followed(sim.scene):
+        for name, components in _followed(sim.scene, self.fields):
             parts_of = sim.scene.fields[name].components.split()
             names += [f"{name}-{parts_of[i]}" for i in components] if parts_of else [name]
         values = next((part for part in parts if part is not None), None)
         return _line(sim, names, values)
 
 
-def _followed(scene: Scene) -> list[tuple[str, Sequence[int]]]:
+def _followed(scene: Scene, fields: Sequence[str]) -> list[tuple[str, Sequence[int]]]:
     """Quantities of a material point, and their components in the case."""
     D = scene.dimension
     found: list[tuple[str, Sequence[int]]] = []
@@ -117,6 +124,9 @@ def _followed(scene: Scene) -> list[tuple[str, Sequence[int]]]:
         columns = scene.fields[name].columns
         tensor = _STRAINS[D - 1] if name == "strain" else _COMPONENTS[D - 1]
         found.append((name, tensor if columns == 6 else range(min(D, columns) or 1)))
+    for name in fields:
+        columns = scene.fields[name].columns
+        found.append((name, _COMPONENTS[D - 1] if columns == 6 else range(columns or 1)))
     return found
 
 
@@ -131,10 +141,12 @@ class Place:
     ----------
     place : sequence of float
         The position.
+    fields : sequence of str
+        Derived fields of the mean stress that it has besides.
     """
 
-    def __init__(self, place: Sequence[float]) -> None:
-        self.place = tuple(place)
+    def __init__(self, place: Sequence[float], fields: Sequence[str] = ()) -> None:
+        self.place, self.fields = tuple(place), tuple(fields)
 
     def own(self, sim: Simulation) -> list[np.ndarray]:
         """Sums of the layers of this rank whose particles may reach the position, in order."""
@@ -169,13 +181,17 @@ class Place:
         for name in PLACE:
             stem, _, end = name.rpartition("-")
             names += [f"{stem}-{part}" for part in ends[end]] if end in ends else [name]
+        for name in self.fields:
+            names += [f"{name}-{part}" for part in FIELDS[name].components.split()] or [name]
         sums = [layer for part in parts for layer in part]
         total = np.add.reduce(np.array([np.zeros(2 + D + S), *sums]), axis=0)
         fraction = total[0] / sim.scene.domain.tent_volume(self.place)
         if fraction < FILLED:
             return _line(sim, names, np.array([fraction]))
         around = Around(fraction, total[0], total[1], total[2 : 2 + D], total[2 + D :])
-        return _line(sim, names, np.hstack([mean.values(around) for mean in PLACE.values()]))
+        values = [mean.values(around) for mean in PLACE.values()]
+        values += [OF_STRESS[name](around.mean)[0] for name in self.fields]
+        return _line(sim, names, np.hstack(values))
 
 
 def _apart(distance: np.ndarray, period: float) -> np.ndarray:
@@ -202,7 +218,7 @@ def _line(sim: Simulation, names: list[str], values: np.ndarray | None) -> Line:
     return line
 
 
-def nearest(sim: Simulation, body: int, at: Sequence[float]) -> Point:
+def nearest(sim: Simulation, body: int, at: Sequence[float], fields: Sequence[str] = ()) -> Point:
     """The particle of a body whose centre is closest to a position now; collective.
 
     Of several that are equally close, the one with the lowest number.
@@ -221,7 +237,7 @@ def nearest(sim: Simulation, body: int, at: Sequence[float]) -> Point:
             best: Any = (float(distance.min()), int(p.id[row]), tuple(_begun(sim, row)))
             found = min(found, best) if found[1] >= 0 else best
     _, number, origin = min(each for each in sim.comm.allgather(found) if each[1] >= 0)
-    return Point(number, origin)
+    return Point(number, origin, fields)
 
 
 def sample(sim: Simulation, probes: Sequence[Point | Place]) -> list[Line]:

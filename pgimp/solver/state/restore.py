@@ -17,6 +17,7 @@ from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.velocity_fields import MOST
 from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.history.gauge_means import stored_lines
 from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, keep_masses, put_motion
 from pgimp.solver.loads.grips import Grips
 from pgimp.solver.rank import Rank
@@ -114,9 +115,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
     DamagedError
         On every rank, if they are not of this scene.
     """
-    scene, own = rank.scene, rank.booked()
+    scene, own, first = rank.scene, rank.booked(), rank.slab.first
     planes = scene.domain.frame.vertices[0] + scene.settings.vertices - 1
-    first = rank.slab.first
 
     def read() -> dict[str, np.ndarray]:
         staged, width = scene.case.staged, scene.materials.sums
@@ -135,8 +135,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             whole = _whole(source, name, (planes, *mine.shape[1:]))
             found[name] = whole[first : first + len(mine)]
         if scene.interaction.rigid_bodies.free:
-            count = len(scene.interaction.rigid_bodies.free)
-            states = _whole(source, "free-bodies", (count, STATE))
+            shape = (len(scene.interaction.rigid_bodies.free), STATE)
+            states = _whole(source, "free-bodies", shape)
             if (abs((states[:, 3:7] ** 2).sum(axis=1) - 1.0) > 1e-9).any():
                 raise DamagedError("the rotation of a rigid body is none")
             found["free-bodies"] = states
@@ -155,11 +155,11 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             found["velocity-fields"] = assignment
         if state.last_line is not None:
             rows = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
-            rows += 2 * len(scene.interaction.rigid_bodies)
-            shape = (len(scene.domain.faces) + len(scene.interaction.loads.constraints) + rows, 3)
+            rows += 2 * len(scene.interaction.rigid_bodies) + len(scene.domain.faces)
+            shape = (len(scene.interaction.loads.constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)
-        return found
+        return found | stored_lines(scene, source, _whole)
 
     found = all_or_none(rank.comm, read, DamagedError)
     for name, mine in own.datasets().items():
@@ -179,11 +179,12 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         rank.inflow.restore(state.inflow)
     rank.mass_cutoff = state.mass_cutoff
     records.first_energy = state.first_energy
-    records.most_outside = (state.beyond, state.beyond_time, state.beyond_face)
+    records.most_outside = state.beyond, state.beyond_time, state.beyond_face
     records.removed = None if state.removed is None else np.array(state.removed)
     records.changed, records.settling_time = state.changed, state.settling_time
     records.added = None if state.added is None else np.array(state.added)
     records.told[:] = state.told
+    records.means.restore(scene, found.get("gauge-lines"))
     if state.last_line is not None:
         none = np.zeros((0, 3))
         last = (found.get("last-impulse", none), found.get("last-force", none))
@@ -265,7 +266,7 @@ def _inconsistent(
     scene: Scene, slab: Slab, p: Particles, start: np.ndarray, n: int, count: int
 ) -> str:
     """Return the inconsistency of particles with this scene, as a step requires; else empty."""
-    frame = scene.domain.frame
+    frame, shape = scene.domain.frame, scene.settings.shape
     x = (scene.weighed(p, np.arange(n)) - frame.origin) * frame.inverse
     # Supports begin within the domain where it is periodic, not centres.
     beyond = 2.0 * np.array(scene.domain.periodic)
@@ -287,9 +288,7 @@ def _inconsistent(
         if column.above is not None and not (values > column.above).all():
             return f"the {name} of a particle is not above {column.above:g}"
     layer = p._replace(layer=np.empty_like(p.layer), cell=np.empty_like(p.cell))
-    locate(
-        scene.settings.shape, scene.order_frame, layer, np.arange(n, dtype=np.int32), frame.vertices
-    )
+    locate(shape, scene.order_frame, layer, np.arange(n, dtype=np.int32), frame.vertices)
     expected = slab.first + np.repeat(np.arange(len(start) - 1), np.diff(start))
     if (p.layer[:n] != expected).any() or (layer.layer[:n] != expected).any():
         return "a particle is not in its layer"

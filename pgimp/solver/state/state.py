@@ -223,6 +223,7 @@ def capture(
     if rank.absorbing:
         whole |= rank.absorbing.datasets()
     whole["velocity-fields"] = rank.contact.assignment
+    whole["gauge-lines"] = records.means.rows(rank.scene)
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]
     whole[MOTION_PLANES] = by_layer([part[3] for part in parts], layers + extra)

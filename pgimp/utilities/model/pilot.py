@@ -150,7 +150,8 @@ def coarse(case: Case, factor: float) -> Case:
     """
     grid, time = case.grid, case.time
     cells = [max(1, round(n / factor)) for n in grid.cells]
-    data = case.model_dump(by_alias=True, exclude={"history", "checkpoint", "probes"})
+    unused = {"history", "checkpoint", "probes", "gauges"}
+    data = case.model_dump(by_alias=True, exclude=unused)
     data["output"] = {"fields": case.output.fields, "at": case.output.at}
     data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
     if time.steps is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,13 +10,34 @@ import numpy as np
 from pgimp.errors import UsageError
 from pgimp.io.results.reader import Frame
 from pgimp.physics import fields
+from pgimp.physics.derived import OF_STRESS
 from pgimp.schema.messages import shorten, unknown
 from pgimp.utilities.plot.units import kind_of_field
 
 Array = np.ndarray
 
-_FROM_STRESS = {"von-mises": fields.von_mises_of, "pressure": fields.pressure_of}
+
+def _component(function: Callable[[Array], Array], k: int) -> Callable[[Array], Array]:
+    """Return a function of stresses for a component of what another one returns."""
+
+    def values(sigma: Array) -> Array:
+        found = function(sigma)
+        return found[:, k] if found.ndim == 2 else found
+
+    return values
+
+
+_FROM_STRESS: dict[str, Callable[[Array], Array]] = {
+    "von-mises": fields.von_mises_of,
+    "pressure": fields.pressure_of,
+    **{
+        f"{name}.{part}" if part else name: _component(function, k)
+        for name, function in OF_STRESS.items()
+        for k, part in enumerate(fields.FIELDS[name].components.split() or [""])
+    },
+}
 _FIRST_CHOICE = ("von-mises", "stress", "velocity", "displacement", "volume")
+_VECTOR = ["x", "y", "z"]
 _NAMES = {"von-mises": "von Mises stress", "deformation": "F"}
 
 
@@ -103,7 +125,7 @@ def quantity(text: str | None, frame: Frame, dimension: int) -> Quantity:
             )
         raise UsageError(f"{unknown('field', text, _names(frame), 'there are')}")
     components = _components(name, frame)
-    if not component and len(components) in (0, 3):
+    if not component and components in ([], _VECTOR):
         return Quantity(text, name, None)
     if component in components:
         return Quantity(text, name, components.index(component))
@@ -132,9 +154,10 @@ def _components(name: str, frame: Frame) -> list[str]:
 
 def _names(frame: Frame) -> list[str]:
     """Return all quantities of a frame."""
-    names = [name for name in _FROM_STRESS if name not in frame and _derived(name, frame)]
+    names = [name for name in ("von-mises", "pressure") if name not in frame]
+    names = names if "stress" in frame else []
     for name in frame.fields:
         components = _components(name, frame)
-        names += [name] if len(components) in (0, 3) else []
+        names += [name] if components in ([], _VECTOR) else []
         names += [f"{name}.{one}" for one in components]
     return names

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from pgimp.physics import columns, fields
+from pgimp.physics.derived import DERIVED
 from pgimp.solver.history.columns import HISTORY
 
 _BASE = ("length", "mass", "time")
@@ -79,6 +80,9 @@ def kind_of_column(name: str) -> str:
     units = {column.name: column.unit for group in HISTORY for column in group.columns}
     probes = columns.POINT | {name: mean.meaning for name, mean in columns.PLACE.items()}
     units |= {key: _bracketed(meaning) for key, meaning in probes.items()}
+    for key, field in DERIVED.items():
+        parts = [f"{key}-{part}" for part in field.components.split()] or [key]
+        units |= dict.fromkeys(parts, _bracketed(field.meaning))
     for key, kind in units.items():
         pattern = re.sub("|".join(_PLACES), lambda found: _PLACES[found[0]], re.escape(key))
         if re.fullmatch(pattern.replace(r"\-(", "-("), name):

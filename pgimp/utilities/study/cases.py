@@ -150,8 +150,8 @@ class Cases:
             label = self.label((*path, "column") if inside else path)
             self.wrong[f"{label}: {text}"].append(variant.name)
         end = case.time.last
-        if isinstance(quantity.at, float) and quantity.at > end * (1.0 + SAME_TIME):
-            text = f"{quantity.at:.15g} is after the end at {end:.15g} (time.end)"
+        if quantity.last > end * (1.0 + SAME_TIME):
+            text = f"{quantity.last:.15g} is after the end at {end:.15g} (time.end)"
             self.wrong[f"{self.label((*path, 'at'))}: {text}"].append(variant.name)
 
     def arrange(self, found: list[Variant], cases: list[tuple[str, Case]]) -> list[Planned]:

@@ -9,7 +9,7 @@ from math import isfinite, log
 import numpy as np
 
 from pgimp.schema.messages import unknown
-from pgimp.utilities.study.schema import Measure
+from pgimp.utilities.study.schema import Measure, TimeMean
 
 SAME_TIME = 1e-9
 """Relative to the time that is asked for."""
@@ -44,13 +44,15 @@ def measure(history: np.ndarray, quantity: Measure) -> float:
     if quantity.column not in names:
         raise MeasureError(f"history.csv: {unknown('column', quantity.column, names, 'it has')}")
     values = history[quantity.column]
+    if isinstance(quantity.at, TimeMean):
+        values = _mean(history, values, quantity.at)
     if isinstance(quantity.reference, float | int):
         values = np.abs(values - quantity.reference)
         if quantity.relative:
             values = values / abs(quantity.reference)
     if len(values) == 0:
         raise MeasureError("history.csv has no lines")
-    if quantity.at == "end":
+    if quantity.at == "end" or isinstance(quantity.at, TimeMean):
         value = values[-1]
     elif quantity.at == "max":
         value = values[np.abs(values).argmax()]
@@ -64,6 +66,21 @@ def measure(history: np.ndarray, quantity: Measure) -> float:
     if not isfinite(value):
         raise MeasureError(f"{quantity.label} is {value:g}")
     return float(value)
+
+
+def _mean(history: np.ndarray, values: np.ndarray, over: TimeMean) -> np.ndarray:
+    """Return the mean over a time as a column of one line."""
+    time, (begin, end) = history["time"], over.mean
+    if len(time) == 0 or time[-1] < end * (1.0 - SAME_TIME):
+        last = time[-1] if len(time) else 0.0
+        raise MeasureError(f"history.csv ends before t = {end:.9g}, at {last:.9g}")
+    time, first = np.unique(time, return_index=True)
+    values = values[first]
+    inside = (time > begin) & (time < end)
+    at = np.concatenate([[begin], time[inside], [end]])
+    found = np.interp(at, time, values)
+    total = 0.5 * (np.diff(at) * (found[1:] + found[:-1])).sum()
+    return np.array([total / (end - begin)])
 
 
 def costs(particles: int, steps: int, ranks: int, seconds: float) -> dict[str, float]:

@@ -12,7 +12,7 @@ from pgimp.utilities.study.limits import Limit, limit
 from pgimp.utilities.study.measures import number, orders, pareto
 from pgimp.utilities.study.plan import Plan
 from pgimp.utilities.study.runs import DONE, FAILED, Outcome
-from pgimp.utilities.study.schema import COSTS, LIMIT, measure_of
+from pgimp.utilities.study.schema import COSTS, LIMIT, TimeMean, measure_of
 
 _VERSIONS = ("pgimp", "numba", "numpy")
 
@@ -135,6 +135,8 @@ def _legend(plan: Plan) -> Iterator[str]:
     at = {"end": "at the end", "max": "at its largest"}.get(
         str(quantity.at), f"at t = {quantity.at}"
     )
+    if isinstance(quantity.at, TimeMean):
+        at = f"as a mean from t = {quantity.at.mean[0]:g} to {quantity.at.mean[1]:g}"
     less = f" less {quantity.reference!r}" if quantity.reference else ""
     over = ""
     if quantity.reference == LIMIT:

@@ -97,6 +97,28 @@ def mesh(rng, low, high, scene):
     return {"mesh": {"file": f"{name}.msh"}}
 
 
+def heights(rng, low, high, scene):
+    """Ground below a grid of heights from a file, of a part of it."""
+    D, name = len(low), f"heights{len(scene.files)}.asc"
+    counts = [rng.randint(3, 6) for _ in low[1:]] + [1] * (D == 2)
+    ends = list(zip(low, high, strict=True))
+    steps = [(b - a) / (n - 1) for (a, b), n in zip(ends[:-1], counts, strict=False)]
+    floor, top = ends[-1]
+    rows = [
+        " ".join(repr(number(rng, 0.6 * floor + 0.4 * top, top)) for _ in range(counts[0]))
+        for _ in range(counts[1])
+    ]
+    lines = [f"ncols {counts[0]}", f"nrows {counts[1]}"]
+    for axis, (a, _), step in zip("xy", ends, [*steps, 1.0][:2], strict=False):
+        lines += [f"{axis}llcenter {a!r}", f"d{axis} {step!r}"]
+    scene.files[name] = "\n".join([*lines, *rows]) + "\n"
+    region = {"file": name, "bottom": floor}
+    if rng.random() < 0.5:
+        inner = [(0.9 * a + 0.1 * b, 0.2 * a + 0.8 * b) for a, b in ends[:-1]]
+        region["part"] = {"min": [a for a, _ in inner], "max": [b for _, b in inner]}
+    return {"heights": region}
+
+
 def points(rng, low, high, scene):
     """Particles from a file, in disorder, often with velocities, and stresses where they may."""
     D, apart = len(low), [h / n for h, n in zip(scene.cell, scene.per_cell, strict=True)]
@@ -129,6 +151,7 @@ REGIONS = {
     "intersection": (intersection, (1, 2, 3), 1),
     "half-space": (half_space, (1, 2, 3), 1),
     "mesh": (mesh, (2, 3), 1),
+    "heights": (heights, (2, 3), 1),
     "points": (points, (1, 2, 3), 2),
 }
 

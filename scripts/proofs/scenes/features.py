@@ -28,7 +28,15 @@ from proofs.scenes.loads import (
     weight_above,
 )
 from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
-from proofs.scenes.output import checkpoints, frames, grid_frames, history, probes, small_files
+from proofs.scenes.output import (
+    checkpoints,
+    frames,
+    gauges,
+    grid_frames,
+    history,
+    probes,
+    small_files,
+)
 from proofs.scenes.own.features_of_functions import (
     own_coefficients,
     own_force,
@@ -250,6 +258,7 @@ FEATURES = (
     Feature("precision and compression", small_files, 0.4),
     Feature("history", history),
     Feature("probes", probes, 0.5),
+    Feature("gauges", gauges, 0.3),
     Feature("checkpoints", checkpoints),
 )
 

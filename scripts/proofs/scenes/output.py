@@ -2,8 +2,10 @@
 
 from proofs.scenes.bodies import number
 
+from pgimp.physics.derived import DERIVED, OF_STRESS
+
 FIELDS = ("velocity", "stress", "displacement", "deformation", "pressure", "von-mises", "strain",
-          "mass", "density")  # fmt: skip
+          "mass", "density", *DERIVED)  # fmt: skip
 
 
 def frames(rng, scene):
@@ -46,7 +48,53 @@ def probes(rng, scene):
         entry = {"place": at} if rng.random() < 0.4 else {"body": name, "at": at}
         if rng.random() < 0.7:
             entry["every"] = {"steps": rng.randint(1, 9)}
+        if rng.random() < 0.3:
+            known = [*(OF_STRESS if "place" in entry else DERIVED)]
+            entry["fields"] = rng.sample(known, rng.randint(1, 4))
         found[f"at-{name}"] = entry
+
+
+def gauges(rng, scene):
+    """Some of every kind, through the middle and off it; a cut has no periodic direction across."""
+    case, found, D = scene.case, {}, scene.case["dimensions"]
+    size, faces = case["grid"]["size"], case["boundaries"]
+    origin = case["grid"].get("origin", [0.0] * D)
+    seams = {"xyz".index(face[0]) for face, kind in faces.items() if kind == "periodic"}
+    initial = any(body.get("configuration") == "initial" for body in case["bodies"].values())
+    named = [name for name, body in case["bodies"].items() if "rigid" not in body]
+    part = {"box": {"min": [], "max": []}}
+    for low, length in zip(origin, size, strict=True):
+        ends = sorted((number(rng, 0.26, 0.5), number(rng, 0.51, 0.74)))
+        part["box"]["min"].append(low + ends[0] * length)
+        part["box"]["max"].append(low + ends[1] * length)
+    point = [number(rng, low, high)
+             for low, high in zip(part["box"]["min"], part["box"]["max"], strict=True)]  # fmt: skip
+    free = [d for d in range(D) if d not in seams]
+    narrow = any(case["grid"]["cell"][d] > 0.25 * size[d] for d in seams)
+    if not narrow:
+        found["part"] = {"cut": part}
+        found["net"] = {"flux": part}
+    if free:
+        normal = [number(rng, 0.2, 1.0) if d in free else 0.0 for d in range(D)]
+        found["plane"] = {"cut": {"half-space": {"point": point, "normal": normal}}}
+    along = rng.randrange(D)
+    normal = [1.0 if d == along else 0.0 for d in range(D)]
+    found["gate"] = {"flux": {"half-space": {"point": point, "normal": normal}}, "within": part}
+    # A stage may open a face.
+    later = [stage.get("boundaries") for stage in case["time"].get("stages", ())]
+    for face, kind in faces.items() if not any(later) else ():
+        if kind != "periodic" and not (initial and "separating" in kind):
+            found[f"on-{face}"] = {"wall": face}
+            if rng.random() < 0.5:
+                found[f"on-{face}"]["within"] = part
+    if D > 1 and case.get("geometry") != "plane-stress":
+        found["level"] = {"level": point[:-1]}
+    for entry in found.values():
+        if rng.random() < 0.4:
+            entry["mean"] = number(rng, 0.05 * scene.end, scene.end)
+        if rng.random() < 0.3:
+            entry["bodies"] = rng.sample(named, rng.randint(1, len(named)))
+    case["gauges"] = found
 
 
 def checkpoints(rng, scene):

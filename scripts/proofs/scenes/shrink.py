@@ -6,7 +6,7 @@ import math
 import time
 
 #: Keys whose entries may go one by one, and what else then has to: entries of their bodies.
-ENTRIES = ("probes", "tractions", "constraints", "boundaries", "escape", "bodies")
+ENTRIES = ("probes", "gauges", "tractions", "constraints", "boundaries", "escape", "bodies")
 #: Keys by path that may go. First come those that do not change what is compiled.
 OPTIONAL = ("output.at", "output.grid", "output.fields", "output.precision", "output.compression",
             "output.every", "history", "gravity", "contact", "method.volume", "method.size",
@@ -67,6 +67,8 @@ def _bodiless(case, name):
     for kind in ("probes", "tractions", "constraints"):
         entries = found.get(kind, {})
         found[kind] = {key: each for key, each in entries.items() if each.get("body") != name}
+    gauges = found.get("gauges", {}).items()
+    found["gauges"] = {key: each for key, each in gauges if name not in each.get("bodies", ())}
     laws = found.pop("contact", [])
     if len(found["bodies"]) > 1:
         kept = [law for law in laws if name not in law["bodies"]]

@@ -19,6 +19,7 @@ from pgimp.io.frames import particlefile
 from pgimp.io.results.history import History, read
 from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial, world
+from pgimp.physics.derived import DERIVED, eigen
 from pgimp.physics.fields import ALWAYS, FIELDS, Source
 from pgimp.running.frames import Frames
 from pgimp.storage import framefile
@@ -35,6 +36,8 @@ def test_a_frame_holds_the_particles_by_id(tmp_path, dimension):
             exact = name not in ("radius", "pressure", "von-mises", "strain")
             assert file[name].shape == array.shape
             rtol, atol = (0 if exact else 1e-13), (1e-14 if name == "strain" else 0)
+            if name in DERIVED:  # in 1D the Lode angle is that of cos = 1, of half the digits
+                rtol, atol = 1e-10, 2e-6 if name == "lode-angle" else 1e-11
             np.testing.assert_allclose(file[name][:], array, rtol=rtol, atol=atol, err_msg=name)
         for name in ("body", "material"):
             assert file[name].dtype == np.int32
@@ -66,6 +69,21 @@ def test_strain_of_stretch_shear_and_rotation():
     assert strained([[0.6, -0.8], [0.8, 0.6]]) == pytest.approx(none, abs=1e-15)
 
 
+@pytest.mark.parametrize(
+    "values", [(3.0, 3.0, 1.0), (1.0, 1.0, 1.0), (1e8, 1e8 - 1e-4, -1.0), (0, 0, 0)]
+)
+def test_principal_values_that_are_close(values):
+    """Eigenvectors stay orthogonal, and give the tensor back, where values are equal."""
+    turned = np.linalg.qr(np.random.default_rng(5).normal(size=(9, 3, 3)))[0]
+    tensor = (turned * np.array(values)) @ np.swapaxes(turned, 1, 2)
+    found, vectors = eigen(tensor.reshape(-1, 9)[:, [0, 4, 8, 1, 5, 2]])
+    size = max(1e-300, abs(values[0]))
+    np.testing.assert_allclose(found, np.tile(values, (9, 1)), rtol=0, atol=4e-15 * size)
+    np.testing.assert_allclose(vectors @ np.swapaxes(vectors, 1, 2), [np.eye(3)] * 9, atol=1e-14)
+    back = np.swapaxes(vectors, 1, 2) @ (found[:, :, None] * vectors)
+    np.testing.assert_allclose(back, tensor, rtol=0, atol=4e-15 * size)
+
+
 def test_the_rank_is_that_of_the_writer(tmp_path):
     (tmp_path / "frames").mkdir()
     sim, _ = make_sim(Serial(), 5, 2)
@@ -91,7 +109,7 @@ def test_only_what_is_asked_for_is_written(tmp_path):
     assert shown == {*ALWAYS, "stress"} - {"position"}
 
 
-@pytest.mark.parametrize("name", FIELDS)
+@pytest.mark.parametrize("name", [name for name in FIELDS if name != "strain-energy-density"])
 @pytest.mark.parametrize("dimension", [1, 2, 3])
 def test_field_values_do_not_depend_on_the_neighbours(name, dimension):
     """The bits of a particle may not change with where in an array it is processed."""

@@ -13,8 +13,10 @@ from pgimp.physics.fields import BY_RANKS, EVERY, OPTIONAL
 from pgimp.running.frames import Frames
 
 LATERAL = {1: 3, 2: 4, 3: 6}
-#: Fields of domains that are not periodic.
-SAME = tuple(name for name in OPTIONAL if name not in {*BY_RANKS, "unwrapped"})
+#: Fields of domains that are not periodic, and that need no material.
+SAME = tuple(
+    name for name in OPTIONAL if name not in {*BY_RANKS, "unwrapped", "strain-energy-density"}
+)
 
 
 def make_case(fields=SAME, **output):
@@ -58,6 +60,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         fields=EVERY,
         domain=SimpleNamespace(ends=()),
         carried=SimpleNamespace(plate=False),
+        setting=None,
     )
     sim = SimpleNamespace(
         comm=comm,
@@ -105,6 +108,34 @@ def expected(values, dimension):
         "mass": values["m"],
         "density": values["m"] / values["V"],
         "connectivity": np.arange(count),
+        **derived(tensor, deviator, deformation),
+        "kinetic-energy-density": 0.5 * values["m"] / values["V"] * (values["v"] ** 2).sum(axis=1),
+    }
+
+
+def derived(tensor, deviator, deformation):
+    """Derived fields by LAPACK."""
+    stresses, directions = np.linalg.eigh(tensor)
+    stresses, directions = stresses[:, ::-1], directions[:, :, ::-1]
+    largest = np.abs(directions).argmax(axis=1)[:, None]
+    directions = directions * np.sign(np.take_along_axis(directions, largest, axis=1))
+    second, third = 0.5 * (deviator**2).sum(axis=(1, 2)), np.linalg.det(deviator)
+    left, singular, _ = np.linalg.svd(deformation)
+    log = (left * np.log(singular)[:, None]) @ np.swapaxes(left, 1, 2)
+    deviation = log - np.trace(log, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    trace = np.trace(tensor, axis1=1, axis2=2)
+    cosine = np.clip(1.5 * np.sqrt(3.0) * third / second**1.5, -1.0, 1.0)
+    return {
+        "principal-stress": stresses,
+        **{f"principal-direction-{k + 1}": directions[:, :, k] for k in range(3)},
+        "max-shear": 0.5 * (stresses[:, 0] - stresses[:, 2]),
+        "stress-invariants": np.stack([trace, second, third], axis=1),
+        "lode-angle": np.degrees(np.arccos(cosine)) / 3,
+        "triaxiality": trace / 3 / np.sqrt(3 * second),
+        "volume-ratio": np.linalg.det(deformation),
+        "principal-stretch": singular,
+        "log-strain": log.reshape(-1, 9)[:, [0, 4, 8, 1, 5, 2]],
+        "equivalent-strain": np.sqrt((deviation**2).sum(axis=(1, 2)) * 2 / 3),
     }
 
 

@@ -235,7 +235,7 @@ MISTAKES = [
     ("output:", "probes: {a: {body: left}}\noutput:", "29: probes.a.at", "missing (place at the"),
     ("output:", "probes: {a: {at: [2, 3]}}\noutput:", "29: probes.a.at", "known: body, place"),
     ("output:", "probes: {a: {place: [2, 3], body: left}}\noutput:", "29: probes.a.body",
-     "unknown key; allowed: every, place"),
+     "unknown key; allowed: every, fields, place"),
     ("output:", "probes: {a: {place: [2, 6.5]}}\noutput:", "29: probes.a.place.1",
      "6.5 is outside of the domain, which goes from 0 to 6 along y"),
     ("output:", "probes: {a: {place: [2]}}\noutput:", "29: probes.a.place", "expected 2 entries"),

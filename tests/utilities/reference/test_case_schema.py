@@ -80,6 +80,12 @@ def test_every_column_of_the_history_is_written(dimensions):
             "constraints": {"b": {"body": "b", "region": box(1), "velocity": vector(0)}},
             "inflow": {"a": {"velocity": [-1, *vector(0)[1:]]}},
             "contact": [{"bodies": ["a", "b"]}],
+            "gauges": {
+                "a": {"cut": box(0), "mean": 1},
+                "b": {"flux": box(1), "mean": 1},
+                "ab": {"wall": "x-min", "mean": 1},
+                **({"aba": {"level": vector(1)[1:], "mean": 1}} if dimensions > 1 else {}),
+            },
         }
     )
     columns = column_names(Scene(case.stages[-1]))
@@ -93,7 +99,7 @@ def test_every_column_of_the_history_is_written(dimensions):
     # Errors against an exact solution: tests/physics/exact/test_exact_errors.py. Damping is not
     # for rigid bodies that move freely: tests/solver/rest/test_damping.py. What absorbing faces
     # radiate: tests/solver/rest/test_absorbing.py. Stages that settle: test_settling_stages.py.
-    moments = ("angular", "angle", "torque") if dimensions == 1 else ()
+    moments = ("angular", "angle", "torque", "moment", "height", "top") if dimensions == 1 else ()
     others = ("error", "damped", "radiated", "settling", *moments)
     assert all(any(part in name for part in others) for name in unwritten)
 

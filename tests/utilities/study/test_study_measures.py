@@ -34,11 +34,14 @@ def test_a_measure_is_a_line_of_a_column():
     assert value(at=0.3) == 9.0  # 0.1 + 0.2 is a rounding error later
     assert value(at=0.61) == 7.0
     assert value(at=0) == 5.0
+    assert value(at={"mean": [0.6, 1.2]}) == pytest.approx((4.0 + 7.0) / 4 + (7.0 + 3.0) / 4)
+    assert value(at={"mean": [0.75, 0.9]}, reference=1.0) == pytest.approx((5.5 + 7.0) / 2 - 1.0)
     assert value(reference=4.0) == 1.0
     assert value(reference=-8.0, relative=True, at="max") == 15.0 / 8.0
     for wanted, why in (
         ({"column": "c"}, "unknown column 'c'"),
         ({"at": 1.3}, "ends before t = 1.3, at 1.2"),
+        ({"at": {"mean": [0.5, 1.3]}}, "ends before t = 1.3, at 1.2"),
         ({"column": "b"}, "b is inf"),
         ({"column": "b", "at": "max"}, "b@max is nan"),
     ):

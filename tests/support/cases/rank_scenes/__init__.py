@@ -17,6 +17,7 @@ from rank_scenes.flights import (
     space_gimp,
     space_mpm,
 )
+from rank_scenes.gauged import GAUGED, gauged
 from rank_scenes.initial_bodies import both_configurations, initial, initial_contact, initial_stages
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves
@@ -103,3 +104,5 @@ SCENES = (
         )
     }
 )
+#: Some have gauges besides.
+SCENES |= {name: gauged(SCENES[name]) for name in GAUGED}

@@ -1,0 +1,150 @@
+"""Checks of the gauges: their surfaces, bodies, walls and places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from pgimp.case.body import Body
+from pgimp.case.checks.domain import check_grid
+from pgimp.case.checks.periodic import periodic_axes
+from pgimp.case.checks.regions import check_region
+from pgimp.case.gauges import CutGauge, FluxGauge, Gauge, LevelGauge, WallGauge
+from pgimp.case.grid import Grid
+from pgimp.geometry.regions import Box, HalfSpace
+from pgimp.physics.boundaries.base import Boundary
+from pgimp.physics.rigid import RigidBody
+from pgimp.schema.messages import unknown
+from pgimp.schema.problems import Problem
+from pgimp.schema.sizes import AXES, WHOLE, Problems, faces, length
+
+Path = tuple[str | int, ...]
+
+
+def check_gauges(
+    dimensions: int,
+    geometry: str,
+    grid: Grid,
+    every_body: Mapping[str, Body | RigidBody],
+    bodies: Mapping[str, Body],
+    body_names: Iterable[str],
+    boundaries: Mapping[str, Boundary],
+    gauges: Mapping[str, Gauge],
+) -> Problems:
+    """Check that gauges are of surfaces, walls and places of the domain, and of known bodies."""
+    sound = not list(check_grid(dimensions, grid))
+    for name, entry in gauges.items():
+        path: Path = ("gauges", name)
+        yield from _bodies(path, entry, every_body, body_names)
+        within = getattr(entry, "within", None)
+        if within is not None:
+            yield from check_region((*path, "within"), within, dimensions)
+        if isinstance(entry, CutGauge | FluxGauge):
+            yield from _surface(path, entry, dimensions, grid, boundaries, sound)
+        elif isinstance(entry, WallGauge):
+            yield from _wall((*path, "wall"), entry.wall, dimensions, bodies, boundaries)
+        elif isinstance(entry, LevelGauge):
+            yield from _level((*path, "level"), entry.level, dimensions, geometry, grid, sound)
+
+
+def _bodies(
+    path: Path, entry: Gauge, every_body: Mapping[str, Body | RigidBody], named: Iterable[str]
+) -> Problems:
+    for i, body in enumerate(entry.bodies or ()):
+        if isinstance(every_body.get(body), RigidBody):
+            text = f"'{body}' is rigid, and has no stress: history.csv has its force, tool.{body}"
+            yield Problem((*path, "bodies", i), text)
+        elif body not in every_body and body not in named:
+            yield Problem((*path, "bodies", i), unknown("body", body, named))
+
+
+def _surface(
+    path: Path,
+    entry: CutGauge | FluxGauge,
+    dimensions: int,
+    grid: Grid,
+    boundaries: Mapping[str, Boundary],
+    sound: bool,
+) -> Problems:
+    key, region = ("cut", entry.cut) if isinstance(entry, CutGauge) else ("flux", entry.flux)
+    path = (*path, key)
+    if not isinstance(region, HalfSpace | Box):
+        text = "expected a half-space, whose plane is the surface, or a box"
+        yield Problem(path, f"{text}; take the box around it")
+        return
+    wrong = list(check_region(path, region, dimensions))
+    yield from wrong
+    if isinstance(entry, CutGauge):
+        yield from length((*path[:-1], "about"), entry.about, dimensions)
+    if wrong or not sound:
+        return
+    for axis in range(dimensions):
+        low, high = region.bounds()
+        if low[axis] >= grid.corner[axis] or high[axis] <= grid.origin[axis]:
+            yield Problem(path, f"lies beyond the domain along {AXES[axis]}: nothing passes it")
+    for axis in periodic_axes(boundaries):
+        if axis >= dimensions:
+            continue
+        if isinstance(region, HalfSpace):
+            oblique = sum(n != 0.0 for n in region.normal) > 1
+            through = region.normal[axis] != 0.0 and (oblique or isinstance(entry, CutGauge))
+        else:
+            through = _meets_seam(region, grid, axis)
+        if through:
+            ends = f"{AXES[axis]}-min and {AXES[axis]}-max"
+            yield Problem(
+                path,
+                f"{ends} are periodic, so that what leaves it on one side enters on the other; "
+                f"take a box that ends a cell or more from both, or spans all of {AXES[axis]}",
+            )
+
+
+def _meets_seam(box: Box, grid: Grid, axis: int) -> bool:
+    """Whether a box has a surface across a periodic direction at the seam."""
+    low, high, cell = box.min[axis], box.max[axis], grid.cell[axis] * (1.0 - WHOLE)
+    least, most = grid.origin[axis], grid.corner[axis]
+    if low <= least and high >= most:
+        return False
+    return low < least + cell or high > most - cell
+
+
+def _wall(
+    path: Path,
+    face: str,
+    dimensions: int,
+    bodies: Mapping[str, Body],
+    boundaries: Mapping[str, Boundary],
+) -> Problems:
+    if face not in faces(dimensions):
+        yield Problem(path, unknown("face", face, faces(dimensions)))
+        return
+    condition = boundaries.get(face)
+    if condition is None or condition.joins:
+        what = "is open" if condition is None else "is periodic"
+        text = f"{face} {what}, and bears nothing; name a face with a condition (boundaries)"
+        yield Problem(path, text)
+        return
+    initial = [name for name, body in bodies.items() if body.configuration == "initial"]
+    if initial and condition.approaches:
+        yield Problem(
+            path,
+            f"bodies in the initial configuration, as '{initial[0]}', meet {face} where they are, "
+            f"and not on their grid; history.csv has the force, reaction.{face}",
+        )
+
+
+def _level(
+    path: Path, place: tuple[float, ...], dimensions: int, geometry: str, grid: Grid, sound: bool
+) -> Problems:
+    if dimensions == 1:
+        yield Problem(path, "there is no level in one dimension; history.csv has the bodies' mass")
+        return
+    if geometry == "plane-stress":
+        yield Problem(path, "is for liquids and soils, which are never in plane stress")
+    yield from length(path, place, dimensions - 1)
+    for i, x in enumerate(place) if sound and len(place) == dimensions - 1 else ():
+        if not grid.origin[i] <= x <= grid.corner[i]:
+            yield Problem(
+                (*path, i),
+                f"{x:.15g} is outside of the domain, which goes from {grid.origin[i]:.15g} to "
+                f"{grid.corner[i]:.15g} along {AXES[i]}",
+            )

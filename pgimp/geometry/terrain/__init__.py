@@ -1,0 +1,1 @@
+"""Terrain: heights on a grid of places, read from files and closed to a body's surface."""

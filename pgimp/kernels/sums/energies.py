@@ -1,0 +1,45 @@
+"""Strain energy of single particles, for output that names it."""
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.jit.algebra import determinant, symmetric
+from pgimp.jit.kernel import kernel
+from pgimp.jit.tuples import read
+from pgimp.kernels.data.arguments import KernelScene
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.update.stress import state_of
+from pgimp.kernels.update.varying import substitute_parameters
+from pgimp.physics.materials.parameters.evaluate import evaluate
+
+
+@kernel
+def particle_energies(setting, particles, rows, found):
+    """Set the strain energy per initial volume of the particles in `rows`.
+
+    Parameters
+    ----------
+    setting, particles
+        See `KernelScene`, `Particles`.
+    rows : (n,) int64
+        Their rows.
+    found : (n,) float64
+        Set.
+    """
+    like = setting.identity
+    for n in range(len(rows)):
+        p = rows[n]
+        F = read(particles.F, p, 0, like)
+        sigma = read(particles.sigma, p, 0, symmetric(like))
+        materials = substitute_parameters(setting, particles, p).materials
+        state = state_of(materials, particles, p, F)
+        k = setting.material_of[particles.body[p]]
+        found[n] = evaluate("energy", materials, k, (F, determinant(F), sigma), state)
+
+
+def strain_energies(setting: KernelScene, particles: Particles, rows: Any) -> np.ndarray:
+    """Return the strain energy per initial volume of the particles in `rows`, (n,)."""
+    found = np.zeros(len(rows))
+    particle_energies(setting.without_shape(), particles, np.asarray(rows, np.int64), found)
+    return found

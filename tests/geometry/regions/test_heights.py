@@ -1,0 +1,182 @@
+"""Ground below grids of heights: volumes against quadrature, files, and what cannot be used."""
+
+import numpy as np
+import pytest
+from meshes import case, filled
+
+from pgimp.case.schema import Case
+from pgimp.errors import CaseError
+from pgimp.mpi.comm import Serial
+from pgimp.scene.geometry import share
+from pgimp.scene.scene import Scene
+
+pytestmark = pytest.mark.slow(60)
+
+
+def hills(n=9, m=7, low=-0.6, high=1.3, seed=3):
+    """Heights by x and y."""
+    return np.random.default_rng(seed).uniform(low, high, (n, m))
+
+
+def bilinear(z, spacing, bottom):
+    """Volume of the ground by Simpson's rule in each cell's interpolation."""
+    weights, nodes = np.array([1.0, 4.0, 1.0]) / 6.0, np.array([0.0, 0.5, 1.0])
+    volume = 0.0
+    for i in range(z.shape[0] - 1):
+        for j in range(z.shape[1] - 1):
+            for a, u in zip(weights, nodes, strict=True):
+                for b, v in zip(weights, nodes, strict=True):
+                    height = (1 - u) * ((1 - v) * z[i, j] + v * z[i, j + 1])
+                    height += u * ((1 - v) * z[i + 1, j] + v * z[i + 1, j + 1])
+                    volume += a * b * (height - bottom)
+    return volume * spacing[0] * spacing[1]
+
+
+def esri(path, z, corner, cell, nodata=-9999, key="corner"):
+    """Write heights by x and y as ESRI ASCII; nan is nodata."""
+    rows = np.where(np.isnan(z), nodata, z).T[::-1]
+    head = f"ncols {z.shape[0]}\nnrows {z.shape[1]}\nxll{key} {corner[0]}\nyll{key} {corner[1]}\n"
+    head += f"cellsize {cell}\nNODATA_value {nodata}\n"
+    path.write_text(head + "\n".join(" ".join(f"{x:.17g}" for x in row) for row in rows) + "\n")
+
+
+def heights(path, **more):
+    return {"heights": {"file": str(path), "bottom": -1.5, **more}}
+
+
+def test_volume_of_an_array(tmp_path):
+    """Exact on any lattice, also where the lattice's planes are not the nodes'."""
+    z = hills()
+    np.save(tmp_path / "z.npy", z)
+    nodes = {"origin": [-1.9, -1.7], "spacing": [0.45, 0.55]}
+    region = heights(tmp_path / "z.npy", nodes=nodes)
+    exact = bilinear(z, nodes["spacing"], -1.5)
+    for cell in (0.5, 0.4):
+        total, _, number, notes, found = filled(region, cell=cell)
+        assert total == pytest.approx(exact, rel=1e-12)
+        assert number > 100 and not notes
+    low, high = found.bounds()
+    np.testing.assert_allclose(low, [-1.9, -1.7, -1.5])
+    np.testing.assert_allclose(high, [-1.9 + 8 * 0.45, -1.7 + 6 * 0.55, z.max()])
+    at = np.array([[-1.45, -1.15, z[1, 1] + d] for d in (-1e-6, 1e-6)])
+    inside = found.contains(at)
+    assert inside.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("key", ["corner", "center"])
+def test_an_esri_grid_has_its_heights_at_the_centres_of_cells(tmp_path, key):
+    """Its first row is the north; survey's coordinates are moved to the case's."""
+    z = hills(5, 6)
+    corner = [500_000.0, 4_100_000.0]
+    esri(tmp_path / "dem.asc", z, corner, 2.5, key=key)
+    half = 1.25 if key == "corner" else 0.0
+    move = [-0.2 * (corner[0] + half) - 1.0, -0.2 * (corner[1] + half) - 1.2, 0.3]
+    region = heights(tmp_path / "dem.asc", scale=0.2, translate=move)
+    model = Case.model_validate(case(region))
+    share(model, Serial())
+    surface = model.bodies["body"].region.surface
+    np.testing.assert_allclose(surface.bounds[0], [-1.0, -1.2, -1.5], atol=1e-9)
+    np.testing.assert_allclose(surface.bounds[1], [1.0, 1.3, 0.2 * z.max() + 0.3], atol=1e-9)
+    assert surface.volume == pytest.approx(bilinear(0.2 * z + 0.3, [0.5, 0.5], -1.5), rel=1e-8)
+    at = np.array([[-1.0 + 0.5 * 3, -1.2 + 0.5 * 1, 0.2 * z[3, 1] + 0.3]])
+    assert surface.distance(at)[0] == pytest.approx(0.0, abs=1e-8)
+
+
+def test_a_part_is_cut_between_nodes(tmp_path):
+    """Of linear heights the part is exact; elsewhere nodata does not matter."""
+    x, y = np.meshgrid(np.arange(9.0), np.arange(9.0), indexing="ij")
+    z = 0.1 * x - 0.05 * y
+    z[0, 0] = np.nan
+    esri(tmp_path / "dem.asc", z, [-0.5, -0.5], 1.0)
+    part = {"min": [1.25, 1.5], "max": [3.5, 3.0]}
+    region = heights(tmp_path / "dem.asc", part=part, translate=[-2.0, -2.0, 0.0])
+    region["heights"]["part"] = {"min": [-0.75, -0.5], "max": [1.5, 1.0]}
+    total, *_ = filled(region)
+    middle = 0.1 * (1.25 + 3.5) / 2 - 0.05 * (1.5 + 3.0) / 2
+    assert total == pytest.approx(2.25 * 1.5 * (middle + 1.5), rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["array", "rows", "asc"])
+def test_a_profile_in_two_dimensions(tmp_path, kind):
+    z = hills(9, 1)[:, 0]
+    x = -1.8 + 0.45 * np.arange(9)
+    more = {}
+    if kind == "array":
+        more = {"nodes": {"origin": [-1.8], "spacing": [0.45]}}
+        np.save(tmp_path / "z.npy", z)
+    elif kind == "rows":
+        np.save(tmp_path / "z.npy", np.column_stack([x, z]))
+    else:
+        esri(tmp_path / "z.asc", z[:, None], [-1.8, 0.0], 0.45, key="center")
+    path = next(tmp_path.glob("z.*"))
+    total, centre, *_ = filled(heights(path, **more), dimension=2)
+    assert total == pytest.approx(np.trapezoid(z + 1.5, x), rel=1e-12)
+    moments = (z[1:] ** 2 + z[1:] * z[:-1] + z[:-1] ** 2) / 6 - 1.5**2 / 2
+    assert centre[1] == pytest.approx(0.45 * moments.sum() / total, rel=1e-10)
+
+
+def refused(region, dimension=3):
+    with pytest.raises(CaseError) as error:
+        model = Case.model_validate(case(region, dimension))
+        share(model, Serial())
+    return str(error.value)
+
+
+def test_what_heights_cannot_be(tmp_path):
+    z = hills(5, 4)
+    z[2, 1] = np.nan
+    np.save(tmp_path / "z.npy", z)
+    nodes = {"origin": [-1.0, -1.0], "spacing": [0.5, 0.5]}
+    path = tmp_path / "z.npy"
+    text = refused(heights(path, nodes=nodes))
+    assert "bodies.body.region: the heights" in text
+    assert "no height at 1 of 20 nodes, first at x = 0, y = -0.5" in text
+    text = refused(heights(path, nodes=nodes, part={"min": [-1.0, 0.0], "max": [1.5, 0.5]}))
+    assert "covers x from -1 to 1 (its first and last node)" in text
+    assert "goes from -1 to 1.5" in text
+    assert "say nodes" in refused(heights(path))
+    assert "dimensions, expected 1" in refused(
+        heights(path, nodes={"origin": [0.0], "spacing": [1.0]}), 2
+    )
+    np.save(path, np.full((3, 3), -2.0))
+    assert "at or below the bottom, -1.5, at 9 of 9 nodes" in refused(heights(path, nodes=nodes))
+    np.save(path, hills(9, 9))
+    assert "beyond the domain" in refused(heights(path, nodes=nodes))
+    grid = tmp_path / "z.asc"
+    grid.write_text("ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3 4 5\n")
+    assert "has 5 heights, but ncols x nrows are 6" in refused(heights(grid))
+    grid.write_text("nrows 2\n1 2 3 4 5\n")
+    assert "has no ncols" in refused(heights(grid))
+    grid.write_text("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 x 4\n")
+    assert "a height that is no number" in refused(heights(grid))
+    assert "neither .asc" in refused(heights(tmp_path / "z.tif")) or "cannot read" in refused(
+        heights(tmp_path / "z.tif")
+    )
+    path.write_bytes(b"nothing")
+    assert "is no array of NumPy" in refused(heights(path, nodes=nodes))
+
+
+def test_keys_that_do_not_fit_the_dimensions(tmp_path):
+    np.save(tmp_path / "z.npy", hills())
+    for more, key in (
+        ({"nodes": {"origin": [0.0], "spacing": [1.0, 1.0]}}, "nodes.origin"),
+        ({"part": {"min": [0.0, 0.0], "max": [1.0]}}, "part.max"),
+    ):
+        with pytest.raises(ValueError, match=f"heights.{key}"):
+            Case.model_validate(case(heights(tmp_path / "z.npy", **more)))
+
+
+def test_ground_may_be_rigid(tmp_path):
+    """Its distance field is that of the profile; a ball lies on it."""
+    x = np.linspace(-2.0, 2.0, 9)
+    np.save(tmp_path / "z.npy", np.column_stack([x, 0.25 * x]))
+    model = case({"ball": {"center": [0.0, 1.2], "radius": 0.6}}, 2)
+    model["bodies"]["ground"] = {"rigid": {}, "region": heights(tmp_path / "z.npy", bottom=-3.0)}
+    model["contact"] = [{"bodies": ["body", "ground"]}]
+    checked = Case.model_validate(model)
+    share(checked, Serial())
+    region = checked.rigid_bodies["ground"].region
+    line = Scene(checked).interaction.rigid_bodies
+    assert line.names == ["ground"]
+    up = region.distance(np.array([[0.0, 1.0]]))[0]
+    assert up == pytest.approx(1.0 / np.hypot(1.0, 0.25), rel=1e-9)

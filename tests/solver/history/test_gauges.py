@@ -1,0 +1,268 @@
+"""Gauges against statics, and sums of particles. On any ranks: tests/proofs/test_ranks.py."""
+
+import numpy as np
+import pytest
+from scenes import box, finish, scene, start
+
+import pgimp
+from pgimp.utilities.plot.units import kind_of_column
+
+WALLS = {"x-min": "slip", "x-max": "slip", "y-min": "slip"}
+WATER = {"model": "newtonian", "bulk": 1.0e4, "shear-viscosity": 1.0, "density": 1.0}
+
+
+def half(point, *normal):
+    """The side of a plane."""
+    return {"half-space": {"point": list(point), "normal": list(normal)}}
+
+
+GAUGES = {
+    "waist": {"cut": half([2.0, 2.5], 0.0, 1.0)},
+    "upper": {"cut": half([2.0, 2.5], 0.0, -1.0)},
+    "block": {"cut": {"box": {"min": [1.0, 1.0], "max": [3.0, 3.5]}}},
+    "floor": {"wall": "y-min"},
+    "left": {"wall": "y-min", "within": {"box": {"min": [0.0, 0.0], "max": [1.0, 4.0]}}},
+    "right": {"wall": "y-min", "within": {"box": {"min": [1.0, 0.0], "max": [4.0, 4.0]}}},
+    "side": {"wall": "x-max"},
+    "depth": {"level": [1.7]},
+    "edge": {"level": [0.0]},
+}
+
+
+@pytest.fixture(scope="module")
+def column():
+    """A column of soft solid, at rest under its weight, and the sums over its particles."""
+    case = scene(
+        2,
+        box([0.0, 0.0], [4.0, 5.0]),
+        cells=[4, 8],
+        gravity=[0.0, -0.2],
+        boundaries=WALLS,
+        start={"settle": {"tolerance": 1e-7}},
+        damping={"kinetic": True},
+        gauges=GAUGES,
+    )
+    sim = pgimp.Simulation(case)
+    return sim.diagnostics(), sim.particles
+
+
+def test_a_cut_bears_the_weight_above_it(column):
+    """In the middle of a cell the vertices above have the mass of the weights of GIMP's tents."""
+    line, particles = column
+    y, mass = particles["position"][:, 1], particles["mass"]
+    # Mass above: each particle's part in the vertices from y = 3 on; boxes of half a cell.
+    edges = np.array([-0.25, 0.25])
+    fine = np.mean([np.clip(y + e - 2.0, 0.0, 1.0) for e in np.linspace(*edges, 2001)], axis=0)
+    weight = 0.2 * mass @ fine
+    assert line["gauge.waist.force-y"] == pytest.approx(-weight, rel=1e-4)
+    assert weight == pytest.approx(0.2 * 10.0, rel=0.05)
+    assert line["gauge.waist.force-x"] == pytest.approx(0.0, abs=1e-9)
+    assert line["gauge.waist.moment-z"] == pytest.approx(0.0, abs=1e-6)
+    for name in ("force-x", "force-y", "moment-z"):  # action and reaction, to rounding
+        assert line[f"gauge.upper.{name}"] == pytest.approx(-line[f"gauge.waist.{name}"], abs=1e-12)
+
+
+def test_a_box_is_held_up_by_its_weight(column):
+    line, particles = column
+    x, y, mass = *particles["position"][:, :2].T, particles["mass"]
+    inside = (np.abs(x - 2.0) < 1.0) & (y > 1.0) & (y < 3.5)
+    assert line["gauge.block.force-y"] == pytest.approx(0.2 * mass[inside].sum(), rel=0.03)
+    assert line["gauge.block.force-x"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_walls_bear_what_their_reactions_are(column):
+    """Also that of a part: here of the first quarter of a wall under the same pressure."""
+    line, particles = column
+    weight = 0.2 * particles["mass"].sum()
+    assert line["gauge.floor.force"] == pytest.approx(weight, rel=1e-5)
+    assert line["gauge.floor.pressure"] == pytest.approx(weight / 4.0, rel=1e-5)
+    parts = [line[f"gauge.{name}.force"] for name in ("left", "right")]
+    assert sum(parts) == pytest.approx(line["gauge.floor.force"], rel=1e-12)
+    assert parts[0] == pytest.approx(0.25 * weight, rel=1e-4)
+    assert line["gauge.left.pressure"] == pytest.approx(line["gauge.right.pressure"], rel=1e-4)
+    sideways = particles["stress"][:, 0] @ particles["volume"] / 4.0
+    assert line["gauge.side.force"] == pytest.approx(-sideways, rel=1e-3)
+
+
+def test_a_level_is_volume_over_area(column):
+    line, particles = column
+    height = particles["volume"].sum() / 4.0
+    assert 4.97 < height < 4.99
+    for name in ("depth", "edge"):
+        assert line[f"gauge.{name}.height"] == pytest.approx(height, rel=1e-4)
+        assert line[f"gauge.{name}.top"] == pytest.approx(height, rel=2e-3)
+
+
+def test_water_at_rest():
+    """Pressure on a wall, rho g H^2/2, on its lower part, and at the floor, at time 0."""
+    part = {"box": {"min": [0.0, 0.0], "max": [4.0, 2.0]}}
+    case = scene(
+        2,
+        box([0.0, 0.0], [4.0, 6.0], material="water"),
+        cells=[4, 8],
+        gravity=[0.0, -2.0],
+        boundaries=WALLS,
+        materials={"water": WATER},
+        start={"stress": {"k0": 1.0}},
+        gauges={
+            "wall": {"wall": "x-max"},
+            "low": {"wall": "x-max", "within": part},
+            "floor": {"wall": "y-min"},
+            "level": {"level": [2.0], "bodies": ["body"]},
+        },
+        step=0.001,
+    )
+    line = start(case).diagnostics()
+    assert line["gauge.wall.force"] == pytest.approx(2.0 * 6.0**2 / 2, rel=0.01)
+    assert line["gauge.low.force"] == pytest.approx(2.0 * (6.0**2 - 4.0**2) / 2, rel=0.01)
+    assert line["gauge.low.pressure"] == pytest.approx(2.0 * 5.0, rel=0.01)
+    assert line["gauge.floor.pressure"] == pytest.approx(2.0 * 6.0, rel=0.01)
+    assert line["gauge.level.height"] == pytest.approx(6.0, rel=1e-12)
+
+
+def test_a_jet_carries_its_momentum():
+    """Density times area times v and v^2 through a plane, also an oblique one; and means of it."""
+    gauges = {
+        "gate": {"flux": half([4.3, 0.0], 1.0, 0.0), "mean": 0.5},
+        "slanted": {"flux": half([5.0, 4.0], 1.0, -0.5)},
+        "net": {"flux": {"box": {"min": [3.0, 0.0], "max": [6.0, 8.0]}}},
+        "part": {"flux": half([4.3, 0.0], 1.0, 0.0),
+                 "within": {"box": {"min": [0.0, 0.0], "max": [8.0, 4.0]}}},
+        "cut": {"cut": half([4.3, 0.0], 1.0, 0.0)},
+    }  # fmt: skip
+    jet = box([1.0, 3.0], [7.0, 5.0], [1.5, 0.0])
+    sim = start(scene(2, jet, cells=[16, 8], end=1.0, step=0.05, gauges=gauges))
+    for _ in range(11):
+        line = sim.diagnostics()
+        assert line["gauge.gate.mass-flux"] == pytest.approx(2.0 * 1.5, rel=1e-9)
+        assert line["gauge.gate.momentum-flux-x"] == pytest.approx(2.0 * 1.5**2, rel=1e-9)
+        assert line["gauge.gate.momentum-flux-y"] == pytest.approx(0.0, abs=1e-12)
+        assert line["gauge.part.mass-flux"] == pytest.approx(1.5, rel=1e-9)
+        assert line["gauge.slanted.mass-flux"] == pytest.approx(2.0 * 1.5, rel=0.02)
+        assert line["gauge.cut.force-x"] == pytest.approx(0.0, abs=1e-9)
+        assert line["gauge.gate.mean.mass-flux"] == pytest.approx(3.0, rel=1e-9)
+        sim.advance()
+    first = start(scene(2, jet, cells=[16, 8], gauges=gauges)).diagnostics()
+    assert first["gauge.net.mass-flux"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_means_are_trapezoids_over_the_window():
+    """Of what the lines have, with a window that begins between two of them; then a resume's."""
+    gauges = {"gate": {"flux": half([4.0, 0.0], 1.0, 0.0), "mean": 0.23}}
+    body = box([1.0, 1.0], [3.0, 5.0], [2.0, 0.0])
+    sim = start(scene(2, body, cells=[16, 8], end=2.0, step=0.05, gauges=gauges))
+    times, fluxes, means = [], [], []
+    while not sim.finished:
+        line = sim.diagnostics()
+        times.append(line["time"])
+        fluxes.append(line["gauge.gate.mass-flux"])
+        means.append(line["gauge.gate.mean.mass-flux"])
+        sim.advance()
+    assert max(fluxes) == pytest.approx(8.0, rel=1e-9)
+    fine = np.linspace(0.0, 1.0, 40001)
+    for end, mean in zip(times, means, strict=True):
+        at = max(0.0, end - 0.23) + fine * min(0.23, end)
+        values = np.interp(at, times, fluxes)
+        exact = values[0] if end == 0.0 else np.trapezoid(values, fine)
+        assert mean == pytest.approx(exact, abs=1e-6)
+    sums = sim.diagnostic_sums.means
+    rows = sums.rows(sim.scene)
+    assert rows.shape == (6, 8)
+    other = type(sums)()
+    other.restore(sim.scene, rows)
+    assert other.rows(sim.scene).tolist() == rows.tolist()
+
+
+def test_the_torque_of_a_bar():
+    """Stresses of torsion, G theta r: the moment is G theta times the polar second moment."""
+    body = box([0.0, 2.0, 2.0], [6.0, 6.0, 6.0])
+    gauges = {"cut": {"cut": half([2.5, 4.0, 4.0], 1.0, 0.0, 0.0)}}
+    sim = start(scene(3, body, gauges=gauges))
+    p, rows = sim.particles, sim.live()
+    y, z = (p.x[rows, d] - 4.0 for d in (1, 2))
+    p.sigma[rows, 3], p.sigma[rows, 5] = -0.5 * z, 0.5 * y
+    line = sim.diagnostics()
+    # Of particles at 0.25, 0.75, .. from the axis on 4 x 4: close to its 4^4/6.
+    polar = 2.0 * (np.arange(-1.75, 2.0, 0.5) ** 2).mean() * 16.0
+    assert polar == pytest.approx(4.0**4 / 6.0, rel=0.02)
+    assert line["gauge.cut.moment-x"] == pytest.approx(0.5 * polar, rel=1e-12)
+    for name in ("force-x", "force-y", "force-z", "moment-y", "moment-z"):
+        assert line[f"gauge.cut.{name}"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_force_is_the_rate_of_momentum():
+    """Exactly, of vertices that keep their motion: a block that spins, cut on one side."""
+    body = box([1.0, 1.0], [7.0, 5.0]) | {"configuration": "initial"}
+    body["velocity"] = {"rotation": {"rate": 0.5, "about": [4.0, 3.0]}}
+    gauges = {"cut": {"cut": half([5.5, 3.0], -1.0, 0.0)}}
+    sim = start(scene(2, body, gauges=gauges, end=1.0))
+
+    def momentum():
+        kept = sim.rank.grid.by_vertex(sim.rank.grid.kept.values)[:, 0]
+        x = np.arange(len(kept)) + sim.rank.grid.window.lower[0] - sim.scene.domain.frame.ghost
+        right = kept[x >= 6.0]
+        return (right[..., :1] * right[..., 5:7]).sum(axis=(0, 1, 2))
+
+    for _ in range(30):
+        before, line = momentum(), sim.diagnostics()
+        sim.advance()
+        force = [line[f"gauge.cut.force-{axis}"] for axis in "xy"]
+        np.testing.assert_allclose((momentum() - before) / 0.01, force, rtol=0, atol=1e-11)
+    assert force[0] < -0.5
+
+
+@pytest.mark.parametrize(
+    ("gauges", "where", "text"),
+    [
+        ({"a": {"cut": {"ball": {"centre": [2, 2], "radius": 1}}}}, "a.cut", "expected a half"),
+        ({"a": {"cut": half([9.0, 0.0], -1.0, 0.0)}}, "a.cut", "lies beyond the domain along x"),
+        ({"a": {"flux": half([1.0], 1.0)}}, "a.flux", "expected 2 entries"),
+        (
+            {"a": {"cut": half([1.0, 1.0], 1.0, 0.0), "about": [1.0]}},
+            "a.about",
+            "expected 2 entries",
+        ),
+        ({"a": {"wall": "y-max"}}, "a.wall", "y-max is open, and bears nothing"),
+        ({"a": {"wall": "top"}}, "a.wall", "unknown face 'top'"),
+        ({"a": {"level": [1.0, 1.0]}}, "a.level", "expected 1 entry"),
+        ({"a": {"level": [9.0]}}, "a.level.0", "outside of the domain"),
+        ({"a": {"level": [1.0], "bodies": ["bodi"]}}, "a.bodies.0", "did you mean 'body'"),
+        ({"a": {"level": [1.0], "mean": 0}}, "a.mean", "must be above 0"),
+        ({"a": {"weight": 1}}, "a", "known: cut, flux, level, wall"),
+    ],
+)
+def test_gauges_that_cannot_be(gauges, where, text):
+    case = scene(2, box([1.0, 1.0], [3.0, 3.0]), boundaries=WALLS, gauges=gauges)
+    with pytest.raises(pgimp.CaseError) as error:
+        pgimp.load(case)
+    assert f"gauges.{where}" in str(error.value)
+    assert text in str(error.value)
+
+
+def test_a_plane_across_a_periodic_direction_has_a_flux_and_no_force():
+    ends = {"x-min": "periodic", "x-max": "periodic"}
+    body = box([0.0, 1.0], [8.0, 3.0], [0.7, 0.0])
+    flux = {"a": {"flux": half([0.1, 0.0], 1.0, 0.0)}}
+    sim = start(scene(2, body, boundaries=ends, gauges=flux, end=0.1, step=0.05))
+    assert sim.diagnostics()["gauge.a.mass-flux"] == pytest.approx(1.4, rel=1e-12)
+    assert finish(sim).diagnostics()["gauge.a.mass-flux"] == pytest.approx(1.4, rel=1e-12)
+    with pytest.raises(pgimp.CaseError, match="x-min and x-max are periodic"):
+        pgimp.load(scene(2, body, boundaries=ends, gauges={"a": {"cut": flux["a"]["flux"]}}))
+    spans = {"box": {"min": [0.0, 0.0], "max": [8.0, 2.0]}}
+    sim = start(scene(2, body, boundaries=ends, gauges={"a": {"cut": spans}}))
+    assert sim.diagnostics()["gauge.a.force-y"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("column", "kind"),
+    [
+        ("gauge.waist.force-y", "force"),
+        ("gauge.a.mean.moment-z", "energy"),
+        ("gauge.a.mass-flux", "mass/time"),
+        ("gauge.a.mean.momentum-flux-x", "force"),
+        ("gauge.a.pressure", "stress"),
+        ("gauge.a.height", "length"),
+    ],
+)
+def test_columns_have_units(column, kind):
+    assert kind_of_column(column) == kind
