@@ -34,10 +34,14 @@ TUTORIALS = {
     if name.startswith("tutorials/")
 }
 #: Those, and what they link to.
-LINKED = PAGES | TUTORIALS | {
-    name: (ROOT / name).read_text(encoding="utf-8")
-    for name in ("cases/README.md", "cases/reference.md", "CHANGELOG.md")
-}
+LINKED = (
+    PAGES
+    | TUTORIALS
+    | {
+        name: (ROOT / name).read_text(encoding="utf-8")
+        for name in ("cases/README.md", "cases/reference.md", "CHANGELOG.md")
+    }
+)
 TEXT = "\n".join(PAGES.values())
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 BLOCKS = FENCE.findall(TEXT)
