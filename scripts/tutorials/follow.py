@@ -142,7 +142,6 @@ def follow(page: str, folder: Path, run: Run = start, tolerance: float = 0.02) -
     UnexpectedError
         Where a command fails, or says something else.
     """
-    (folder / "cases").symlink_to(ROOT / "cases")
     said: dict[str, Said] = {}
     last = ""
     for kind, block in blocks(page):
