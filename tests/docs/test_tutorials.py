@@ -57,7 +57,7 @@ def stated(page, sentence):
 def test_footing(tmp_path):
     followed("footing", tmp_path)
     books = pgimp.open(tmp_path / "footing.out").history
-    (sunk,) = stated("footing", "ends when the strip has sunk by # mm")
+    (sunk,) = stated("footing", "until the strip has sunk by # mm")
     assert -1e3 * books["tool.strip.displacement-y"][-1] == pytest.approx(sunk, abs=0.5)
     # "The force stays": within a tenth, as the last figure of the page scatters.
     (flat,) = stated("footing", "From # mm on the force stays")
