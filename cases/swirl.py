@@ -37,10 +37,7 @@ def force(X, t, amplitude, frequency, mu, lam, density):
     r = (lam * (1.0 - log(J)) + mu) / (J * J)
     div1 = -2.0 * pi * pi * mu * g * shape[0] + r * (f22 * slope[0] - f21 * slope[1])
     div2 = -2.0 * pi * pi * mu * g * shape[1] + r * (f11 * slope[1] - f12 * slope[0])
-    return (
-        -w * w * g * shape[0] - div1 / density,
-        -w * w * g * shape[1] - div2 / density,
-    )
+    return (-w * w * g * shape[0] - div1 / density, -w * w * g * shape[1] - div2 / density)
 
 
 @pgimp.exact_solution("swirl")

@@ -92,10 +92,10 @@ def say_done(
         f"({amount(recorder.size)} at {amount(recorder.size / max(output, 1e-9))}/s)"
     )
     frames = recorder.frames.written
-    collection = shlex.quote(str(directory.path / "particles.xdmf"))
+    collection = shlex.quote(str(directory.path / "particles.vtkhdf"))
     log.say(
         f"{frames} frame{'s' if frames > 1 else ''} and history.csv in {directory.path}; "
-        f"look at them with: paraview {collection}"
+        f"look at them with: paraview {collection} (before 5.12: particles.xdmf)"
     )
     left = sim.count - sim.present() if sim.scene.settings.loses else 0
     if left:

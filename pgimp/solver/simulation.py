@@ -201,7 +201,7 @@ class Simulation(SimulationProgress):
         reduction.begin(rate, request, balance.rebalance_requested, rank.vertex_bounds)
         sort = number % RESORT == 0
         watch = self.watch if self.watch and self.watch.due(number) else None
-        look = self.settling and is_due(number)
+        look = self.settling and is_due(number, number - self.clock.before)
         call = self.calls is not None and not self.preparing and self.calls.due(number)
         if complete or move or sort or watch or look or call or self.comm.size == 1:
             self.complete_reduction()

@@ -29,6 +29,7 @@ from hard import (
     nut,
     own_swirl,
 )
+from lessons import tutorial_dam_break, tutorial_footing, tutorial_impact, tutorial_own_material
 from looking import block3d, block3d_initial, block3d_paraview
 from meeting import corner, drum, hertz, hertz_line
 from metal import plate_impact, taylor_bar, thick_tube
@@ -43,7 +44,8 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     taylor_bar, taylor_axisymmetric, thick_tube, tube, vortex, spinning_block, plane_waves, sod,
      channel, sand_column, slope, graded, excavation, safety, footing, dam_break, jet, gate, blast,
     nut, fluid_dam_break, own_swirl, hard_translation, hard_column, hard_shock, hard_spinning,
-    hard_bending, hard_grazing, error_and_cost,
+    hard_bending, hard_grazing, tutorial_footing, tutorial_impact, tutorial_dam_break,
+    tutorial_own_material, error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")
 parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))

@@ -47,7 +47,8 @@ def on_page_markdown(markdown, page, config, files):
     if page.file.src_uri == "index.md":
         shown = gallery(cases())
         markdown = PLACE.sub(lambda _: shown, markdown)
-    return markdown.replace("](../", "](")
+    up = "../" * page.file.src_uri.count("/")  # from its folder to docs/
+    return markdown.replace(f"]({up}../", f"]({up}")
 
 
 def on_post_build(config):

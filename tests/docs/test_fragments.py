@@ -5,7 +5,7 @@ import json
 import re
 
 import pytest
-from pages import FENCE, LINKED, PAGES, ROOT, block_of, blocks
+from pages import FENCE, LINKED, PAGES, ROOT, TUTORIALS, block_of, blocks
 from ruamel.yaml import YAML
 
 from pgimp.case.reader import read_case
@@ -142,8 +142,8 @@ def keys_of(value):
 def test_keys_in_lines_of_text_exist():
     """As in `affine: true`, or `output: {grid: [contact]}`."""
     known = {*names(json_schema()), *names(study_schema())}
-    found = 0
-    for name, text in {**PAGES, "cases/README.md": LINKED["cases/README.md"]}.items():
+    found, cases = 0, LINKED["cases/README.md"]
+    for name, text in (PAGES | TUTORIALS | {"cases/README.md": cases}).items():
         for code in re.findall(r"`([a-z][\w.-]*: [^`]*)`", FENCE.sub("", text)):
             code = " ".join(code.split())
             if "Literal[" in code or name == "docs/developing.md":  # which adds to the package

@@ -22,7 +22,8 @@ def sources():
     """Files in which prose is written: for pages with tables of figures, their texts."""
     written = {path.name: path for path in DOCS.glob("*.md")}
     written |= {path.name: path for path in TEXTS.glob("*.md")}
-    return [ROOT / "README.md", *(written[name] for name in sorted(written))]
+    tutorials = sorted((DOCS / "tutorials").glob("*.md"))
+    return [ROOT / "README.md", *(written[name] for name in sorted(written)), *tutorials]
 
 
 def paragraphs(text):

@@ -90,7 +90,7 @@ def folder(tmp_path_factory):
 
 
 def test_every_page_is_in_the_navigation():
-    there = {path.name for path in DOCS.glob("*.md")}
+    there = {path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md")}
     assert there | {"cases/README.md", "cases/reference.md"} == set(NAVIGATION)
     assert len(NAVIGATION) == len(set(NAVIGATION))
 

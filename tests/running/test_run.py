@@ -56,7 +56,7 @@ def test_what_a_run_leaves(done, folder):
     log = (directory / "log.txt").read_text()
     assert log.startswith(job.stdout)
     assert "Two soft blocks" in job.stdout and "72 particles in 2D on 1 rank" in job.stdout
-    assert "paraview blocks.out/particles.xdmf" in job.stdout
+    assert "paraview blocks.out/particles.vtkhdf (before 5.12: particles.xdmf)" in job.stdout
     phases = [line.split()[0] for line in log.removeprefix(job.stdout).splitlines() if line]
     assert {"P2G", "G2P", "frames", "history", "other", "total"} <= set(phases)
     (entry,) = json.loads((directory / "run.json").read_text())["starts"]

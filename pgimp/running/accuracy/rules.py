@@ -50,6 +50,15 @@ class Rule(NamedTuple):
             parts = [part for part in parts if not part.startswith("method.volumetric: mean")]
         return "; ".join(parts)
 
+    def beyond(self, value: float) -> str:
+        """Return a value with its unit, in as many digits as tell it from the bound."""
+        shown = self.number(value)
+        if shown != self.number(self.bound) or value == self.bound:
+            return shown
+        factor = 100.0 if self.unit == "%" else 1.0
+        digits = next(n for n in range(3, 18) if f"{value:.{n}g}" != f"{self.bound:.{n}g}")
+        return f"{factor * value:.{digits}g} {self.unit}".rstrip()
+
     def number(self, value: float) -> str:
         """Return a value with its unit."""
         if self.unit == "%":
@@ -159,7 +168,7 @@ class Indicator(NamedTuple):
         rule = self.rule
         of = f" '{self.where}'" if self.where else ""
         bound = f"{'from' if rule.least else 'up to'} {rule.number(rule.bound)}"
-        return f"{rule.label}{of} {rule.number(self.value)} (well {bound})"
+        return f"{rule.label}{of} {rule.beyond(self.value)} (well {bound})"
 
 
 def line(found: list[Indicator]) -> str:

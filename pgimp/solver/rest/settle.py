@@ -25,9 +25,13 @@ def at_time_zero(step: Step) -> Step:
     return step._replace(start=0.0, end=0.0)
 
 
-def is_due(step: int) -> bool:
-    """Whether forces are compared after this step."""
-    return step % EVERY == 0
+def is_due(step: int, since: int) -> bool:
+    """Whether forces are compared after this step, the `since`-th of the start or the stage.
+
+    Not after the first one: its forces are those of the stresses before, which follow the stage's
+    strength only then.
+    """
+    return step % EVERY == 0 and since > 1
 
 
 def unbalanced_part(rank: Rank) -> float:

@@ -45,15 +45,21 @@ def _from_limits(plan: Plan, outcomes: Sequence[Outcome]) -> None:
             elif found.value != 0.0:
                 one.error = abs(value / found.value - 1.0)
         if found is not None:
-            runs[-1].message = verdict(plan, runs[-1], found)
+            runs[-1].message = verdict(plan, runs, found)
 
 
-def verdict(plan: Plan, finest: Outcome, found: Limit) -> str:
-    """Describe the accuracy of a curve's finest run."""
+def verdict(plan: Plan, runs: Sequence[Outcome], found: Limit) -> str:
+    """Describe the accuracy of a curve's finest run, the last one."""
+    finest, label = runs[-1], plan.study.measure.label
+    if len({one.value for one in runs}) == 1:
+        return (
+            f"{label} is {finest.value:.5g} in all runs, which says nothing of their errors: take "
+            "a later time.end (set), by which there is something to compare, or another column"
+        )
     part = "" if finest.error is None else f"{finest.error:.2g}"
     if plan.study.measure.relative and finest.error is not None:
         part = f"{100.0 * finest.error:.2g} %"
-    text = f"{plan.study.measure.label} is {finest.value:.5g}, its limit about {found.value:.5g}"
+    text = f"{label} is {finest.value:.5g}, its limit about {found.value:.5g}"
     if found.order is None:
         return f"{text}: an error of {part} if the order is 1; the values do not tell the order"
     return f"{text}: an error of {part}, with the order {found.order:.1f}"

@@ -53,3 +53,15 @@ def test_an_infinite_slope_stands_up_to_its_factor_of_safety(model, dilation):
     assert F == pytest.approx(1.58626 if dilation else 1.47746, abs=1e-5)
     assert stands(infinite(0.993 * F, dilation, model))
     assert not stands(infinite(1.007 * F, dilation, model))
+
+
+def test_a_stage_does_not_rest_before_its_strength_has_acted():
+    """Forces of its first step are those of the stage before, also where that one is compared."""
+    case = infinite(2.0, 0.0, "mohr-coulomb")
+    case["time"] |= {"step": 2e-4, "end": 9 * 2e-4}
+    case["time"]["stages"][0]["settle"]["steps"] = 100
+    sim = start(case)
+    while sim.preparing:
+        sim.advance()
+    assert sim.step % 10 == 0 and sim.unbalanced < 1e-4
+    assert not stands(case)

@@ -25,13 +25,23 @@ NAVIGATION = listed_pages(YAML(typ="safe").load(CONFIGURATION)["nav"])
 PAGES = {"README.md": (ROOT / "README.md").read_text(encoding="utf-8")} | {
     f"docs/{name}": (DOCS / name).read_text(encoding="utf-8")
     for name in NAVIGATION
-    if not name.startswith("cases/")
+    if not name.startswith(("cases/", "tutorials/"))
+}
+#: Pages that are followed in folders of their own (`tutorials.follow`).
+TUTORIALS = {
+    f"docs/{name}": (DOCS / name).read_text(encoding="utf-8")
+    for name in NAVIGATION
+    if name.startswith("tutorials/")
 }
 #: Those, and what they link to.
-LINKED = PAGES | {
-    name: (ROOT / name).read_text(encoding="utf-8")
-    for name in ("cases/README.md", "cases/reference.md", "CHANGELOG.md")
-}
+LINKED = (
+    PAGES
+    | TUTORIALS
+    | {
+        name: (ROOT / name).read_text(encoding="utf-8")
+        for name in ("cases/README.md", "cases/reference.md", "CHANGELOG.md")
+    }
+)
 TEXT = "\n".join(PAGES.values())
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 BLOCKS = FENCE.findall(TEXT)

@@ -18,6 +18,7 @@ from pgimp.utilities.study.measures import MeasureError, measure, orders, pareto
 from pgimp.utilities.study.plan import read_plan
 from pgimp.utilities.study.plot import _guides
 from pgimp.utilities.study.schema import Measure
+from pgimp.utilities.study.tables import verdict
 
 
 def test_a_measure_is_a_line_of_a_column():
@@ -157,3 +158,11 @@ def test_only_the_error_has_a_limit(tmp_path):
     (tmp_path / "s.yaml").write_text(HEAD + SWEEP + wanted)
     with pytest.raises(CaseError, match=r"s\.yaml:6: columns\.0\.reference: only the error"):
         read_plan(tmp_path / "s.yaml")
+
+
+def test_runs_without_a_difference_have_no_error():
+    """As the strain energy of what still falls: 0 on all cells."""
+    plan = SimpleNamespace(study=SimpleNamespace(measure=SimpleNamespace(label="a", relative=True)))
+    runs = [SimpleNamespace(value=0.0, error=None) for _ in range(3)]
+    said = verdict(plan, runs, limit([(0.4, 0.0), (0.2, 0.0), (0.1, 0.0)]))
+    assert said.startswith("a is 0 in all runs, which says nothing") and "later time.end" in said
