@@ -8,11 +8,11 @@ from pgimp.decomposition.population import Population
 from pgimp.geometry.sweep import close_pairs
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.contact.lagrangian.broad_phase import (
     Regions,
     find_near,
     greatest_speed,
+    grow_boxes,
     mark_blocks,
     widen_marks,
 )
