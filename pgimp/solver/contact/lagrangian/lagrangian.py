@@ -150,7 +150,9 @@ class LagrangianContact(NoContact):
         if free:
             free.begin(rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
-        looked = self._broad_phase.update(rank.population, self.groups, rigid_bodies, t, rate)
+        looked = self._broad_phase.update(
+            rank.population, self.groups, rigid_bodies, t, rate, rank.grid
+        )
         rate = max(self.scene.interaction.rigid_bodies.rate, rate)
         travel, self._dt = rate * self._dt, t.dt
         if looked:
