@@ -78,7 +78,7 @@ def book_mirrored(contact_pairs, coupling, mirrors, ledger):
 
 
 @kernel
-def book_contacts(contact, free, contact_pairs, coupling, numbers, walls, ledger):
+def book_contacts(contact, free, contact_pairs, coupling, solved, walls, ledger):
     """Book the exchanged impulses in the first plane of the grid, on this plane's owner.
 
     Parameters
@@ -90,7 +90,7 @@ def book_contacts(contact, free, contact_pairs, coupling, numbers, walls, ledger
     for k in range(len(contact_pairs.ends)):
         end, row = contact_pairs.ends[k], contact_pairs.states[k]
         wall = _wall_of(end, walls)
-        load_pair(contact, free.frame, contact_pairs, k, coupling, numbers)
+        load_pair(contact, free.frame, contact_pairs, k, coupling, solved)
         if wall >= 0:
             sign = -1.0 if end.bodies[0] < end.bodies[1] else 1.0
             face, fields = walls.planes[wall].face, contact.fields

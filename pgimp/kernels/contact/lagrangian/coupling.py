@@ -12,17 +12,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.jit.vectors.rows import load_row
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.jit.vectors.simd import lane, vector, where
-from pgimp.kernels.contact.lagrangian.reference_grid import OF_INVERSE_MASS, is_turned, reflection
-from pgimp.kernels.contact.lagrangian.supports import vertex_at
+from pgimp.kernels.contact.lagrangian.hash_table import find
+from pgimp.kernels.contact.lagrangian.reference_grid import (
+    OF_INVERSE_MASS,
+    across,
+    image_of,
+    is_turned,
+    key_of_vertex,
+    reflection,
+)
+from pgimp.kernels.contact.lagrangian.reference_numbers import by_axis, by_direction
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free vertices would
 #: have to compensate for the prescribed ones at many times the speed.
 LEAST_FREE = 0.25
+
+#: Vertices of a box of rows' sums, along each axis.
+WIDE = 8
 
 
 class Coupling(NamedTuple):
@@ -90,23 +101,6 @@ def _way(frame, moved, number):
     return u, v, w * frame.inverse[min(2, D - 1)]
 
 
-def _value(w, g, local, way):
-    """Weight of a vertex of a support at a vector from its particle, by the weight's gradient.
-
-    `w` and `g` are the particle's, `local` is the vertex, see `Supports`.
-    """
-
-
-@specialise(_value)  # passing all arrays of the supports to a function would cost more than it does
-def _value_at(w, g, local, way):
-    def value(w, g, local, way):
-        x, y, z = w[0, local[0]], w[1, local[1]], w[2, local[2]]
-        flat = x * y + g[0, local[0]] * way[0] * y + x * g[1, local[1]] * way[1]
-        return flat * z + x * y * g[2, local[2]] * way[2]
-
-    return value
-
-
 @kernel
 def number_rows(contact_pairs, row_of, slots):
     """Replace the entries of `VERTEX_SUMS` in pairs by numbers of rows; returns their number.
@@ -126,24 +120,105 @@ def number_rows(contact_pairs, row_of, slots):
     return rows
 
 
+@inner_kernel
+def _add_particle(box, supports, i, low, part, way):
+    """Add a particle's share of a row at the vertices of a box, four along the last axis at once.
+
+    A vertex j gets S0_jp + grad S0_jp . way, times `part`. `low` is the first vertex of the box,
+    and `way` is the vector from the particle to the row's vertex, both by axis.
+    """
+    first, many, w, g = supports.first, supports.many, supports.w, supports.g
+    x, y, z = 3 * i, 3 * i + 1, 3 * i + 2
+    a, b, c = first[i, 0] - low[0], first[i, 1] - low[1], first[i, 2] - low[2]
+    weight = load_row(w, z, 0)
+    slope, weight = part * way[2] * load_row(g, z, 0), part * weight
+    for m in range(many[i, 0]):
+        wx, gx = w[x, m], way[0] * g[x, m]
+        for n in range(many[i, 1]):
+            wy = w[y, n]
+            flat, even = wx * wy + gx * wy + wx * way[1] * g[y, n], wx * wy
+            row = (a + m) * WIDE + b + n
+            store_row(box, row, c, load_row(box, row, c) + flat * weight + even * slope)
+
+
+@inner_kernel
+def _number_after(references, key, j):
+    """Number of the reference vertex with a key, -1 without one; `j` is that of the key before."""
+    hashes, keys = references[0], references[1]
+    if j + 1 < len(keys) and keys[j + 1] == key:  # mostly
+        return j + 1
+    return find(hashes, key)
+
+
+@inner_kernel
+def _keep_row(frame, references, mirrors, r, box, used, seen, coupling):
+    """Append what is in a box to row `r`, and clear the box; returns the number of entries.
+
+    The box has its sums, and the vertices from `low` up to `end`, by axis. `seen` has the last row
+    of each reference vertex, and its entry there.
+    """
+    sums, low, end = box
+    _, _, fields, field = references
+    column, entry, beyond = coupling.column, coupling.entry, coupling.beyond
+    ny_nz, j = across(frame), -2
+    for a in range(end[0] - low[0]):
+        for b in range(end[1] - low[1]):
+            row = a * WIDE + b
+            for c in range(end[2] - low[2]):
+                share = sums[row, c]
+                if share == 0.0:
+                    continue
+                number = by_direction(frame, (low[0] + a, low[1] + b, low[2] + c))
+                image = image_of(mirrors, number)
+                j = _number_after(references, key_of_vertex(ny_nz, image, fields, field), j)
+                if j < 0:
+                    continue
+                if seen[0, j] != r:
+                    seen[0, j], seen[1, j], column[used] = r, used, j
+                    for d in range(entry.shape[1]):
+                        entry[used, d] = 0.0
+                    used += 1
+                if len(mirrors) == 0:
+                    entry[seen[1, j], 0] += share
+                    continue
+                for d in range(3):
+                    entry[seen[1, j], d] += share * reflection(mirrors, number, d, len(mirrors))
+                for n in range(len(mirrors)):
+                    if is_turned(mirrors, n, number):
+                        for d in range(3):
+                            beyond[r, n, d] += share * reflection(mirrors, number, d, n)
+            store_row(sums, row, 0, vector(0.0))
+            store_row(sums, row, 4, vector(0.0))
+    return used
+
+
+@inner_kernel
+def _in_box(supports, i, middle):
+    """Whether a particle's support begins near `middle`, so that a box round that contains it."""
+    first = supports.first
+    x, y, z = first[i, 0] - middle[0], first[i, 1] - middle[1], first[i, 2] - middle[2]
+    return -2 <= x <= 2 and -2 <= y <= 2 and -2 <= z <= 2
+
+
 @kernel
-def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, vertices, coupling):
+def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, scratch, coupling):
     """Find the rows of B for the contact pairs.
 
     Parameters
     ----------
     particles : (NEAR_PARTICLE, NEAR_MOTION), each (n,)
         The particles.
-    initial : (Supports, Numbers)
-        Supports of the particles at their initial positions, and their reference vertices.
+    initial : (ReferenceSupports, (slots, 2) int64, (k,) int64, int)
+        The particles' supports at their initial positions; hash table and keys of the reference
+        vertices; number of velocity fields.
     mirrors
         See `number_reference_vertices`.
     slots : (rows,) int64
         The entry of each row in `contact_vertices`.
     contact_vertices : ContactVertices
         The entries, with their sums.
-    vertices : ((k, NUMBERS) float64, (2, k) int64)
-        The records of `ReferenceVertices`, and scratch.
+    scratch : ((k, NUMBERS) float64, (2, k) int64, (n,) int64, (WIDE^2, WIDE) float64)
+        The records of `ReferenceVertices`, and scratch; the last is zero before and after.
     coupling : Coupling
         Filled; `beyond` is zero before.
 
@@ -152,46 +227,61 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, v
     int
         Number of entries of all rows: if there are more than `coupling` has room for, it is not
         filled.
+
+    Notes
+    -----
+    The particles round a vertex are near each other in the initial configuration, too, so that all
+    of their reference vertices are in one box. Where parts of a body meet there are several boxes.
     """
-    (table, motion), (before, (count, vertex_of, local)) = particles, initial
-    numbers, kept = vertices
-    places = before.local
-    sums, reached, most = contact_vertices.sums, contact_vertices.reached, vertex_of.shape[1]
-    column, entry, start, beyond = coupling.column, coupling.entry, coupling.start, coupling.beyond
-    used, plain, (seen, entry_of) = 0, len(mirrors) == 0, (kept[0], kept[1])
-    seen[:] = -1
+    (table, motion), supports = particles, initial[0]
+    numbers, seen, left, box = scratch
+    sums, reached, start = contact_vertices.sums, contact_vertices.reached, coupling.start
+    used, most = 0, WIDE**3
+    seen[0, :] = -1
     start[0] = 0
     for r in range(len(slots)):
         s = slots[r]
         vertex = number_of(contact_vertices, contact_vertices.keys[s] // contact_vertices.groups)
-        for k in range(contact_vertices.start[s], reached.end[s]):
-            i = reached.particle[k]
-            if used + most > len(column):
-                return 2 * len(column) + most
-            part = table[i].mass * reached.weight[k] / sums[s].mass
-            moves = table[i].lagrangian == 0  # its own grid is the current one
-            way = _way(frame, motion[i], vertex)
-            for o in range(count[i]):
-                j, q = vertex_of[i, o], local[i, o]
-                if moves and q != reached.local[k]:
+        begin, waiting, inverse = contact_vertices.start[s], 0, 1.0 / sums[s].mass
+        for k in range(begin, reached.end[s]):
+            left[waiting] = k
+            waiting += 1
+        some = table[reached.particle[begin]]
+        references = (initial[1], initial[2], initial[3], some.field)
+        if some.lagrangian == 0:  # as the whole group: its own grid is the current one
+            low, whole = by_axis(frame, vertex), 0.0
+            for k in range(begin, reached.end[s]):
+                whole += table[reached.particle[k]].mass * reached.weight[k] * inverse
+            box[0, 0], end, waiting = whole, (low[0] + 1, low[1] + 1, low[2] + 1), 0
+            if used + most > len(coupling.column):
+                box[:, :] = 0.0
+                return 2 * len(coupling.column) + most
+            used = _keep_row(frame, references, mirrors, r, (box, low, end), used, seen, coupling)
+        while waiting > 0:
+            i = reached.particle[left[0]]
+            middle = supports.first[i, 0], supports.first[i, 1], supports.first[i, 2]
+            low, end = (middle[0] - 2, middle[1] - 2, middle[2] - 2), middle
+            others = 0
+            for n in range(waiting):
+                k = left[n]
+                i = reached.particle[k]
+                if not _in_box(supports, i, middle):
+                    left[others] = k
+                    others += 1
                     continue
-                if seen[j] != r:
-                    seen[j], entry_of[j] = r, used
-                    column[used] = j
-                    for d in range(entry.shape[1]):
-                        entry[used, d] = 0.0
-                    used += 1
-                share = part if moves else part * _value(before.w[i], before.g[i], places[q], way)
-                if plain:
-                    entry[entry_of[j], 0] += share
-                    continue
-                number = vertex_at(before, i, q)
-                for d in range(3):
-                    entry[entry_of[j], d] += share * reflection(mirrors, number, d, len(mirrors))
-                for n in range(len(mirrors)):
-                    if is_turned(mirrors, n, number):
-                        for d in range(3):
-                            beyond[r, n, d] += share * reflection(mirrors, number, d, n)
+                part = table[i].mass * reached.weight[k] * inverse
+                way = by_axis(frame, _way(frame, motion[i], vertex))
+                _add_particle(box, supports, i, low, part, way)
+                end = (
+                    max(end[0], supports.first[i, 0] + supports.many[i, 0]),
+                    max(end[1], supports.first[i, 1] + supports.many[i, 1]),
+                    max(end[2], supports.first[i, 2] + supports.many[i, 2]),
+                )
+            if used + most > len(coupling.column):
+                box[:, :] = 0.0
+                return 2 * len(coupling.column) + most
+            used = _keep_row(frame, references, mirrors, r, (box, low, end), used, seen, coupling)
+            waiting = others
         start[r + 1] = used
         _answer(coupling, r, numbers)
     return used

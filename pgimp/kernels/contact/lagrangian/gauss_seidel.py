@@ -18,15 +18,10 @@ bits.
 from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.jit.vectors.rows import load_row, store_row
-from pgimp.jit.vectors.simd import bits, lane, pack, vector, where
+from pgimp.jit.vectors.simd import lane
 from pgimp.kernels.contact.data import impulse_of
-from pgimp.kernels.contact.lagrangian.reference_grid import (
-    OF_HELD_IMPULSE,
-    OF_INVERSE_MASS,
-    OF_VELOCITY,
-)
 from pgimp.kernels.contact.lagrangian.rigid_ends import load_rigid, push_rigid
+from pgimp.kernels.contact.lagrangian.rows import give, velocity_at
 from pgimp.kernels.contact.law import exchange
 
 #: Numbers of a pair's impulse: along the normal, and across it by component.
@@ -34,23 +29,10 @@ IMPULSES = 4
 
 
 @inner_kernel
-def _velocity(r, coupling, numbers):
-    """Velocity at a contact vertex by row `r` of B, in lanes."""
-    start, column, entry, v = coupling.start, coupling.column, coupling.entry, vector(0.0)
-    if entry.shape[1] == 1:
-        for k in range(start[r], start[r + 1]):
-            v = entry[k, 0] * load_row(numbers, column[k], OF_VELOCITY) + v
-    else:
-        for k in range(start[r], start[r + 1]):
-            v = load_row(entry, k, 0) * load_row(numbers, column[k], OF_VELOCITY) + v
-    return v
-
-
-@inner_kernel
-def _see(contact, a, r, coupling, numbers):
+def _see(contact, a, r, coupling, solved):
     """Load velocity, mass and inverse mass of an end of a pair, with row `r`, as field `a`."""
     row, most = contact.fields[a], 0.0
-    v = _velocity(r, coupling, numbers)
+    v = velocity_at(r, coupling, solved)
     row.velocity[0], row.velocity[1], row.velocity[2] = lane(v, 0), lane(v, 1), lane(v, 2)
     for d in range(3):
         row.inverse_mass[d] = row.bilateral_inverse_mass[d] = coupling.answer[r, d]
@@ -58,13 +40,13 @@ def _see(contact, a, r, coupling, numbers):
     row.mass = 1.0 / most if most > 0.0 else 1e300
 
 
-def load_pair(contact, frame, contact_pairs, k, coupling, numbers):
+def load_pair(contact, frame, contact_pairs, k, coupling, solved):
     """Load pair `k` as the first pair at a vertex."""
 
 
 @specialise(load_pair)
-def _load_pair(contact, frame, contact_pairs, k, coupling, numbers):
-    def load_pair(contact, frame, contact_pairs, k, coupling, numbers):
+def _load_pair(contact, frame, contact_pairs, k, coupling, solved):
+    def load_pair(contact, frame, contact_pairs, k, coupling, solved):
         end, rigid = contact_pairs.ends[k], contact_pairs.rigid[k]
         number = (end.vertex[0], end.vertex[1], end.vertex[2])
         for a in range(2):
@@ -72,7 +54,7 @@ def _load_pair(contact, frame, contact_pairs, k, coupling, numbers):
             if s < 0:
                 load_rigid(contact, contact.rigid_bodies, frame, a, s, number, rigid)
             else:
-                _see(contact, a, s, coupling, numbers)
+                _see(contact, a, s, coupling, solved)
             contact.bodies[a], contact.ends[0].fields[a] = end.bodies[a], a
         contact.ends[0].law = end.law
         contact.pair_states[0] = contact_pairs.states[k]
@@ -80,78 +62,26 @@ def _load_pair(contact, frame, contact_pairs, k, coupling, numbers):
     return load_pair
 
 
-@inner_kernel
-def _entry(entry, k):
-    """Entry `k` of B by component."""
-    return vector(entry[k, 0]) if entry.shape[1] == 1 else load_row(entry, k, 0)
-
-
-@inner_kernel
-def _give_held(r, every, stiff, coupling, numbers):
-    """Apply an impulse by a row of which nearly all is held, in the components of the mask `stiff`.
-
-    Its inverse mass is zero in these, so none of its vertices moves: what holds the others bears
-    all of the impulse, by the squares of their entries. Else the sweeps would not converge.
-    """
-    start, column, entry = coupling.start, coupling.column, coupling.entry
-    whole, square = vector(0.0), vector(0.0)
-    for k in range(start[r], start[r + 1]):
-        b = _entry(entry, k)
-        held = load_row(numbers, column[k], OF_INVERSE_MASS) == 0.0
-        whole, square = whole + b, where(held, square + b * b, square)
-    for k in range(start[r], start[r + 1]):
-        j, b = column[k], _entry(entry, k)
-        mobility = load_row(numbers, j, OF_INVERSE_MASS)
-        v, lost = load_row(numbers, j, OF_VELOCITY), load_row(numbers, j, OF_HELD_IMPULSE)
-        store_row(numbers, j, OF_VELOCITY, where(stiff, v, v + b * every * mobility))
-        borne = where(stiff, whole * b * b / square, b) * every
-        store_row(numbers, j, OF_HELD_IMPULSE, where(mobility == 0.0, lost + borne, lost))
-
-
-@inner_kernel
-def _give(r, J, sign, coupling, numbers):
-    """Apply an impulse to the reference vertices of an end of a pair, with row `r`."""
-    start, column, entry = coupling.start, coupling.column, coupling.entry
-    every, answer = pack(J[0], J[1], J[2], 0.0), coupling.answer
-    stiff = pack(answer[r, 0], answer[r, 1], answer[r, 2], 1.0) == 0.0
-    if bits(stiff) != 0:
-        _give_held(r, sign * every, stiff, coupling, numbers)
-        return
-    for k in range(start[r], start[r + 1]):
-        j = column[k]
-        if entry.shape[1] == 1:
-            given = (sign * entry[k, 0]) * every
-        else:
-            given = (sign * load_row(entry, k, 0)) * every
-        mobility = load_row(numbers, j, OF_INVERSE_MASS)
-        v = given * mobility + load_row(numbers, j, OF_VELOCITY)
-        store_row(numbers, j, OF_VELOCITY, v)
-        held = mobility == 0.0
-        if bits(held) & 7 != 0:
-            lost = load_row(numbers, j, OF_HELD_IMPULSE)
-            store_row(numbers, j, OF_HELD_IMPULSE, where(held, given + lost, lost))
-
-
-def _give_both(contact, frame, end, J, coupling, numbers):
+def _give_both(contact, frame, end, J, coupling, solved):
     """Apply an impulse to both ends of a pair, with opposite signs."""
 
 
 @specialise(_give_both)
-def _give_to_both(contact, frame, end, J, coupling, numbers):
-    def give(contact, frame, end, J, coupling, numbers):
+def _give_to_both(contact, frame, end, J, coupling, solved):
+    def give_both(contact, frame, end, J, coupling, solved):
         number = (end.vertex[0], end.vertex[1], end.vertex[2])
         for side in range(2):
             s, sign = end.rows[side], 2.0 * side - 1.0
             if s < 0:
                 push_rigid(contact.rigid_bodies, frame, s, number, J, sign)
             else:
-                _give(s, J, sign, coupling, numbers)
+                give(s, J, sign, coupling, solved)
 
-    return give
+    return give_both
 
 
 @kernel
-def solve_impulses(contact, free, contact_pairs, coupling, numbers, changes, sweeps, enough):
+def solve_impulses(contact, free, contact_pairs, coupling, solved, changes, sweeps, enough):
     """Exchange impulses in all pairs until the law holds for all of them.
 
     Parameters
@@ -164,7 +94,7 @@ def solve_impulses(contact, free, contact_pairs, coupling, numbers, changes, swe
         The pairs; `states` accumulates their impulses.
     coupling : Coupling
         The response to impulses.
-    numbers : (m, NUMBERS) float64
+    solved : Solved
         The reference vertices; their velocities are changed here.
     changes : (2, pairs, IMPULSES) float64
         Scratch.
@@ -192,22 +122,22 @@ def solve_impulses(contact, free, contact_pairs, coupling, numbers, changes, swe
         if sweep % 2 == 0:
             for k in range(len(contact_pairs.ends)):
                 _store_impulse(contact_pairs.states[k], begin, k)
-        change, most = _sweep(contact, free, contact_pairs, coupling, numbers, sweep % 2 == 0)
+        change, most = _sweep(contact, free, contact_pairs, coupling, solved, sweep % 2 == 0)
         if change <= enough * most:
             return sweep + 1
         if sweep % 2 == 1 and sweep + 1 < sweeps:
-            before = _go_on(contact, free, contact_pairs, coupling, numbers, changes, before)
+            before = _go_on(contact, free, contact_pairs, coupling, solved, changes, before)
     return sweeps
 
 
 @inner_kernel
-def _sweep(contact, free, contact_pairs, coupling, numbers, forwards):
+def _sweep(contact, free, contact_pairs, coupling, solved, forwards):
     """Exchange impulses once in all pairs; greatest change and impulse, as in `solve_impulses`."""
     number, pairs, change, most = (0, 0, 0), len(contact_pairs.ends), 0.0, 0.0
     for n in range(pairs):
         k = n if forwards else pairs - 1 - n
         end, row = contact_pairs.ends[k], contact_pairs.states[k]
-        load_pair(contact, free.frame, contact_pairs, k, coupling, numbers)
+        load_pair(contact, free.frame, contact_pairs, k, coupling, solved)
         before = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
         inverse = 0.0
         for d in range(3):
@@ -221,7 +151,7 @@ def _sweep(contact, free, contact_pairs, coupling, numbers, forwards):
             impulse_of(row, 2) - before[2],
         )
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            _give_both(contact, free.frame, end, J, coupling, numbers)
+            _give_both(contact, free.frame, end, J, coupling, solved)
         for d in range(3):
             change = max(change, abs(J[d]) * sqrt(inverse))
             most = max(most, abs(impulse_of(row, d)) * sqrt(inverse))
@@ -237,7 +167,7 @@ def _store_impulse(row, into, k):
 
 
 @inner_kernel
-def _go_on(contact, free, contact_pairs, coupling, numbers, changes, before):
+def _go_on(contact, free, contact_pairs, coupling, solved, changes, before):
     """Go on along the last changes of all impulses.
 
     `changes` are the impulses before the last two sweeps, and the way so far, which is set.
@@ -267,7 +197,7 @@ def _go_on(contact, free, contact_pairs, coupling, numbers, changes, before):
             row.tangential_impulse[d] += way[k, 1 + d]
         J = (impulse_of(row, 0) - old[0], impulse_of(row, 1) - old[1], impulse_of(row, 2) - old[2])
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            _give_both(contact, free.frame, contact_pairs.ends[k], J, coupling, numbers)
+            _give_both(contact, free.frame, contact_pairs.ends[k], J, coupling, solved)
         for n in range(IMPULSES):
             way[k, n] += begin[k, n]
     return square

@@ -29,3 +29,9 @@ def find_or_insert(hashes, key, found):
     if hashes[at, 0] < 0:
         hashes[at, 0], hashes[at, 1] = key, found
     return hashes[at, 1]
+
+
+@inner_kernel
+def find(hashes, key):
+    """Number of a key; -1 without one."""
+    return hashes[_slot(hashes, key), 1]

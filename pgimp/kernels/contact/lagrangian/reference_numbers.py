@@ -4,35 +4,37 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import allocating_kernel, inner_kernel
+from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
 from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, table_size
 from pgimp.kernels.contact.lagrangian.reference_grid import across, image_of, key_of_vertex
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
-from pgimp.kernels.data.particles import IntArray
+from pgimp.kernels.data.particles import FloatArray, IntArray
 
 
-class Numbers(NamedTuple):
-    """Numbers of particles' reference vertices, without those that have no weight.
+class ReferenceSupports(NamedTuple):
+    """Initial supports of n particles, from the first to the last vertex with weight.
+
+    The last of three axes is the scene's last direction; axes that it does not have come first.
 
     Attributes
     ----------
-    many : (n,) int64
-        How many each particle has.
-    vertex : (n, k) int64
-        Their numbers.
-    local : (n, k) int64
-        Their offsets in the particle's support, ascending.
+    first, many : (n, 3) int64
+        The first vertex with weight, and how many there are, by axis.
+    w, g : (3 n, 4) float64
+        Weights and gradients times the cell, a row for each axis; 0 beyond the last vertex.
     """
 
+    first: IntArray
     many: IntArray
-    vertex: IntArray
-    local: IntArray
+    w: FloatArray
+    g: FloatArray
 
     @classmethod
-    def empty(cls, count: int, vertices: int) -> "Numbers":
-        """Allocate for so many particles, and vertices of a support."""
-        vertex, local = np.empty((2, count, vertices), np.int64)
-        return cls(np.empty(count, np.int64), vertex, local)
+    def empty(cls, count: int) -> "ReferenceSupports":
+        """Allocate for so many particles."""
+        first, many = np.empty((2, count, 3), np.int64)
+        w, g = np.empty((2, 3 * count, 4))
+        return cls(first, many, w, g)
 
 
 class References(NamedTuple):
@@ -56,6 +58,48 @@ class References(NamedTuple):
 
 
 @inner_kernel
+def by_axis(frame, values):
+    """Values by direction, three, in the order of axes of `ReferenceSupports`."""
+    D = len(frame.cell)
+    if D == 3:
+        return values[0], values[1], values[2]
+    if D == 2:
+        return values[2], values[0], values[1]
+    return values[1], values[2], values[0]
+
+
+@inner_kernel
+def by_direction(frame, values):
+    """Values by axis of `ReferenceSupports`, three, in the order of directions."""
+    D = len(frame.cell)
+    if D == 3:
+        return values[0], values[1], values[2]
+    if D == 2:
+        return values[1], values[2], values[0]
+    return values[2], values[0], values[1]
+
+
+@kernel
+def find_reference_supports(frame, supports, found):
+    """Set the `ReferenceSupports` of particles from their `Supports`."""
+    axes = by_axis(frame, (0, 1, 2))
+    for i in range(len(found.first)):
+        for axis in range(3):
+            d = axes[axis]
+            begin, end, row = 0, 4, 3 * i + axis
+            while begin < 3 and supports.w[i, d, begin] == 0.0:
+                begin += 1
+            while end > begin + 1 and supports.w[i, d, end - 1] == 0.0:
+                end -= 1
+            found.first[i, axis] = supports.first[i, d] + begin
+            found.many[i, axis] = end - begin
+            for k in range(4):
+                there = k < end - begin
+                found.w[row, k] = supports.w[i, d, begin + k] if there else 0.0
+                found.g[row, k] = supports.g[i, d, begin + k] if there else 0.0
+
+
+@inner_kernel
 def _has_weight(supports, i, q):
     """Whether vertex `q` belongs to support `i`."""
     x, y, z = weights_at(supports, i, q)
@@ -63,7 +107,7 @@ def _has_weight(supports, i, q):
 
 
 @allocating_kernel
-def number_reference_vertices(frame, table, supports, mirrors, fields, numbers) -> References:
+def number_reference_vertices(frame, table, supports, mirrors, fields) -> References:
     """Find and number the reference vertices on which particles have weight.
 
     Particles with one first vertex share all vertices: their numbers are found once.
@@ -74,8 +118,6 @@ def number_reference_vertices(frame, table, supports, mirrors, fields, numbers) 
         The particles, of `fields` velocity fields, and their supports in the initial configuration.
     mirrors : (n,) FACE_PLANE
         The reflecting walls, see `Mirror`; a vertex beyond one has its image's sums.
-    numbers : Numbers
-        Set here, in the order in which vertices are found.
     """
     ny_nz, patches, many = across(frame), 0, len(supports.local)
     patch_of = np.empty(len(table), np.int64)
@@ -90,11 +132,9 @@ def number_reference_vertices(frame, table, supports, mirrors, fields, numbers) 
     keys, particle = np.empty((2, patches * many), np.int64)
     found = 0
     for i in range(len(table)):
-        patch, count = patch_of[i], 0
+        patch = patch_of[i]
         for q in range(many):
-            if not _has_weight(supports, i, q):
-                continue
-            if number_in[patch, q] < 0:
+            if number_in[patch, q] < 0 and _has_weight(supports, i, q):
                 number = image_of(mirrors, vertex_at(supports, i, q))
                 key = key_of_vertex(ny_nz, number, fields, table[i].field)
                 n = find_or_insert(known, key, found)
@@ -102,18 +142,11 @@ def number_reference_vertices(frame, table, supports, mirrors, fields, numbers) 
                     keys[n], particle[n] = key, i
                     found += 1
                 number_in[patch, q] = n
-            numbers.vertex[i, count], numbers.local[i, count] = number_in[patch, q], q
-            count += 1
-        numbers.many[i] = count
     return References(keys[:found].copy(), particle[:found].copy())
 
 
-@allocating_kernel
-def renumber(numbers, order):
-    """Number vertices in the order of which `order` has their former numbers."""
-    rank = np.empty(len(order), np.int64)
-    for n in range(len(order)):
-        rank[order[n]] = n
-    for i in range(len(numbers.many)):
-        for o in range(numbers.many[i]):
-            numbers.vertex[i, o] = rank[numbers.vertex[i, o]]
+@kernel
+def keep_numbers(keys, hashes):
+    """Insert keys and their numbers, in this order, into an empty hash table."""
+    for n in range(len(keys)):
+        find_or_insert(hashes, keys[n], n)

@@ -21,6 +21,7 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.memory import structure
 from pgimp.jit.tuples import read
 from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.rigid.bodies import position_of
 from pgimp.kernels.transfer.first_vertex import deformation
 from pgimp.physics.shapes.base import size
 
@@ -218,10 +219,15 @@ def sum_at_contact_vertices(frame, table, motion, supports, left, linear, contac
     w, v, g, first = supports.w, left.w, left.g, supports.first
     last = supports.local[len(supports.local) - 1]
     nx, ny, nz = int(last[0]) + 1, int(last[1]) + 1, int(last[2]) + 1
+    ix, iy, iz = frame.inverse[0], frame.inverse[min(1, D - 1)], frame.inverse[min(2, D - 1)]
     for n in range(len(sums)):
-        total, found = sums[n], start[n]
+        # Numbers, not the record's: these would be read and written for each particle.
+        mass = volume = correction = gap = cut = 0.0
+        x_mass = y_mass = z_mass = x_surface = y_surface = z_surface = 0.0
+        total, found, lagrangian = sums[n], start[n], 0
         clear_sums(total)
         number = number_of(contact_vertices, keys[n] // contact_vertices.groups)
+        here = position_of(frame, number)
         for k in range(start[n], start[n + 1]):
             i = contact_vertices.particle[k]
             a, b, c = number[0] - first[i, 0], number[1] - first[i, 1], number[2] - first[i, 2]
@@ -233,22 +239,29 @@ def sum_at_contact_vertices(frame, table, motion, supports, left, linear, contac
             row, moved = table[i], motion[i]
             reached.particle[found], reached.weight[found] = i, S
             reached.local[found] = (a * ny + b) * nz + c
+            if found == start[n]:
+                total.body, lagrangian = row.body, row.lagrangian
             found += 1
-            if total.mass == 0.0:
-                total.body = row.body
-            total.mass += row.mass * S
-            total.curvature_gap += row.curvature_gap * S
-            total.cut_weight += row.cut * S
-            for d in range(D):
-                here = frame.origin[d] + (number[d] - frame.ghost) * frame.cell[d]
-                total.mass_offset[d] += row.lagrangian * row.mass * S * (moved.position[d] - here)
+            m, V = row.mass * S, moved.volume
+            mass, gap, cut = mass + m, gap + row.curvature_gap * S, cut + row.cut * S
+            x_mass += m * (moved.position[0] - here[0])
+            y_mass += m * (moved.position[1] - here[1])
+            z_mass += m * (moved.position[2] - here[2])
             x, y, z = v[i, 0, a], v[i, 1, b], v[i, 2, c]
-            total.volume += moved.volume * (x * y * z)
-            for d in range(D):
-                slope = g[i, 0, a] if d == 0 else x
-                slope *= g[i, 1, b] if d == 1 else y
-                slope *= g[i, 2, c] if d == 2 else z
-                slope *= frame.inverse[d] * moved.volume
-                total.surface[d] += slope
-                total.volume_correction += linear * (slope * moved.centroid_offset[d])
+            volume += V * (x * y * z)
+            x_slope, y_slope = V * (g[i, 0, a] * y * z), V * (x * g[i, 1, b] * z)
+            z_slope = V * (x * y * g[i, 2, c])
+            x_surface, y_surface = x_surface + x_slope, y_surface + y_slope
+            z_surface += z_slope
+            if linear != 0.0:
+                offset = moved.centroid_offset
+                way = x_slope * ix * offset[0] + y_slope * iy * offset[1]
+                correction += way + z_slope * iz * offset[2]
+        total.mass, total.volume, total.volume_correction = mass, volume, correction
+        total.curvature_gap, total.cut_weight = gap, cut
+        if lagrangian != 0:  # as the whole group
+            total.mass_offset[0], total.mass_offset[1] = x_mass, y_mass
+            total.mass_offset[2] = z_mass
+        total.surface[0], total.surface[1] = x_surface * ix, y_surface * iy
+        total.surface[2] = z_surface * iz
         reached.end[n] = found

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
+from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
 from pgimp.geometry.sweep import close_pairs
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
 from pgimp.kernels.contact.lagrangian.broad_phase import (
     Regions,
     find_near,
     greatest_speed,
+    grow_boxes,
     mark_blocks,
     widen_marks,
 )
 from pgimp.kernels.contact.lagrangian.filled import NEVER
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.kernels.contact.lagrangian.travel import Tracked, greatest_travel
+from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY, VertexMotion
+from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
@@ -30,6 +34,9 @@ from pgimp.solver.time.clock import Step
 #: Cells by which particles may approach a partner before the next search; the most steps until
 #: then.
 MARGIN, LONGEST = 1.0, 16
+
+#: The fewest further steps for which a search is kept.
+SHORTEST = 4
 
 #: Most blocks of a region; the blocks of a larger one have sides of several cells.
 BLOCKS = 1 << 20
@@ -93,10 +100,13 @@ class BroadPhase:
         self._pause = 0
         self._acting: tuple[np.ndarray, np.ndarray] | None = None
         self._regions = no_regions(scene.dimension)
+        self._tracked: Tracked | None = None
+        self._window: object = None
+        self._rigid_travel = 0.0
 
     def restart(self) -> None:
         """Search all particles again in the next step: they have changed, or their bodies have."""
-        self._pause = 0
+        self._pause, self._tracked = 0, None
 
     def update(
         self,
@@ -105,6 +115,7 @@ class BroadPhase:
         rigid_bodies: AnyRigidBodies,
         t: Step,
         rate: float = 0.0,
+        grid: Grid | None = None,
     ) -> bool:
         """Search all particles in a step, if some may have come near by then; collective.
 
@@ -120,19 +131,58 @@ class BroadPhase:
             The step.
         rate : float
             Speed of free rigid bodies in cells per unit of time.
+        grid : Grid or None
+            Its vertices tell how far bodies have moved, if all are in the initial configuration.
 
         Returns
         -------
         bool
             Whether they were searched.
         """
-        looked = self._pause == 0
+        rate = max(self.scene.interaction.rigid_bodies.rate, rate)
+        looked = self._pause == 0 and not self._lasts(grid, t, rate)
         if looked:
             self._look(population, groups, rigid_bodies, t, rate)
+            self._track(grid)
         self._pause -= 1
+        self._rigid_travel += rate * t.dt
         if looked or self.scene.settings.mixed:  # other particles keep their offsets
             self._select(population, groups)
         return looked
+
+    def _track(self, grid: Grid | None) -> None:
+        """Watch all vertices from now on, until the next search."""
+        self._rigid_travel = 0.0
+        if grid is None or self.scene.settings.mixed:
+            return
+        motion = grid.field.motion
+        assert isinstance(motion, VertexMotion)
+        self._window, values = grid.window, motion.values.reshape(-1, RECORD)
+        records = np.flatnonzero(values[:, KEPT_MASS] > 0.0)
+        before = values[records, DISPLACEMENT : DISPLACEMENT + 3]
+        self._tracked = Tracked(records * RECORD, before)
+
+    def _lasts(self, grid: Grid | None, t: Step, rate: float) -> bool:
+        """Whether the last search holds for further steps, as little has moved; collective."""
+        tracked = self._tracked
+        if grid is None or tracked is None:
+            return False
+        moved, speed = np.inf, np.inf
+        if self._window is grid.window:
+            frame, field = self.scene.domain.frame, grid.field
+            assert isinstance(field.motion, VertexMotion)
+            moved = float(self.call(greatest_travel, frame, field, tracked))
+            v = field.motion.values.reshape(-1, RECORD)[tracked.records // RECORD, KEPT_VELOCITY:]
+            away = np.abs(v[:, : len(frame.inverse)]).max(axis=0, initial=0.0)
+            speed = float((away * frame.inverse).max())
+        moved = max(greatest(self.comm, moved), self._rigid_travel)
+        travel = max(greatest(self.comm, speed), rate) * t.dt
+        left = 0.4 * MARGIN - moved
+        steps = LONGEST if travel * LONGEST <= left else int(max(left, 0.0) / travel)
+        if steps < SHORTEST:
+            return False
+        self._pause = steps
+        return True
 
     def _look(
         self,

@@ -13,12 +13,13 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_contacts, book_mirrored
-from pgimp.kernels.contact.lagrangian.boxes import grow_boxes
-from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling, number_rows
+from pgimp.kernels.contact.lagrangian.broad_phase import grow_boxes
+from pgimp.kernels.contact.lagrangian.coupling import WIDE, Coupling, find_coupling, number_rows
 from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES, solve_impulses
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
 from pgimp.kernels.contact.lagrangian.reactions import book_held
 from pgimp.kernels.contact.lagrangian.reference_grid import NUMBERS, Changes, change_velocities
+from pgimp.kernels.contact.lagrangian.rows import Solved, find_free
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices, sum_at_contact_vertices
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.conditions import Holding
@@ -95,6 +96,7 @@ class LagrangianContact(NoContact):
         self._particles = NearParticles(scene, comm, self._selector.local)
         self._selection: Selection | None = None
         self._dt = 0.0
+        self._box = np.zeros((WIDE**2, WIDE))
 
     @property
     def rigid_bodies(self) -> Any:
@@ -148,7 +150,9 @@ class LagrangianContact(NoContact):
         if free:
             free.begin(rigid_bodies, t, forcing.gravity)
         rate = free.rate if free else 0.0
-        looked = self._broad_phase.update(rank.population, self.groups, rigid_bodies, t, rate)
+        looked = self._broad_phase.update(
+            rank.population, self.groups, rigid_bodies, t, rate, rank.grid
+        )
         rate = max(self.scene.interaction.rigid_bodies.rate, rate)
         travel, self._dt = rate * self._dt, t.dt
         if looked:
@@ -200,13 +204,16 @@ class LagrangianContact(NoContact):
         """Solve for the impulses of pairs, and book them."""
         contact, call, mirrors = self._contact, self.call, self._selector.mirrors
         pairs, coupling, (keys, values) = joint
-        numbers, before = flat(values), values["velocity"].copy()
+        solved = Solved.of(values, coupling)
         scratch = np.empty((2, len(pairs.ends), IMPULSES))
-        call(solve_impulses, contact, free, pairs, coupling, numbers, scratch, *self._accuracy)
-        changes = Changes(keys, values["velocity"] - before, values["held_impulse"].copy())
+        call(find_free, free.frame, coupling, solved)
+        call(solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy)
+        changes = Changes(
+            keys, solved.velocity[:, :3] - values["velocity"], solved.held_impulse[:, :3].copy()
+        )
         if len(mirrors):
             call(book_mirrored, pairs, coupling, mirrors, ledger)
-        call(book_contacts, contact, free, pairs, coupling, numbers, self._walls, ledger)
+        call(book_contacts, contact, free, pairs, coupling, solved, self._walls, ledger)
         return changes
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
@@ -239,8 +246,13 @@ class LagrangianContact(NoContact):
         row_of = np.empty(len(contact_vertices.keys), np.int64)
         slots = np.empty(2 * len(contact_pairs.ends), np.int64)
         rows = call(number_rows, contact_pairs, row_of, slots)
-        kept = np.empty((2, len(near.vertices.keys)), np.int64)
-        capacity = 64 * rows + len(selection.start.local)
+        seen = np.empty((2, len(near.vertices.keys)), np.int64)
+        left, fields = (
+            np.empty(len(selection.table), np.int64),
+            1 + int(self._selector.fields.max()),
+        )
+        scratch = (flat(near.vertices.values), seen, left, self._box)
+        capacity = 64 * rows + WIDE**3
         while True:
             coupling = Coupling(
                 np.empty(rows + 1, np.int64),
@@ -251,8 +263,8 @@ class LagrangianContact(NoContact):
             )
             entries = call(
                 find_coupling, self.scene.domain.frame, (selection.table, near.motion),
-                (selection.start, selection.numbers), mirrors, slots[:rows], contact_vertices,
-                (flat(near.vertices.values), kept), coupling,
+                (selection.initial, selection.hashes, selection.keys, fields), mirrors,
+                slots[:rows], contact_vertices, scratch, coupling,
             )  # fmt: skip
             if entries <= capacity:
                 break

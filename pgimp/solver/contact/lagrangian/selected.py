@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
-from pgimp.kernels.contact.lagrangian.reference_numbers import Numbers
-from pgimp.kernels.contact.lagrangian.supports import Supports
+from pgimp.kernels.contact.lagrangian.reference_numbers import ReferenceSupports
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.scene.scene import Scene
@@ -49,10 +48,10 @@ class Selection(NamedTuple):
         Whether any is cut.
     contact_vertices : ContactVertices
         The candidate vertices, with room for sums.
-    start : Supports
+    initial : ReferenceSupports
         The particles' initial supports.
-    numbers : Numbers
-        Their reference vertices, as offsets in `keys`.
+    hashes : (slots, 2) int64
+        Hash table of their reference vertices: offsets in `keys`.
     keys : (k,) int64
         Keys of these vertices, ascending.
     order : (k,) int64
@@ -65,8 +64,8 @@ class Selection(NamedTuple):
     table: np.ndarray
     cut: bool
     contact_vertices: ContactVertices
-    start: Supports
-    numbers: Numbers
+    initial: ReferenceSupports
+    hashes: np.ndarray
     keys: np.ndarray
     order: np.ndarray
     particles: np.ndarray

@@ -12,12 +12,14 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.candidates import Patches, find_candidates, find_reach
 from pgimp.kernels.contact.lagrangian.filled import bound_filled, keep_possible
+from pgimp.kernels.contact.lagrangian.hash_table import table_size
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_numbers import (
-    Numbers,
     References,
+    ReferenceSupports,
+    find_reference_supports,
+    keep_numbers,
     number_reference_vertices,
-    renumber,
 )
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
 from pgimp.kernels.contact.lagrangian.travel import Tracked, greatest_travel, track, track_on
@@ -239,15 +241,17 @@ class Selector:
         start, fields = Supports.empty(len(table), self.local), 1 + int(self.fields.max())
         half, x = (np.ascontiguousarray(table[name]) for name in ("half_width", "weight_position"))
         call(find_supports, scene.settings.shape, self._frame, half, x, start)
-        numbers = Numbers.empty(len(table), len(self.local))
-        found = call(number_reference_vertices, frame, table, start, self.mirrors, fields, numbers)
+        initial = ReferenceSupports.empty(len(table))
+        call(find_reference_supports, frame, start, initial)
+        found = call(number_reference_vertices, frame, table, start, self.mirrors, fields)
         order = np.argsort(found.keys)
-        call(renumber, numbers, order)
         nothing = Given(none, none, none, none, none)
         cut = bool(table["cut"].any())
         keys = found.keys[order]
+        hashes = np.full((table_size(len(keys)), 2), -1, np.int64)
+        call(keep_numbers, keys, hashes)
         chosen = Selection(
-            nothing, table, cut, contact_vertices, start, numbers, keys, order, none, none
+            nothing, table, cut, contact_vertices, initial, hashes, keys, order, none, none
         )
         return reach.rows, chosen, found
 

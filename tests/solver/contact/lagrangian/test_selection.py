@@ -6,6 +6,7 @@ from scenes import SOFT, scene, start
 
 from pgimp.kernels.contact.lagrangian.travel import greatest_travel
 from pgimp.kernels.data.motion import DISPLACEMENT
+from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
 from pgimp.solver.contact.lagrangian.selection import Selector
 
@@ -45,6 +46,7 @@ def test_bits_are_those_of_selections_in_every_step(shape, monkeypatch):
         kept.advance()
     kept_selections = len(selections)
     monkeypatch.setattr(Selector, "lasts", lambda *_: False)
+    monkeypatch.setattr(BroadPhase, "_lasts", lambda *_: False)
     monkeypatch.setattr(
         Selector, "_possible", lambda self, t, m, patches, *_: np.argsort(patches.keys)
     )

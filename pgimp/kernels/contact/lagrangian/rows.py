@@ -1,0 +1,138 @@
+"""Rows of the coupling matrix B in the sweeps: the velocities there, and impulses by rows."""
+
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.vectors.rows import load_row, store_row
+from pgimp.jit.vectors.simd import bits, pack, vector, where
+from pgimp.kernels.contact.lagrangian.coupling import Coupling
+from pgimp.kernels.data.particles import FloatArray
+
+
+class Solved(NamedTuple):
+    """Reference vertices as the sweeps read and change them, four solved a row.
+
+    Attributes
+    ----------
+    velocity, inverse_mass, held_impulse : (m, 4) float64
+        See `REFERENCE_VERTEX`.
+    moved : (k,) float64
+        Change of each entry's vertex by a unit impulse, for the rows that are `free`.
+    free : (rows,) bool
+        Whether all components of a row's vertices are free.
+    """
+
+    velocity: FloatArray
+    inverse_mass: FloatArray
+    held_impulse: FloatArray
+    moved: FloatArray
+    free: NDArray
+
+    @classmethod
+    def of(cls, values: np.ndarray, coupling: Coupling) -> Self:
+        """Copy vertices, (m,) REFERENCE_VERTEX; the others are for `find_free`."""
+        parts = np.zeros((3, len(values), 4))
+        for part, name in zip(parts, ("velocity", "inverse_mass", "held_impulse"), strict=True):
+            part[:, :3] = values[name]
+        entries, rows = len(coupling.column), len(coupling.answer)
+        return cls(*parts, np.empty(entries), np.empty(rows, np.bool_))
+
+
+@kernel
+def find_free(frame, coupling, solved):
+    """Find the rows whose vertices are free, and how an impulse moves these."""
+    start, column, entry = coupling.start, coupling.column, coupling.entry
+    inverse_mass, D = solved.inverse_mass, len(frame.cell)
+    for r in range(len(solved.free)):
+        free = entry.shape[1] == 1
+        for k in range(start[r], start[r + 1]):
+            mobility = inverse_mass[column[k], 0]
+            for d in range(D):
+                free = free and 0.0 != inverse_mass[column[k], d] == mobility
+            solved.moved[k] = entry[k, 0] * mobility
+        solved.free[r] = free
+
+
+@inner_kernel
+def velocity_at(r, coupling, solved):
+    """Velocity at a contact vertex by row `r` of B, in lanes."""
+    column, entry, velocity = coupling.column, coupling.entry, solved.velocity
+    k, end, v = coupling.start[r], coupling.start[r + 1], vector(0.0)
+    if entry.shape[1] == 1:
+        a, b, c = vector(0.0), vector(0.0), vector(0.0)
+        while k + 4 <= end:  # four sums: none waits for another
+            v = entry[k, 0] * load_row(velocity, column[k], 0) + v
+            a = entry[k + 1, 0] * load_row(velocity, column[k + 1], 0) + a
+            b = entry[k + 2, 0] * load_row(velocity, column[k + 2], 0) + b
+            c = entry[k + 3, 0] * load_row(velocity, column[k + 3], 0) + c
+            k += 4
+        v = (v + a) + (b + c)
+        while k < end:
+            v = entry[k, 0] * load_row(velocity, column[k], 0) + v
+            k += 1
+        return v
+    while k < end:
+        v = load_row(entry, k, 0) * load_row(velocity, column[k], 0) + v
+        k += 1
+    return v
+
+
+@inner_kernel
+def _entry(entry, k):
+    """Entry `k` of B by component."""
+    return vector(entry[k, 0]) if entry.shape[1] == 1 else load_row(entry, k, 0)
+
+
+@inner_kernel
+def _give_held(r, every, stiff, coupling, solved):
+    """Apply an impulse by a row of which nearly all is held, in the components of the mask `stiff`.
+
+    Its inverse mass is zero in these, so none of its vertices moves: what holds the others bears
+    all of the impulse, by the squares of their entries. Else the sweeps would not converge.
+    """
+    start, column, entry = coupling.start, coupling.column, coupling.entry
+    whole, square = vector(0.0), vector(0.0)
+    for k in range(start[r], start[r + 1]):
+        b = _entry(entry, k)
+        held = load_row(solved.inverse_mass, column[k], 0) == 0.0
+        whole, square = whole + b, where(held, square + b * b, square)
+    for k in range(start[r], start[r + 1]):
+        j, b = column[k], _entry(entry, k)
+        mobility = load_row(solved.inverse_mass, j, 0)
+        v, lost = load_row(solved.velocity, j, 0), load_row(solved.held_impulse, j, 0)
+        store_row(solved.velocity, j, 0, where(stiff, v, v + b * every * mobility))
+        borne = where(stiff, whole * b * b / square, b) * every
+        store_row(solved.held_impulse, j, 0, where(mobility == 0.0, lost + borne, lost))
+
+
+@inner_kernel
+def give(r, J, sign, coupling, solved):
+    """Apply an impulse to the reference vertices of an end of a pair, with row `r`."""
+    start, column, entry = coupling.start, coupling.column, coupling.entry
+    every, answer, velocity = pack(J[0], J[1], J[2], 0.0), coupling.answer, solved.velocity
+    if solved.free[r]:
+        every = sign * every
+        for k in range(start[r], start[r + 1]):
+            j = column[k]
+            store_row(velocity, j, 0, solved.moved[k] * every + load_row(velocity, j, 0))
+        return
+    stiff = pack(answer[r, 0], answer[r, 1], answer[r, 2], 1.0) == 0.0
+    if bits(stiff) != 0:
+        _give_held(r, sign * every, stiff, coupling, solved)
+        return
+    for k in range(start[r], start[r + 1]):
+        j = column[k]
+        if entry.shape[1] == 1:
+            given = (sign * entry[k, 0]) * every
+        else:
+            given = (sign * load_row(entry, k, 0)) * every
+        mobility = load_row(solved.inverse_mass, j, 0)
+        v = given * mobility + load_row(solved.velocity, j, 0)
+        store_row(solved.velocity, j, 0, v)
+        held = mobility == 0.0
+        if bits(held) & 7 != 0:
+            lost = load_row(solved.held_impulse, j, 0)
+            store_row(solved.held_impulse, j, 0, where(held, given + lost, lost))
