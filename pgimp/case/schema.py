@@ -22,7 +22,6 @@ from pydantic import (
 
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
-from pgimp.case.courant import largest_courant
 from pgimp.case.damping import Damping
 from pgimp.case.defaults import with_defaults
 from pgimp.case.gauges import GaugeEntry
@@ -31,7 +30,8 @@ from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
 from pgimp.case.staging.arrange import arrange
 from pgimp.case.start import StartEntry
-from pgimp.case.steps import AUTO, CourantStep
+from pgimp.case.stepping.courant import largest_courant
+from pgimp.case.stepping.steps import AUTO, CourantStep
 from pgimp.case.time import Time
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.functions.over_time import until

@@ -13,7 +13,7 @@ from pydantic import Field, model_serializer
 
 from pgimp.case.staging.strength import Strength
 from pgimp.case.start import Settle
-from pgimp.case.steps import AnyStep
+from pgimp.case.stepping.steps import AnyStep
 from pgimp.schema.base import Model, Name, Positive
 from pgimp.schema.tables import VaryingVector
 

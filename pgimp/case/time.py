@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from pgimp.case.stages import Stage
-from pgimp.case.steps import AnyStep, CourantStep
+from pgimp.case.stepping.steps import AnyStep, CourantStep
 from pgimp.schema.base import Model, Positive
 from pgimp.schema.sizes import whole
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pgimp.case.courant import largest_courant
+from pgimp.case.stepping.courant import largest_courant
 from pgimp.errors import RunError, explain
 from pgimp.io.frames.particlefile import ParticleFile
 from pgimp.io.frames.xdmf import Collection, particles

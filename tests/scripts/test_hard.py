@@ -10,7 +10,7 @@ from studies.hard import courant, rows, table
 from studies.hard.runs import BOUND, CASES, begin, watch
 from studies.initial import vertices
 
-from pgimp.case.courant import VERTEX_LIMITS
+from pgimp.case.stepping.courant import VERTEX_LIMITS
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.courant import LIMITS
 from pgimp.solver.lagrangian.motion import begin_motion

@@ -9,7 +9,7 @@ from typing import Any
 from pgimp.case.body import Body
 from pgimp.case.grid import Grid
 from pgimp.case.output import Output
-from pgimp.case.steps import CourantStep
+from pgimp.case.stepping.steps import CourantStep
 from pgimp.case.time import Time
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.slip import Slip

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pgimp.case.courant import vertex_limit
+from pgimp.case.stepping.courant import vertex_limit
 from pgimp.errors import CaseError
 from pgimp.physics.materials.base import has
 from pgimp.solver.time.limiting import limiting

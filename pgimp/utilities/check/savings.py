@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from pgimp.case.courant import largest_courant
 from pgimp.case.schema import Case
-from pgimp.case.steps import AUTO
+from pgimp.case.stepping.courant import largest_courant
+from pgimp.case.stepping.steps import AUTO
 from pgimp.scene.checks.advice import advice
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.utilities.check.prepare import pace_of

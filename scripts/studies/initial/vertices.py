@@ -5,7 +5,7 @@ There vertices keep velocities and displacements, and weights are constant: step
 those of `courant`, unstrained, cut by the grid at many offsets.
 
 Run as ``scripts/hard vertices``; writes the table of docs/hard-cases.md, and the numbers that
-``courant: auto`` takes, in pgimp/case/courant.py.
+``courant: auto`` takes, in pgimp/case/stepping/courant.py.
 """
 
 from math import floor

@@ -1,0 +1,1 @@
+"""Steps in time: the key of the case, and the largest stable ones."""
