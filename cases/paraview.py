@@ -57,6 +57,10 @@ KINDS = {
     "density": "M/L\u00b3",
     "volume": "V",
     "radius": "L",
+    "principal-stress": "S",
+    "max-shear": "S",
+    "strain-energy-density": "S",
+    "kinetic-energy-density": "S",
 }
 PRESSURES = {
     "m, kg, s": "Pa",
