@@ -11,8 +11,7 @@ B_ij J_i/m_j, and the body's power by J_i . w_i. So momentum is conserved exactl
 momentum up to the difference between the two grids. An impulse also moves neighbouring vertices,
 the more the two weights smooth it. So impulses are solved together: sweeps over all candidate
 pairs, each with its true inverse mass sum_j B_ij^2/m_j. Impulses accumulate, and the law holds for
-the accumulated impulses (projected Gauss-Seidel). All ranks do the same sweeps, with the same
-bits.
+the accumulated impulses (projected Gauss-Seidel). One rank does the sweeps for all.
 """
 
 from math import sqrt

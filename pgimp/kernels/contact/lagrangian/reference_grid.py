@@ -32,8 +32,8 @@ REFERENCE_VERTEX = structure(
     ("__", "f8"),
 )
 
-#: Numbers in a reference vertex, and the first one of each vector.
-NUMBERS, OF_VELOCITY, OF_INVERSE_MASS, OF_HELD_IMPULSE = 12, 0, 4, 8
+#: Numbers in a reference vertex, and the first one of its inverse mass.
+NUMBERS, OF_INVERSE_MASS = 12, 4
 
 
 class ReferenceVertices(NamedTuple):

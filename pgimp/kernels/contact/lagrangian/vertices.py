@@ -72,22 +72,18 @@ class Reached(NamedTuple):
         End of those of each entry, which begin where the particles within its reach do.
     particle : (k,) int64
         Their offsets, in canonical order.
-    local : (k,) int64
-        Offset of the vertex in the particle's support.
     weight : (k,) float64
         S of the particle there.
     """
 
     end: IntArray
     particle: IntArray
-    local: IntArray
     weight: FloatArray
 
     @classmethod
     def empty(cls, entries: int, count: int) -> "Reached":
         """Allocate for so many entries and particles within reach of them."""
-        one, other, third = np.empty((3, count), np.int64)
-        return cls(np.empty(entries, np.int64), one, other, third.view(np.float64))
+        return cls(np.empty(entries, np.int64), np.empty(count, np.int64), np.empty(count))
 
 
 class ContactVertices(NamedTuple):
@@ -238,7 +234,6 @@ def sum_at_contact_vertices(frame, table, motion, supports, left, linear, contac
                 continue
             row, moved = table[i], motion[i]
             reached.particle[found], reached.weight[found] = i, S
-            reached.local[found] = (a * ny + b) * nz + c
             if found == start[n]:
                 total.body, lagrangian = row.body, row.lagrangian
             found += 1
