@@ -16,6 +16,8 @@ from two_blocks import CASE
 import pgimp
 from pgimp.errors import RunError, UsageError
 
+pytestmark = pytest.mark.slow(75)
+
 TIMES = [0.0, 0.3, 0.5, 0.6, 0.9, 1.0, 1.2, 1.5, 1.8, 2.0]
 PARTICLES = 72
 

@@ -9,6 +9,8 @@ from scenes import SOFT, box, finish, scene, start
 from pgimp.errors import RunError
 from pgimp.scene.scene import Scene
 
+pytestmark = pytest.mark.slow(60)
+
 COLUMNS = ("x", "v", "F", "V", "sigma")
 
 
