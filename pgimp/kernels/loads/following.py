@@ -13,7 +13,7 @@ In axisymmetry the hoop's stretch is x_p/X_p along the radius. In plane stress t
 is F's.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pgimp.jit.algebra import determinant, inverse, multiply
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
@@ -24,7 +24,13 @@ from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD
 from pgimp.kernels.data.used_rows import is_used
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.sums.sums import unwrapped
-from pgimp.kernels.transfer.first_vertex import deformation, is_axial, is_initial
+from pgimp.kernels.transfer.first_vertex import (
+    deformation,
+    half_widths,
+    is_axial,
+    is_initial,
+    off_axis,
+)
 from pgimp.kernels.transfer.gather import gather
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset, supports
@@ -35,7 +41,13 @@ _LEAST, _MOST = 0.05, 25.0
 
 
 class DisplacementSums(NamedTuple):
-    """Stand-in for the loads in the sums of displacements; see `Loads` for the fields."""
+    """Stand-in for the loads in the sums of displacements.
+
+    The fields are as in `Loads`, and
+
+    shape : NamedTuple
+        Parameters of the shape.
+    """
 
     viscosity: tuple[()] = ()
     tractions: tuple[()] = ()
@@ -45,6 +57,7 @@ class DisplacementSums(NamedTuple):
     approached: tuple[()] = ()
     mean: tuple[()] = ()
     mean_lagrangian: tuple[()] = ()
+    shape: Any = ()
 
 
 @inner_kernel
@@ -55,20 +68,39 @@ def _displacement(frame, particles, p, d):
     return 0.0
 
 
-def displacement_share(frame, particles, p):
-    """The vector (m, m u) of particle `p`, and its columns of stress, which are zero."""
+@inner_kernel
+def _carried_gradient(frame, particles, p):
+    """Displacement gradient G_p that particle `p` has from the time before, times its mass."""
+    F = deformation(frame, particles, p)
+    F = multiply(read(particles.drift, p, 0, F), F)
+    return scaled(particles.m[p], _one_minus(inverse(_plane(F, frame.origin))))
+
+
+def displacement_share(shape, frame, particles, p):
+    """The vector (m, m u) of particle `p`, and its columns of stress, which are zero.
+
+    Of rings u is at the centroid, from which arms are counted.
+    """
 
 
 @specialise(displacement_share)
-def _displacement_share(frame, particles, p):
-    def share(frame, particles, p):
+def _displacement_share(shape, frame, particles, p):
+    def share(shape, frame, particles, p):
         m = particles.m[p]
         x = _displacement(frame, particles, p, 0)
         y = _displacement(frame, particles, p, 1)
         z = _displacement(frame, particles, p, 2)
         return pack(m, m * x, m * y, m * z), zeros(frame.origin)
 
-    return share
+    def ring(shape, frame, particles, p):
+        half = half_widths(shape, frame, particles, p)[0] * frame.cell[0]
+        arm = half * half / (3.0 * off_axis(frame, (particles.x[p, 0],))[0])
+        G, m = _carried_gradient(frame, particles, p), particles.m[p]
+        x = m * _displacement(frame, particles, p, 0) + arm * G[0]
+        y = m * _displacement(frame, particles, p, 1) + arm * G[2]
+        return pack(m, x, y, 0.0), zeros(frame.origin)
+
+    return ring if is_axial(frame) else share
 
 
 def _plane(F, D):
@@ -92,14 +124,6 @@ def _one_minus_of(A):
         1.0 - A[0], -A[1], -A[2], -A[3], 1.0 - A[4], -A[5], -A[6], -A[7], 1.0 - A[8],
     )  # fmt: skip
     return two if len(A) == 4 else three
-
-
-@inner_kernel
-def _carried_gradient(frame, particles, p):
-    """Displacement gradient G_p that particle `p` has from the time before, times its mass."""
-    F = deformation(frame, particles, p)
-    F = multiply(read(particles.drift, p, 0, F), F)
-    return scaled(particles.m[p], _one_minus(inverse(_plane(F, frame.origin))))
 
 
 def displacement_arms(frame, particles, p):

@@ -146,7 +146,9 @@ def _hoop_force(loads, frame, particles, p, forces, j):
 def _contribution(loads, frame, particles, p, forces, j):
     D = len(frame.types[0])
     if loads.instance_class is DisplacementSums:
-        return lambda loads, frame, particles, p, forces, j: displacement_share(frame, particles, p)
+        return lambda loads, frame, particles, p, forces, j: displacement_share(
+            loads.shape, frame, particles, p
+        )
     if loads.instance_class is FillingSums:
         return lambda loads, frame, particles, p, forces, j: filling_share(
             loads, frame, particles, p

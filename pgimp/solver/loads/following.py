@@ -34,7 +34,7 @@ class Following:
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.call = scene, Bound()
         self.bodies = scene.interaction.loads.surfaces.followed
-        self._sums = VertexSums(scene, comm, DisplacementSums())
+        self._sums = VertexSums(scene, comm, DisplacementSums(shape=scene.settings.shape))
 
     def find(self, rank: RankState, order: Order, done: int) -> None:
         """Find how far F has drifted, when it is due; collective.
