@@ -254,7 +254,7 @@ class Particles(NamedTuple):
     drift: Annotated[
         FloatArray,
         Column(
-            "deformation gradient by positions, of that by rates F, row by row, likewise",
+            "R, by which R F is the deformation gradient by positions, row by row, likewise",
             "1",
             lambda c: _matrix(c) if c.followed else 0,
             initial=1.0,
