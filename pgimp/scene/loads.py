@@ -121,6 +121,7 @@ class SceneLoads:
             "around": self.averages and any(self.lagrangian),
             "tractions": len(self.tractions),
             "surfaces_loaded": len(self.surfaces.entries),
+            "followed": bool(self.surfaces.followed.any()),
             "constraints": bool(self.constraints),
         }
 

@@ -32,6 +32,8 @@ class SurfaceLoads:
         Their entries by name, in the order of their columns.
     width : int
         Numbers of a particle's part of a surface.
+    followed : (bodies,) bool
+        Bodies in the current configuration whose positions these loads follow.
     """
 
     def __init__(self, case: Case, follows: Mapping[str, bool]) -> None:
@@ -40,6 +42,13 @@ class SurfaceLoads:
         self.entries = {
             name: entry for name, entry in case.tractions.items() if entry.region is not None
         }
+        loaded = {entry.body for entry in self.entries.values() if entry.follower}
+        self.followed = np.array(
+            [
+                name in loaded and case.dimensions > 1 and body.configuration != "initial"
+                for name, body in case.bodies.items()
+            ]
+        )
 
     @property
     def closed(self) -> list[tuple[int, int]]:
@@ -63,10 +72,12 @@ class SurfaceLoads:
         each = zip(case.grid.cell, case.method.particles_per_cell, strict=True)
         part = 0.0 if case.method.chi == "point" else 0.5
         half = tuple(float(part * h / n) for h, n in each)
-        return tuple(
+        drifts = 1.0 if self.followed.any() else ()
+        loads = (
             entry.surface_load(k * self.width, half, bool(self.follows.get(entry.body)), pull, t)
             for k, entry in enumerate(self.entries.values())
         )
+        return tuple(load._replace(drifts=drifts) for load in loads)
 
     def require(
         self, p: Particles, n: int, comm: Communicator, bodies: Container[str] | None = None

@@ -28,6 +28,7 @@ from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
+from pgimp.solver.loads.following import following_of
 from pgimp.solver.loads.grips import grips_of
 from pgimp.solver.rest.absorbing import absorbing_of
 from pgimp.solver.rest.damping import damping_of
@@ -70,8 +71,8 @@ class Rank:
         Sums booked by plane.
     contact : NoContact
         The contact of bodies, or one of its kinds.
-    flows, damping, absorbing, inflow, grips : Flows, .., or None
-        Filling of vertices, damping, absorbing faces, inflow, grips that forces move, if any.
+    flows, damping, absorbing, inflow, grips, following : Flows, .., or None
+        Filling of vertices, damping, absorbing faces, inflow, grips, surfaces followed, if any.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
@@ -112,10 +113,7 @@ class Rank:
         self.error_buffer = np.zeros((2 * (1 + scene.settings.mixed), MOST_LISTED, 2), np.int64)
         self.errors, self.failed = self.error_buffer[0, :0], 0
         self.vertex_bounds = np.zeros((2, 2), np.int64)
-        self.contact = contact_kind(scene)(scene, comm)
-        self.clearances = Clearances(scene)
-        self.flows = Flows(scene, comm) if scene.interaction.flows else None
-        self.damping = damping_of(scene)
+        self._equip()
         self.absorbing, self.inflow = absorbing_of(scene), inflow_of(scene)
         self.grips = grips_of(scene, comm)
         self._lattice: LatticeCells | None = None
@@ -123,6 +121,14 @@ class Rank:
         #: Whether the layers have changed since rows were last sorted.
         self.moved = False
         self._allocate(slab)
+
+    def _equip(self) -> None:
+        """Make what the scene needs beside grid and particles, without a state of its own."""
+        scene, comm = self.scene, self.comm
+        self.contact = contact_kind(scene)(scene, comm)
+        self.clearances, self.following = Clearances(scene), following_of(scene, comm)
+        self.flows = Flows(scene, comm) if scene.interaction.flows else None
+        self.damping = damping_of(scene)
 
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
@@ -137,18 +143,15 @@ class Rank:
         self.halo = Halo(comm, slab, scene.settings.vertices - 1)
         self.migration = Migration(comm, slab, self.particles, scene.domain.ring_layers)
         self.keeping = Keeping(scene, comm, self.free, slab.layers)
-        outflow = (
-            (len(scene.body_names), scene.materials.sums) if scene.settings.escapes else (0, 0)
-        )
+        bodies, settings = len(scene.body_names), scene.settings
+        outflow = (bodies, scene.materials.sums) if settings.escapes else (0, 0)
         constraints = len(scene.interaction.loads.constraints)
         contacts = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
-            (
-                len(scene.body_names) if scene.interaction.flows else 0,
-                DAMPED if scene.settings.damps or scene.settings.settles else 0,
-            ),
+            (bodies if scene.interaction.flows else 0,
+             DAMPED if settings.damps or settings.settles else 0),
         )  # fmt: skip
 
     @property
@@ -271,10 +274,7 @@ class Rank:
         window, self.scene = self.grid.base, scene
         self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
         self.population.particles = particles
-        self.contact = contact_kind(scene)(scene, self.comm)
-        self.clearances = Clearances(scene)
-        self.flows = Flows(scene, self.comm) if scene.interaction.flows else None
-        self.damping = damping_of(scene)
+        self._equip()
         self.absorbing = absorbing_of(scene, kept)
         self.inflow = inflow_of(scene, self.inflow)
         self.grips = grips_of(scene, self.comm, self.grips)

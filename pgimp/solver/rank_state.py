@@ -37,6 +37,7 @@ class RankState(Protocol):
     contact: Any
     clearances: Clearances
     flows: Any
+    following: Any
     damping: Any
     absorbing: Any
     inflow: Any

@@ -188,7 +188,7 @@ class Simulation(SimulationProgress):
             self.next_stage()
         self.agreed_request = Request.PENDING
         rank, reduction, balance = self.rank, self.reduction, self.balance
-        doing, rate = step(rank, self.time, self._next, self.controlled)
+        doing, rate = step(rank, self.now, self._next, self.controlled)
         self.doing, number = doing, doing.number
         if self.case.rests:
             self.diagnostic_sums.settling_time += doing.dt

@@ -26,7 +26,7 @@ from pgimp.solver.vertices import (
 
 
 def step(
-    rank: Rank, start: float, begin: Callable[[], Step], controlled: bool | float
+    rank: Rank, before: Step, begin: Callable[[], Step], controlled: bool | float
 ) -> tuple[Step, float]:
     """Advance a rank's particles by one step; collective.
 
@@ -36,8 +36,8 @@ def step(
     ----------
     rank : Rank
         The rank; it receives count and list of its particles at fault.
-    start : float
-        Time at the beginning of the step.
+    before : Step
+        The step before; its end is the time at the beginning.
     begin : callable
         Completes the reduction of the step before, and returns this step.
     controlled : bool or float
@@ -57,11 +57,14 @@ def step(
     """
     scene, contact, lap = rank.scene, rank.contact, rank.stopwatch()
     loads, groups = (
-        scene.interaction.loads.at(start),
+        scene.interaction.loads.at(before.end),
         groups_by_configuration(scene, rank.population),
     )
     contact.assign_fields(rank)
     lap("contact")
+    if rank.following:
+        rank.following.find(rank, groups[0].order, before.number)
+        lap("P2G")
     if damping := rank.damping:
         damping.rest_at_peak(rank)
     marked = bool(scene.interaction.loads.constraints)

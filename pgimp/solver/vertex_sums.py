@@ -1,6 +1,7 @@
-"""Further sums over particles at the vertices: volumes for contact, the filling of flows.
+"""Further sums over particles at the vertices, besides mass, momentum and force.
 
-They are layered sums with the exchange of the masses (docs/the-sum.md), so that all ranks get
+There are volumes for contact, the filling of flows, and displacements for loads on surfaces. They
+are layered sums with the exchange of the masses (docs/the-sum.md), so that all ranks get
 the same bits.
 """
 
@@ -17,6 +18,7 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.arguments import Field, Order
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.grid.filling import FillingSums
+from pgimp.kernels.loads.following import DisplacementSums
 from pgimp.kernels.transfer.contribution import VolumeSums
 from pgimp.kernels.transfer.p2g import complete, particles_to_grid
 from pgimp.mpi.communicator import Communicator
@@ -43,7 +45,9 @@ class VertexSums:
 
     grid: Grid
 
-    def __init__(self, scene: Scene, comm: Communicator, loads: VolumeSums | FillingSums) -> None:
+    def __init__(
+        self, scene: Scene, comm: Communicator, loads: VolumeSums | FillingSums | DisplacementSums
+    ) -> None:
         self.scene, self.comm, self.loads, self.call = scene, comm, loads, Bound()
         self._known: Field | None = None
         self._planes, self._runs = np.empty(0, np.int64), np.empty((0, 3), np.int64)

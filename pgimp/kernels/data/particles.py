@@ -45,6 +45,8 @@ class Carried(NamedTuple):
         Whether they are rings, or parts of a plate: F has a zz, out of the plane.
     surfaces_loaded : int
         Number of loads on parts of surfaces.
+    followed : bool
+        Whether such loads follow the positions.
     winding : bool
         Whether they count their turns through periodic faces.
     """
@@ -65,6 +67,7 @@ class Carried(NamedTuple):
     plate: bool = False
     winding: bool = False
     surfaces_loaded: int = 0
+    followed: bool = False
 
     @property
     def undeformed(self) -> tuple[float, ...]:
@@ -238,6 +241,23 @@ class Particles(NamedTuple):
             "moments of that about its position, row by row, at the start",
             "area, area length",
             lambda c: c.surfaces_loaded * surface_width(c.dimensions),
+        ),
+    ]
+    place: Annotated[
+        FloatArray,
+        Column(
+            "position in the undeformed state, where loads follow surfaces",
+            "length",
+            lambda c: c.dimensions if c.followed else 0,
+        ),
+    ]
+    drift: Annotated[
+        FloatArray,
+        Column(
+            "R, by which R F is the deformation gradient by positions, row by row, likewise",
+            "1",
+            lambda c: _matrix(c) if c.followed else 0,
+            initial=1.0,
         ),
     ]
 

@@ -13,14 +13,9 @@ from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
+from pgimp.kernels.loads.following import followed
 from pgimp.kernels.loads.tractions import columns, means
-from pgimp.kernels.transfer.first_vertex import (
-    coordinate,
-    deformation,
-    first_vertex,
-    half_widths,
-    is_initial,
-)
+from pgimp.kernels.transfer.first_vertex import coordinate, first_vertex, half_widths, is_initial
 from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.scatter import Share, scatter_products
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, keep_support
@@ -198,7 +193,7 @@ def _support_of(load, layout, window, particles, p, layer, part, buffer):
 def _part(load, frame, particles, p):
     """Force on a particle's part of a surface, and (centroid, area vector) for its weights."""
     D = len(frame.origin)
-    F = deformation(frame, particles, p)
+    F = followed(load.drifts, frame, particles, p)
     N = _vector(particles.surface, p, load.column, D)
     c = _centroid(particles.surface, p, load.column, D, N)
     f = _surface_force(load, particles, p, F, D, N, c)

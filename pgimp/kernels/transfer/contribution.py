@@ -10,6 +10,7 @@ from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.grid.filling import FillingSums, filling_share
 from pgimp.kernels.grid.wall_gap import moment, wall
+from pgimp.kernels.loads.following import DisplacementSums, displacement_share
 from pgimp.kernels.transfer.first_vertex import deformation, is_axial, is_initial
 from pgimp.kernels.update.mean_dilatation import set_apart
 from pgimp.kernels.update.piola import kept_force, kept_hoop
@@ -115,13 +116,13 @@ def hoop_force(loads, frame, particles, p, forces, j):
     """The vector (m_p w_x, -V_p sigma_zz, 0, 0) of a ring, times T the hoop's part of its sums.
 
     Of volumes (0, V_p, 0, 0): with it S has the sums of a closed surface. () outside of
-    axisymmetry, and where filled parts are summed.
+    axisymmetry, and where filled parts or displacements are summed.
     """
 
 
 @specialise(hoop_force)
 def _hoop_force(loads, frame, particles, p, forces, j):
-    if not is_axial(frame) or loads.instance_class is FillingSums:
+    if not is_axial(frame) or loads.instance_class in (FillingSums, DisplacementSums):
         return lambda loads, frame, particles, p, forces, j: ()
     if loads.instance_class is VolumeSums:
 
@@ -144,6 +145,10 @@ def _hoop_force(loads, frame, particles, p, forces, j):
 @specialise(contribution)
 def _contribution(loads, frame, particles, p, forces, j):
     D = len(frame.types[0])
+    if loads.instance_class is DisplacementSums:
+        return lambda loads, frame, particles, p, forces, j: displacement_share(
+            loads.shape, frame, particles, p
+        )
     if loads.instance_class is FillingSums:
         return lambda loads, frame, particles, p, forces, j: filling_share(
             loads, frame, particles, p

@@ -7,6 +7,7 @@ from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.data.used_rows import layer_marks, mark_support
 from pgimp.kernels.grid.calming import motion_share
 from pgimp.kernels.grid.filling import FillingSums, ratio_arms
+from pgimp.kernels.loads.following import DisplacementSums, displacement_arms
 from pgimp.kernels.loads.loads import scatter_loads, weight
 from pgimp.kernels.transfer.contribution import contribution, hoop_force
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
@@ -24,13 +25,15 @@ from pgimp.kernels.update.piola import PIOLA_SIZE, keep_forces
 
 
 def arms(loads, frame, particles, p):
-    """Gradients carried by particle `p`, times its mass: of velocity, or of J in flows."""
+    """Gradients of particle `p`, times its mass: of velocity, of J in flows, of displacement."""
 
 
 @specialise(arms)
 def _arms(loads, frame, particles, p):
     if loads.instance_class is FillingSums:
         return lambda loads, frame, particles, p: ratio_arms(loads, frame, particles, p)
+    if loads.instance_class is DisplacementSums:
+        return lambda loads, frame, particles, p: displacement_arms(frame, particles, p)
     return lambda loads, frame, particles, p: affine_momentum(loads.affine, frame, particles, p)
 
 

@@ -37,6 +37,9 @@ class SurfaceLoad(NamedTuple):
         Force per area against the normal, at the origin of coordinates.
     gradient : tuple of 3 float
         Gradient of the pressure in space.
+    drifts : float or ()
+        A number where areas and normals follow the particles' positions, not their F alone; alike
+        for all loads of a scene.
     """
 
     column: int
@@ -46,6 +49,7 @@ class SurfaceLoad(NamedTuple):
     traction: tuple[float, float, float]
     pressure: float
     gradient: tuple[float, float, float]
+    drifts: float | tuple[()] = ()
 
 
 class Hydrostatic(Model):

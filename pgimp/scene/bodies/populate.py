@@ -89,6 +89,8 @@ def populate(
         row += len(block.ids)
     if p.origin.shape[1]:
         p.origin[:] = p.x
+    if p.place.shape[1]:
+        p.place[:] = p.x
     scene.interaction.loads.initialise(p, row)
     _set_surfaces(scene, lattice, p, row, planes)
     return p

@@ -69,7 +69,7 @@ def _rehearse(scene: Scene) -> None:
         rank.damping = damping_to_rest(scene)
     open_window(rank, StepReduction(Serial()))
     begin_motion(rank)
-    step(rank, STEP.start, lambda: STEP, scene.settings.controlled)
+    step(rank, STEP._replace(end=STEP.start), lambda: STEP, scene.settings.controlled)
     rehearse_motion(rank)
     rank.population.restore_order(rows, rows)
     fastest(scene, particles, rows, scene.settings.controlled)

@@ -57,7 +57,7 @@ def shot(pressure):
 def blown(cells, configuration, pressure, exact, per_cell=2):
     """Errors at the bore and everywhere, the load's, steps and time; cells of the inner radius.
 
-    The load's error is the sum of the current area vectors, by the particles' F, against the bore
+    The load's error is the sum of the current area vectors, as the load has them, against the bore
     where the particles are.
     """
     h, size = 1.0 / cells, [3.5, 3.5]
@@ -94,8 +94,10 @@ def blown(cells, configuration, pressure, exact, per_cell=2):
 def _across(sim):
     """Sum along x of the current area vectors of the loaded surface, J F^-T N."""
     p, rows = sim.particles, sim.live()
-    F, N = p.F[rows], p.surface[rows, 1:3]
-    return float(-(F[:, 3] * N[:, 0] - F[:, 2] * N[:, 1]).sum())
+    F, N = p.F[rows].reshape(-1, 2, 2), p.surface[rows, 1:3]
+    if p.drift.shape[1]:
+        F = p.drift[rows].reshape(-1, 2, 2) @ F
+    return float(-(F[:, 1, 1] * N[:, 0] - F[:, 1, 0] * N[:, 1]).sum())
 
 
 def _positions(sim):

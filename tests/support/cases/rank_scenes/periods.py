@@ -6,7 +6,7 @@ from rank_scenes.entries import EVERYTHING, GRID, PAIR, STIFF
 
 
 def round_and_round():
-    """Periodic along x and y; bodies meet across both seams, one is loaded, another is held."""
+    """Periodic along x and y; bodies meet across both seams, some are loaded, another is held."""
     bodies = {
         "quick": box([0.0, 6.0], [2.0, 8.0], [-9.0, 4.0]),
         "slow": box([12.0, 5.0], [14.0, 7.0], [3.0, -5.0], "stiff"),
@@ -22,7 +22,13 @@ def round_and_round():
         gravity=[2.0, -1.0],
         boundaries=dict.fromkeys(("x-min", "x-max", "y-min", "y-max"), "periodic"),
         contact=[{"bodies": "all", "friction": 0.3}],
-        tractions={"wind": {"body": "slow", "face": "x-min", "pressure": 2.0}},
+        tractions={
+            "wind": {"body": "slow", "face": "x-min", "pressure": 2.0},
+            "pull": {
+                "body": "quick", "pressure": -4.0,
+                "region": {"half-space": {"point": [1.2, 0.0], "normal": [1.0, 0.0]}},
+            },
+        },
         constraints={
             "grip": {"body": "held", "region": {"box": {"min": [5, 1], "max": [6, 3]}},
                      "velocity": [4.0, None]}

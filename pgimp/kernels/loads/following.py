@@ -1,0 +1,240 @@
+"""Deformation gradient by positions, which areas of loaded surfaces follow.
+
+F of particles that a free surface cuts is integrated from rates, and falls behind their motion.
+Positions are right. So every few steps the displacement u = x_p - X_p is summed at the vertices,
+
+    u_v = sum_p m_p S_vp (u_p + G_p (x_v - x_p))/sum_p m_p S_vp,    G_p = sum_v grad S_vp u_v,
+
+with the gradient G_p from the time before. Where u is linear in space the true gradient is a fixed
+point of this, up to free surfaces. Then (1 - G_p)^-1 is the deformation gradient. Particles store
+it as R_p, with (1 - G_p)^-1 = R_p F_p. Between two sums it therefore moves with F_p.
+
+In axisymmetry the hoop's stretch is x_p/X_p along the radius. In plane stress that of the thickness
+is F's.
+"""
+
+from typing import Any, NamedTuple
+
+from pgimp.jit.algebra import determinant, inverse, multiply
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.tuples import read, scaled, squared, write
+from pgimp.jit.vectors.lanes import zeros
+from pgimp.jit.vectors.simd import lane, pack, stack
+from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD
+from pgimp.kernels.data.used_rows import is_used
+from pgimp.kernels.data.velocity_fields import field_count, field_size
+from pgimp.kernels.sums.sums import unwrapped
+from pgimp.kernels.transfer.first_vertex import (
+    deformation,
+    half_widths,
+    is_axial,
+    is_initial,
+    off_axis,
+)
+from pgimp.kernels.transfer.gather import gather
+from pgimp.kernels.transfer.lane_io import LANES, four_rows
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset, supports
+from pgimp.kernels.transfer.transfer import Support
+
+#: Least determinant and greatest squared norm of R_p^-1 that count; else the surface follows F_p.
+_LEAST, _MOST = 0.05, 25.0
+
+
+class DisplacementSums(NamedTuple):
+    """Stand-in for the loads in the sums of displacements.
+
+    The fields are as in `Loads`, and
+
+    shape : NamedTuple
+        Parameters of the shape.
+    """
+
+    viscosity: tuple[()] = ()
+    tractions: tuple[()] = ()
+    force: tuple[()] = ()
+    relaxation: tuple[()] = ()
+    affine: float = 1.0
+    approached: tuple[()] = ()
+    mean: tuple[()] = ()
+    mean_lagrangian: tuple[()] = ()
+    shape: Any = ()
+
+
+@inner_kernel
+def _displacement(frame, particles, p, d):
+    """Displacement since the undeformed state along `d`; 0 where there is no such direction."""
+    if d < len(frame.origin):
+        return unwrapped(frame, particles, p, d) - particles.place[p, d]
+    return 0.0
+
+
+@inner_kernel
+def _carried_gradient(frame, particles, p):
+    """Displacement gradient G_p that particle `p` has from the time before, times its mass."""
+    F = deformation(frame, particles, p)
+    F = multiply(read(particles.drift, p, 0, F), F)
+    return scaled(particles.m[p], _one_minus(inverse(_plane(F, frame.origin))))
+
+
+def displacement_share(shape, frame, particles, p):
+    """The vector (m, m u) of particle `p`, and its columns of stress, which are zero.
+
+    Of rings u is at the centroid, from which arms are counted.
+    """
+
+
+@specialise(displacement_share)
+def _displacement_share(shape, frame, particles, p):
+    def share(shape, frame, particles, p):
+        m = particles.m[p]
+        x = _displacement(frame, particles, p, 0)
+        y = _displacement(frame, particles, p, 1)
+        z = _displacement(frame, particles, p, 2)
+        return pack(m, m * x, m * y, m * z), zeros(frame.origin)
+
+    def ring(shape, frame, particles, p):
+        half = half_widths(shape, frame, particles, p)[0] * frame.cell[0]
+        arm = half * half / (3.0 * off_axis(frame, (particles.x[p, 0],))[0])
+        G, m = _carried_gradient(frame, particles, p), particles.m[p]
+        x = m * _displacement(frame, particles, p, 0) + arm * G[0]
+        y = m * _displacement(frame, particles, p, 1) + arm * G[2]
+        return pack(m, x, y, 0.0), zeros(frame.origin)
+
+    return ring if is_axial(frame) else share
+
+
+def _plane(F, D):
+    """The part of a matrix in the directions of the scene; `D` has one entry each."""
+
+
+@specialise(_plane)
+def _plane_of(F, D):
+    n = len(D) ** 2
+    return lambda F, D: F[:n]
+
+
+def _one_minus(A):
+    """The matrix 1 - A."""
+
+
+@specialise(_one_minus)
+def _one_minus_of(A):
+    two = lambda A: (1.0 - A[0], -A[1], -A[2], 1.0 - A[3])  # noqa: E731
+    three = lambda A: (  # noqa: E731
+        1.0 - A[0], -A[1], -A[2], -A[3], 1.0 - A[4], -A[5], -A[6], -A[7], 1.0 - A[8],
+    )  # fmt: skip
+    return two if len(A) == 4 else three
+
+
+def displacement_arms(frame, particles, p):
+    """Gradient of m_p u for each direction, as in `affine_momentum`."""
+
+
+@specialise(displacement_arms)
+def _displacement_arms(frame, particles, p):
+    def arms2(frame, particles, p):
+        G = _carried_gradient(frame, particles, p)
+        return (pack(0.0, G[0], G[2], 0.0), pack(0.0, G[1], G[3], 0.0))
+
+    def arms3(frame, particles, p):
+        G = _carried_gradient(frame, particles, p)
+        return (
+            pack(0.0, G[0], G[3], G[6]), pack(0.0, G[1], G[4], G[7]), pack(0.0, G[2], G[5], G[8])
+        )  # fmt: skip
+
+    return (arms2, arms3)[len(frame.types[0]) - 2]
+
+
+@kernel
+def find_displacements(field):
+    """Divide the sums of displacements at the vertices by their masses."""
+    window, G = field.window, field.G
+    for i in range(len(field.active)):
+        for f in range(field_count(window)):
+            if field.active[i] == 0 or not is_used(field, i, f):
+                continue
+            first = i * window.stride[0] + f * field_size(window)
+            for r in range(first, first + field_size(window), RECORD):
+                part = 1.0 / G[r + MASS] if G[r + MASS] > 0.0 else 0.0
+                for d in range(3):
+                    G[r + MOMENTUM + d] *= part
+
+
+def _gradient(slopes):
+    """Displacement gradient, row by row, of gathered vectors (., du_x, du_y, du_z) by direction."""
+
+
+@specialise(_gradient)
+def _gradient_of(slopes):
+    if len(slopes) == 2:
+        return lambda slopes: (
+            lane(slopes[0], 1), lane(slopes[1], 1), lane(slopes[0], 2), lane(slopes[1], 2)
+        )  # fmt: skip
+    return lambda slopes: (
+        lane(slopes[0], 1), lane(slopes[1], 1), lane(slopes[2], 1),
+        lane(slopes[0], 2), lane(slopes[1], 2), lane(slopes[2], 2),
+        lane(slopes[0], 3), lane(slopes[1], 3), lane(slopes[2], 3),
+    )  # fmt: skip
+
+
+def _with_hoop(frame, particles, p, F, R):
+    """The matrix R in the scene's directions with the out-of-plane entry that F has, if any."""
+
+
+@specialise(_with_hoop)
+def _with_hoop_of(frame, particles, p, F, R):
+    if len(F) == len(R):
+        return lambda frame, particles, p, F, R: R
+    if not is_axial(frame):
+        return lambda frame, particles, p, F, R: (*R, 1.0)
+    return lambda frame, particles, p, F, R: (
+        *R, particles.x[p, 0] / (particles.place[p, 0] * F[4])
+    )  # fmt: skip
+
+
+@kernel
+def find_drifts(setting, field, particles, order, undrifted):
+    """Find R_p from the displacements at the vertices.
+
+    Parameters
+    ----------
+    setting, field, particles, order
+        See `KernelScene`, `Field`, `Particles`, `Order`; the field is from `find_displacements`.
+    undrifted : tuple of float
+        The matrix 1.
+    """
+    shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
+    buffer = stack(SUPPORT_SIZE)
+    for layer in range(len(start) - 1):
+        for k in range(start[layer], start[layer + 1], LANES):
+            rows = four_rows(order.rows, k, start[layer + 1])
+            number = layer + window.lower[0]
+            supports(shape, frame, window, particles, rows, number, buffer, ())
+            for j in range(min(LANES, start[layer + 1] - k)):
+                p = order.rows[k + j]
+                at = layer * window.stride[0] + first_offset(buffer, j)
+                slopes = gather(
+                    shape, field.G, Support(buffer, j), at, window.stride, frame.origin, (), ()
+                )[2]
+                F = deformation(frame, particles, p)
+                back = multiply(_plane(F, frame.origin), _one_minus(_gradient(slopes)))
+                R = undrifted
+                if squared(back) < _MOST and determinant(back) > _LEAST:
+                    R = _with_hoop(frame, particles, p, F, inverse(back))
+                write(particles.drift, p, 0, R)
+
+
+def followed(drifts, frame, particles, p):
+    """Deformation gradient that loaded surfaces follow: R_p F_p, with () for `drifts` F_p."""
+
+
+@specialise(followed)
+def _followed(drifts, frame, particles, p):
+    if hasattr(drifts, "count") or is_initial(frame):
+        return lambda drifts, frame, particles, p: deformation(frame, particles, p)
+
+    def by_positions(drifts, frame, particles, p):
+        F = deformation(frame, particles, p)
+        return multiply(read(particles.drift, p, 0, F), F)
+
+    return by_positions

@@ -1,0 +1,71 @@
+"""Displacements summed every few steps, which loads on surfaces follow.
+
+See `pgimp.kernels.loads.following`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.jit.bound import Bound
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.grid.seam import join_records
+from pgimp.kernels.loads.following import DisplacementSums, find_displacements, find_drifts
+from pgimp.mpi.communicator import Communicator
+from pgimp.scene.scene import Scene
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.vertex_sums import VertexSums
+
+#: Steps from one sum to the next, as each costs as much as the half of a step.
+EVERY = 8
+
+
+class Following:
+    """The displacements at a rank's vertices.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene, in which loads follow surfaces in the current configuration.
+    comm : communicator
+        Of all ranks.
+    """
+
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
+        self.scene, self.call = scene, Bound()
+        self.bodies = scene.interaction.loads.surfaces.followed
+        self._sums = VertexSums(scene, comm, DisplacementSums(shape=scene.settings.shape))
+
+    def find(self, rank: RankState, order: Order, done: int) -> None:
+        """Find how far F has drifted, when it is due; collective.
+
+        Parameters
+        ----------
+        rank : RankState
+            The rank.
+        order : Order
+            Its particles in the current configuration.
+        done : int
+            Number of the step before.
+        """
+        if done % EVERY:
+            return
+        particles, setting = rank.particles, self.scene.setting.without_materials()
+        if rank.failed:  # other ranks are not notified yet; such particles may be anywhere
+            order = order._replace(start=np.zeros_like(order.start))
+        if not self.bodies.all():
+            mine = self.bodies[particles.body[order.rows]]
+            before = np.concatenate([[0], np.cumsum(mine)])
+            order = Order(order.rows[mine], before[order.start])
+        self._sums.fit(rank.grid, rank.grid.fields)
+        self._sums.add(particles, order, np.arange(rank.grid.planes))
+        field = self._sums.grid.field
+        for seam in self.scene.domain.seams:
+            self.call(join_records, self.scene.domain.frame, field, seam)
+        self.call(find_displacements, field)
+        self.call(find_drifts, setting, field, particles, order, self.scene.setting.identity)
+
+
+def following_of(scene: Scene, comm: Communicator) -> Following | None:
+    """The displacements of a scene whose loads follow surfaces; None without any."""
+    return Following(scene, comm) if scene.carried.followed else None
