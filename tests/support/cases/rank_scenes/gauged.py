@@ -16,7 +16,9 @@ def gauged(case):
     seams = ["xyz".index(face[0]) for face, kind in faces.items() if kind == "periodic"]
     initial = any(body.get("configuration") == "initial" for body in case["bodies"].values())
     middle, first = [0.5 * x for x in size], next(iter(case["bodies"]))
-    part = {"box": {"min": [0.23 * x for x in size], "max": [0.71 * x for x in size]}}
+    low, high = ([0.0 if d in seams else 0.23 * x for d, x in enumerate(size)],
+                 [x if d in seams else 0.71 * x for d, x in enumerate(size)])  # fmt: skip
+    part = {"box": {"min": low, "max": high}}
     across = [1.0 if d == 0 else 0.0 for d in range(D)]
     plane = {"half-space": {"point": [0.93 * x for x in middle], "normal": across}}
     gauges = {
@@ -31,7 +33,8 @@ def gauged(case):
         slanted = {"point": middle, "normal": [1.0, 0.4, -0.3][:D]}
         gauges["slanted"] = {"cut": {"half-space": slanted}, "within": part}
     for face, kind in faces.items():
-        if kind != "periodic" and not (initial and kind == "separating"):
+        lets_go = kind == "separating" or "separating" in kind
+        if kind != "periodic" and not (initial and lets_go):
             gauges[f"on-{face}"] = {"wall": face, "within": part, "mean": 1.0}
     if D > 1:
         gauges["level"] = {"level": middle[:-1], "mean": 0.3}
