@@ -122,6 +122,8 @@ def sum_vertices(rank: Rank, time: float, gauge: Gauge, external: bool) -> Verti
 def _part(rank: Rank, gauge: Gauge, group: ConfigurationGroup) -> ConfigurationGroup:
     """Return the chosen particles of a group."""
     rows, start = group.order
+    if not len(rows):  # in a rehearsal `start` may not be set
+        return group
     counted = chosen(rank, gauge, rows)
     before = np.concatenate([[0], np.cumsum(counted)])
     return group._replace(order=Order(rows[counted], before[start].astype(np.int64)))

@@ -53,7 +53,7 @@ class Following:
         particles, setting = rank.particles, self.scene.setting.without_materials()
         if rank.failed:  # other ranks are not notified yet; such particles may be anywhere
             order = order._replace(start=np.zeros_like(order.start))
-        if not self.bodies.all():
+        if len(order.rows) and not self.bodies.all():
             mine = self.bodies[particles.body[order.rows]]
             before = np.concatenate([[0], np.cumsum(mine)])
             order = Order(order.rows[mine], before[order.start])
