@@ -14,6 +14,7 @@ from proofs.scenes import books as scene_books
 from proofs.scenes import features as scene_features
 from proofs.scenes import shrink as scene_shrink
 from proofs.scenes.bodies import REGIONS
+from proofs.scenes.runs import FUNCTIONS
 from scenes import box, scene, start, wall
 
 import pgimp
@@ -173,7 +174,7 @@ def test_an_index_past_the_end_is_noticed_with_bounds(tmp_path):
 
 @pytest.fixture
 def softening():
-    with registered(SOFTENING) as (module,):
+    with registered(SOFTENING, FUNCTIONS) as (module, _):
         yield module
 
 
