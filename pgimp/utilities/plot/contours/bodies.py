@@ -23,6 +23,8 @@ Array = np.ndarray
 _FINE, _COARSE = 6.0, 2.0
 #: Where shapes are unknown, the distance over which outlines are smoothed, in particles.
 _UNKNOWN = 1.25
+#: Thickness over the side of the cube of the same volume down to which outlines are as fine.
+_FLAT = 0.4
 _NAMES = ("body", "material", "rank", "id")
 
 
@@ -140,7 +142,7 @@ def _body(
         fixed[side] = reaches and last > first and bool(np.ptp(ends[:, side]) > 0.0)
         if fixed[side]:
             low[side], high[side] = ends[:, side]
-    fine = raster(low, high, np.full(2, size.min() / _FINE), fixed)
+    fine = raster(low, high, np.full(2, _thickness(edges) / _FINE), fixed)
     size = size if known else np.full(2, size.max())
     edge = outline(centre, edges, fine, 0.0 if known else _UNKNOWN * size.max())
     points = raster(low, high, size / _COARSE, fixed)
@@ -150,6 +152,13 @@ def _body(
     depth = np.abs(edges[:, :, 2]).sum(axis=1)
     weight = np.abs(np.linalg.det(edges)) * np.maximum(1.0 - np.abs(centre[:, 2]) / depth, 0.0)
     return edge, points, smoothed(centre[:, :2], part.value, weight, size, points)
+
+
+def _thickness(edges: Array) -> float:
+    """Return the least distance of opposite faces of most particles, very flat ones apart."""
+    least = 2.0 / np.linalg.norm(np.linalg.inv(edges), axis=1).max(axis=1)
+    side = 2.0 * np.abs(np.linalg.det(edges)) ** (1.0 / 3.0)
+    return float(np.median(np.maximum(least, _FLAT * side)))
 
 
 def _unturned(radius: Array, spacing: Sequence[float]) -> Array:
