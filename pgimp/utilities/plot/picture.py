@@ -43,6 +43,7 @@ _NAMES: dict[str, Callable[[Frame], list[str]]] = {
     "body": lambda frame: frame.bodies,
     "material": lambda frame: frame.materials,
 }
+_SHAPELESS = "outlines of undeformed particles: output.fields has no deformation"
 _WHOLE = ("body", "material", "rank", "id")
 _MOST_NAMES = 12
 
@@ -110,6 +111,8 @@ def picture(
         if look.contours or look.outline:
             field = look.contours > 0
             bodies = bodies_of(snapshot, selection, quantity, camera, field=field)
+            if "deformation" not in snapshot.frame:
+                remarks.append(f"{snapshot.frame.path}: {_SHAPELESS}")
         if look.contours:
             shown.append(_Shown(snapshot, None, bodies, net))
             for body in bodies:

@@ -144,7 +144,7 @@ def _body(
             low[side], high[side] = ends[:, side]
     fine = raster(low, high, np.full(2, _thickness(edges) / _FINE), fixed)
     size = size if known else np.full(2, size.max())
-    edge = outline(centre, edges, fine, 0.0 if known else _UNKNOWN * size.max())
+    edge = outline(centre, edges, fine, _UNKNOWN * float(size.max()))
     points = raster(low, high, size / _COARSE, fixed)
     if not field:
         return edge, points, np.zeros((0, 0))

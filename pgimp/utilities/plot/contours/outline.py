@@ -13,6 +13,8 @@ Array = np.ndarray
 
 #: A gap within a body is closed where so much around it is covered; at a straight face it is half.
 _CLOSED = 0.75
+#: Part of the area that an outline of particles' own shapes may lose or gain.
+_LOST = 0.02
 
 
 class Outline(NamedTuple):
@@ -45,7 +47,7 @@ def _signed(ring: Array) -> float:
     return 0.5 * float(x[:-1] @ y[1:] - x[1:] @ y[:-1])
 
 
-def outline(centre: Array, edges: Array, points: Raster, wide: float = 0.0) -> Outline:
+def outline(centre: Array, edges: Array, points: Raster, wide: float) -> Outline:
     """Return the outline of particles.
 
     Parameters
@@ -57,15 +59,16 @@ def outline(centre: Array, edges: Array, points: Raster, wide: float = 0.0) -> O
     points : Raster
         Where it is computed; several points a particle.
     wide : float
-        Where the particles' shapes are not known, the distance over which their volumes are
-        smoothed, if that keeps the area better; 0 where they are.
+        Where shapes are not known, as of liquids, particles leave gaps and cover each other. If the
+        area is then not theirs, their volumes are smoothed over this distance, should that be
+        nearer.
     """
     total = coverage(centre, edges, points)
     covered = np.minimum(total, 1.0)
     reach = np.median(2.0 * np.abs(edges[..., :2]).sum(axis=1), axis=0)
     found = _level(np.maximum(covered, _smooth(covered, reach, points) - _CLOSED + 0.5), points)
-    if wide > 0.0:
-        area = float(total.sum() * points.step.prod())
+    area = float(total.sum() * points.step.prod())
+    if abs(found.area - area) > _LOST * area:
         other = _level(_smooth(total, np.full(2, wide), points), points)
         found = min(found, other, key=lambda one: abs(one.area - area))
     return found
