@@ -21,6 +21,8 @@ Array = np.ndarray
 
 #: Points of outlines and of fields along a particle.
 _FINE, _COARSE = 6.0, 2.0
+#: Points along a side, at most.
+_MOST_FINE, _MOST_COARSE = 1000, 300
 #: Where shapes are unknown, the distance over which outlines are smoothed, in particles.
 _UNKNOWN = 1.25
 #: Thickness over the side of the cube of the same volume down to which outlines are as fine.
@@ -125,7 +127,8 @@ def _body(
         return None
     box = np.abs(part.edges).sum(axis=1)
     for axis, low, high in _periodic(snapshot.shown):
-        part = _around(part, axis, (low, high), TENT * 2.0 * float(np.median(box[:, axis])))
+        margin = 2.0 * TENT * float(np.median(box[:, axis])) + 2.0 * (high - low) / _MOST_COARSE
+        part = _around(part, axis, (low, high), margin)
     centre = camera.project(part.position)
     level = next(iter(selection.place.items()), None)
     centre[:, 2] -= camera.project(level[1] * np.eye(3)[level[0]])[2] if level else centre[:, 2]
@@ -142,10 +145,10 @@ def _body(
         fixed[side] = reaches and last > first and bool(np.ptp(ends[:, side]) > 0.0)
         if fixed[side]:
             low[side], high[side] = ends[:, side]
-    fine = raster(low, high, np.full(2, _thickness(edges) / _FINE), fixed)
+    fine = raster(low, high, np.full(2, _thickness(edges) / _FINE), fixed, _MOST_FINE)
     size = size if known else np.full(2, size.max())
     edge = outline(centre, edges, fine, _UNKNOWN * float(size.max()))
-    points = raster(low, high, size / _COARSE, fixed)
+    points = raster(low, high, size / _COARSE, fixed, _MOST_COARSE)
     if not field:
         return edge, points, np.zeros((0, 0))
     # Of a section, those in whose middle it is count most.

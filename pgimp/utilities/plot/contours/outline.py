@@ -106,12 +106,15 @@ def coverage(centre: Array, edges: Array, points: Raster) -> Array:
     for rows, column, row in points.windows(centre[:, :2], reach):
         x = points.low[0] + points.step[0] * column - centre[rows, 0, None]
         y = points.low[1] + points.step[1] * row - centre[rows, 1, None]
-        away = np.stack([x, y, np.broadcast_to(-centre[rows, 2, None], x.shape)], axis=2)
-        along = np.einsum("npi,nik->npk", away, inverse[rows])
-        beyond = (np.abs(along) - 1.0) * height[rows, None]
-        # Thinner than the ramp it would not be seen.
-        half = np.minimum(ramp, height[rows, None])
-        part = np.clip(0.5 - 0.5 * beyond / half, 0.0, 1.0).prod(axis=2)
+        part = np.ones(x.shape)
+        for side in range(3):
+            gradient = inverse[rows, :, side, None]
+            along = x * gradient[:, 0] + y * gradient[:, 1]
+            along -= centre[rows, 2, None] * gradient[:, 2]
+            # Thinner than the ramp it would not be seen.
+            thick = height[rows, side, None]
+            beyond = (np.abs(along) - 1.0) * (thick / np.minimum(ramp, thick))
+            part *= np.clip(0.5 - 0.5 * beyond, 0.0, 1.0)
         points.add(sums, column, row, part)
     return sums.reshape(points.shape)
 

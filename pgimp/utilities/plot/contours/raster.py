@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 Array = np.ndarray
 
-_MOST = 1500
+#: Points of particles that are computed at once.
+_TOGETHER = 1_000_000
 
 
 class Raster(NamedTuple):
@@ -38,7 +40,7 @@ class Raster(NamedTuple):
         """Distances of the points, (2,)."""
         return np.array([self.x[1] - self.x[0], self.y[1] - self.y[0]])
 
-    def windows(self, centre: Array, reach: Array) -> list[tuple[Array, Array, Array]]:
+    def windows(self, centre: Array, reach: Array) -> Iterator[tuple[Array, Array, Array]]:
         """Find the points around particles.
 
         Parameters
@@ -46,25 +48,26 @@ class Raster(NamedTuple):
         centre, reach : ndarray, shape (n, 2)
             Centres, and how far the windows go to either side.
 
-        Returns
-        -------
-        list of (rows, column, row)
-            Particles with windows of about the same size, (m,), and of the points of each the
-            column and row, (m, k); some are beyond the raster.
+        Yields
+        ------
+        rows : ndarray of int64, shape (m,)
+            Particles with windows of about the same size, as many as memory needs.
+        column, row : ndarray of int64, shape (m, k)
+            The points of each; some are beyond the raster.
         """
         first = np.ceil((centre - reach - self.low) / self.step).astype(np.int64)
         last = np.floor((centre + reach - self.low) / self.step).astype(np.int64)
         first = np.maximum(first, 0)
         count = np.minimum(last, np.array(self.shape[::-1]) - 1) - first + 1
         size = np.where((count > 0).all(axis=1)[:, None], 2 * ((count + 1) // 2), 0)
-        found = []
         for wide, high in np.unique(size, axis=0):
-            rows = np.flatnonzero((size == (wide, high)).all(axis=1))
-            if wide and len(rows):
+            some = np.flatnonzero((size == (wide, high)).all(axis=1)) if wide else size[:0, 0]
+            each = max(1, _TOGETHER // max(1, int(wide * high)))
+            for begin in range(0, len(some), each):
+                rows = some[begin : begin + each]
                 column = first[rows, 0, None] + np.tile(np.arange(wide), high)
                 row = first[rows, 1, None] + np.repeat(np.arange(high), wide)
-                found.append((rows, column, row))
-        return found
+                yield rows, column, row
 
     def add(self, sums: Array, column: Array, row: Array, values: Array) -> None:
         """Add values at points to sums, of shape (rows columns,); beyond the raster none."""
@@ -73,20 +76,22 @@ class Raster(NamedTuple):
         sums += np.bincount(place, values[inside], len(sums))
 
 
-def raster(low: Array, high: Array, step: Array, fixed: Array) -> Raster:
+def raster(low: Array, high: Array, step: Array, fixed: Array, most: int) -> Raster:
     """Return a raster that covers a rectangle.
 
     Parameters
     ----------
     low, high, step : ndarray, shape (2,)
-        Its corners; the wanted distances of points, larger where there would be too many.
+        Its corners; the wanted distances of points.
     fixed : ndarray of bool, shape (2,)
         Directions in which it begins and ends at the corners: those of periodic faces. In the
         others it goes two points beyond.
+    most : int
+        Number of points along a side between the corners, at most.
     """
     axes = []
     for a, b, distance, exact in zip(low, high, step, fixed, strict=True):
-        count = max(1, int(np.ceil((b - a) / max(distance, (b - a) / _MOST, 1e-300))))
+        count = max(1, int(np.ceil((b - a) / max(distance, (b - a) / most, 1e-300))))
         points = np.linspace(a, b, count + 1)
         if not exact:
             distance = (b - a) / count

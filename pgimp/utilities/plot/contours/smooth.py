@@ -43,7 +43,8 @@ def smoothed(place: Array, values: Array, weight: Array, size: Array, points: Ra
     # Values near zero, lest digits be lost where they are large and alike.
     middle = float(np.median(values)) if len(values) else 0.0
     values = values - middle
-    reach = TENT * size
+    # So that two rows of particles are within reach of the points beside a face.
+    reach = np.maximum(TENT * size, 2.0 * points.step + size)
     sums = np.zeros((9, points.shape[0] * points.shape[1]))
     for rows, column, row in points.windows(place, np.broadcast_to(reach, place.shape)):
         u = (place[rows, 0, None] - points.low[0] - points.step[0] * column) / reach[0]
