@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pgimp.utilities.plot.camera import Camera
     from pgimp.utilities.plot.selection import Selection
 
-_PICTURE_ONLY = ("slice", "camera", "range", "map", "panels", "mirror")
+_PICTURE_ONLY = ("slice", "camera", "range", "map", "panels", "mirror", "contours", "outline")
 _LONGEST_NAME = 120
 
 
@@ -205,7 +205,7 @@ def _frame(
             raise UsageError(f"--along {name}: the axes are {', '.join(AXES[:dimension])}")
         axis = AXES.index(name)
         place = parse_place(args.at, "--at", [one for one in axes if one != axis])
-        for option in ("range", "map", "panels", "mirror"):
+        for option in ("range", "map", "panels", "mirror", "contours", "outline"):
             if getattr(args, option) is not None:
                 raise UsageError(f"--{option} is for a picture; in 1D, and --along, there is none")
         figure, table, remarks = along(chosen, quantities, Selection(bodies, place), axis, args.log)

@@ -1,7 +1,10 @@
 """The axisymmetric cases: a tube under pressure, and Taylor's bar as rings."""
 
+import subprocess
+import sys
+
 import numpy as np
-from common import BLUE, GREY, RED, boxes, frame_at, plt, run, save
+from common import BLUE, GREY, PICTURES, RED, boxes, frame_at, plt, run, save, shrink
 
 
 def tube(redraw):
@@ -51,3 +54,14 @@ def taylor_axisymmetric(redraw):
     axis.set(xlabel="time [µs]", ylabel="energy of the whole bar [J]")
     axis.legend(loc="center right")
     save(figure, "taylor-axisymmetric")
+
+
+def taylor_contours(redraw):
+    """The whole section at three instants as smooth contours, by ``pgimp plot``."""
+    fields = ["output.fields=[plastic-strain,deformation]"]
+    directory = run("taylor-axisymmetric", redraw, "taylor-contours", fields).path
+    path = PICTURES / "taylor-contours.png"
+    words = [sys.executable, "-m", "pgimp", "plot", directory, "--field", "plastic-strain"]
+    words += ["--time", "0,2e-5,8e-5", "--mirror", "x-min", "--range", "0,2", "--contours"]
+    subprocess.run([*words, "--map", "magma", "--width", "7", "-o", path], check=True)
+    shrink(path)

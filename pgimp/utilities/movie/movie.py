@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import subprocess
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.utilities.plot.camera import Camera
+from pgimp.utilities.plot.contours.drawing import levels
 from pgimp.utilities.plot.look import Look
 from pgimp.utilities.plot.picture import extents_of, picture, scale
 from pgimp.utilities.plot.quantity import Quantity
@@ -46,31 +49,64 @@ def movie(
     UsageError
         If there is no program for it, or no particle to be drawn.
     """
+    from matplotlib import rc_context
     from matplotlib.animation import writers
 
     name = "pillow" if kind == "gif" else "ffmpeg"
     if not writers.is_available(name):
-        raise UsageError(f"a movie of the kind {kind} needs {name}, which is not here; try .gif")
+        raise UsageError("an .mp4 needs the program ffmpeg, which is not here; a .gif needs none")
     inside = extents_of(snapshots, selection, camera)
     inside = np.array([inside[:, 0].min(axis=0), inside[:, 1].max(axis=0)])
     if look.limits is None:
         limits = _colour_range(snapshots, quantities, selection, camera, inside)
+        if look.contours:
+            ends = levels(*limits, look.contours, exact=False)
+            limits, look = (ends[0], ends[-1]), look._replace(contours=len(ends) - 1)
         look = look._replace(limits=limits)
     look = look._replace(inside=inside)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"movie.{kind}"
         writer = writers[name](fps=rate)  # type: ignore[arg-type]
-        for number, (snapshot, quantity) in enumerate(zip(snapshots, quantities, strict=True)):
+        try:
+            # Files of styles may cut pictures to what is on them, each to another size.
+            with rc_context({"savefig.bbox": None}):
+                _write(writer, path, snapshots, quantities, selection, camera, look)
+        except (OSError, subprocess.CalledProcessError) as error:
+            raise UsageError(f"{name} has failed: {_reason(error)}; try a .gif") from error
+        return path.read_bytes()
+
+
+def _write(
+    writer: Any,
+    path: Path,
+    snapshots: Sequence[PlotFrame],
+    quantities: Sequence[Quantity],
+    selection: Selection,
+    camera: Camera,
+    look: Look,
+) -> None:
+    """Write the pictures to a file, by one of matplotlib's writers."""
+    size: tuple[float, float] | None = None
+    try:
+        for snapshot, quantity in zip(snapshots, quantities, strict=True):
             figure, _, _ = picture([snapshot], [quantity], selection, camera, look)
-            if number == 0:
-                size = _even(figure.get_size_inches())
-                figure.set_size_inches(size)
-                writer.setup(figure, str(path), _DOTS_PER_INCH)
+            first = size is None
+            size = size or _even(figure.get_size_inches())
             figure.set_size_inches(size)
+            if first:
+                writer.setup(figure, str(path), _DOTS_PER_INCH)
             writer.fig = figure
             writer.grab_frame()
-        writer.finish()
-        return path.read_bytes()
+    except BrokenPipeError:
+        pass  # the program has ended; finish tells why
+    writer.finish()
+
+
+def _reason(error: OSError | subprocess.CalledProcessError) -> str:
+    """Return the last line that a program of movies said, else what Python says."""
+    said = getattr(error, "stderr", None) or getattr(error, "output", None) or b""
+    lines = (said.decode(errors="replace") if isinstance(said, bytes) else said).strip()
+    return lines.splitlines()[-1] if lines else str(error)
 
 
 def _even(size: np.ndarray) -> tuple[float, float]:

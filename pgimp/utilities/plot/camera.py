@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.schema.messages import unknown
-from pgimp.utilities.plot.runs import AXES
+from pgimp.utilities.plot.runs import AXES, PlotFrame
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = np.ndarray
+
+_ARROW = 24.0
 
 # Towards the eye.
 _EYES = {
@@ -112,3 +117,43 @@ def camera(text: str | None, dimension: int, normal: int | None) -> Camera:
         right = np.array([np.sign(towards[2]), 0.0, 0.0])
     right /= np.linalg.norm(right)
     return Camera(right, np.cross(towards, right))
+
+
+def name_axes(
+    axis: Axes, snapshot: PlotFrame, camera: Camera, columns: int, *, lowest: bool
+) -> None:
+    """Name the axes at the left and below; `lowest`: no picture is below this one."""
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    if not camera.along_axes:
+        axis.set(xticks=[], yticks=[])  # without axes there would be no space for the title
+        axis.spines[:].set_visible(False)
+        return
+    panel = axis.get_subplotspec()
+    first = panel is not None and panel.is_first_col()
+    sides = (("x", axis.xaxis, camera.right), ("y", axis.yaxis, camera.up))
+    for side, ticks, direction in sides:
+        name, reversed_ = camera.axis(direction)
+        ticks.set_major_locator(MaxNLocator(3 if side == "x" and columns > 2 else 5))
+        if reversed_:
+            ticks.set_major_formatter(FuncFormatter(lambda value, _: f"{-value + 0.0:g}"))
+        if lowest if side == "x" else first:
+            axis.set(**{f"{side}label": snapshot.shown.label(name, "length")})
+    axis.xaxis.set_tick_params(labelbottom=lowest)
+
+
+def compass(axis: Axes, camera: Camera) -> None:
+    """Draw the directions of the axes of space into the lower left corner."""
+    options: dict[str, Any] = {
+        "xycoords": "axes fraction",
+        "textcoords": "offset points",
+        "fontsize": 8,
+        "annotation_clip": False,
+    }
+    centred: dict[str, Any] = {"ha": "center", "va": "center"}
+    arrow = {"arrowstyle": "<|-,head_width=0.15,head_length=0.3", "color": "#444444", "lw": 0.9}
+    for name, right, up in zip(AXES, camera.right, camera.up, strict=True):
+        x, y = _ARROW * right, _ARROW * up
+        if np.hypot(x, y) > 0.1 * _ARROW:
+            axis.annotate("", (0.0, 0.0), xytext=(x, y), arrowprops=arrow, **options)
+            axis.annotate(name, (0.0, 0.0), xytext=(1.3 * x, 1.3 * y), **centred, **options)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.errors import UsageError
+from pgimp.utilities.plot.units import labelled, scaled
 
 Array = np.ndarray
 
@@ -60,9 +61,23 @@ class Changes(NamedTuple):
 
     def label(self, text: str) -> str:
         """Return a label with what was done to its column."""
+        return times(self.factor, self._changed(text))
+
+    def labelled(self, text: str, unit: str) -> str:
+        """Return the label of an axis of columns that have a unit without the changes."""
+        return axis_label(self.factor, self._changed(text), "" if self.over else unit)
+
+    def _changed(self, text: str) -> str:
         text = f"{text} / {self.over}" if self.over else text
-        text = f"mean {text}" if self.mean > 1 else text
-        return times(self.factor, text)
+        return f"mean {text}" if self.mean > 1 else text
+
+
+def axis_label(factor: float, text: str, unit: str) -> str:
+    """Return the label of an axis: with a factor in the unit if that has a prefix for it."""
+    other = scaled(unit, factor) if factor != 1.0 else ""
+    if other:
+        return labelled(f"-{text}" if factor < 0.0 else text, other)
+    return labelled(times(factor, text), unit)
 
 
 def times(factor: float, text: str) -> str:

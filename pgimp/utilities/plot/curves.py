@@ -11,7 +11,7 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.schema.messages import unknown
-from pgimp.utilities.plot.changes import Changes, times
+from pgimp.utilities.plot.changes import Changes, axis_label, times
 from pgimp.utilities.plot.look import Look
 from pgimp.utilities.plot.runs import AXES, PlotRun
 from pgimp.utilities.plot.series import Series, open_series
@@ -196,11 +196,10 @@ def _draw(
                     label=plain(one.label) if not single else _words(name, members),
                 )
         text = _words(members[0], []) if alone else _common(members, kind)
+        of_x, of_y = (shown.unit(kind_of_column(name)) for name in (across, members[0]))
         axis.set(
-            xlabel=shown.label(times(changes.factor_x, _words(across, [])), kind_of_column(across)),
-            ylabel=shown.label(
-                changes.label(text), "" if changes.over else kind_of_column(members[0])
-            ),
+            xlabel=axis_label(changes.factor_x, _words(across, []), of_x),
+            ylabel=changes.labelled(text, of_y),
         )
         if logarithmic:
             axis.set_yscale("log", nonpositive="mask")

@@ -14,6 +14,8 @@ from pgimp.utilities.plot.style import MAP
 
 #: Widths in inches and sizes of letters in points that can be drawn.
 _WIDTHS, _LETTERS = (1.0, 40.0), (3.0, 40.0)
+#: Colours of contours: by default, and at most.
+_COLOURS, _MOST_COLOURS = 10, 100
 
 
 #: By axis, the coordinate.
@@ -37,6 +39,10 @@ class Look(NamedTuple):
         Title in place of the times; of several pictures above all of them.
     inside : ndarray, shape (2, 2), or None
         Corners of what is shown, if it is not what the particles fill.
+    contours : int
+        Number of colours of smooth contours in place of particles; 0 for particles.
+    outline : bool
+        Whether bodies have outlines, as contours always do.
     """
 
     limits: tuple[float, float] | None = None
@@ -45,6 +51,8 @@ class Look(NamedTuple):
     width: float = 0.0
     title: str | None = None
     inside: np.ndarray | None = None
+    contours: int = 0
+    outline: bool = False
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,6 +68,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     looks.add_argument("--rate", metavar="N", help="frames of a movie in a second (default: 10)")
     looks.add_argument("--map", metavar="NAME", help=f"a frame's colours (default: {MAP})")
     looks.add_argument("--panels", metavar="N", help="pictures of frames side by side")
+    looks.add_argument(
+        "--contours",
+        metavar="N",
+        nargs="?",
+        const=str(_COLOURS),
+        help="smooth contours within each body's outline in place of particles, in about N "
+        f"colours (default: {_COLOURS}); in 3D of a --slice",
+    )
+    looks.add_argument(
+        "--outline", action="store_true", default=None, help="also the outline of each body"
+    )
     looks.add_argument(
         "--mirror",
         metavar="FACE,...",
@@ -115,7 +134,17 @@ def look(args: argparse.Namespace, limits: tuple[float, float] | None) -> Look:
         if not args.panels.isdecimal() or not 1 <= int(args.panels) <= 12:
             raise UsageError(f"--panels {args.panels}: a whole number from 1 to 12")
         panels = int(args.panels)
-    return Look(limits, name, panels, width(args), args.title)
+    count = 0
+    if args.contours is not None:
+        if not args.contours.isdecimal() or not 2 <= int(args.contours) <= _MOST_COLOURS:
+            raise UsageError(
+                f"--contours {args.contours}: a number of colours from 2 to {_MOST_COLOURS}, or "
+                "none, behind the directories"
+            )
+        count = int(args.contours)
+    return Look(
+        limits, name, panels, width(args), args.title, contours=count, outline=bool(args.outline)
+    )
 
 
 def planes(text: str | None, origin: Sequence[float], corner: Sequence[float]) -> Planes:

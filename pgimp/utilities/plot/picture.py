@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pgimp.io.results.reader import Frame
-from pgimp.utilities.plot.camera import Camera
+from pgimp.utilities.plot.camera import Camera, compass, name_axes
+from pgimp.utilities.plot.contours.bodies import DrawnBody, bodies_of, refuse
+from pgimp.utilities.plot.contours.drawing import (
+    draw_contours,
+    draw_outline,
+    levels,
+    rows_within,
+    values_within,
+)
 from pgimp.utilities.plot.look import Look
 from pgimp.utilities.plot.quantity import Quantity
 from pgimp.utilities.plot.rigid import draw_lines, lines, widened
@@ -19,7 +27,6 @@ from pgimp.utilities.plot.tables import Table
 from pgimp.utilities.plot.visible import draw, extent, visible
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Array = np.ndarray
@@ -31,13 +38,23 @@ _FLAT = 1.3
 _WIDE, _MOST_BELOW = 0.45, 4
 _OUTLIERS = (0.5, 99.5)
 _ROOM = 0.25
-_ARROW = 24.0
+_LITTLE = 0.02
 _NAMES: dict[str, Callable[[Frame], list[str]]] = {
     "body": lambda frame: frame.bodies,
     "material": lambda frame: frame.materials,
 }
+_SHAPELESS = "outlines of undeformed particles: output.fields has no deformation"
 _WHOLE = ("body", "material", "rank", "id")
 _MOST_NAMES = 12
+
+
+class _Shown(NamedTuple):
+    """What a picture shows: a frame's particles, or none, its bodies, and nets of rigid ones."""
+
+    snapshot: PlotFrame
+    seen: Block | None
+    bodies: list[DrawnBody]
+    net: Array
 
 
 def picture(
@@ -78,28 +95,39 @@ def picture(
         If there is no such particle.
     """
     dimension = snapshots[0].shown.dimension
+    if look.contours or look.outline:
+        what = quantities[0].text if look.contours else ""
+        refuse(snapshots[0].shown, selection, camera, what)
     extents = extents_of(snapshots, selection, camera)
     inside = np.array([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])
     inside = inside if look.inside is None else look.inside
-    table = Table(["run", "frame", "time", "id", *AXES[:dimension], "radius", quantities[0].text])
-    drawn, remarks = [], []
+    places = [camera.axis(side)[0] for side in (camera.right, camera.up)] if look.contours else []
+    columns = ["body", *places] if look.contours else ["id", *AXES[:dimension], "radius"]
+    table = Table(["run", "frame", "time", *columns, quantities[0].text])
+    shown, remarks = [], []
     for snapshot, quantity in zip(snapshots, quantities, strict=True):
+        same = [snapshot.shown.name, snapshot.frame.number, snapshot.frame.time]
+        net, bodies = lines(snapshot.frame, camera), []
+        if look.contours or look.outline:
+            field = look.contours > 0
+            bodies = bodies_of(snapshot, selection, quantity, camera, field=field)
+            if "deformation" not in snapshot.frame:
+                remarks.append(f"{snapshot.frame.path}: {_SHAPELESS}")
+        if look.contours:
+            shown.append(_Shown(snapshot, None, bodies, net))
+            for body in bodies:
+                table.add([*same, body.name], list(rows_within(body, camera)))
+            continue
         seen, total = visible(snapshot.frame, selection, quantity, camera, inside)
-        drawn.append(seen)
+        shown.append(_Shown(snapshot, seen, bodies, net))
         if len(seen.id) < total:
             remarks.append(
                 f"{snapshot.frame.path}: {len(seen.id):,} of {total:,} particles drawn, in each "
                 "spot of the picture the foremost"
             )
         part = seen.take(np.argsort(seen.id))
-        place = part.position[:, :dimension].T
-        table.add(
-            [snapshot.shown.name, snapshot.frame.number, snapshot.frame.time],
-            [part.id, *place, part.radius, part.value],
-        )
-    nets = [lines(snapshot.frame, camera) for snapshot in snapshots]
-    inside = widened(inside, nets)
-    shown = [*zip(snapshots, drawn, nets, strict=True)]
+        table.add(same, [part.id, *part.position[:, :dimension].T, part.radius, part.value])
+    inside = widened(inside, [one.net for one in shown])
     figure = _draw(shown, quantities[0], camera, inside, look)
     return figure, table, remarks
 
@@ -155,42 +183,53 @@ def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, flo
 
 
 def _draw(
-    shown: Sequence[tuple[PlotFrame, Block, Array]],
-    quantity: Quantity,
-    camera: Camera,
-    inside: Array,
-    look: Look,
+    shown: Sequence[_Shown], quantity: Quantity, camera: Camera, inside: Array, look: Look
 ) -> Figure:
-    """Draw each frame with its particles and the nets of its rigid bodies."""
+    """Draw each frame with its particles or bodies, and the nets of its rigid bodies."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
+    from matplotlib.colors import BoundaryNorm, Normalize
     from matplotlib.ticker import MaxNLocator
 
-    snapshots = [snapshot for snapshot, _, _ in shown]
-    low, high, beyond = scale(np.concatenate([seen.value for _, seen, _ in shown]), look.limits)
+    snapshots = [one.snapshot for one in shown]
+    fields = [one.seen.value if one.seen else values_within(one.bodies) for one in shown]
+    values = np.concatenate(fields)
+    low, high, beyond = scale(values, look.limits)
     shades = colormaps[look.map].with_extremes(bad="#c8c8c8")
     colours = ScalarMappable(Normalize(low, high), shades)
+    ends = np.zeros(0)
+    if look.contours:
+        ends = levels(low, high, look.contours, exact=look.limits is not None)
+        low, high = ends[0], ends[-1]
+        room = _LITTLE * (high - low)  # planes go on beyond the outermost particles
+        beyond = scale(values, (low - room, high + room))[2]
+        colours = ScalarMappable(BoundaryNorm(ends, shades.N), shades)
     size = inside[1] - inside[0]
     columns = look.panels or columns_of(len(snapshots), size)
     wide = size[0] * min(columns, 2) > _FLAT * size[1]
     figure, axes = _panels((len(snapshots), columns), size, wide, camera.along_axes, look.width)
     (left, bottom), (right, top) = inside + 0.03 * size.max() * np.array([[-1.0], [1.0]])
     several = len({snapshot.shown.name for snapshot in snapshots}) > 1
-    for number, ((snapshot, seen, net), axis) in enumerate(zip(shown, axes, strict=False)):
-        rgba = colours.to_rgba(np.ma.masked_invalid(seen.value))
-        draw(axis, camera, seen, rgba, snapshot.shown.dimension < 3)
+    for number, ((snapshot, seen, bodies, net), axis) in enumerate(zip(shown, axes, strict=False)):
+        flat = snapshot.shown.dimension < 3
+        if seen is not None:
+            rgba = colours.to_rgba(np.ma.masked_invalid(seen.value))
+            draw(axis, camera, seen, rgba, flat)
+        for body in bodies:
+            if seen is None:
+                draw_contours(axis, body, colours, ends)
+            draw_outline(axis, body)
         if len(net):
-            draw_lines(axis, net, snapshot.shown.dimension < 3)
+            draw_lines(axis, net, flat)
         axis.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
         name = f"{plain(snapshot.shown.name)}, " if several else ""
         title = look.title if look.title and len(shown) == 1 else name + snapshot.title
         axis.set_title(title, fontsize="medium")
         axis.grid(False)
         columns = axis.get_subplotspec().get_gridspec().ncols
-        _label(axis, snapshot, camera, columns, lowest=number + columns >= len(snapshots))
+        name_axes(axis, snapshot, camera, columns, lowest=number + columns >= len(snapshots))
         if number == 0 and not camera.along_axes:
-            _compass(axis, camera)
+            compass(axis, camera)
     for axis in axes[len(snapshots) :]:
         axis.set_visible(False)
     if look.title and len(shown) > 1:
@@ -249,41 +288,3 @@ def _panels(
     figure = Figure(figsize=(width, height))
     axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     return figure, axes.ravel()
-
-
-def _label(axis: Axes, snapshot: PlotFrame, camera: Camera, columns: int, *, lowest: bool) -> None:
-    """Name the axes at the left and below; `lowest`: no picture is below this one."""
-    from matplotlib.ticker import FuncFormatter, MaxNLocator
-
-    if not camera.along_axes:
-        axis.set(xticks=[], yticks=[])  # without axes there would be no space for the title
-        axis.spines[:].set_visible(False)
-        return
-    panel = axis.get_subplotspec()
-    first = panel is not None and panel.is_first_col()
-    sides = (("x", axis.xaxis, camera.right), ("y", axis.yaxis, camera.up))
-    for side, ticks, direction in sides:
-        name, reversed_ = camera.axis(direction)
-        ticks.set_major_locator(MaxNLocator(3 if side == "x" and columns > 2 else 5))
-        if reversed_:
-            ticks.set_major_formatter(FuncFormatter(lambda value, _: f"{-value + 0.0:g}"))
-        if lowest if side == "x" else first:
-            axis.set(**{f"{side}label": snapshot.shown.label(name, "length")})
-    axis.xaxis.set_tick_params(labelbottom=lowest)
-
-
-def _compass(axis: Axes, camera: Camera) -> None:
-    """Draw the directions of the axes of space into the lower left corner."""
-    options: dict[str, Any] = {
-        "xycoords": "axes fraction",
-        "textcoords": "offset points",
-        "fontsize": 8,
-        "annotation_clip": False,
-    }
-    centred: dict[str, Any] = {"ha": "center", "va": "center"}
-    arrow = {"arrowstyle": "<|-,head_width=0.15,head_length=0.3", "color": "#444444", "lw": 0.9}
-    for name, right, up in zip(AXES, camera.right, camera.up, strict=True):
-        x, y = _ARROW * right, _ARROW * up
-        if np.hypot(x, y) > 0.1 * _ARROW:
-            axis.annotate("", (0.0, 0.0), xytext=(x, y), arrowprops=arrow, **options)
-            axis.annotate(name, (0.0, 0.0), xytext=(1.3 * x, 1.3 * y), **centred, **options)

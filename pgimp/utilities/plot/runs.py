@@ -86,13 +86,17 @@ class PlotRun:
         """Label of the case's units."""
         return str(self.case.get("units", ""))
 
+    def unit(self, kind: str) -> str:
+        """Return the unit of a kind of quantity."""
+        return unit(kind, self.units, self.dimension)
+
     def label(self, text: str, kind: str) -> str:
         """Return the label of an axis for a kind of quantity, with its unit."""
-        return labelled(text, unit(kind, self.units, self.dimension))
+        return labelled(text, self.unit(kind))
 
     def instant(self, time: float) -> str:
         """Return a time as in a title: ``t = 0.32 s``."""
-        second = unit("time", self.units, self.dimension)
+        second = self.unit("time")
         return f"t = {time:.4g} {second}".rstrip()
 
 

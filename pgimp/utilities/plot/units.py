@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from pgimp.physics import columns, fields
@@ -17,6 +18,9 @@ _NAMES = {
     ("mm", "kg", "ms"): {"stress": "GPa", "energy": "J", "force": "kN"},
     ("cm", "g", "us"): {"stress": "Mbar", "energy": "1e5 J", "force": "1e7 N"},
 }
+# Units that take a prefix; not those of a power.
+_PREFIXES = {"n": -9, "u": -6, "m": -3, "c": -2, "": 0, "k": 3, "M": 6, "G": 9}
+_SIMPLE = re.compile(r"([numckMG]?)(Pa|N|J|m|s)(/.*)?")
 _SECTION = {1: "^2", 2: ""}
 _EXTENSIVE = ("mass", "energy", "force")
 _PLACES = {
@@ -98,3 +102,24 @@ def _bracketed(meaning: str) -> str:
 def labelled(text: str, unit: str) -> str:
     """Return the label of an axis: ``stress xx [Pa]``."""
     return f"{text} [{unit}]" if unit else text
+
+
+def scaled(unit: str, factor: float) -> str:
+    """Return the unit of values that a power of ten multiplies: ``kN/m`` for N/m and 0.001.
+
+    Returns
+    -------
+    str
+        The unit with another prefix; empty if there is none, or if the unit is not simple. The
+        sign of the factor is of no account.
+    """
+    found = _SIMPLE.fullmatch(unit)
+    power = round(math.log10(abs(factor)))
+    if not found or not math.isclose(abs(factor), 10.0**power, rel_tol=1e-12):
+        return ""
+    prefix, symbol, rest = found.groups()
+    exponent = _PREFIXES[prefix] - power
+    names = {number: name for name, number in _PREFIXES.items() if name != "c"}
+    if exponent not in names or (symbol == "s" and exponent > 0):
+        return ""
+    return f"{names[exponent]}{symbol}{rest or ''}"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pgimp.utilities.plot.camera import camera
-from pgimp.utilities.plot.changes import Changes, moving_mean
+from pgimp.utilities.plot.changes import Changes, axis_label, moving_mean
 from pgimp.utilities.plot.picture import columns_of
 from pgimp.utilities.plot.quantity import Quantity
 from pgimp.utilities.plot.selection import Block, Selection
@@ -156,6 +156,34 @@ def test_changes_of_curves(plot, tmp_path):
         energy = float(one["kinetic-energy"])
         assert float(changed["-2 x kinetic-energy"]) == pytest.approx(-2.0 * energy)
         assert float(over["strain-energy / mass"]) <= float(one["strain-energy"])
+
+
+@pytest.mark.parametrize(
+    ("factor", "before", "after"),
+    [
+        (1e-3, "N/m", "force [kN/m]"),
+        (-1e-3, "N", "-force [kN]"),
+        (1e-6, "Pa", "force [MPa]"),
+        (1e3, "MPa", "force [kPa]"),
+        (1e-3, "mJ/mm", "force [J/mm]"),
+        (1e3, "m", "force [mm]"),
+        (10.0, "cm", "force [mm]"),
+        (1e6, "s", "force [us]"),
+        (1e-3, "s", "0.001 x force [s]"),
+        (10.0, "N", "10 x force [N]"),
+        (4.0, "N", "4 x force [N]"),
+        (1e3, "m$^2$", "1000 x force [m$^2$]"),
+        (1e3, "mm", "force [um]"),
+        (1e-3, "kg m/s", "0.001 x force [kg m/s]"),
+        (1e-3, "m kg/s", "0.001 x force [m kg/s]"),
+        (1e-3, "1e7 N", "0.001 x force [1e7 N]"),
+        (-1.0, "N", "-force [N]"),
+        (1e-3, "", "0.001 x force"),
+    ],
+)
+def test_powers_of_ten_go_into_units(factor, before, after):
+    assert axis_label(factor, "force", before) == after
+    assert Changes(factor, over="mass").labelled("force", before).endswith("force / mass")
 
 
 def test_moving_means():

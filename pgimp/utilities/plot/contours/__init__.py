@@ -1,0 +1,1 @@
+"""``pgimp plot --contours``: bodies as smooth fields within their outlines."""
