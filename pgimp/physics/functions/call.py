@@ -90,7 +90,7 @@ def _class_of(function: Function) -> type:
     return found
 
 
-def evaluate(function: Function, at: Callable[..., None], *arguments: Any) -> None:
+def evaluate(function: Function, at: Callable[..., None], arguments: tuple[Any, ...]) -> None:
     """Call one of the kernels below.
 
     Raises

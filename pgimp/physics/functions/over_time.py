@@ -64,7 +64,7 @@ class FunctionOfTime(FunctionEntry, TimeFunction):
         values = np.empty(len(times))
         try:
             source = self.__dict__["kernel_source"]
-            evaluate(self.registered, numbers_in_time, source, times, values)
+            evaluate(self.registered, numbers_in_time, (source, times, values))
         except CaseError as error:
             raise RunError(str(error)) from None
         if not np.isfinite(values).all():

@@ -31,5 +31,5 @@ class OwnStress(FunctionEntry):
 
         sigma = np.empty((len(x), components))
         origin, x = (0.0,) * x.shape[1], np.ascontiguousarray(x)
-        evaluate(self.registered, vectors_at, self.source(), origin, x, sigma)
+        evaluate(self.registered, vectors_at, (self.source(), origin, x, sigma))
         return sigma

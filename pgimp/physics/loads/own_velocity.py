@@ -21,5 +21,5 @@ class OwnVelocity(FunctionEntry):
 
         v = np.empty_like(x)
         origin, x = (0.0,) * x.shape[1], np.ascontiguousarray(x)
-        evaluate(self.registered, vectors_at, self.source(), origin, x, v)
+        evaluate(self.registered, vectors_at, (self.source(), origin, x, v))
         return v

@@ -32,7 +32,7 @@ class OwnVariation(FunctionEntry, Variation):
         from pgimp.physics.functions.call import evaluate, numbers_at
 
         values, x = np.empty(len(places.x)), np.ascontiguousarray(places.x)
-        evaluate(self.registered, numbers_at, self.source(), (0.0,) * x.shape[1], x, values)
+        evaluate(self.registered, numbers_at, (self.source(), (0.0,) * x.shape[1], x, values))
         if not np.isfinite(values).all():
             row = int(np.argmin(np.isfinite(values)))
             raise NoValueError(row, f"has no value: {self.registered} returns {values[row]:g}")

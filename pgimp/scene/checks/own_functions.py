@@ -39,11 +39,11 @@ def _require(scene: Scene, x: np.ndarray) -> None:
     force, exact = scene.case.body_force, scene.case.exact
     if isinstance(force, OwnForce):
         values = np.zeros((len(x), D))
-        evaluate(force.registered, forces_at, force.source(), origin, x, 0.0, values)
+        evaluate(force.registered, forces_at, (force.source(), origin, x, 0.0, values))
         _finite(f"body_force.function: {force.registered}", x, values)
     if isinstance(exact, OwnSolution):
         values = np.zeros((len(x), 2 * D + (3, 4, 6)[D - 1]))
-        evaluate(exact.registered, states_at, exact.source(), origin, x, 0.0, values)
+        evaluate(exact.registered, states_at, (exact.source(), origin, x, 0.0, values))
         what = f"exact.function: {exact.registered}"
         _finite(what, x, values)
         far = np.abs(values[:, :D]).max(axis=1, initial=0.0)
@@ -84,7 +84,7 @@ def force_without_value(scene: Scene, x: np.ndarray, t: float) -> str:
     values = np.zeros_like(place)
     origin = (0.0,) * scene.dimension
     try:
-        evaluate(force.registered, forces_at, force.source(), origin, place, t, values)
+        evaluate(force.registered, forces_at, (force.source(), origin, place, t, values))
     except CaseError as error:
         return str(error)
     if np.isfinite(values).all():
