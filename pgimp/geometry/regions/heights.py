@@ -106,4 +106,5 @@ class Heights(Enclosed):
                 found = part_of(found, self.part.min, self.part.max)
             return enclose(ground_below(found, self.bottom))
         except CaseError as error:
-            raise CaseError(f"{self.WHAT} {self.file} {error}") from None
+            named = f"{error}".startswith("cannot read ")  # with the file
+            raise CaseError(f"{error}" if named else f"{self.WHAT} {self.file} {error}") from None

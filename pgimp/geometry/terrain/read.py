@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from pathlib import Path
+from tokenize import TokenError
 from typing import NamedTuple
 
 import numpy as np
@@ -81,7 +83,12 @@ def read_heights(
         raise CaseError("is neither .asc (ESRI ASCII) nor .npy (an array of NumPy)")
     for axis, places in zip("xy", found.axes, strict=False):
         if len(places) < 2:
-            raise CaseError(f"has one node along {axis}; expected two or more")
+            raise CaseError(f"has {len(places) or 'no'} node along {axis}; expected two or more")
+        if not (np.isfinite(places).all() and (np.diff(places) > 0.0).all()):
+            raise CaseError(
+                f"has nodes along {axis} from {places[0]:.10g} to {places[-1]:.10g}, at places "
+                "that are not finite or not apart"
+            )
     return found
 
 
@@ -89,7 +96,7 @@ def _esri(name: str) -> Heights:
     """Read an ESRI ASCII grid, whose values belong to the centres of its cells."""
     with open_plain(name) as stream:
         try:
-            words = stream.read().decode("ascii").split()
+            words = stream.read().decode("utf-8-sig").split()
         except UnicodeDecodeError:
             raise CaseError("is no text: an ESRI ASCII grid begins with ncols and nrows") from None
     head: dict[str, float] = {}
@@ -100,9 +107,11 @@ def _esri(name: str) -> Heights:
     for key in ("ncols", "nrows"):
         if not (head.get(key, 0.0) >= 1.0 and head[key].is_integer()):
             raise CaseError(f"is no ESRI ASCII grid: it has no {key}, a whole number")
+    if not max(head["ncols"], head["nrows"]) < 1e9:
+        raise CaseError("is no ESRI ASCII grid: its ncols or nrows are above a billion")
     columns, rows = int(head["ncols"]), int(head["nrows"])
     dx, dy = (head.get(key, head.get("cellsize", 0.0)) for key in ("dx", "dy"))
-    if not (dx > 0.0 and dy > 0.0):
+    if not (0.0 < dx < inf and 0.0 < dy < inf):
         raise CaseError("is no ESRI ASCII grid: it has no cellsize above zero")
     if len(words) - first != columns * rows:
         raise CaseError(
@@ -139,7 +148,7 @@ def _array(
     try:
         with open_plain(name) as stream:
             values = np.asarray(np.load(stream, allow_pickle=False))
-    except (ValueError, OSError, EOFError) as error:
+    except (ValueError, OSError, EOFError, MemoryError, SyntaxError, TokenError) as error:
         raise CaseError(f"is no array of NumPy: {shorten(str(error))}") from None
     if values.dtype.kind not in "fiu":
         raise CaseError(f"holds {values.dtype}, and no numbers")

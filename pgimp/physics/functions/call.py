@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections import namedtuple
+from collections.abc import Callable
 from functools import cache
 from types import FunctionType
 from typing import Any
 
 import numba
 
+from pgimp.errors import CaseError
 from pgimp.jit.kernel import INLINE_OPTIONS, kernel, specialise
 from pgimp.jit.outside import tag
 from pgimp.jit.tuples import read, write
@@ -86,6 +88,21 @@ def _class_of(function: Function) -> type:
     tag(kind)
     found: type = kind
     return found
+
+
+def evaluate(function: Function, at: Callable[..., None], arguments: tuple[Any, ...]) -> None:
+    """Call one of the kernels below.
+
+    Raises
+    ------
+    CaseError
+        If the function raises an exception.
+    """
+    try:
+        at(*arguments)
+    except Exception as error:
+        text = f": {error}" * bool(str(error))
+        raise CaseError(f"{function} raises {type(error).__name__}{text}") from None
 
 
 @kernel

@@ -70,6 +70,11 @@ class FunctionEntry(Model):
             for name in self.arguments
             if spelled(name) not in found.defaults
         ]
+        problems += [
+            Problem(("parameters", name), f"is {spelled(name)}, which is given already")
+            for name in self.arguments
+            if name != spelled(name) and spelled(name) in self.arguments
+        ]
         missing = [
             name
             for name, default in found.defaults.items()

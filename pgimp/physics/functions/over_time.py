@@ -11,14 +11,16 @@ from typing import ClassVar
 import numpy as np
 from pydantic import model_validator
 
-from pgimp.errors import RunError
+from pgimp.errors import CaseError, RunError
 from pgimp.physics.functions.entry import FunctionEntry
 from pgimp.physics.functions.registry import COEFFICIENT, Kind
 from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.time_functions import TimeFunction
 
-#: Panels of the quadrature, its points and weights on (-1, 1), and instants of `rows`.
-_PANELS, _ROWS = 64, 257
+#: Fewest and most panels of the quadrature, its points and weights on (-1, 1), instants of `rows`.
+_PANELS, _MOST_PANELS, _ROWS = 64, 4096, 257
+#: Difference on halving the panels that has converged, as a part of the greatest value.
+_CONVERGED = 1e-9
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
@@ -55,12 +57,16 @@ class FunctionOfTime(FunctionEntry, TimeFunction):
         return self
 
     def _values(self, times: np.ndarray) -> np.ndarray:
-        from pgimp.physics.functions.call import numbers_in_time
+        from pgimp.physics.functions.call import evaluate, numbers_in_time
 
         if "kernel_source" not in self.__dict__:
             self.__dict__["kernel_source"] = self.source()
         values = np.empty(len(times))
-        numbers_in_time(self.__dict__["kernel_source"], times, values)
+        try:
+            source = self.__dict__["kernel_source"]
+            evaluate(self.registered, numbers_in_time, (source, times, values))
+        except CaseError as error:
+            raise RunError(str(error)) from None
         if not np.isfinite(values).all():
             k = int(np.argmin(np.isfinite(values)))
             raise RunError(f"{self.registered} returns {values[k]:g} at t = {times[k]:.6g}")
@@ -81,14 +87,22 @@ class FunctionOfTime(FunctionEntry, TimeFunction):
         return found
 
     def integral(self, t: float) -> float:
-        """See `TimeFunction`: by Gauss' quadrature, in equal panels."""
+        """See `TimeFunction`: by Gauss' quadrature in equal panels, as many as it takes."""
         if not 0.0 < abs(t) < inf:
             return 0.0
-        half = 0.5 * t / _PANELS
-        middles = half * (2.0 * np.arange(_PANELS) + 1.0)
-        times = (middles[:, None] + half * _POINTS).ravel()
-        sums = self._values(times).reshape(_PANELS, -1) * _WEIGHTS
-        total = 0.0
-        for each in sums.ravel().tolist():  # in one order
-            total += each
-        return total * half
+        panels, (found, most) = _PANELS, self._quadrature(t, _PANELS)
+        while panels < _MOST_PANELS:
+            finer, higher = self._quadrature(t, 2 * panels)
+            most = max(most, higher)
+            if abs(finer - found) <= _CONVERGED * most * abs(t):
+                break
+            panels, found = 2 * panels, finer
+        return found
+
+    def _quadrature(self, t: float, panels: int) -> tuple[float, float]:
+        """Return the integral in equal panels, and the greatest absolute value."""
+        half = 0.5 * t / panels
+        middles = half * (2.0 * np.arange(panels) + 1.0)
+        values = self._values((middles[:, None] + half * _POINTS).ravel())
+        sums = np.cumsum((values.reshape(panels, -1) * _WEIGHTS).ravel())  # in one order
+        return float(sums[-1]) * half, float(np.abs(values).max())

@@ -27,8 +27,9 @@ class OwnStress(FunctionEntry):
 
     def at(self, x: np.ndarray, components: int) -> np.ndarray:
         """Return the stresses at positions (n, D), (n, components)."""
-        from pgimp.physics.functions.call import vectors_at
+        from pgimp.physics.functions.call import evaluate, vectors_at
 
         sigma = np.empty((len(x), components))
-        vectors_at(self.source(), (0.0,) * x.shape[1], np.ascontiguousarray(x), sigma)
+        origin, x = (0.0,) * x.shape[1], np.ascontiguousarray(x)
+        evaluate(self.registered, vectors_at, (self.source(), origin, x, sigma))
         return sigma

@@ -17,8 +17,9 @@ class OwnVelocity(FunctionEntry):
 
     def at(self, x: np.ndarray) -> np.ndarray:
         """Return the velocities at positions, both (n, D)."""
-        from pgimp.physics.functions.call import vectors_at
+        from pgimp.physics.functions.call import evaluate, vectors_at
 
         v = np.empty_like(x)
-        vectors_at(self.source(), (0.0,) * x.shape[1], np.ascontiguousarray(x), v)
+        origin, x = (0.0,) * x.shape[1], np.ascontiguousarray(x)
+        evaluate(self.registered, vectors_at, (self.source(), origin, x, v))
         return v

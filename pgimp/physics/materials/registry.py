@@ -162,7 +162,7 @@ def import_file(name: str) -> None:
             _import_path(path, name)
     except UsageError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         where = "" if path is None else _line(error, path)
         raise UsageError(f"--import {name}: {where}{_reason(error)}") from error
     imported.append(name if path is None else str(path))

@@ -29,10 +29,10 @@ class OwnVariation(FunctionEntry, Variation):
 
     def own_values(self, places: Places) -> Reals:
         """See `Variation`."""
-        from pgimp.physics.functions.call import numbers_at
+        from pgimp.physics.functions.call import evaluate, numbers_at
 
         values, x = np.empty(len(places.x)), np.ascontiguousarray(places.x)
-        numbers_at(self.source(), (0.0,) * x.shape[1], x, values)
+        evaluate(self.registered, numbers_at, (self.source(), (0.0,) * x.shape[1], x, values))
         if not np.isfinite(values).all():
             row = int(np.argmin(np.isfinite(values)))
             raise NoValueError(row, f"has no value: {self.registered} returns {values[row]:g}")

@@ -10,7 +10,7 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.exact.own import OwnSolution
-from pgimp.physics.functions.call import forces_at, states_at
+from pgimp.physics.functions.call import evaluate, forces_at, states_at
 from pgimp.physics.loads.own_force import OwnForce
 from pgimp.scene.scene import Scene
 
@@ -39,11 +39,11 @@ def _require(scene: Scene, x: np.ndarray) -> None:
     force, exact = scene.case.body_force, scene.case.exact
     if isinstance(force, OwnForce):
         values = np.zeros((len(x), D))
-        forces_at(force.source(), origin, x, 0.0, values)
+        evaluate(force.registered, forces_at, (force.source(), origin, x, 0.0, values))
         _finite(f"body_force.function: {force.registered}", x, values)
     if isinstance(exact, OwnSolution):
         values = np.zeros((len(x), 2 * D + (3, 4, 6)[D - 1]))
-        states_at(exact.source(), origin, x, 0.0, values)
+        evaluate(exact.registered, states_at, (exact.source(), origin, x, 0.0, values))
         what = f"exact.function: {exact.registered}"
         _finite(what, x, values)
         far = np.abs(values[:, :D]).max(axis=1, initial=0.0)
@@ -82,7 +82,11 @@ def force_without_value(scene: Scene, x: np.ndarray, t: float) -> str:
     ]
     place = np.where(np.isfinite(x), x, middle)[None]
     values = np.zeros_like(place)
-    forces_at(force.source(), (0.0,) * scene.dimension, place, t, values)
+    origin = (0.0,) * scene.dimension
+    try:
+        evaluate(force.registered, forces_at, (force.source(), origin, place, t, values))
+    except CaseError as error:
+        return str(error)
     if np.isfinite(values).all():
         return ""
     return (

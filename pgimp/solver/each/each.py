@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import traceback
 from collections.abc import Callable, Mapping
-from copy import deepcopy
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
@@ -46,6 +45,8 @@ class Each:
             raise UsageError(f"each: expected a function, got {function!r}")
         if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or steps < 1:
             raise UsageError(f"each: expected a number of steps from 1 on, got {steps!r}")
+        if not isinstance(state, Mapping | None):
+            raise UsageError(f"each: expected a state, values by name, got {state!r}")
         self.function, self.steps, self.state = function, int(steps), dict(state or {})
         self.name = getattr(function, "__qualname__", type(function).__name__)
         try:
@@ -76,8 +77,8 @@ class Calls:
         self, each: Each, core: SimulationProgress, stored: Mapping[str, Any] | None
     ) -> None:
         self._each, self._core = each, core
-        self._levels = levels_of(core.cases[0])
-        self._state = deepcopy(each.state)
+        self._levels = levels_of(core.cases)
+        self._state = decoded(encoded(each.state, "each"))
         if stored is not None:
             self._state = decoded(stored.get("state", {}))
             for name, numbers in stored.get("loads", {}).items():
@@ -107,7 +108,8 @@ class Calls:
         exchange = Exchange(self._core.comm, where)
         try:
             self._each.function(Now(self._core, exchange, self._levels, self._state))
-            digest = sha256(json.dumps(self.stored(where)).encode()).hexdigest()
+            stored = self.stored(where)
+            digest = sha256(json.dumps(stored).encode()).hexdigest()
         except (Exception, SystemExit) as error:
             raise exchange.fail(_described(error)) from error
         every = exchange.gather("its end", digest)
@@ -117,6 +119,7 @@ class Calls:
                 f"{where}: its state, or a load that it set, is another one on rank {rank} than "
                 "on rank 0; take both from now.sum, now.max and now.min, which are of all ranks"
             )
+        self._state = decoded(stored["state"])  # of the types that a resumed run has
 
     def stored(self, where: str = "each") -> dict[str, Any]:
         """Return state and loads as a checkpoint holds them."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from pydantic import BaseModel
@@ -29,23 +29,23 @@ def _within(value: Any) -> Iterator[Controlled]:
             yield from _within(each)
 
 
-def controlled(case: Case) -> list[Controlled]:
-    """Return the controlled loads of a case and its stages."""
+def controlled(stages: Iterable[Case]) -> list[Controlled]:
+    """Return the controlled loads of a case's stages."""
     parts = ("gravity", "boundaries", "tractions", "constraints", "inflow", "rigid_bodies")
-    return [one for stage in case.stages for part in parts for one in _within(getattr(stage, part))]
+    return [one for stage in stages for part in parts for one in _within(getattr(stage, part))]
 
 
 def own_levels(case: Case) -> Case:
     """Return a case whose controlled loads are of no other simulation."""
-    return load(case, {"title": case.title}) if controlled(case) else case
+    return load(case, {"title": case.title}) if controlled(case.stages) else case
 
 
-def levels_of(case: Case) -> dict[str, Level]:
-    """Return the levels of controlled loads by name, which follow them from now on.
+def levels_of(stages: Iterable[Case]) -> dict[str, Level]:
+    """Return the levels of controlled loads of all stages by name, which follow them from now on.
 
     The first load of a name gives the value at the start.
     """
     found: dict[str, Level] = {}
-    for one in controlled(case):
+    for one in controlled(stages):
         one.follow(found.setdefault(one.control, Level(float(one.start))))
     return found

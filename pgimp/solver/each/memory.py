@@ -29,13 +29,15 @@ def encoded(state: Mapping[str, Any], where: str) -> dict[str, Any]:
             raise RunError(f"{where}: the state has the key {name!r}; keys are texts")
         if value is None or isinstance(value, bool | str):
             found[name] = {"plain": value}
-        elif isinstance(value, int | np.integer):
+        elif isinstance(value, int | np.integer) and abs(int(value)) < 1 << 63:
             found[name] = {"plain": int(value)}
         elif isinstance(value, float | np.floating):
             found[name] = {"number": float(value).hex()}
         elif isinstance(value, np.ndarray) and value.dtype.str in _KINDS:
             data = b64encode(np.ascontiguousarray(value).tobytes()).decode()
             found[name] = {"dtype": value.dtype.str, "shape": [*value.shape], "data": data}
+        elif isinstance(value, int | np.integer):
+            raise RunError(f"{where}: the state '{name}' is an integer of more than 64 bits")
         else:
             raise RunError(
                 f"{where}: the state '{name}' is a {type(value).__name__}; it may have numbers, "

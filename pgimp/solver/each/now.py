@@ -86,6 +86,16 @@ class Now:
         self.rank, self.ranks = core.comm.rank, core.comm.size
         self.particles, self.loads, self.state = Particles(core), Loads(levels, core.time), state
         self._core, self._exchange = core, exchange
+        self._made = True
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse to replace what the run would not see."""
+        if hasattr(self, "_made"):
+            raise AttributeError(
+                f"now.{name} cannot be replaced; set what is in it: now.state['sum'] = .., "
+                "now.loads['push'] = .."
+            )
+        super().__setattr__(name, value)
 
     def sum(self, values: ArrayLike) -> Numbers:
         """Return the sum over all ranks of numbers, (n,), or of each column, (n, k); collective.
@@ -131,4 +141,8 @@ class Now:
         found = np.atleast_1d(np.asarray(values, float))
         if not np.isfinite(found).all():
             raise ValueError("a sum or a maximum is of finite numbers")
+        if found.ndim > 2:
+            raise ValueError(
+                f"expected numbers or a table, got an array of {found.ndim} dimensions"
+            )
         return found[:, None] if found.ndim == 1 else found

@@ -30,12 +30,15 @@ class Side(NamedTuple):
         Size of a cell along the normal.
     period : float
         Period of the domain along the normal, 0 without one.
+    seen : float
+        Part of the tent about the plane that lies in the domain.
     """
 
     normal: tuple[float, ...]
     point: tuple[float, ...]
     width: float
     period: float = 0.0
+    seen: float = 1.0
 
     def beyond(self, points: Array) -> Array:
         """Return the distance of points (n, D) beyond the plane, in cells."""
@@ -71,7 +74,7 @@ class Surface(NamedTuple):
             for d, n in enumerate(side.normal):
                 if n != 0.0:
                     rate += n * velocity[:, d]
-            rate *= np.maximum(0.0, 1.0 - np.abs(away[i])) / side.width
+            rate *= np.maximum(0.0, 1.0 - np.abs(away[i])) / (side.seen * side.width)
             for j, weight in enumerate(weights):
                 if j != i:
                     rate *= weight
@@ -114,8 +117,11 @@ def surface_of(
         flat = region.flats()[0]
         width = sum(abs(n) * h for n, h in zip(flat.normal, cell, strict=True))
         along = [d for d, n in enumerate(flat.normal) if n != 0.0]
-        period = float(periods[along[0]]) if len(along) == 1 else 0.0
-        return Surface((Side(flat.normal, flat.point, width, period),))
+        if len(along) > 1:
+            return Surface((Side(flat.normal, flat.point, width),))
+        d, period = along[0], float(periods[along[0]])
+        seen = 1.0 if period > 0.0 else covered(*ends[d], flat.point[d], cell[d]) / cell[d]
+        return Surface((Side(flat.normal, flat.point, width, period, seen),))
     assert isinstance(region, Box)
     sides = []
     for d, (low, high) in enumerate(ends):
@@ -126,5 +132,6 @@ def surface_of(
             if not is_end:
                 normal = tuple(sign if k == d else 0.0 for k in range(len(cell)))
                 point = tuple(at if k == d else 0.0 for k in range(len(cell)))
-                sides.append(Side(normal, point, cell[d]))
+                seen = 1.0 if periods[d] > 0.0 else covered(low, high, at, cell[d]) / cell[d]
+                sides.append(Side(normal, point, cell[d], 0.0, seen))
     return Surface(tuple(sides))

@@ -156,6 +156,33 @@ def test_what_heights_cannot_be(tmp_path):
     assert "is no array of NumPy" in refused(heights(path, nodes=nodes))
 
 
+@pytest.mark.parametrize(
+    ("head", "text"),
+    [
+        ("ncols 3\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize inf", "no cellsize above zero"),
+        ("ncols 3\nnrows 1\nxllcorner nan\nyllcorner 0\ncellsize 1", "not finite or not apart"),
+        ("ncols 3\nnrows 1\nxllcorner 1e17\nyllcorner 0\ncellsize 1", "not finite or not apart"),
+        ("ncols 1e300\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1", "above a billion"),
+    ],
+)
+def test_places_that_cannot_be(tmp_path, head, text):
+    grid = tmp_path / "z.asc"
+    grid.write_text(f"\ufeff{head}\n0 0 0\n", encoding="utf-8")  # with a mark of Windows
+    assert text in refused(heights(grid), 2)
+
+
+def test_damaged_headers_of_arrays(tmp_path):
+    """One that NumPy fails to parse, and one of more numbers than memory holds."""
+    path, nodes = tmp_path / "z.npy", {"origin": [0.0], "spacing": [1.0]}
+    path.write_bytes(b"\x93NUMPY\x01\x00\x20\x00{'descr': '<f8', 'shape': ((((  \n")
+    assert "is no array of NumPy" in refused(heights(path, nodes=nodes), 2)
+    with path.open("wb") as file:
+        large = {"descr": "<f8", "fortran_order": False, "shape": (10**14,)}
+        np.lib.format.write_array_header_1_0(file, large)
+    assert "is no array of NumPy" in refused(heights(path, nodes=nodes), 2)
+    assert refused(heights(tmp_path / "no.npy", nodes=nodes), 2).count("no.npy") == 1
+
+
 def test_keys_that_do_not_fit_the_dimensions(tmp_path):
     np.save(tmp_path / "z.npy", hills())
     for more, key in (

@@ -93,6 +93,11 @@ def test_what_is_no_plain_function_and_a_name_twice_are_refused(tmp_path):
     (tmp_path / "own_wrong.py").write_text(text)
     with pytest.raises(UsageError, match=r"own_wrong.py:4: wrong: takes \*args"):
         registry.import_file(str(tmp_path / "own_wrong.py"))
+    (tmp_path / "own_end.py").write_text(
+        "import sys\n\nsys.exit(0)\n"
+    )  # would end pgimp as if done
+    with pytest.raises(UsageError, match=r"own_end.py: line 3: SystemExit: 0"):
+        registry.import_file(str(tmp_path / "own_end.py"))
 
 
 def sqrt_of(t):
@@ -247,3 +252,42 @@ def test_a_coefficient_of_time_has_its_integral():
     for t in (0.0, 0.013, 0.1, 1.0, 7.0):
         assert found.value(t)[1] == 2.0 * 30.0 * sin(30.0 * t)
         assert found.integral(t)[1] == pytest.approx(2.0 * (1.0 - np.cos(30.0 * t)), abs=1e-12)
+
+
+def test_an_integral_over_many_periods_is_resolved():
+    """As the place of a table that shakes for minutes."""
+    pgimp.coefficient(swing)
+    entry = {"function": "swing", "parameters": {"rate": 300.0}}
+    found = pgimp.load(case(gravity=[0.0, entry])).gravity.integral(10.013)[1]
+    assert found == pytest.approx(2.0 * (1.0 - np.cos(3003.9)), abs=1e-5)
+
+
+def test_a_parameter_spelled_twice_is_refused():
+    pgimp.coefficient(two_words)
+    values = {"the-rate": 1.0, "the_rate": 2.0}
+    found = refused(gravity=[0.0, {"function": "two-words", "parameters": values}])
+    assert "gravity.1.parameters.the_rate: is the-rate, which is given already" in found
+
+
+def two_words(t, the_rate):
+    return the_rate * t
+
+
+def chosen(t, first):
+    return (1.0, 2.0)[int(first + t * 1000.0)]
+
+
+def half_plane(x):
+    if x[0] > 2.0:
+        raise ValueError("no such place")
+    return 100.0
+
+
+def test_exceptions_are_of_the_function():
+    pgimp.coefficient(chosen)
+    found = refused(gravity=[0.0, {"function": "chosen", "parameters": {"first": 1.0}}])
+    assert re.search(r"the coefficient 'chosen' \(.*\) raises IndexError: tuple index", found)
+    pgimp.coefficient(half_plane)
+    material = case()["materials"]["m"] | {"young": {"function": "half-plane"}}
+    with pytest.raises(CaseError, match=r"'half-plane' \(.*\) raises ValueError: no such place"):
+        pgimp.Simulation(case(materials={"m": material}))

@@ -170,3 +170,49 @@ def test_a_state_is_kept_bit_for_bit():
         decoded({"a": {"number": "far"}})
     with pytest.raises(RunError, match=r"bytes, of at most 1,048,576"):
         encoded({"a": np.zeros(1 << 18)}, "here")
+
+
+@pytest.mark.parametrize("change", [{}, {"gravity": [{"control": "push", "start": 0.5}, 0.0]}])
+def test_a_load_that_is_set_holds_in_the_next_stage(change):
+    """Also where the stage names it again."""
+    stages = [{"name": "second", "end": 0.4, **change}]
+    case = pgimp.load(each_probe.CASE, {"time.end": 0.2, "time.stages": stages})
+    sim = pgimp.Simulation(case, each=pgimp.Each(lambda now: now.loads.update(push=3.0), 4))
+    before = sim.diagnostics()["momentum-x"]
+    sim.advance()
+    first, mass = 4 * 0.01, sim.particles["mass"].sum()
+    gained = sim.diagnostics()["momentum-x"] - before
+    assert gained == pytest.approx(mass * (0.5 * first + 3.0 * (0.4 - first)), rel=1e-12)
+
+
+def test_a_resumed_state_has_the_types_of_one_that_went_on(tmp_path):
+    """Numbers of other precisions, and arrays in other orders, would add up otherwise."""
+    fields = np.asfortranarray(np.random.default_rng(1).normal(size=(300, 30)))
+    state = {"sum": np.float32(0.1), "fields": fields}
+
+    def add(now):
+        assert type(now.state["sum"]) is float
+        assert now.state["fields"].flags.c_contiguous
+        now.state["sum"] = np.float32(0.1) + np.float32(now.state["sum"])
+        now.state["fields"] = np.asfortranarray(1.1 * now.state["fields"])
+
+    sim = pgimp.Simulation(each_probe.CASE, each=pgimp.Each(add, 1, state))
+    sim.step(3)
+    assert state["fields"] is fields and state["sum"] == np.float32(0.1)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        (lambda now: setattr(now, "state", {}), r"now.state cannot be replaced; set what is in"),
+        (lambda now: setattr(now, "loads", {}), r"now.loads cannot be replaced; set what is in"),
+        (lambda now: now.sum(np.ones((2, 2, 2))), r"a table, got an array of 3 dimensions"),
+        (lambda now: now.state.update(n=10**30), r"'n' is an integer of more than 64 bits"),
+    ],
+)  # fmt: skip
+def test_what_would_be_lost_is_refused(wrong, text):
+    sim = pgimp.Simulation(each_probe.CASE, each=wrong)
+    with pytest.raises(RunError, match=text):
+        sim.step()
+    with pytest.raises(UsageError, match=r"expected a state, values by name, got 5"):
+        pgimp.Each(wrong, state=5)

@@ -146,6 +146,19 @@ def test_a_jet_carries_its_momentum():
     assert first["gauge.net.mass-flux"] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("at", [7.6, 8.0])
+def test_a_jet_that_leaves_the_domain_carries_its_momentum(at):
+    """Within a cell of an open end the mean is over what is inside."""
+    gauges = {
+        "exit": {"flux": half([at, 0.0], 1.0, 0.0)},
+        "entry": {"flux": half([0.0, 0.0], -1.0, 0.0)},
+    }
+    jet = box([0.0, 3.0], [8.0, 5.0], [1.5, 0.0])
+    line = start(scene(2, jet, cells=[8, 8], gauges=gauges)).diagnostics()
+    assert line["gauge.exit.mass-flux"] == pytest.approx(2.0 * 1.5, rel=0.03)
+    assert line["gauge.entry.mass-flux"] == pytest.approx(-2.0 * 1.5, rel=1e-9)
+
+
 def test_means_are_trapezoids_over_the_window():
     """Of what the lines have, with a window that begins between two of them; then a resume's."""
     gauges = {"gate": {"flux": half([4.0, 0.0], 1.0, 0.0), "mean": 0.23}}
@@ -216,6 +229,13 @@ def test_the_force_is_the_rate_of_momentum():
     [
         ({"a": {"cut": {"ball": {"centre": [2, 2], "radius": 1}}}}, "a.cut", "expected a half"),
         ({"a": {"cut": half([9.0, 0.0], -1.0, 0.0)}}, "a.cut", "lies beyond the domain along x"),
+        ({"a": {"cut": half([9.0, 0.0], 1.0, 0.0)}}, "a.cut", "lies beyond the domain along x"),
+        ({"a": {"flux": half([9.0, 9.0], 1.0, 1.0)}}, "a.flux", "lies beyond the domain: nothing"),
+        (
+            {"a": {"cut": {"box": {"min": [-1.0, 0.0], "max": [9.0, 9.0]}}}},
+            "a.cut",
+            "holds the whole domain, so that it has no surface",
+        ),
         ({"a": {"flux": half([1.0], 1.0)}}, "a.flux", "expected 2 entries"),
         (
             {"a": {"cut": half([1.0, 1.0], 1.0, 0.0), "about": [1.0]}},
@@ -242,9 +262,10 @@ def test_gauges_that_cannot_be(gauges, where, text):
 def test_a_plane_across_a_periodic_direction_has_a_flux_and_no_force():
     ends = {"x-min": "periodic", "x-max": "periodic"}
     body = box([0.0, 1.0], [8.0, 3.0], [0.7, 0.0])
-    flux = {"a": {"flux": half([0.1, 0.0], 1.0, 0.0)}}
+    flux = {name: {"flux": half([at, 0.0], 1.0, 0.0)} for name, at in (("a", 0.1), ("seam", 0.0))}
     sim = start(scene(2, body, boundaries=ends, gauges=flux, end=0.1, step=0.05))
     assert sim.diagnostics()["gauge.a.mass-flux"] == pytest.approx(1.4, rel=1e-12)
+    assert sim.diagnostics()["gauge.seam.mass-flux"] == pytest.approx(1.4, rel=1e-12)
     assert finish(sim).diagnostics()["gauge.a.mass-flux"] == pytest.approx(1.4, rel=1e-12)
     with pytest.raises(pgimp.CaseError, match="x-min and x-max are periodic"):
         pgimp.load(scene(2, body, boundaries=ends, gauges={"a": {"cut": flux["a"]["flux"]}}))

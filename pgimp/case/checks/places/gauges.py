@@ -77,10 +77,7 @@ def _surface(
         yield from length((*path[:-1], "about"), entry.about, dimensions)
     if wrong or not sound:
         return
-    for axis in range(dimensions):
-        low, high = region.bounds()
-        if low[axis] >= grid.corner[axis] or high[axis] <= grid.origin[axis]:
-            yield Problem(path, f"lies beyond the domain along {AXES[axis]}: nothing passes it")
+    yield from _reaches(path, region, dimensions, grid, periodic_axes(boundaries))
     for axis in periodic_axes(boundaries):
         if axis >= dimensions:
             continue
@@ -96,6 +93,32 @@ def _surface(
                 f"{ends} are periodic, so that what leaves it on one side enters on the other; "
                 f"take a box that ends a cell or more from both, or spans all of {AXES[axis]}",
             )
+
+
+def _reaches(
+    path: Path, region: HalfSpace | Box, dimensions: int, grid: Grid, periodic: Iterable[int]
+) -> Problems:
+    """Check that a surface lies in the domain, in part; those across periodic directions do."""
+    ends = list(zip(grid.origin, grid.corner, strict=True))
+    if isinstance(region, Box):
+        pairs = list(zip(region.min, region.max, ends, strict=True))
+        for axis, (low, high, (least, most)) in enumerate(pairs):
+            if low >= most or high <= least:
+                yield Problem(path, f"lies beyond the domain along {AXES[axis]}: nothing passes it")
+        if all(low <= least and high >= most for low, high, (least, most) in pairs):
+            yield Problem(path, "holds the whole domain, so that it has no surface there")
+        return
+    normal, point = region.normal, region.point
+    across = [axis for axis in range(dimensions) if normal[axis] != 0.0]
+    if len(across) == 1 and across[0] in periodic:
+        return
+    least, most = (
+        sum(pick(normal[d] * (x - point[d]) for x in ends[d]) for d in across)
+        for pick in (min, max)
+    )
+    if least >= 0.0 or most < 0.0:
+        where = f" along {AXES[across[0]]}" if len(across) == 1 else ""
+        yield Problem(path, f"lies beyond the domain{where}: nothing passes it")
 
 
 def _meets_seam(box: Box, grid: Grid, axis: int) -> bool:
