@@ -7,7 +7,7 @@ import pytest
 from scenes import box, scene, start
 
 from pgimp.case.schema import Case
-from pgimp.scene.bodies import geostatic
+from pgimp.scene.bodies.prestrain import find_deformation, unknowns_along
 
 pytestmark = pytest.mark.slow(90)
 
@@ -183,6 +183,8 @@ def test_a_particle_has_its_deformation_whatever_others_are_with_it():
     p, rows = sim.particles, sim.live()
     wanted, together = p.sigma[rows].copy(), p.F[rows].copy()
     wanted[:, 0], wanted[:, 1] = -0.9 * depth(sim, 1), -depth(sim, 1)
+    unknowns = unknowns_along(sim.scene, "body", 1)
     for row, sigma, F in zip(rows.tolist(), wanted, together, strict=True):
-        geostatic.find_deformation(sim.scene, p, np.array([row]), "body", sigma[None], 1)
+        one = p, np.array([row])
+        find_deformation(sim.scene, one, "body", sigma[None], unknowns, ("the weight", ""))
         assert np.array_equal(p.F[row], F)
