@@ -16,8 +16,10 @@ def gauged(case):
     seams = ["xyz".index(face[0]) for face, kind in faces.items() if kind == "periodic"]
     initial = any(body.get("configuration") == "initial" for body in case["bodies"].values())
     middle, first = [0.5 * x for x in size], next(iter(case["bodies"]))
-    low, high = ([0.0 if d in seams else 0.23 * x for d, x in enumerate(size)],
-                 [x if d in seams else 0.71 * x for d, x in enumerate(size)])  # fmt: skip
+    low, high = [0.23 * x for x in size], [0.71 * x for x in size]
+    for d in seams:
+        if min(low[d], size[d] - high[d]) < case["grid"]["cell"][d]:  # thin: all of it
+            low[d], high[d] = 0.0, size[d]
     part = {"box": {"min": low, "max": high}}
     across = [1.0 if d == 0 else 0.0 for d in range(D)]
     plane = {"half-space": {"point": [0.93 * x for x in middle], "normal": across}}
