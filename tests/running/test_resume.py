@@ -263,6 +263,9 @@ def every_kind(D, folder):
     if D > 1:
         mesh = {"mesh": {"file": "mesh.stl" if D == 3 else "mesh.vtu"}}
         kinds |= {"mesh": mesh, "cut mesh": {"intersection": [mesh, half]}}
+        np.save(folder / "heights.npy", rng.uniform(0.1, 0.9, (5,) * (D - 1)))
+        nodes = {"origin": [-2.0] * (D - 1), "spacing": [1.0] * (D - 1)}
+        kinds["heights"] = {"heights": {"file": "heights.npy", "bottom": -1.0, "nodes": nodes}}
     return kinds
 
 
@@ -271,21 +274,23 @@ def test_a_body_of_every_kind_is_resumed_with_the_same_bits(tmp_path, D):
     """Also without the files that some of them came from."""
     kinds = every_kind(D, tmp_path)
     assert {"half-space", *(kind.partition("-")[0] for kind in kinds)} >= set(REGIONS) - (
-        set() if D == 3 else {"mesh", "cylinder"}
+        {1: {"mesh", "cylinder", "heights"}, 2: {"cylinder"}, 3: set()}[D]
     )
     for name, region in kinds.items():
         folder = tmp_path / name
         folder.mkdir()
-        for file in [*tmp_path.glob("cloud.*"), *tmp_path.glob("mesh.*")]:
-            shutil.copy(file, folder)
+        for end in ("csv", "h5", "stl", "vtu", "npy"):
+            for file in tmp_path.glob(f"*.{end}"):
+                shutil.copy(file, folder)
         model = meshes.case(region, dimension=D, end=0.04)
         write_case(folder / "case.yaml", model)
         words = {"quiet": True, "comm": Serial()}
         whole = pgimp.run(folder / "case.yaml", output=folder / "whole", **words)
         half = {"overrides": {"time.end": 0.02}, "output": folder / "half"}
         pgimp.run(folder / "case.yaml", **half, **words)
-        for file in [*folder.glob("cloud.*"), *folder.glob("mesh.*")]:
-            file.unlink()
+        for end in ("csv", "h5", "stl", "vtu", "npy"):
+            for file in folder.glob(f"*.{end}"):
+                file.unlink()
         resumed = pgimp.run(folder / "case.yaml", output=folder / "half", resume=True, **words)
         assert resumed.info["resumed_from"] == 2, name
         for field in whole.frame(-1).fields:
