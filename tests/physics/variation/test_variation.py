@@ -157,7 +157,8 @@ def test_particles_carry_what_depends_on_what_varies():
 
 
 WRONG = [
-    ({"young": {"tabel": []}}, "young", "one of table, layers, random, column; got a mapping"),
+    ({"young": {"tabel": []}}, "young",
+     "one of table, layers, random, column, function; got a mapping with the keys tabel"),
     ({"young": {"table": [], "over": "x"}}, "young.table", "expected at least one row"),
     ({"young": {"table": [[0.0, 1.0], [0.0, 2.0]], "over": "x"}}, "young.table.1.0",
      "must increase, but 0.0 follows 0.0"),
