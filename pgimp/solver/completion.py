@@ -1,25 +1,50 @@
-"""Completion of a step: particles sent and received, outflow, faults, and the canonical order."""
+"""Completion of a step: particles updated and migrated, outflow, faults, canonical order."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.sums.sums import layer_sums
 from pgimp.kernels.update.checks import OUTFLOW
+from pgimp.solver.configurations import ConfigurationGroup
 from pgimp.solver.rank import MOST_LISTED, Rank
-from pgimp.solver.transfers import RangeReport
+from pgimp.solver.transfers import RangeReport, update_particles
 
 
-def send_particles(rank: Rank, report: RangeReport) -> None:
-    """Send the particles of a range of layers that have left the slab; see `Migration`."""
-    if len(report.changed) or rank.migrates:
-        rank.migration.proceed(rank.population, report.changed)
+def advance_particles(
+    rank: Rank, groups: Sequence[ConfigurationGroup], forcing: Forcing, lap: Callable[[str], None]
+) -> list[RangeReport]:
+    """Update the particles by ranges of layers, and send those that leave the slab.
+
+    Parameters
+    ----------
+    groups : sequence of ConfigurationGroup
+        The rank's particles.
+    forcing : Forcing
+        From `particle_forcing`.
+    lap : callable
+        From `stopwatch`.
+
+    Returns
+    -------
+    list of RangeReport
+        One for each range; the neighbours wait for the first.
+    """
+    reports: list[RangeReport] = []
+    for layers in rank.halo.halves(rank.population.start):
+        report = update_particles(rank, groups, forcing, layers, reports)
+        reports.append(report)
+        lap("G2P")
+        if len(report.changed) or rank.migrates:
+            rank.migration.proceed(rank.population, report.changed)
+        lap("migrate")
+    return reports
 
 
-def settle(rank: Rank, reports: list[RangeReport], lap: Callable[[str], None]) -> None:
+def complete_step(rank: Rank, reports: list[RangeReport], lap: Callable[[str], None]) -> None:
     """Complete a step: counts, outflow, arrivals, and the canonical order.
 
     Parameters

@@ -88,10 +88,16 @@ class Flows:
             self.call(reflect_filling, frame, own.field, wall)
         rate = EVERY * t.dt * flows.rates
         return Filling(
-            True, own.window, own.G, self.shift * rate, 1.0 - np.exp(-RELAX * rate),
-            1.0 - np.exp(-self.shift * rate), flows.most, flows.gap,
+            True,
+            own.window,
+            own.G,
+            self.shift * rate,
+            1.0 - np.exp(-RELAX * rate),
+            1.0 - np.exp(-self.shift * rate),
+            flows.most,
+            flows.gap,
             Calming(flows.calms * (1.0 - np.exp(-CALM * rate))) if flows.calms.any() else (),
-        )  # fmt: skip
+        )
 
 
 def sums_of(flows: SceneFlows) -> FillingSums:

@@ -134,7 +134,7 @@ def begin(
     put_in_order(start, slab, particles, count)
     begin_motion(start.rank)
     if start.rank.grips:
-        start.rank.grips.begin(start.rank)
+        start.rank.grips.start(start.rank)
     if len(scenes) > 1 and scene.materials.variations:
         require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
     start.warnings += locking(start.case)

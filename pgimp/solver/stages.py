@@ -94,7 +94,7 @@ def enter(now: Start, case: Case) -> Start:
         rank.free.states = [free[name] for name, _ in _free(rank)]
     enter_motion(rank, before)
     if rank.grips:
-        rank.grips.begin(rank, grips)
+        rank.grips.start(rank, grips)
     if arrivals:
         arrivals.enter(now)
         particles = rank.particles

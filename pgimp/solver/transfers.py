@@ -123,7 +123,7 @@ def particle_forcing(
     loads: Loads,
     controlled: bool | float,
 ) -> Forcing:
-    """Forcing of the particles in a step, without vertex-only loads; see `vertex_forcing`."""
+    """Forcing of the particles in a step, without vertex-only loads; see `vertex_update`."""
     t, constraints = update.t, update.forcing.marked[0] if update.forcing.marked else ()
     if loads.approached:
         loads = loads._replace(approached=())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pgimp.kernels.data.arguments import Forcing
+from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.faces import Faces
@@ -37,15 +37,47 @@ class VertexUpdate(NamedTuple):
     ledger: Ledger
 
 
-def vertex_forcing(rank: RankState, t: Step, loads: Loads) -> Forcing:
-    """Forcing of the vertices in a step, without particle-only loads.
+class StepPart:
+    """What a scene may add to a step; each part overrides the methods that it needs."""
 
-    Kernels that work on vertices are then compiled once for all kinds of loads.
+    def begin(self, rank: RankState, order: Order, done: int) -> None:
+        """Act before the sums over particles; collective.
+
+        Parameters
+        ----------
+        rank : Rank
+            The rank.
+        order : Order
+            Its particles in the current configuration.
+        done : int
+            Number of the step before.
+        """
+
+    def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
+        """Add forces to the sums at the vertices, before the momentum update; collective."""
+
+    def book(self, rank: RankState, update: VertexUpdate) -> None:
+        """Book impulses and work, after all conditions and contact; collective."""
+
+
+def parts_of(rank: RankState) -> list[StepPart]:
+    """Return the parts that a rank's scene adds to a step, in their order."""
+    parts = (rank.following, rank.grips, rank.absorbing, rank.damping)
+    return [part for part in parts if part]
+
+
+def vertex_update(
+    rank: RankState, t: Step, loads: Loads, ledger: Ledger | None = None
+) -> VertexUpdate:
+    """Return a step's forcing of the vertices, booked in a ledger, else in the rank's.
+
+    It has no loads on particles only: kernels that work on vertices are then compiled once for all
+    kinds of loads.
     """
     scene, grid = rank.scene, rank.grid
     constraints = scene.interaction.loads.constraints_at(t.start, t.end)
     marked = (constraints, grid.marks) if constraints else ()
-    return Forcing(
+    forcing = Forcing(
         t.dt,
         scene.domain.gravity(t.start),
         rank.mass_cutoff,
@@ -56,6 +88,8 @@ def vertex_forcing(rank: RankState, t: Step, loads: Loads) -> Forcing:
         False,
         rank.clearances.stored(grid),
     )
+    faces = scene.domain.face_parameters(t.start, t.end)
+    return VertexUpdate(t, faces, forcing, ledger or rank.ledger)
 
 
 def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:

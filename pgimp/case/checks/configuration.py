@@ -17,8 +17,6 @@ from pgimp.physics.shapes.base import Shape
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
-_INSTEAD = "; take configuration: current"
-
 
 def check_initial_output(bodies: Mapping[str, Body], output: Output) -> Problems:
     """Check that frames of the initial grid have no forces of contact, which act elsewhere."""

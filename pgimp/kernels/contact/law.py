@@ -189,11 +189,11 @@ def exchange(contact, holding, number, held, pair, last):
     for d in range(3):
         stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most
         square += stick * stick
-    length, pressed, cling = sqrt(square), max(row.normal_impulse, 0.0), row.shear_adhesion
+    length, pressed, shear_adhesion = sqrt(square), max(row.normal_impulse, 0.0), row.shear_adhesion
     if row.normal_impulse < 0.0:
-        cling *= sqrt(1.0 - (row.normal_impulse / row.adhesion) ** 2)
+        shear_adhesion *= sqrt(1.0 - (row.normal_impulse / row.adhesion) ** 2)
     stress = row.area * holding.forcing.dt
-    part = sliding_part(contact.pairs, entry, cling, pressed, stress, length)
+    part = sliding_part(contact.pairs, entry, shear_adhesion, pressed, stress, length)
     row.sticking = part
     for d in range(3):
         stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most
@@ -209,7 +209,7 @@ def exchange(contact, holding, number, held, pair, last):
 
 @inner_kernel
 def _give(first, second, row, d, J):
-    """Change component `d` of two fields' velocities by an impulse across the normal.
+    """Change component `d` of two fields' velocities by an impulse, added to the tangential one.
 
     Returns whether this changes anything.
     """

@@ -129,9 +129,14 @@ def _settle(rest, frame, forcing, particles, four, motion, ledger):
                 p, part = four.rows[j], 0.0
                 if rest[particles.body[p]]:
                     part = _settled_part(
-                        frame, forcing, particles.m[p], of_lane(x, j), of_lane(motion, j), ledger,
+                        frame,
+                        forcing,
+                        particles.m[p],
+                        of_lane(x, j),
+                        of_lane(motion, j),
+                        ledger,
                         four.layer,
-                    )  # fmt: skip
+                    )
             lost = with_lane(lost, j, part)
         return plus_scaled(lost, u, plus_scaled(-lost, v, v))
 

@@ -6,8 +6,8 @@ from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.loads.loads import relaxed_part
 
-#: Sums of a grip along a direction: mass; the part of it whose velocity the particles take, see
-#: `relaxed`; momentum that the particles gain in the step, had the vertices no grip.
+#: Sums of a grip along a direction: mass; mass times its relaxed part, see `relaxed_part`;
+#: momentum that the particles gain in the step, had the vertices no grip.
 GRIP_MASS, RELAXED_MASS, GAINED, GRIPPED = 0, 1, 2, 3
 
 

@@ -6,8 +6,12 @@ from pgimp.jit.kernel import inner_kernel
 
 #: Points and weights that integrate, over a tent from -1 to 1, polynomials up to the third degree
 #: on either side: Gauss-Jacobi with two points.
-_POSITIONS = (-(4.0 + sqrt(6.0)) / 10.0, -(4.0 - sqrt(6.0)) / 10.0,
-           (4.0 - sqrt(6.0)) / 10.0, (4.0 + sqrt(6.0)) / 10.0)  # fmt: skip
+_POSITIONS = (
+    -(4.0 + sqrt(6.0)) / 10.0,
+    -(4.0 - sqrt(6.0)) / 10.0,
+    (4.0 - sqrt(6.0)) / 10.0,
+    (4.0 + sqrt(6.0)) / 10.0,
+)
 _OUTER, _INNER = 0.25 - 1.0 / (6.0 * sqrt(6.0)), 0.25 + 1.0 / (6.0 * sqrt(6.0))
 _WEIGHTS = (_OUTER, _INNER, _INNER, _OUTER)
 

@@ -20,7 +20,7 @@ class Boundary(Model):
     releases: ClassVar[bool] = False
 
     #: Whether the kernel is ``approach(face, v, a, clearance)`` in place of
-    #: ``constrain(face, v, a)``; the clearance is the distance of bodies from the face [m].
+    #: ``constrain(face, v, a)``; the clearance is the distance of bodies from the face [length].
     approaches: ClassVar[bool] = False
 
     #: Whether the face is joined to the opposite one: the domain is periodic along its axis.

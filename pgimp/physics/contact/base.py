@@ -38,7 +38,8 @@ class Sliding(NamedTuple):
       tangential impulse of sticking, 1 where the surfaces stick.
     - ``slope(law, pressed, stress)``: derivative of the sliding impulse with respect to `pressed`.
 
-    `cohesion` is the greatest tangential impulse without pressure, `pressed` the normal impulse, at
-    least 0. `sticking` is the tangential impulse that would stop all slip. `stress` is the impulse
-    of a unit of stress, area times dt; inf where the area is unknown.
+    `cohesion` is the pair's shear adhesion (key ``adhesion``) as an impulse, 0 beyond its reach;
+    `pressed` the normal impulse, at least 0. `sticking` is the tangential impulse that would stop
+    all slip. `stress` is the impulse of a unit of stress, area times dt; inf where the area is
+    unknown. Kernels are called for every pair, also apart and without pressure.
     """

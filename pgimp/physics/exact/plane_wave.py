@@ -222,6 +222,14 @@ class PlaneWave(Solution):
         wave = 2.0 * pi * self.waves / case.grid.size[axis]
         x, y, z = (*map(float, self.drift), 0.0, 0.0, 0.0)[:3]
         return PlaneWaveParameters(
-            axis, swing, young, float(lam), float(mu), float(case.grid.origin[axis]), wave,
-            wave * sqrt(modulus / material.density), float(self.amplitude), (x, y, z),
-        )  # fmt: skip
+            axis,
+            swing,
+            young,
+            float(lam),
+            float(mu),
+            float(case.grid.origin[axis]),
+            wave,
+            wave * sqrt(modulus / material.density),
+            float(self.amplitude),
+            (x, y, z),
+        )

@@ -79,10 +79,16 @@ def rotation(n, angle):
     d = 1.0 - c
     x, y, z = n[0], n[1], n[2]
     return (
-        c + d * x * x, d * x * y - s * z, d * x * z + s * y,
-        d * x * y + s * z, c + d * y * y, d * y * z - s * x,
-        d * x * z - s * y, d * y * z + s * x, c + d * z * z,
-    )  # fmt: skip
+        c + d * x * x,
+        d * x * y - s * z,
+        d * x * z + s * y,
+        d * x * y + s * z,
+        c + d * y * y,
+        d * y * z - s * x,
+        d * x * z - s * y,
+        d * y * z + s * x,
+        c + d * z * z,
+    )
 
 
 @kernel
@@ -168,13 +174,19 @@ class SpinningBlockParameters(NamedTuple):
         stiffness = solution.mu / solution.density
         F, G, H = 1.0 + g * p[1], 1.0 + g * q[1], 1.0 + g * r[1]
         b = (
-            w * w * inward[0] + 2.0 * w * aside[0]
-            + growth * p[0] - stiffness * (1.0 + 1.0 / (F * F)) * g * p[2],
-            w * w * inward[1] + 2.0 * w * aside[1]
-            + growth * q[0] - stiffness * (1.0 + 1.0 / (G * G)) * g * q[2],
-            w * w * inward[2] + 2.0 * w * aside[2]
-            + growth * r[0] - stiffness * (1.0 + 1.0 / (H * H)) * g * r[2],
-        )  # fmt: skip
+            w * w * inward[0]
+            + 2.0 * w * aside[0]
+            + growth * p[0]
+            - stiffness * (1.0 + 1.0 / (F * F)) * g * p[2],
+            w * w * inward[1]
+            + 2.0 * w * aside[1]
+            + growth * q[0]
+            - stiffness * (1.0 + 1.0 / (G * G)) * g * q[2],
+            w * w * inward[2]
+            + 2.0 * w * aside[2]
+            + growth * r[0]
+            - stiffness * (1.0 + 1.0 / (H * H)) * g * r[2],
+        )
         return components(X, turned(rotation(n, w * t), b))
 
 

@@ -72,8 +72,8 @@ class Material(Varying):
     """Base of the entries ``materials.NAME``."""
 
     CARRIES_STRESS: ClassVar[bool] = False
-    """Whether the stress of a step starts from that before, which a file of particles may give:
-    from the stress itself, or from states that its parameters' ``initial_state`` finds from it."""
+    """Whether a step starts from the stress before it. A file of particles may then give it:
+    directly, or as states that its parameters' ``initial_state`` finds from it."""
 
     CARRIES_PRESSURE: ClassVar[bool] = True
     """Whether the mean of a carried stress is carried, too, and does not follow from the volume."""

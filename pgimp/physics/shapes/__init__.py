@@ -1,10 +1,12 @@
 """Shapes: the particle characteristic function chi_p that decides the method, one file each.
 
-A shape is the entry of the case (a `Shape`) whose ``parameters(cell)`` gives a NamedTuple with two
-kernels as static methods, in units of cells:
+A shape is the entry of the case (a `Shape`) whose ``parameters(cell)`` gives a NamedTuple with
+three kernels as static methods, in units of cells:
 
+- ``vertices()``: vertices of a support along a direction.
 - ``size(shape, cell, F)``: half-widths of chi_p by direction for a deformation gradient, at most 1;
-  and 1 if they had to be clamped, else 0.
+  and the largest of them before this limit, 0 where sizes are constant. Above 1 the particle counts
+  as clamped.
 - ``weights(shape, half, f)``: weights S_vp (19) along one direction and their gradients (20) times
   the cell size, for the ``vertices`` vertices of the support. `f` is the particle's coordinate
   relative to the first vertex, floor(xi - half), so it lies in [half, half + 1).

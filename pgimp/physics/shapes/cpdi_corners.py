@@ -15,7 +15,7 @@ shapes are equal where F is diagonal, and always in 1D.
 Only a corner's weights are products over the directions, so the transfers go from corner to corner,
 see `pgimp.kernels.transfer.corners`. A support has at most four vertices a direction. If a
 parallelogram extends over more than a cell to either side along a grid direction, it is shrunk to
-a cell; the log counts such particles.
+a cell. The log counts such particles.
 """
 
 from typing import Any, ClassVar, Literal, NamedTuple

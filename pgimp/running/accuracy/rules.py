@@ -71,61 +71,101 @@ class Rule(NamedTuple):
 #: All indicators, the most telling ones first.
 RULES = {
     "error": Rule(
-        "error against the exact solution", 0.01, "%", "error-against-cost.md#what-an-error-costs",
+        "error against the exact solution",
+        0.01,
+        "%",
+        "error-against-cost.md#what-an-error-costs",
         "smaller cells, or a method that is cheaper for its error",
     ),
     "gained": Rule(
-        "energy that came from nothing", 0.05, "%", "hard-cases.md#the-largest-stable-steps",
+        "energy that came from nothing",
+        0.05,
+        "%",
+        "hard-cases.md#the-largest-stable-steps",
         "time.step: {courant: 0.2}; smaller cells",
     ),
     "lost": Rule(
-        "energy lost by the method", 0.05, "%", "methods.md#reasons",
+        "energy lost by the method",
+        0.05,
+        "%",
+        "methods.md#reasons",
         "smaller cells; method.affine: true; configuration: initial for elastic bodies",
     ),
     "momentum": Rule(
-        "momentum that no force explains", 0.01, "%", "report.md#books",
+        "momentum that no force explains",
+        0.01,
+        "%",
+        "report.md#books",
         "more lines of the history (history.every)",
     ),
     "step": Rule(
-        "Courant number over the stable one", 1.0, "", "hard-cases.md#the-largest-stable-steps",
+        "Courant number over the stable one",
+        1.0,
+        "",
+        "hard-cases.md#the-largest-stable-steps",
         "time.step: {courant: auto}",
     ),
     "cells": Rule(
         "cells across", 8.0, "", "hard-cases.md#locking", "smaller cells (grid.cell)", least=True
     ),
     "per-cell": Rule(
-        "particles a cell and direction", 2.0, "", "methods.md#reasons",
-        "method.particles_per_cell: 2 in each direction", least=True,
+        "particles a cell and direction",
+        2.0,
+        "",
+        "methods.md#reasons",
+        "method.particles_per_cell: 2 in each direction",
+        least=True,
     ),
     "stretch": Rule(
-        "stretch of boxes", 1.5, "", "hard-cases.md#reasons",
+        "stretch of boxes",
+        1.5,
+        "",
+        "hard-cases.md#reasons",
         "method.shape: cpdi, or configuration: initial: the body may tear where it should not",
     ),
     "size": Rule(
-        "strain of boxes that keep their size", 0.15, "%", "methods.md#reasons",
+        "strain of boxes that keep their size",
+        0.15,
+        "%",
+        "methods.md#reasons",
         "method.shape: finite-gimp",
     ),
     "frozen": Rule(
-        "possibly frozen energy", 0.03, "%", "hard-cases.md#frozen-stress",
+        "possibly frozen energy",
+        0.03,
+        "%",
+        "hard-cases.md#frozen-stress",
         "an entry of contact for bodies that meet; configuration: initial",
     ),
     "stripes": Rule(
-        "stress that varies within cells", 0.2, "%", "hard-cases.md#locking",
+        "stress that varies within cells",
+        0.2,
+        "%",
+        "hard-cases.md#locking",
         "read means over cells; method.volumetric: mean for solids",
     ),
     "noise": Rule(
-        "pressure that varies within cells", 0.2, "%", "limits.md#further-limits",
+        "pressure that varies within cells",
+        0.2,
+        "%",
+        "limits.md#further-limits",
         "read means over cells, and over some hundredths of a second",
     ),
     "walls": Rule(
-        "mass past walls", 1e-3, "%", "limits.md#further-limits",
+        "mass past walls",
+        1e-3,
+        "%",
+        "limits.md#further-limits",
         "method.shape: finite-gimp, or wall: mirror",
     ),
     "volume": Rule(
-        "error of the volume of what flows", 0.06, "%", "soils-and-fluids.md#measured",
+        "error of the volume of what flows",
+        0.06,
+        "%",
+        "soils-and-fluids.md#measured",
         "smaller cells",
     ),
-}  # fmt: skip
+}
 
 
 class Indicator(NamedTuple):

@@ -98,6 +98,12 @@ class NoContact:
     def advance(self, rank: RankState, update: VertexUpdate, part: int) -> None:
         """Call `update_momentum` for a part of the update."""
         rank.call(
-            update_momentum, self.scene.domain.frame, rank.grid.field, update.faces, update.forcing,
-            update.ledger, self.data, part,
-        )  # fmt: skip
+            update_momentum,
+            self.scene.domain.frame,
+            rank.grid.field,
+            update.faces,
+            update.forcing,
+            update.ledger,
+            self.data,
+            part,
+        )

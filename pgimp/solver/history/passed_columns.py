@@ -27,23 +27,31 @@ def _passed(
         (
             Column(f"{name}.mass", "mass", mass, lambda s, _: sums(s)[MASS]),
             Column(
-                f"{name}.momentum-AXIS", "mass length/time",
-                f"their momentum when they {what}", lambda s, _: s.along(sums(s), MOMENTUM),
+                f"{name}.momentum-AXIS",
+                "mass length/time",
+                f"their momentum when they {what}",
+                lambda s, _: s.along(sums(s), MOMENTUM),
             ),
             Column(
-                f"{name}.angular-momentum-AXIS", "mass length^2/time",
-                "their angular momentum then", lambda s, _: s.moment(sums(s)),
+                f"{name}.angular-momentum-AXIS",
+                "mass length^2/time",
+                "their angular momentum then",
+                lambda s, _: s.moment(sums(s)),
             ),
             Column(
-                f"{name}.kinetic-energy", "energy", "their kinetic energy then",
+                f"{name}.kinetic-energy",
+                "energy",
+                "their kinetic energy then",
                 lambda s, _: sums(s)[KINETIC],
             ),
             Column(
-                f"{name}.strain-energy", "energy", "their strain energy then",
+                f"{name}.strain-energy",
+                "energy",
+                "their strain energy then",
                 lambda s, _: sums(s)[STRAIN],
             ),
         ),
-    )  # fmt: skip
+    )
 
 
 ESCAPED = (

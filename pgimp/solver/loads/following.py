@@ -15,12 +15,13 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertex_sums import VertexSums
+from pgimp.solver.vertices import StepPart
 
 #: Steps from one sum to the next, as each costs as much as the half of a step.
 EVERY = 8
 
 
-class Following:
+class Following(StepPart):
     """The displacements at a rank's vertices.
 
     Parameters
@@ -36,18 +37,8 @@ class Following:
         self.bodies = scene.interaction.loads.surfaces.followed
         self._sums = VertexSums(scene, comm, DisplacementSums(shape=scene.settings.shape))
 
-    def find(self, rank: RankState, order: Order, done: int) -> None:
-        """Find how far F has drifted, when it is due; collective.
-
-        Parameters
-        ----------
-        rank : RankState
-            The rank.
-        order : Order
-            Its particles in the current configuration.
-        done : int
-            Number of the step before.
-        """
+    def begin(self, rank: RankState, order: Order, done: int) -> None:
+        """Find how far F has drifted, when it is due; collective."""
         if done % EVERY:
             return
         particles, setting = rank.particles, self.scene.setting.without_materials()

@@ -17,14 +17,14 @@ from pgimp.scene.scene import Scene
 from pgimp.schema.time_functions import TimeFunction
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
-from pgimp.solver.vertices import VertexUpdate
+from pgimp.solver.vertices import StepPart, VertexUpdate
 
 #: Rows of `Grips.state`: velocity; displacement since the start; of the spring; and the impulse
 #: that grips have borne in contact, which moves them in the next step.
 VELOCITY, DISPLACEMENT, DEFLECTION, BORNE, STATES = 0, 1, 2, 3, 4
 
 
-class Grips:
+class Grips(StepPart):
     """The grips of a scene that given forces move; every rank has all of them.
 
     Parameters
@@ -52,7 +52,7 @@ class Grips:
         self.state = np.zeros((len(self.entries), STATES, 3))
         self._before = np.empty(0)
 
-    def begin(self, rank: RankState, kept: np.ndarray | None = None) -> None:
+    def start(self, rank: RankState, kept: np.ndarray | None = None) -> None:
         """Take the mean velocity of each grip's particles, with other states `kept`; collective."""
         if kept is not None:
             self.state[:] = kept
@@ -142,7 +142,7 @@ class Grips:
         if self.acts and rank.contact.bears:
             self._before = rank.ledger.constraint_impulse[: rank.grid.owned].copy()
 
-    def bear(self, rank: RankState) -> None:
+    def book(self, rank: RankState, update: VertexUpdate) -> None:
         """Note the impulses of contact that the grips have borne; collective."""
         if self.acts and rank.contact.bears:
             now = rank.ledger.constraint_impulse[: rank.grid.owned]

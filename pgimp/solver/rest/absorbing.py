@@ -23,19 +23,19 @@ from pgimp.kernels.grid.absorbing import (
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.rest.absorbing_start import absorbing_face, find_face
-from pgimp.solver.vertices import VertexUpdate
+from pgimp.solver.vertices import StepPart, VertexUpdate
 
 if TYPE_CHECKING:
     from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 
     Read = Callable[[CheckpointFile, str, tuple[int, ...]], np.ndarray]
 
-#: Names of a face's datasets in checkpoints, before its own: its box and what is elsewhere; its
-#: vertices.
+#: Names of a face's datasets in checkpoints, before its own: lower corner and extent of its
+#: vertices; the face's values and those of its vertices.
 BOX, STATE = "absorbing-box-", "absorbing-"
 
 
-class AbsorbingFaces:
+class AbsorbingFaces(StepPart):
     """The absorbing faces of a stage.
 
     Parameters
@@ -43,7 +43,7 @@ class AbsorbingFaces:
     scene : Scene
         Its scene.
     before : AbsorbingFaces, optional
-        Those of the stage before: faces that go on absorbing keep their state.
+        Absorbing faces of the stage before; faces that stay absorbing keep their state.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class AbsorbingFaces:
         return found
 
     def stored(self, source: CheckpointFile, read: Read) -> dict[str, np.ndarray]:
-        """Datasets of a checkpoint with the state of the faces that have one.
+        """Read the faces' state from a checkpoint, as datasets.
 
         Parameters
         ----------
@@ -111,7 +111,7 @@ class AbsorbingFaces:
         Raises
         ------
         DamagedError
-            If they hold no state of these faces.
+            If it does not fit the faces.
         """
         found, most = {}, 1.0 + np.prod(self.scene.domain.frame.vertices, dtype=float)
         for _, face in self.scene.domain.absorbing:
@@ -127,7 +127,7 @@ class AbsorbingFaces:
             wrong = (box < 0.0).any() or (np.floor(box) != box).any()
             wrong |= len(values) != 1 + box[3:].prod() or (values[:, REACTION_MASS:] < 0.0).any()
             if wrong:
-                raise DamagedError(f"the state of its absorbing face {face.name} is none")
+                raise DamagedError(f"the state of its absorbing face {face.name} is damaged")
             found[BOX + face.name], found[STATE + face.name] = box, values
         return found
 

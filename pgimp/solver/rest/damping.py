@@ -8,6 +8,7 @@ import numpy as np
 
 from pgimp.case.damping import Damping
 from pgimp.jit.rehearsal import needed
+from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import (
     DAMPED,
     DAMPED_ENERGY,
@@ -22,13 +23,13 @@ from pgimp.kernels.grid.damping import DampingForces, book_damping, damp_forces,
 from pgimp.kernels.grid.unbalanced import sum_internal_forces, sum_unbalanced_forces
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
-from pgimp.solver.vertices import VertexUpdate
+from pgimp.solver.vertices import StepPart, VertexUpdate
 
 #: Steps between two sums of forces while a run comes to rest.
 EVERY = 10
 
 
-class VertexDamping:
+class VertexDamping(StepPart):
     """Damping on one rank.
 
     Parameters
@@ -45,7 +46,7 @@ class VertexDamping:
         self._impulse = np.empty(0)
         self._now: DampingForces | None = None
 
-    def rest_at_peak(self, rank: RankState) -> None:
+    def begin(self, rank: RankState, order: Order, done: int) -> None:
         """Set all velocities to zero if the kinetic energy has passed a peak; collective.
 
         The energies are sums by plane, each of one rank, added up in the planes' order. They are

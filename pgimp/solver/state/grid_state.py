@@ -19,7 +19,7 @@ from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import join_seams, sum_particles
-from pgimp.solver.vertices import VertexUpdate, fold_mirrors, vertex_forcing
+from pgimp.solver.vertices import fold_mirrors, vertex_update
 from pgimp.storage.framefile import blocks
 
 _UP, _DOWN = 5, 6
@@ -145,8 +145,7 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     t = Step(1, time, dt, time + dt)
     scratch = type(rank.ledger)(*map(np.zeros_like, rank.ledger))
     rank.contact.detect(rank, t, scratch)
-    forcing = vertex_forcing(rank, t, scene.interaction.loads.at(time))
-    update = VertexUpdate(t, scene.domain.face_parameters(t.start, t.end), forcing, scratch)
+    update = vertex_update(rank, t, scene.interaction.loads.at(time), scratch)
     fold_mirrors(rank, update)
     if rank.absorbing:
         rank.absorbing.add_forces(rank, update, find=False)

@@ -21,8 +21,8 @@ def to_html(source: str) -> tuple[str, list[Markup]]:
             found.append(Markup(f"<h3>{_inline(lines[0].lstrip('# '))}</h3>"))
         elif kind == "|":
             head, *rows = (_cells(line) for line in lines)
-            words = 1 + sum(all(_is_word(row[i]) for row in rows[1:]) for i in (1,) if rows[1:])
-            found.append(table(head, rows[1:], words=words))
+            texts = bool(rows[1:]) and all(re.match(r"[A-Za-z]{3}", row[1]) for row in rows[1:])
+            found.append(table(head, rows[1:], words=2 if texts else 1))
         elif kind == "-":
             found.append(items(_inline(line.removeprefix("- ")) for line in lines))
         else:
@@ -55,7 +55,3 @@ def _inline(words: str) -> Markup:
         f"<code>{escape(part)}</code>" if i % 2 else escape(part) for i, part in enumerate(parts)
     ]
     return Markup("".join(shown))
-
-
-def _is_word(cell: str) -> bool:
-    return bool(re.match(r"[A-Za-z]{3}", cell))

@@ -12,7 +12,7 @@ from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD, VELOCITY
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import sum_particles
-from pgimp.solver.vertices import VertexUpdate, fold_mirrors, vertex_forcing
+from pgimp.solver.vertices import fold_mirrors, vertex_update
 
 #: Moment of inertia of a cylinder and of a sphere, over mass and radius squared.
 INERTIA = {2: 0.5, 3: 0.4}
@@ -100,9 +100,7 @@ def at_vertices(simulation, dt):
     rank.halo.finish(grid)
     scratch = Ledger(*map(np.zeros_like, rank.ledger))
     rank.contact.detect(rank, t, scratch)
-    forcing = vertex_forcing(rank, t, scene.interaction.loads.at(t.start))
-    faces = scene.domain.face_parameters(t.start, t.end)
-    update = VertexUpdate(t, faces, forcing, scratch)
+    update = vertex_update(rank, t, scene.interaction.loads.at(t.start), scratch)
     fold_mirrors(rank, update)
     window, frame, D = grid.window, scene.domain.frame, scene.dimension
     fields = 1 + max(grid.fields, default=0)

@@ -40,7 +40,7 @@ def test_a_linear_displacement_is_found_up_to_free_surfaces(D, parts):
     exact = np.diag([1.3, 0.8]) if ring else A[:D, :D]
     p.place[rows] = (p.x[rows] - centre) @ np.linalg.inv(exact).T + centre
     for _ in range(60):
-        rank.following.find(rank, rank.population.ordered, 0)
+        rank.following.begin(rank, rank.population.ordered, 0)
     found = p.drift[rows][:, : D * D].reshape(-1, D, D)  # F is 1
     np.testing.assert_allclose(found, np.broadcast_to(exact, found.shape), atol=1e-4)
     if p.drift.shape[1] > D * D:
