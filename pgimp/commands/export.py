@@ -31,7 +31,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("directory", metavar="DIR", help="a run directory")
     copies = parser.add_argument_group("for csv and vtu")
     copies.add_argument(
-        "--field", metavar="NAME,...", help="only these fields of the particles (default: all)"
+        "--field",
+        metavar="NAME,...",
+        help="only these fields of the particles, also what follows from their stress (default: "
+        "all of the frame)",
     )
     copies.add_argument(
         "--frame", metavar="INDEX,...", help="only these frames (default: all); -1 is the last"

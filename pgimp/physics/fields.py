@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from pgimp.physics.derived import DERIVED
+from pgimp.physics.derived import DERIVED, OF_STRESS
 from pgimp.physics.source import TENSOR, Array, Field, Source, within
 
 #: Prefix of the fields of spatially varying parameters, before their keys in the case.
@@ -220,6 +222,13 @@ OPTIONAL = {
 """What ``output.fields`` may name in every case, to which states of materials come."""
 
 FIELDS = ALWAYS | OPTIONAL
+
+FROM_STRESS: dict[str, Callable[[Array], Array]] = {
+    "von-mises": von_mises_of,
+    "pressure": pressure_of,
+    **OF_STRESS,
+}
+"""Fields that plots and tables compute from the stress (n, 3 to 6) where a frame lacks them."""
 
 BY_RANKS = ("rank",)
 """Fields that differ with the number of ranks by their nature."""

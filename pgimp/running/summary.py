@@ -131,6 +131,17 @@ def say_done(
             "kinetic energy is lost at the wall, and what lies there is denser than it should be: "
             "smaller cells or steps, or finite-gimp, press fewer particles through",
         )
+    following = sim.rank.following
+    fallen = sim.comm.allreduce(following.fallen if following else 0)
+    if fallen:
+        _tell(
+            log,
+            True,
+            f"in {fallen} particle-steps the positions around a loaded surface gave no usable "
+            "deformation, and the load followed F of the particle alone",
+            "there its area and normal may be wrong: look whether the body has torn, or take more "
+            "particles, or configuration: initial",
+        )
     part, when, face = sim.diagnostic_sums.most_outside
     if part > _NEGLIGIBLE:
         _tell(

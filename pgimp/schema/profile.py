@@ -59,7 +59,7 @@ def read_profile(name: str, over: str, column: str) -> tuple[tuple[float, float]
         for wanted in (over, column):
             word = words[head.index(wanted)]
             try:
-                value = float(word)
+                value = float(word) if "_" not in word else math.nan  # Python takes 1_0 for 10
             except ValueError:
                 value = math.nan
             if not math.isfinite(value):

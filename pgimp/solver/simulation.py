@@ -180,7 +180,8 @@ class Simulation(SimulationProgress):
         ------
         RunError
             On every rank, if particles of any are at fault; that step then does not count, and
-            there will be no other. Also past the end of the case.
+            there will be no other. Also past the end of the case. On a rank alone, if a function
+            of one's own raises an exception there.
         """
         if self.failure:
             raise RunError(self.failure.text)
@@ -188,7 +189,11 @@ class Simulation(SimulationProgress):
             self.next_stage()
         self.agreed_request = Request.PENDING
         rank, reduction, balance = self.rank, self.reduction, self.balance
-        doing, rate = step(rank, self.now, self._next, self.controlled)
+        try:
+            doing, rate = step(rank, self.now, self._next, self.controlled)
+        except Exception as error:
+            self.name_function(error)
+            raise
         self.doing, number = doing, doing.number
         if self.case.rests:
             self.diagnostic_sums.settling_time += doing.dt
@@ -269,7 +274,11 @@ class Simulation(SimulationProgress):
 
     def diagnostics(self) -> dict[str, float] | None:
         """The columns of history.csv, in order, on rank 0; None elsewhere; collective."""
-        line = self.diagnostic_sums.line(self.rank, self.now)
+        try:
+            line = self.diagnostic_sums.line(self.rank, self.now)
+        except Exception as error:
+            self.name_function(error)
+            raise
         if line is None or not self.columns:
             return line
         return {name: line.get(name, absent(name)) for name in self.columns}

@@ -17,6 +17,7 @@ from pgimp.cli import main
 from pgimp.io.results.frame import Frame
 from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import Serial
+from pgimp.physics.fields import FROM_STRESS
 
 
 @pytest.fixture(scope="module")
@@ -74,6 +75,30 @@ def test_frames_of_earlier_versions(old, python, tmp_path, capsys):
     assert main(["export", "vtkhdf", str(old)]) == 0
     assert "3 frames, none of them new to VTK" in capsys.readouterr().out
     assert content(old) == after
+
+
+def test_fields_that_follow_from_the_stress_are_computed(run):
+    """As by `pgimp plot`; the frames have neither."""
+    words = ["--field", "lode-angle,von-mises,principal-stress", "--frame=-1"]
+    assert main(["export", "csv", str(run), *words, "-o", "tables"]) == 0
+    frame = pgimp.open(run).frames[-1]
+    names = ["lode-angle", "von-mises", "principal-stress"]
+    expected = {name: FROM_STRESS[name](frame["stress"]) for name in names}
+    table = np.genfromtxt(
+        f"tables/{frame.path.stem}.csv", delimiter=",", names=True, deletechars=""
+    )
+    assert table.dtype.names == (
+        "id", "von-mises", "principal-stress-1", "principal-stress-2", "principal-stress-3",
+        "lode-angle",
+    )  # fmt: skip
+    assert not set(names) & set(frame.fields)
+    np.testing.assert_array_equal(table["lode-angle"], expected["lode-angle"])
+    np.testing.assert_array_equal(table["principal-stress-2"], expected["principal-stress"][:, 1])
+    assert main(["export", "vtu", str(run), *words, "-o", "files"]) == 0
+    data = meshio.read(f"files/{frame.path.stem}.vtu").point_data
+    assert set(data) == set(names)
+    for name in names:
+        np.testing.assert_array_equal(data[name], expected[name])
 
 
 def test_a_damaged_frame_is_named_and_the_others_are_there(old, capsys):

@@ -24,8 +24,8 @@ class CourantStep(Model):
     ] = Field(
         description="Courant number: cells that the fastest wave crosses in a step; smaller steps "
         "lose less energy of waves, but without method.affine more of slow vibrations and of spin. "
-        "auto: nine tenths of the largest that has been found stable with the method, see "
-        "docs/hard-cases.md; what moves may then cross half a cell, and energy is watched"
+        "auto: nine tenths of the largest that has been found stable with the method, see the "
+        "page 'Hard cases'; what moves may then cross half a cell, and energy is watched"
     )
 
 

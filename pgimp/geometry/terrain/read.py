@@ -96,9 +96,10 @@ def _esri(name: str) -> Heights:
     """Read an ESRI ASCII grid, whose values belong to the centres of its cells."""
     with open_plain(name) as stream:
         try:
-            words = stream.read().decode("utf-8-sig").split()
+            text = stream.read().decode("utf-8-sig")
         except UnicodeDecodeError:
             raise CaseError("is no text: an ESRI ASCII grid begins with ncols and nrows") from None
+    words = text.split()
     head: dict[str, float] = {}
     first = 0
     while first + 1 < len(words) and words[first].lower() in _KEYS:
@@ -117,6 +118,9 @@ def _esri(name: str) -> Heights:
         raise CaseError(
             f"has {len(words) - first:,} heights, but ncols x nrows are {columns * rows:,}"
         )
+    if text.count("_") > sum(word.count("_") for word in words[:first]):
+        wrong = next(word for word in words[first:] if "_" in word)  # Python takes 1_0 for 10
+        raise CaseError(f"has a height that is no number: {shorten(wrong)!r}")
     try:
         values = np.array(words[first:], float).reshape(rows, columns)
     except ValueError as error:
@@ -136,7 +140,7 @@ def _esri(name: str) -> Heights:
 
 def _number(text: str, key: str) -> float:
     try:
-        return float(text)
+        return float(text.replace("_", "no number"))
     except ValueError:
         raise CaseError(f"has {key} {shorten(text)!r}, which is no number") from None
 

@@ -56,11 +56,17 @@ class Run:
 
         During the run, steps and time come from the last line of history.csv.
         """
+        last = self.starts[-1]
+        return last | so_far(self.path) if last["state"] == "running" else last
+
+    @property
+    def starts(self) -> list[dict[str, Any]]:
+        """All starts in run.json, the last one as in `info`, but without what goes on."""
         content = runinfo.read(self.path / RUN)
         if content is None:
             raise UsageError(f"{self.path} is no run directory any more: its {RUN} has gone.")
-        last = content["starts"][-1]
-        return last | so_far(self.path) if last["state"] == "running" else last
+        starts: list[dict[str, Any]] = content["starts"]
+        return starts
 
     @property
     def state(self) -> str:

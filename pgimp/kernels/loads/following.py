@@ -192,8 +192,17 @@ def _with_hoop_of(frame, particles, p, F, R):
     )  # fmt: skip
 
 
+@inner_kernel
+def _is_loaded(particles, p):
+    """1 if particle `p` has a part of a loaded surface, else 0."""
+    for c in range(particles.surface.shape[1]):
+        if particles.surface[p, c] != 0.0:
+            return 1
+    return 0
+
+
 @kernel
-def find_drifts(setting, field, particles, order, undrifted):
+def find_drifts(setting, field, particles, order, undrifted) -> int:
     """Find R_p from the displacements at the vertices.
 
     Parameters
@@ -202,7 +211,13 @@ def find_drifts(setting, field, particles, order, undrifted):
         See `KernelScene`, `Field`, `Particles`, `Order`; the field is from `find_displacements`.
     undrifted : tuple of float
         The matrix 1.
+
+    Returns
+    -------
+    int
+        Number of particles at a loaded surface that follow F_p alone: their R_p does not count.
     """
+    fallen = 0
     shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
     buffer = stack(SUPPORT_SIZE)
     for layer in range(len(start) - 1):
@@ -221,7 +236,10 @@ def find_drifts(setting, field, particles, order, undrifted):
                 R = undrifted
                 if squared(back) < _MOST and determinant(back) > _LEAST:
                     R = _with_hoop(frame, particles, p, F, inverse(back))
+                else:
+                    fallen += _is_loaded(particles, p)
                 write(particles.drift, p, 0, R)
+    return fallen
 
 
 def followed(drifts, frame, particles, p):

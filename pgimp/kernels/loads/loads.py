@@ -238,28 +238,29 @@ def _scatter_loads(loads, setting, field, particles, rows, span, layer):
     )
 
 
-def layer_power(loads, setting, field, particles, rows, span, layer):
+def layer_power(loads, setting, field, particles, rows, span, layer, dt):
     """Power of the loads on a layer's particles, without the body force."""
 
 
 @specialise(layer_power)
-def _layer_power(loads, setting, field, particles, rows, span, layer):
+def _layer_power(loads, setting, field, particles, rows, span, layer, dt):
     faces, surfaces = len(loads.types[1]) > 0, _has_surfaces(loads)
 
-    def power_of_both(loads, setting, field, particles, rows, span, layer):
-        own = traction_power(loads.tractions, setting, field, particles, rows, span, layer)
-        return own + surface_power(loads.surfaces, setting, field, particles, rows, span, layer)
+    def power_of_both(loads, setting, field, particles, rows, span, layer, dt):
+        own = traction_power(loads.tractions, setting, field, particles, rows, span, layer, dt)
+        more = surface_power(loads.surfaces, setting, field, particles, rows, span, layer, dt)
+        return own + more
 
     if faces and surfaces:
         return power_of_both
     if surfaces:
-        return lambda loads, setting, field, particles, rows, span, layer: surface_power(
-            loads.surfaces, setting, field, particles, rows, span, layer
+        return lambda loads, setting, field, particles, rows, span, layer, dt: surface_power(
+            loads.surfaces, setting, field, particles, rows, span, layer, dt
         )
     if not faces:
-        return lambda loads, setting, field, particles, rows, span, layer: 0.0
-    return lambda loads, setting, field, particles, rows, span, layer: traction_power(
-        loads.tractions, setting, field, particles, rows, span, layer
+        return lambda loads, setting, field, particles, rows, span, layer, dt: 0.0
+    return lambda loads, setting, field, particles, rows, span, layer, dt: traction_power(
+        loads.tractions, setting, field, particles, rows, span, layer, dt
     )
 
 

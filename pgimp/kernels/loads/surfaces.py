@@ -14,7 +14,7 @@ from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
 from pgimp.kernels.loads.following import followed
-from pgimp.kernels.loads.tractions import columns, means
+from pgimp.kernels.loads.tractions import columns, half_step, means
 from pgimp.kernels.transfer.first_vertex import coordinate, first_vertex, half_widths, is_initial
 from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.scatter import Share, scatter_products
@@ -105,24 +105,26 @@ def _surface_force(load, particles, p, F, D, N, c):
     return t[0] * area - q * n[0], t[1] * area - q * n[1], t[2] * area - q * n[2]
 
 
-def _moved(load, frame, F, c):
-    """Centroid of a part, from its particle, in the configuration of the weights."""
+def _moved(load, frame, F, part):
+    """Centroid of a part, from its particle, and its area vector, where its weights are."""
 
 
 @specialise(_moved)
-def _moved_of(load, frame, F, c):
+def _moved_of(load, frame, F, part):
     if is_initial(frame):
-        return lambda load, frame, F, c: c
+        return lambda load, frame, F, part: part
 
-    def moved(load, frame, F, c):
-        if not load.stretches:
-            return c
+    def moved(load, frame, F, part):
+        c, N = part
         C = columns(F)
-        return (
-            C[0][0] * c[0] + C[1][0] * c[1] + C[2][0] * c[2],
-            C[0][1] * c[0] + C[1][1] * c[1] + C[2][1] * c[2],
-            C[0][2] * c[0] + C[1][2] * c[1] + C[2][2] * c[2],
-        )
+        x = C[0][0] * c[0] + C[1][0] * c[1] + C[2][0] * c[2]
+        y = C[0][1] * c[0] + C[1][1] * c[1] + C[2][1] * c[2]
+        z = C[0][2] * c[0] + C[1][2] * c[1] + C[2][2] * c[2]
+        if load.stretches:
+            return (x, y, z), _cofactor(F, N)
+        square, before = x * x + y * y + z * z, c[0] * c[0] + c[1] * c[1] + c[2] * c[2]
+        kept = sqrt(before / square) if square > 0.0 else 0.0  # as the particle keeps its size
+        return (kept * x, kept * y, kept * z), _cofactor(F, N)
 
     return moved
 
@@ -131,16 +133,17 @@ def _moved_of(load, frame, F, c):
 def _along(load, frame, x, part, own, d, vertex, like):
     """Weights of the support's vertices along direction `d`; they stay within the particle.
 
-    `own` is the particle's half-width in cells, about x: beyond it there may be no mass.
+    `own` is the particle's half-width in cells, about x: beyond it there may be no mass. A part is
+    spread less rather than put elsewhere, as a force beside its line would turn the body.
     """
     c, N = part
     square = N[0] * N[0] + N[1] * N[1] + N[2] * N[2]
     across = 1.0 - N[d] * N[d] / square if square > 0.0 else 1.0
     last = len(like) - 1.0
+    off = min(max(c[d] * frame.inverse[d], -own), own)
     half = load.half[d] * sqrt(max(across, 0.0)) * frame.inverse[d]
-    half = min(half, own, 0.5 * last)
-    at = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-    g = min(max(at + c[d] * frame.inverse[d], at - own + half), at + own - half)
+    half = min(half, own - abs(off), 0.5 * last)
+    g = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost) + off
     return means(False, False, half, min(max(g, half), last - half), like)
 
 
@@ -197,7 +200,7 @@ def _part(load, frame, particles, p):
     N = _vector(particles.surface, p, load.column, D)
     c = _centroid(particles.surface, p, load.column, D, N)
     f = _surface_force(load, particles, p, F, D, N, c)
-    return f, (_moved(load, frame, F, c), N)
+    return f, _moved(load, frame, F, (c, N))
 
 
 @inner_kernel
@@ -223,7 +226,7 @@ def scatter_surfaces(loads, setting, field, particles, rows, span, layer):
 
 
 @inner_kernel
-def surface_power(loads, setting, field, particles, rows, span, layer):
+def surface_power(loads, setting, field, particles, rows, span, layer, dt):
     """Power of the loads on a layer's parts of surfaces, as of tractions."""
     shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
     start = (layer - window.lower[0]) * window.stride[0]
@@ -238,6 +241,8 @@ def surface_power(loads, setting, field, particles, rows, span, layer):
             offset = _support(loads[t], (shape, frame), window, particles, p, layer, part, buffer)
             offset += field_of(window, particles, p)
             support, at = Support(buffer, 0), start + offset
-            U = gather_products(shape, G, support, at, window.stride, frame.origin, (), ())[0]
-            power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
+            like = frame.origin
+            U, A = gather_products(shape, G, support, at, window.stride, like, (), ())[:2]
+            u = U - half_step(loads[t].follows, dt) * A
+            power += f[0] * lane(u, 1) + f[1] * lane(u, 2) + f[2] * lane(u, 3)
     return power

@@ -233,10 +233,20 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
 
 
 @inner_kernel
-def traction_power(tractions, setting, field, particles, rows, span, layer):
+def half_step(follows, dt):
+    """Half of the step `dt` if a load follows its surface, else 0.
+
+    A load that keeps its direction does the work force times displacement, with the velocity of the
+    end. One that turns with a body would so lose work in every step: its velocity is the mean one.
+    """
+    return 0.5 * dt if follows else 0.0
+
+
+@inner_kernel
+def traction_power(tractions, setting, field, particles, rows, span, layer, dt):
     """Power of the tractions on a layer: the patches' forces times the vertices' velocities.
 
-    For the arguments see `scatter_tractions`.
+    For the arguments see `scatter_tractions`; `dt` is the length of the step.
     """
     shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
     start = (layer - window.lower[0]) * window.stride[0]
@@ -253,6 +263,8 @@ def traction_power(tractions, setting, field, particles, rows, span, layer):
             offset = _support(tractions[t], (shape, frame), window, particles, p, layer, F, buffer)
             offset += field_of(window, particles, p)
             support, at = Support(buffer, 0), start + offset
-            U = gather_products(shape, G, support, at, window.stride, frame.origin, (), ())[0]
-            power += f[0] * lane(U, 1) + f[1] * lane(U, 2) + f[2] * lane(U, 3)
+            like = frame.origin
+            U, A = gather_products(shape, G, support, at, window.stride, like, (), ())[:2]
+            u = U - half_step(tractions[t].follows, dt) * A
+            power += f[0] * lane(u, 1) + f[1] * lane(u, 2) + f[2] * lane(u, 3)
     return power

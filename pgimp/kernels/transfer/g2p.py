@@ -86,7 +86,7 @@ def grid_to_particles(
     for layer in layers:
         number = layer + window.lower[0]
         span = (start[layer], start[layer + 1])
-        power = layer_power(loads, setting, field, particles, order.rows, span, number)
+        power = layer_power(loads, setting, field, particles, order.rows, span, number, dt)
         for k in range(start[layer], start[layer + 1], LANES):
             rows = four_rows(order.rows, k, start[layer + 1])
             count = min(LANES, start[layer + 1] - k)

@@ -14,6 +14,7 @@ from pgimp.errors import CaseError
 from pgimp.jit.kernel import INLINE_OPTIONS, kernel, specialise
 from pgimp.jit.outside import tag
 from pgimp.jit.tuples import read, write
+from pgimp.physics.functions.raised import raised_by
 from pgimp.physics.functions.registry import Function, Value
 
 
@@ -101,8 +102,7 @@ def evaluate(function: Function, at: Callable[..., None], arguments: tuple[Any, 
     try:
         at(*arguments)
     except Exception as error:
-        text = f": {error}" * bool(str(error))
-        raise CaseError(f"{function} raises {type(error).__name__}{text}") from None
+        raise CaseError(raised_by(error, function)) from None
 
 
 @kernel

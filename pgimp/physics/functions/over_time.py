@@ -66,7 +66,8 @@ class FunctionOfTime(FunctionEntry, TimeFunction):
             source = self.__dict__["kernel_source"]
             evaluate(self.registered, numbers_in_time, (source, times, values))
         except CaseError as error:
-            raise RunError(str(error)) from None
+            when = f" at t = {times[0]:.6g}" if len(times) == 1 else ""
+            raise RunError(f"{error}{when}") from None
         if not np.isfinite(values).all():
             k = int(np.argmin(np.isfinite(values)))
             raise RunError(f"{self.registered} returns {values[k]:g} at t = {times[k]:.6g}")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from pgimp.physics.functions.over_time import FunctionOfTime
 from pgimp.schema.tables import VectorFunction
 
 if TYPE_CHECKING:
@@ -29,8 +30,8 @@ _TAKEN = (
     (r"(contact|wall)\..*\.impact-loss", "stopping what closes a gap"),
 )
 METHOD = "lost by the method"
-#: Samples of a gravity that varies in time, per line of the history.
-_SAMPLES = 16
+#: Samples of a gravity that varies in time: fewest most per line of the history, and about all.
+_SAMPLES, _MOST = 16, 1 << 14
 
 
 class Entry(NamedTuple):
@@ -142,8 +143,43 @@ class MomentumBook(NamedTuple):
     scale: float
 
 
-def momentum_books(case: Case, history: Array) -> tuple[list[MomentumBook], str]:
-    """Return the books of momentum, an axis each, or the reason why there are none."""
+def edited_functions(starts: Sequence[Mapping[str, Any]]) -> set[str]:
+    """Return the functions of one's own that have changed from one start of a run to another.
+
+    Parameters
+    ----------
+    starts : sequence of mapping
+        Those of run.json.
+    """
+    known = [start.get("functions") or {} for start in starts]
+    names = {name for one in known for name in one}
+    return {name for name in names if len({one.get(name) for one in known}) > 1}
+
+
+def _functions(gravity: Any) -> set[str]:
+    """Names of the functions of one's own in a gravity, as run.json has them."""
+    components = getattr(gravity, "components", ())
+    own = [one.registered for one in components if isinstance(one, FunctionOfTime)]
+    return {
+        f"{one.function.__module__}.{one.function.__qualname__}.{one.kind.name}_values"
+        for one in own
+    }
+
+
+def momentum_books(
+    case: Case, history: Array, edited: Collection[str] = ()
+) -> tuple[list[MomentumBook], str]:
+    """Return the books of momentum, an axis each, or the reason why there are none.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    history : ndarray
+        Lines of history.csv.
+    edited : collection of str
+        See `edited_functions`.
+    """
     stages = case.stages
     names = history.dtype.names or ()
     if len(history) < 2 or "momentum-x" not in names:
@@ -153,6 +189,11 @@ def momentum_books(case: Case, history: Array) -> tuple[list[MomentumBook], str]
         *("a body force" for one in stages if one.body_force is not None),
         *("steps that settle" for one in stages if one.start.settle),
         *("axisymmetric rings" for one in stages if one.axisymmetric),
+        *(
+            "gravity, whose function has changed since the run began"
+            for one in stages
+            if not _functions(one.gravity).isdisjoint(edited)
+        ),
     ]
     if unknown:
         named = " and ".join(dict.fromkeys(unknown))
@@ -192,7 +233,7 @@ def _impulses(case: Case, history: Array, axis: int) -> Iterator[tuple[str, floa
 
 
 def _weight(case: Case, history: Array, axis: int) -> float | None:
-    """Impulse of gravity along an axis; None without gravity."""
+    """Impulse of gravity along an axis, as the steps take it; None without gravity."""
     times, mass = np.asarray(history["time"]), _known(history["mass"])
     total, found = 0.0, False
     for stage in case.stages:
@@ -200,13 +241,26 @@ def _weight(case: Case, history: Array, axis: int) -> float | None:
         if stage.gravity is None or not high > low:
             continue
         found = True
-        count = _SAMPLES * len(times) + 1
-        at = np.linspace(max(low, times[0]), min(high, times[-1]), count)
-        if not at[-1] > at[0]:
-            continue
-        if isinstance(stage.gravity, VectorFunction):
-            g = np.array([stage.gravity.value(float(t))[axis] for t in at])
-        else:
-            g = np.full(count, float(stage.gravity[axis]))
-        total += float(np.trapezoid(g * np.interp(at, times, mass), at))
+        begin, end = np.maximum(times[:-1], low), np.minimum(times[1:], high)
+        within = np.flatnonzero(end > begin)
+        most = max(_SAMPLES, _MOST // max(len(within), 1))
+        for k in within.tolist():
+            whole = int(history["step"][k + 1] - history["step"][k])
+            part = (end[k] - begin[k]) / (times[k + 1] - times[k])
+            steps = max(round(whole * part), 1)
+            total += _impulse(stage.gravity, axis, (begin[k], end[k]), (times, mass), steps, most)
     return total if found else None
+
+
+def _impulse(
+    gravity: Any, axis: int, ends: tuple[float, float], known: tuple[Array, Array],
+    steps: int, most: int,
+) -> float:  # fmt: skip
+    """Impulse of gravity between two times, by so many steps; `known` has times and masses."""
+    if not isinstance(gravity, VectorFunction):
+        return float(gravity[axis]) * float(np.trapezoid(np.interp(ends, *known), ends))
+    at = np.linspace(*ends, min(steps, most) + 1)
+    force = np.array([gravity.value(float(t))[axis] for t in at]) * np.interp(at, *known)
+    # A step takes the force at its beginning, so that the sum of the steps lags behind by a half.
+    late = 0.5 * (force[-1] - force[0]) * (ends[1] - ends[0]) / steps
+    return float(np.trapezoid(force, at) - late)

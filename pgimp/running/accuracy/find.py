@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pgimp.errors import PgimpError
-from pgimp.running.accuracy.books import energy_book, momentum_books
+from pgimp.running.accuracy.books import edited_functions, energy_book, momentum_books
 from pgimp.running.accuracy.particles import BodyState, body_states
 from pgimp.running.accuracy.rules import Indicator
 from pgimp.scene.checks.supports import held_at
@@ -48,15 +48,19 @@ def of_run(run: Run, case: Case | None = None) -> list[Indicator]:
     case = run.case if case is None else case
     history = np.asarray(run.history)
     last = case.stages[-1]
-    found = [*of_history(case, history), *of_case(last, boxes_of(case), run.info.get("courant"))]
+    edited = edited_functions(run.starts)
+    found = [
+        *of_history(case, history, edited),
+        *of_case(last, boxes_of(case), run.info.get("courant")),
+    ]
     frames = run.frames
     if frames:
         found += of_frames(last, history, [frames[len(frames) // 2], frames[-1]])
     return found
 
 
-def of_history(case: Case, history: Array) -> Iterator[Indicator]:
-    """Yield the indicators of a history."""
+def of_history(case: Case, history: Array, edited: Collection[str] = ()) -> Iterator[Indicator]:
+    """Yield the indicators of a history; for `edited` see `edited_functions`."""
     names = history.dtype.names or ()
     if not len(history):
         return
@@ -68,7 +72,7 @@ def of_history(case: Case, history: Array) -> Iterator[Indicator]:
         if -lost.min() > 0.0:
             yield Indicator("gained", float(-lost.min()))
         yield Indicator("lost", max(float(lost[-1]), 0.0))
-    books, _ = momentum_books(case, history)
+    books, _ = momentum_books(case, history, edited)
     scale = max((book.scale for book in books), default=0.0)
     if scale > 0.0:
         yield Indicator("momentum", max(abs(book.rest) for book in books) / scale)

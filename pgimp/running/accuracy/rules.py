@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from pgimp.schema.pages import page
+
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
@@ -222,4 +224,4 @@ def line(found: list[Indicator]) -> str:
     named = [*kinds.values()]
     shown = "; ".join(one.text for one in named[:_NAMED])
     more = f"; and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
-    return f"{shown}{more}: docs/{named[0].rule.page}"
+    return f"{shown}{more}: {page(named[0].rule.page)}"

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import traceback
 from collections.abc import Callable, Mapping
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.errors import DamagedError, RunError, UsageError
+from pgimp.errors import DamagedError, RunError, UsageError, raised_at
 from pgimp.solver.each.exchange import Exchange
 from pgimp.solver.each.levels import levels_of
 from pgimp.solver.each.memory import decoded, encoded
@@ -150,7 +149,6 @@ def calls_of(each: Each | None, core: SimulationProgress, state: State | None) -
 
 def _described(error: BaseException) -> str:
     """Describe an exception, with file and line."""
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if "/pgimp/" not in frame.filename] or frames
-    place = f" ({own[-1].filename}:{own[-1].lineno})" if own else ""
+    at = raised_at(error)
+    place = f" ({at.filename}:{at.lineno})" if at else ""
     return f"{type(error).__name__}: {' '.join(str(error).split())}{place}"

@@ -38,7 +38,8 @@ FLOWS = (
                 "length^dimensions",
                 "for each body that flows: its volume, less what of it crowds where "
                 "neighbourhoods of vertices are more than full; as of the last time that its "
-                "particles were shifted (docs/soils-and-fluids.md), every few steps; nan before",
+                "particles were shifted (the page 'Soils, fluids and gases'), every few steps; "
+                "nan before",
                 lambda s, k: _volume(s, k, ROOM),
             ),
             Column(

@@ -30,9 +30,15 @@ class Following(StepPart):
         The scene, in which loads follow surfaces in the current configuration.
     comm : communicator
         Of all ranks.
+
+    Attributes
+    ----------
+    fallen : int
+        Steps times particles of this rank in which a surface follows F alone.
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
+        self.fallen = 0
         self.scene, self.call = scene, Bound()
         self.bodies = scene.interaction.loads.surfaces.followed
         self._sums = VertexSums(scene, comm, DisplacementSums(shape=scene.settings.shape))
@@ -54,7 +60,8 @@ class Following(StepPart):
         for seam in self.scene.domain.seams:
             self.call(join_records, self.scene.domain.frame, field, seam)
         self.call(find_displacements, field)
-        self.call(find_drifts, setting, field, particles, order, self.scene.setting.identity)
+        identity = self.scene.setting.identity
+        self.fallen += EVERY * self.call(find_drifts, setting, field, particles, order, identity)
 
 
 def following_of(scene: Scene, comm: Communicator) -> Following | None:

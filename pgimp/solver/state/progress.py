@@ -8,8 +8,10 @@ import numpy as np
 
 from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.population import Population
+from pgimp.errors import RunError
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
+from pgimp.physics.functions.raised import raised_by
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
@@ -74,6 +76,19 @@ class SimulationProgress:
     def agreed(self) -> bool:
         """Whether the last step's reduction is complete."""
         return not self.reduction.open
+
+    def name_function(self, error: BaseException) -> None:
+        """Raise an exception of a function of one's own anew, with its name and the time.
+
+        Raises
+        ------
+        RunError
+            If the exception is of such a function.
+        """
+        if text := raised_by(error):
+            rank = f", on rank {self.comm.rank}" if self.comm.size > 1 else ""
+            when = f"after step {self.step}, at t = {self.time:.6g}"
+            raise RunError(f"{text}; {when}{rank}") from error
 
     @property
     def population(self) -> Population:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -13,7 +14,7 @@ import numpy as np
 from pgimp.errors import UsageError
 from pgimp.io.results.frame import FOR_READERS, Frame, Reading
 from pgimp.io.results.tables import absent
-from pgimp.physics.fields import components_of
+from pgimp.physics.fields import FROM_STRESS, components_of
 from pgimp.storage.atomic import temporary, write
 from pgimp.storage.plain import require_plain
 
@@ -25,7 +26,7 @@ _CELLS = {1: "vertex", 2: "line", 4: "quad", 8: "hexahedron"}
 
 
 def require_fields(frames: Sequence[Frame], fields: Sequence[str]) -> None:
-    """Ensure that one of the frames has each of the fields.
+    """Ensure that one of the frames has each of the fields, or the stress from which it follows.
 
     Raises
     ------
@@ -33,6 +34,7 @@ def require_fields(frames: Sequence[Frame], fields: Sequence[str]) -> None:
         With the name of the first that none has.
     """
     known = list(dict.fromkeys(name for frame in frames for name in frame.fields))
+    known += [name for name in FROM_STRESS if "stress" in known and name not in known]
     for name in fields:
         if name not in known:
             raise UsageError(absent(f"field {name!r} in these frames", name, known))
@@ -48,7 +50,7 @@ def tables(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Iter
     frames : sequence of Frame
         The frames.
     fields : sequence of str
-        Fields besides `id`; all, if there are none.
+        Fields besides `id`; those of the frame, if there are none.
     """
     for frame in frames:
         names = ["id", *(name for name in _chosen(frame.fields, fields) if name != "id")]
@@ -58,7 +60,8 @@ def tables(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Iter
                 writer = csv.writer(stream, lineterminator="\n")
                 for first in range(0, max(len(frame), 1), _ROWS):
                     last = min(first + _ROWS, len(frame))
-                    columns = _columns({name: frame.rows(name, first, last) for name in names})
+                    read = partial(frame.rows, first=first, last=last)
+                    columns = _columns({name: _values(name, frame, read) for name in names})
                     if first == 0:
                         writer.writerow(columns)
                     writer.writerows(zip(*columns.values(), strict=True))
@@ -92,7 +95,7 @@ def grids(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Itera
     frames : sequence of Frame
         The frames.
     fields : sequence of str
-        Fields of the particles; all, if there are none.
+        Fields of the particles; those of the frame, if there are none.
     """
     for kind in ("particles", "grid", "rigid"):
         lines = []
@@ -119,7 +122,10 @@ def _grid(source: Path, path: Path, fields: Sequence[str]) -> None:
     with Reading(source) as file:
         names = [name for name in file.names if name not in (*FOR_READERS, "position")]
         points, cells = file["position"][()], file["connectivity"][()]
-        data = {name: file[name][()] for name in _chosen(names, fields)}
+        data = {
+            name: _values(name, names, lambda name: file[name][()])
+            for name in _chosen(names, fields)
+        }
     if cells.ndim == 1:
         cells = cells[:, None]
     mesh = meshio.Mesh(points, [(_CELLS[cells.shape[1]], cells)], point_data=data)
@@ -127,8 +133,17 @@ def _grid(source: Path, path: Path, fields: Sequence[str]) -> None:
 
 
 def _chosen(names: Sequence[str], fields: Sequence[str]) -> list[str]:
-    """The fields that are there, in the order of the frame."""
-    return [name for name in names if not fields or name in fields]
+    """The fields that are there, in the order of the frame; then those that follow from them."""
+    there = [name for name in names if not fields or name in fields]
+    more = [name for name in FROM_STRESS if name in fields and name not in names]
+    return there + (more if "stress" in names else [])
+
+
+def _values(name: str, there: Container[str], read: Callable[[str], Array]) -> Array:
+    """Read a field, or compute it from the stress."""
+    if name in there:
+        return read(name)
+    return FROM_STRESS[name](read("stress").astype(np.float64))
 
 
 def _replace(path: Path, fill: Callable[[Path], None]) -> None:

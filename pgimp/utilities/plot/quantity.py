@@ -10,7 +10,6 @@ import numpy as np
 from pgimp.errors import UsageError
 from pgimp.io.results.reader import Frame
 from pgimp.physics import fields
-from pgimp.physics.derived import OF_STRESS
 from pgimp.schema.messages import shorten, unknown
 from pgimp.utilities.plot.units import kind_of_field
 
@@ -28,13 +27,9 @@ def _component(function: Callable[[Array], Array], k: int) -> Callable[[Array], 
 
 
 _FROM_STRESS: dict[str, Callable[[Array], Array]] = {
-    "von-mises": fields.von_mises_of,
-    "pressure": fields.pressure_of,
-    **{
-        f"{name}.{part}" if part else name: _component(function, k)
-        for name, function in OF_STRESS.items()
-        for k, part in enumerate(fields.FIELDS[name].components.split() or [""])
-    },
+    f"{name}.{part}" if part else name: _component(function, k)
+    for name, function in fields.FROM_STRESS.items()
+    for k, part in enumerate(fields.FIELDS[name].components.split() or [""])
 }
 _FIRST_CHOICE = ("von-mises", "stress", "velocity", "displacement", "volume")
 _VECTOR = ["x", "y", "z"]

@@ -12,6 +12,7 @@ import numpy as np
 from pgimp.running.accuracy.books import EnergyBook, MomentumBook
 from pgimp.running.accuracy.rules import Indicator
 from pgimp.running.progress import duration
+from pgimp.schema.pages import page
 from pgimp.utilities.plot.runs import PlotRun
 from pgimp.utilities.plot.units import unit
 from pgimp.utilities.report.html import Markup, items, join, paragraph, table
@@ -57,10 +58,11 @@ def accuracy_table(found: Sequence[Indicator], case: Case | None = None) -> Mark
     )
     note = (
         "A bar ends at the middle line where a value is at its bound; on either side it spans two "
-        "powers of ten. The bounds and their reasons are in docs/report.md."
+        "powers of ten. The bounds and their reasons are in "
+        f"{page('report.md')}."
     )
     remedies = {
-        one.rule.label: f"{one.rule.label}: {one.rule.remedies(case)} (docs/{one.rule.page})"
+        one.rule.label: f"{one.rule.label}: {one.rule.remedies(case)} ({page(one.rule.page)})"
         for one in wrong
     }
     head = ("indicator", "value", "comfortable", "distance")

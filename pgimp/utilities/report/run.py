@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.errors import PgimpError
 from pgimp.io.rundir import runinfo
-from pgimp.running.accuracy.books import energy_book, momentum_books
+from pgimp.running.accuracy.books import edited_functions, energy_book, momentum_books
 from pgimp.running.accuracy.find import of_run
 from pgimp.running.accuracy.rules import Indicator
 from pgimp.running.progress import duration
@@ -197,7 +197,8 @@ def _books(shown: PlotRun, found: _Found) -> list[Markup]:
     if book := energy_book(found.history):
         made += [Markup("<h3>Energy</h3>"), parts.energy_table(book, shown)]
     if found.case is not None and len(found.history):
-        books, why = momentum_books(found.case, found.history)
+        edited = edited_functions(shown.run.starts)
+        books, why = momentum_books(found.case, found.history, edited)
         made += [Markup("<h3>Momentum</h3>"), parts.momentum_table(books, why, shown)]
     return made
 

@@ -19,8 +19,9 @@ from pgimp.schema.document import MOST_MESSAGES, Document, read
 from pgimp.schema.messages import dotted, unknown
 from pgimp.schema.overrides import change
 from pgimp.solver.history.diagnostics import column_names
+from pgimp.utilities.study.measure_entry import Measure, measure_of
 from pgimp.utilities.study.measures import SAME_TIME
-from pgimp.utilities.study.schema import CASE, Measure, Study, measure_of, missing_file
+from pgimp.utilities.study.schema import CASE, Study, missing_file
 from pgimp.utilities.study.sweep import Variant, short
 
 _ABSENT = object()

@@ -9,7 +9,7 @@ from math import isfinite, log
 import numpy as np
 
 from pgimp.schema.messages import unknown
-from pgimp.utilities.study.schema import Measure, TimeMean
+from pgimp.utilities.study.measure_entry import Measure, TimeMean
 
 SAME_TIME = 1e-9
 """Relative to the time that is asked for."""

@@ -26,8 +26,9 @@ from pgimp.physics.materials.registry import imported
 from pgimp.schema.document import LARGEST_FILE
 from pgimp.storage.plain import read_plain
 from pgimp.utilities.study.cases import Planned
+from pgimp.utilities.study.measure_entry import LIMIT, measure_of
 from pgimp.utilities.study.measures import MeasureError, costs, measure
-from pgimp.utilities.study.schema import LIMIT, Study, measure_of
+from pgimp.utilities.study.schema import Study
 
 DONE, FAILED, ABSENT = "done", "failed", "not run"
 

@@ -9,10 +9,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from pgimp.running.progress import duration
 from pgimp.utilities.study.limits import Limit, limit
+from pgimp.utilities.study.measure_entry import LIMIT, TimeMean, measure_of
 from pgimp.utilities.study.measures import number, orders, pareto
 from pgimp.utilities.study.plan import Plan
 from pgimp.utilities.study.runs import DONE, FAILED, Outcome
-from pgimp.utilities.study.schema import COSTS, LIMIT, TimeMean, measure_of
+from pgimp.utilities.study.schema import COSTS
 
 _VERSIONS = ("pgimp", "numba", "numpy")
 

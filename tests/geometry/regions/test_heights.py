@@ -149,6 +149,10 @@ def test_what_heights_cannot_be(tmp_path):
     assert "has no ncols" in refused(heights(grid))
     grid.write_text("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 x 4\n")
     assert "a height that is no number" in refused(heights(grid))
+    grid.write_text("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 1_0 4\n")
+    assert "a height that is no number: '1_0'" in refused(heights(grid))
+    grid.write_text("ncols 2\nnrows 2\nxllcorner 1_0\nyllcorner 0\ncellsize 1\n1 2 3 4\n")
+    assert "has xllcorner '1_0', which is no number" in refused(heights(grid))
     assert "neither .asc" in refused(heights(tmp_path / "z.tif")) or "cannot read" in refused(
         heights(tmp_path / "z.tif")
     )

@@ -1,8 +1,12 @@
 """Surfaces that loads follow where F has drifted from the positions, or stretches are large."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scenes import box, field, scene, start
+
+from pgimp.running.summary import say_done
 
 pytestmark = pytest.mark.slow(60)
 
@@ -45,6 +49,27 @@ def test_a_linear_displacement_is_found_up_to_free_surfaces(D, parts):
     np.testing.assert_allclose(found, np.broadcast_to(exact, found.shape), atol=1e-4)
     if p.drift.shape[1] > D * D:
         np.testing.assert_allclose(p.drift[rows, D * D], 1.3 if ring else 1.0, rtol=1e-12)
+
+
+def test_a_surface_that_falls_back_on_F_is_told(tmp_path):
+    """Particles whose neighbours have gone astray; only those at the surface count."""
+    ball = {"ball": {"center": [3.3, 3.4], "radius": 2.3}}
+    sim = start(loaded(2, ball))
+    p, rank, rows = sim.particles, sim.rank, sim.live()
+    rank.following.find(rank, rank.population.ordered, 0)
+    assert rank.following.fallen == 0
+    p.place[rows] = -p.place[rows[::-1]]  # inside out
+    for _ in range(3):
+        rank.following.find(rank, rank.population.ordered, 0)
+    loaded_ones = (p.surface[rows] != 0.0).any(axis=1).sum()
+    assert 0 < rank.following.fallen <= 3 * 8 * loaded_ones < 3 * 8 * len(rows)
+    while not sim.finished:
+        sim.advance()
+    said = []
+    log = SimpleNamespace(say=said.append, note=said.append)
+    recorder = SimpleNamespace(seconds={}, size=0, frames=SimpleNamespace(written=1))
+    say_done(sim, 0, recorder, SimpleNamespace(path=tmp_path), log, 1.0)
+    assert any("the load followed F of the particle alone" in line for line in said)
 
 
 def test_only_loads_that_follow_surfaces_pay_for_it():

@@ -224,6 +224,11 @@ def test_the_force_is_the_rate_of_momentum():
     assert force[0] < -0.5
 
 
+def lying(low, high):
+    """A box, whatever lies in it."""
+    return {"box": {"min": low, "max": high}}
+
+
 @pytest.mark.parametrize(
     ("gauges", "where", "text"),
     [
@@ -249,6 +254,22 @@ def test_the_force_is_the_rate_of_momentum():
         ({"a": {"level": [1.0], "bodies": ["bodi"]}}, "a.bodies.0", "did you mean 'body'"),
         ({"a": {"level": [1.0], "mean": 0}}, "a.mean", "must be above 0"),
         ({"a": {"weight": 1}}, "a", "known: cut, flux, level, wall"),
+        ({"a": {"level": [1.0], "bodies": []}}, "a.bodies", "names no body, so that nothing is"),
+        (
+            {"a": {"wall": "y-min", "within": lying([0.0, 3.0], [2.0, 4.0])}},
+            "a.within",
+            "ends 3 cells from y-min, so that nothing in it presses there; let it reach",
+        ),
+        (
+            {"a": {"wall": "x-max", "within": lying([7.0, 9.0], [8.0, 9.5])}},
+            "a.within",
+            "lies beyond the domain, whose y goes from 0 to 8: nothing is measured",
+        ),
+        (
+            {"a": {"flux": half([1.0, 0.0], 1.0, 0.0), "within": lying([9.0, 1.0], [9.5, 2.0])}},
+            "a.within",
+            "lies beyond the domain, whose x goes from 0 to 8",
+        ),
     ],
 )
 def test_gauges_that_cannot_be(gauges, where, text):

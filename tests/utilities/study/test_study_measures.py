@@ -14,10 +14,10 @@ from study_files import HEAD, SWEEP
 from pgimp.errors import CaseError
 from pgimp.utilities.plot.style import STYLE
 from pgimp.utilities.study.limits import limit
+from pgimp.utilities.study.measure_entry import Measure
 from pgimp.utilities.study.measures import MeasureError, measure, orders, pareto
 from pgimp.utilities.study.plan import read_plan
 from pgimp.utilities.study.plot import _guides
-from pgimp.utilities.study.schema import Measure
 from pgimp.utilities.study.tables import verdict
 
 

@@ -19,6 +19,9 @@ from pgimp.schema.sizes import AXES, WHOLE, Problems, faces, length
 
 Path = tuple[str | int, ...]
 
+#: Cells from a wall on from which no particle reaches a vertex on it.
+_REACH = 2.0
+
 
 def check_gauges(
     dimensions: int,
@@ -37,7 +40,11 @@ def check_gauges(
         yield from _bodies(path, entry, every_body, body_names)
         within = getattr(entry, "within", None)
         if within is not None:
-            yield from check_region((*path, "within"), within, dimensions)
+            wrong = list(check_region((*path, "within"), within, dimensions))
+            yield from wrong
+            named = not isinstance(entry, WallGauge) or entry.wall in faces(dimensions)
+            if sound and named and not wrong:
+                yield from _within((*path, "within"), entry, dimensions, grid, boundaries)
         if isinstance(entry, CutGauge | FluxGauge):
             yield from _surface(path, entry, dimensions, grid, boundaries, sound)
         elif isinstance(entry, WallGauge):
@@ -49,6 +56,9 @@ def check_gauges(
 def _bodies(
     path: Path, entry: Gauge, every_body: Mapping[str, Body | RigidBody], named: Iterable[str]
 ) -> Problems:
+    if entry.bodies == ():
+        text = "names no body, so that nothing is measured; without the key all bodies count"
+        yield Problem((*path, "bodies"), text)
     for i, body in enumerate(entry.bodies or ()):
         if isinstance(every_body.get(body), RigidBody):
             text = f"'{body}' is rigid, and has no stress: history.csv has its force, tool.{body}"
@@ -153,6 +163,33 @@ def _wall(
             f"bodies in the initial configuration, as '{initial[0]}', meet {face} where they are, "
             f"and not on their grid; history.csv has the force, reaction.{face}",
         )
+
+
+def _within(
+    path: Path, entry: Gauge, dimensions: int, grid: Grid, boundaries: Mapping[str, Boundary]
+) -> Problems:
+    """Check that there is material to count in a sound region, and at a wall one that presses."""
+    region = entry.within  # type: ignore[attr-defined]
+    if any(part.FROM_FILE for part in region.simple()):
+        return
+    low, high = region.bounds()
+    wall = "xyz".index(entry.wall[0]) if isinstance(entry, WallGauge) else -1
+    for axis in set(range(dimensions)) - set(periodic_axes(boundaries)):
+        least, most = grid.origin[axis], grid.corner[axis]
+        ends = f"{AXES[axis]} goes from {least:.15g} to {most:.15g}"
+        if low[axis] > high[axis]:
+            yield Problem(path, "is empty, so that nothing is measured")
+        elif low[axis] >= most or high[axis] <= least:
+            yield Problem(path, f"lies beyond the domain, whose {ends}: nothing is measured")
+        elif axis == wall and isinstance(entry, WallGauge):
+            reach = _REACH * grid.cell[axis]
+            away = low[axis] - least if entry.wall.endswith("min") else most - high[axis]
+            if away >= reach:
+                yield Problem(
+                    path,
+                    f"ends {away / grid.cell[axis]:.3g} cells from {entry.wall}, so that nothing "
+                    "in it presses there; let it reach to the wall, from a cell or more away",
+                )
 
 
 def _level(

@@ -1,0 +1,43 @@
+"""Exceptions that compiled functions of one's own raise: which function, file and line."""
+
+from __future__ import annotations
+
+import traceback
+
+from pgimp.errors import is_library, is_outside
+from pgimp.physics.functions.registry import FUNCTIONS, Function
+
+
+def raised_by(error: BaseException, known: Function | None = None) -> str:
+    """Describe an exception by the function of one's own that has raised it.
+
+    Parameters
+    ----------
+    error : BaseException
+        As a kernel has raised it: its last frame is that of the compiled function.
+    known : Function, optional
+        The function, if it is known.
+
+    Returns
+    -------
+    str
+        Empty if the exception is of no such function.
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    if not frames:
+        return ""
+    at = frames[-1]
+    found = known or next((one for one in FUNCTIONS.values() if _has(one, at)), None)
+    if found is None and (not is_outside(at.filename) or is_library(at.filename)):
+        return ""
+    what = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+    if found is None:  # a material's, or a helper
+        return f"the function '{at.name}' ({at.filename}:{at.lineno}) raises {what}"
+    file = found.function.__code__.co_filename
+    place = f" in line {at.lineno}" if at.filename == file else ""
+    return f"{found} raises {what}{place}"
+
+
+def _has(function: Function, at: traceback.FrameSummary) -> bool:
+    code = function.function.__code__
+    return (code.co_filename, code.co_name) == (at.filename, at.name)
