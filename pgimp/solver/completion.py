@@ -51,6 +51,8 @@ def settle(rank: Rank, reports: list[RangeReport], lap: Callable[[str], None]) -
     lap("migrate")
     if found or len(arrived):
         population.restore_order(changed, arrived)
+    if rank.sinks and not rank.failed:
+        rank.sinks.take(rank)
     lap("order")
 
 
