@@ -57,6 +57,7 @@ GO_ON = {
         "pressed",
         "varied",
         "round_and_round",
+        "rigid_round",
         "endless",
         "lifts",
         "streams",
