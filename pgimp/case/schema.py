@@ -24,6 +24,7 @@ from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
 from pgimp.case.damping import Damping
 from pgimp.case.defaults import with_defaults
+from pgimp.case.escape import EscapeEntry
 from pgimp.case.gauges import GaugeEntry
 from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
@@ -159,12 +160,13 @@ class Case(Model):
         "only on a particle whose centre crosses it, as `escape` says",
         json_schema_extra={"propertyNames": {"enum": [*faces(3)]}},
     )
-    escape: dict[str, Literal["stop", "remove"]] = Field(
+    escape: dict[Name, EscapeEntry] = Field(
         default={},
         description="what becomes of a particle whose centre has crossed an open face: stop, which "
         "is the default, ends the run; remove takes it out, and what it had of mass, momentum and "
-        "energy goes into the columns `escaped` of the history. For example {x-max: remove}",
-        json_schema_extra={"propertyNames": {"enum": [*faces(3)]}},
+        "energy goes into the columns `escaped` of the history. A sink, by a name of its own, "
+        "takes out what comes into its region. For example {x-max: remove, bin: {region: ..}}",
+        json_schema_extra={"additionalProperties": False},
     )
     tractions: dict[Name, TractionEntry] = Field(
         default={},

@@ -47,6 +47,11 @@ class DistanceField(NamedTuple):
     shape: NDArray[np.int64]
     values: NDArray[np.float64]
 
+    @property
+    def middle(self) -> NDArray[np.float64]:
+        """The middle of the lattice, (3,)."""
+        return self.low + 0.5 * self.spacing * (self.shape - 1)
+
     def points(self, numbers: NDArray[np.int64], D: int) -> NDArray[np.float64]:
         """Return the positions of points, given by their numbers, (n, D)."""
         places = np.stack(np.unravel_index(numbers, tuple(self.shape)), axis=1)[:, :D]

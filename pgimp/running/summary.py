@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pgimp.case.escape import ways_out
 from pgimp.io.results.reader import Run
 from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.running.accuracy.find import of_run
@@ -99,12 +100,10 @@ def say_done(
     )
     left = sim.count - sim.present() if sim.scene.settings.loses else 0
     if left:
-        faces = dict.fromkeys(
-            face for case in sim.cases for face, way in case.escape.items() if way == "remove"
-        )
-        ways = [f"left through {' or '.join(faces)}"] if faces else []
+        out = dict.fromkeys(name for case in sim.cases for name in ways_out(case.escape))
+        ways = [f"left through {' or '.join(out)}"] if out else []
         ways += ["were removed with their bodies"] if sim.case.staged.removed else []
-        columns = [*["escaped"] * bool(faces), *["removed"] * bool(sim.case.staged.removed)]
+        columns = [*["escaped"] * bool(out), *["removed"] * bool(sim.case.staged.removed)]
         log.say(
             f"note: {left} of {sim.count} particles {' or '.join(ways)}; the columns "
             f"{' and '.join(columns)} of history.csv tell what they took along"

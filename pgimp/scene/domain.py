@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pgimp.case.escape import exits
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.frame import FRAMES, AxialFrame
@@ -88,9 +89,8 @@ class Domain:
             self.faces.sort(key=lambda face: face.condition.approaches)
         self.absorbing = [(n, face) for n, face in enumerate(self.faces) if face.condition.absorbs]
         self.settling = False
-        self.exits = sum(
-            1 << order.index(face) for face, way in case.escape.items() if way == "remove"
-        ) + sum(1 << PERIODIC + axis for axis, joined in enumerate(self.periodic) if joined)
+        periods = [PERIODIC + axis for axis, joined in enumerate(self.periodic) if joined]
+        self.exits = sum(1 << bit for bit in (*map(order.index, exits(case.escape)), *periods))
         # Unilateral walls come last: where they meet other walls, they use the sums of both.
         self.mirrors = sorted(
             (

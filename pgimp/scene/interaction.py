@@ -37,7 +37,7 @@ class Interaction:
         self.loads = SceneLoads(
             case, materials.names, force, domain.sides_approached, case.method.follows & current
         )
-        self.rigid_bodies = SceneRigidBodies(case, domain.frame)
+        self.rigid_bodies = SceneRigidBodies(case, domain.frame, domain.periods)
         self.pairs: Pairs | None = None
         if case.contact or self.rigid_bodies or settings.mixed:
             self.pairs = Pairs.of(case.contact, [*case.bodies, *self.rigid_bodies.names])

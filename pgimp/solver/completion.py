@@ -76,6 +76,8 @@ def complete_step(rank: Rank, reports: list[RangeReport], lap: Callable[[str], N
     lap("migrate")
     if found or len(arrived):
         population.restore_order(changed, arrived)
+    if rank.sinks and not rank.failed:
+        rank.sinks.take(rank)
     lap("order")
 
 

@@ -22,6 +22,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
 from pgimp.solver.coming.inflow import inflow_of
+from pgimp.solver.coming.sinks import sinks_of
 from pgimp.solver.contact.clearances import Clearances
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
@@ -71,8 +72,8 @@ class Rank:
         Sums booked by plane.
     contact : NoContact
         The contact of bodies, or one of its kinds.
-    flows, damping, absorbing, inflow, grips, following : Flows, .., or None
-        Filling of vertices, damping, absorbing faces, inflow, grips, surfaces followed, if any.
+    flows, damping, absorbing, inflow, sinks, grips, following : Flows, .., or None
+        Filling of vertices, damping, absorbing faces, inflow, sinks, grips, followed surfaces.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
@@ -128,7 +129,7 @@ class Rank:
         self.contact = contact_kind(scene)(scene, comm)
         self.clearances, self.following = Clearances(scene), following_of(scene, comm)
         self.flows = Flows(scene, comm) if scene.interaction.flows else None
-        self.damping = damping_of(scene)
+        self.damping, self.sinks = damping_of(scene), sinks_of(scene)
 
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""

@@ -41,6 +41,7 @@ class RankState(Protocol):
     damping: Any
     absorbing: Any
     inflow: Any
+    sinks: Any
     grips: Any
     keeping: Keeping
 

@@ -12,6 +12,7 @@ from flowing import (
     excavation,
     footing,
     gate,
+    hopper,
     jet,
     safety,
     sand_column,
@@ -43,8 +44,8 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
     taylor_bar, taylor_axisymmetric, taylor_contours, thick_tube, tube, vortex, spinning_block,
     plane_waves, sod, channel, sand_column, slope, graded, excavation, safety, footing, dam_break,
-    jet, gate, blast, nut, fluid_dam_break, own_swirl, hard_translation, hard_column, hard_shock,
-    hard_spinning, hard_bending, hard_grazing, tutorial_footing, tutorial_impact,
+    jet, hopper, gate, blast, nut, fluid_dam_break, own_swirl, hard_translation, hard_column,
+    hard_shock, hard_spinning, hard_bending, hard_grazing, tutorial_footing, tutorial_impact,
     tutorial_dam_break, tutorial_own_material, error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")

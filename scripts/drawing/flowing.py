@@ -207,6 +207,31 @@ def jet(redraw):
     save(figure, "jet")
 
 
+def hopper(redraw):
+    """Four instants coloured by speed, and the flux through the outlet against Beverloo's law."""
+    results = run("hopper", redraw)
+    figure = plt.figure(figsize=(9, 7.2))
+    grid = figure.add_gridspec(2, 4, height_ratios=(1.5, 0.9))
+    axes = [figure.add_subplot(grid[0, k], aspect="equal") for k in range(4)]
+    instants(
+        axes, results, (0.2, 0.5, 0.8, 1.1), speed, (0.0, 2.5), {"label": "speed [m/s]"},
+        "t = {:.1f} s", "left", xlim=(0.0, 0.12), ylim=(0.0, 0.5),
+    )  # fmt: skip
+    for axis in axes:
+        axis.plot([0.16, 0.03, 0.03, 0.16], [0.08, 0.08, 0.1, 0.23], color="k", lw=1.2)
+        axis.axhspan(0.0, 0.03, color=GREY, alpha=0.3, lw=0)
+    axis = figure.add_subplot(grid[1, :])
+    history, law = results.history, 0.5 * 1500.0 * np.sqrt(9.81) * (0.06 - 1.4e-3) ** 1.5
+    axis.axhspan(law, 1.17 * law, color=GREY, alpha=0.3, lw=0, label="C = 1.0 to 1.17")
+    axis.axhline(1.03 * law, color="k", ls="--", lw=1.0, label="C = 1.03")
+    flux = history["gauge.outlet.mean.mass-flux"]
+    axis.plot(history["time"], flux, color=BLUE, label="mean over 0.1 s")
+    axis.axvline(0.5, color=GREY, lw=1.0)
+    axis.set(xlabel="time [s]", ylabel="flux through the half [kg/(m s)]", ylim=(0.0, 70.0))
+    axis.legend(loc="lower right")
+    save(figure, "hopper")
+
+
 def gate(redraw):
     """Four instants coloured by speed; and the way of the gate's end."""
     results = run("gate", redraw)

@@ -8,7 +8,8 @@ TRADES = {
     "Metals": ("taylor-bar", "taylor-axisymmetric", "plate-impact", "thick-tube"),
     "Soils": ("excavation", "slope", "safety", "footing", "sand-column", "graded"),
     "Fluids and grains": (
-        "dam-break", "gate", "jet", "channel", "blast", "sod", "drum", "fluid/dam-break",
+        "dam-break", "gate", "jet", "hopper", "channel", "blast", "sod", "drum",
+        "fluid/dam-break",
     ),
     "Methods": (
         "compaction", "vortex", "spinning-block", "plane-waves", "own/swirl", "hard/translation",

@@ -40,11 +40,6 @@ def test_a_case_may_be_periodic():
         ("size: [4.0, 4.0]", "size: [2.0, 4.0]", "3: grid.size.0", ("2 cells are too few", "3")),
         ("  x-max: periodic", "  x-max: periodic\nescape: {x-max: remove}", "12: escape.x-max", ()),
         (
-            "boundaries:",
-            "  die: {rigid: {}, region: {box: {min: [0, 0], max: [1, 1]}}}\nboundaries:",
-            "9: bodies.die.rigid", ("x-min and x-max are periodic", "no images"),
-        ),
-        (
             "material: soft,", "material: soft, configuration: initial,",
             "8: bodies.block.configuration", (),
         ),

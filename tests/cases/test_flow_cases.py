@@ -122,6 +122,22 @@ def test_a_plate_bears_the_momentum_of_a_jet(runs):
     assert 0.0 < history["dissipated-energy"][-1] < 0.15 * history["inflow.kinetic-energy"][-1]
 
 
+def test_a_hopper_empties_as_beverloo_says(runs):
+    """Within the literature's coefficients, whatever the level; nothing is lost."""
+    history = runs("hopper").history
+    late = np.flatnonzero(history["time"] > 0.8 - 1e-9)
+    gone, time = history["escaped.mass"][late], history["time"][late]
+    law = 0.5 * 1500.0 * np.sqrt(9.81) * (0.06 - 1.4e-3) ** 1.5  # of the half, for C = 1
+    assert 1.0 < (gone[-1] - gone[0]) / (time[-1] - time[0]) / law < 1.25
+    flux = history["gauge.outlet.mass-flux"][late]
+    assert flux.mean() == pytest.approx((gone[-1] - gone[0]) / (time[-1] - time[0]), rel=0.05)
+    means = history["gauge.outlet.mean.mass-flux"][late]
+    assert abs(means / means.mean() - 1.0).max() < 0.15
+    there = history["mass"] - history["inflow.mass"] + history["escaped.mass"]
+    assert there == pytest.approx(np.full(len(there), 3.6), rel=1e-10)
+    assert history["mass"][late[-1]] < 0.6 * history["mass"][late[0]]  # the level sinks meanwhile
+
+
 def test_graded_ground_settles(runs):
     """Gibson's soil: the settlement of the surface, on cells twice as large."""
     frame = runs("graded").frame(-1)

@@ -79,6 +79,7 @@ FRAGMENTS = (
     ("constraints:\n  press:", lambda: scene(2), ()),
     ("tractions:\n  bore:", lambda: scene(2), ()),
     ("inflow:\n  jet:", lambda: scene(2, ("water",)), ()),
+    ("escape:\n  x-max:", lambda: scene(2), ()),
     ("bodies:                               # by functions", windy, ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.

@@ -37,6 +37,7 @@ GO_ON = {
         "narrow",
         "layer",
         "pours",
+        "sinks",
     ),
     (5, 4): (
         "line_mpm",
@@ -56,6 +57,7 @@ GO_ON = {
         "pressed",
         "varied",
         "round_and_round",
+        "rigid_round",
         "endless",
         "lifts",
         "streams",

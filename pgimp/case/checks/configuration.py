@@ -35,7 +35,7 @@ def check_configuration(
     bodies: Mapping[str, Body],
     rigid_bodies: Mapping[str, RigidBody],
     boundaries: Mapping[str, Boundary],
-    escape: Mapping[str, str],
+    escape: Mapping[str, object],
     contact: Sequence[ContactEntry],
     exact: object,
 ) -> Problems:

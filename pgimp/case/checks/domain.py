@@ -167,22 +167,6 @@ def check_boundaries(dimensions: int, boundaries: Mapping[str, Boundary]) -> Pro
             yield from length(path, getattr(entry, field), dimensions)
 
 
-def check_escape(
-    dimensions: int, boundaries: Mapping[str, Boundary], escape: Mapping[str, str]
-) -> Problems:
-    """Check that the domain has the faces, and that they are open."""
-    for face in escape:
-        path = ("escape", face)
-        if face not in faces(dimensions):
-            yield Problem(path, unknown("face", face, faces(dimensions)))
-        elif face in boundaries:
-            yield Problem(
-                path,
-                f"{face} has a condition (boundaries), through which nothing is to leave; remove "
-                "one of the two",
-            )
-
-
 def check_planes_of_symmetry(before: Any, now: Any) -> Problems:
     """Check that the part of free rigid bodies beyond planes of symmetry is as before."""
     for face in sorted({*before.boundaries, *now.boundaries}):

@@ -24,7 +24,6 @@ from pgimp.case.checks.damping import check_damping
 from pgimp.case.checks.domain import (
     check_body_force,
     check_boundaries,
-    check_escape,
     check_fields,
     check_gravity,
     check_grid,
@@ -32,6 +31,7 @@ from pgimp.case.checks.domain import (
     check_output,
     check_time,
 )
+from pgimp.case.checks.escape import check_escape
 from pgimp.case.checks.geometry import check_axis, check_geometry, check_plane_stress, check_rings
 from pgimp.case.checks.geostatic import check_geostatic
 from pgimp.case.checks.numbers import check_numbers

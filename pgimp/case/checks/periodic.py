@@ -80,11 +80,12 @@ def check_periodic_bodies(
     initial = [name for name, body in bodies.items() if body.configuration == "initial"]
     approached = any(entry.approaches for entry in boundaries.values())
     for name in initial:
-        if contact or approached or len(initial) < len(bodies):
+        if contact or approached or rigid_bodies or len(initial) < len(bodies):
             yield Problem(
                 ("bodies", name, "configuration"),
                 f"{faces}, where bodies in the initial configuration meet nothing yet: no contact, "
-                "separating walls, or bodies in the current configuration; take current",
+                "separating walls, rigid bodies, or bodies in the current configuration; take "
+                "current",
             )
         elif not isinstance(bodies[name].velocity, tuple):
             yield Problem(
@@ -92,12 +93,6 @@ def check_periodic_bodies(
                 f"{faces}, where the vertices of bodies in the initial configuration begin at one "
                 "velocity, [..]; take configuration: current",
             )
-    for name in rigid_bodies:
-        yield Problem(
-            ("bodies", name, "rigid"),
-            f"{faces}, and rigid bodies have no images beyond them yet; take walls (fixed, slip, "
-            "velocity, separating) along the other directions, or a stiff body of a material",
-        )
     for name, entry in tractions.items():
         if entry.face is None:
             continue

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
+from pgimp.case.escape import ways_out
 from pgimp.case.stages import Stage, Staged, merged
 from pgimp.case.staging.arrivals import check_added, check_probes_there
 from pgimp.case.staging.strength import strength_problems, weakened
@@ -35,7 +36,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
     awaited = {name: i for i, stage in enumerate(case.time.stages, 1) for name in stage.add}
     first.__dict__["staged_as"] = Staged(
-        escapes=bool(_leaving(first)), awaited=awaited, stress=case.start.stress
+        escapes=bool(ways_out(first.escape)), awaited=awaited, stress=case.start.stress
     )
     found, names, strength = [first], {""}, None
     data.pop("start")  # of the first stage alone
@@ -63,7 +64,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             return (), [_relocated(item, stage, where) for item in problems]
         end, moved = float(before.time.end), _displacements(before, now)
         gone = before.staged.removed + tuple(name for name in stage.remove if name in now.bodies)
-        leaves = before.staged.escapes or bool(_leaving(now))
+        leaves = before.staged.escapes or bool(ways_out(now.escape))
         rebonds = before.staged.rebonds or now.contact != before.contact
         now.__dict__["staged_as"] = Staged(
             number + 1,
@@ -98,10 +99,6 @@ def _of_stage(
     data = {**data, "output": {**data["output"], "at": mine}}
     context = {"counted": counted, "began": start, "gone": gone}
     return kind.model_validate(data, context=context)
-
-
-def _leaving(case: Case) -> list[str]:
-    return [face for face, way in case.escape.items() if way == "remove"]
 
 
 def _counted(before: Case, stage: Stage) -> float:

@@ -16,7 +16,7 @@ from pgimp.kernels.data.ledger import (
     RIGID_WORK,
     TANGENTIAL_IMPULSE,
 )
-from pgimp.kernels.rigid.bodies import move_freely, position_of
+from pgimp.kernels.rigid.bodies import arm_of, move_freely, position_of
 
 
 @inner_kernel
@@ -74,8 +74,7 @@ def _book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger,
             if contact.fields[end].mass < inf:
                 continue
             t = contact.bodies[end] - rigid_bodies.bodies
-            booked, motion = ledger.rigid_bodies[plane, t], rigid_bodies.motion[t]
-            arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
+            booked, arm = ledger.rigid_bodies[plane, t], arm_of(rigid_bodies, t, x)
             J = (sign * impulse_of(row, 0), sign * impulse_of(row, 1), sign * impulse_of(row, 2))
             done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
             lost = _lost(rigid_bodies, t, arm, J, w)

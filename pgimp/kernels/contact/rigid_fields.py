@@ -4,7 +4,7 @@ from math import inf
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.kernels.rigid.around import way_around
-from pgimp.kernels.rigid.bodies import position_of
+from pgimp.kernels.rigid.bodies import arm_of, position_of
 from pgimp.kernels.rigid.fill import FAR, fill
 
 
@@ -56,7 +56,7 @@ def _load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last)
             around = way_around(frame, number, sides)
             for d in range(3):
                 row.surface[d] = point.surface[d] * around
-            set_rigid_velocity(row, rigid_bodies.motion[t], frame, number, last)
+            set_rigid_velocity(row, rigid_bodies, t, frame, number, last)
             found += 1
         return found - count
 
@@ -64,11 +64,11 @@ def _load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last)
 
 
 @inner_kernel
-def set_rigid_velocity(row, motion, frame, number, last):
-    """Set the velocity of a field, a rigid body with a motion, at a vertex; it is held there."""
+def set_rigid_velocity(row, rigid_bodies, t, frame, number, last):
+    """Set the velocity of a field, rigid body `t`, at a vertex; it is held there."""
+    motion = rigid_bodies.motion[t]
     velocity = motion.velocity_after if last else motion.velocity_before
-    x = position_of(frame, number)
-    arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
+    arm = arm_of(rigid_bodies, t, position_of(frame, number))
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
         v = velocity[d]

@@ -16,7 +16,7 @@ from pgimp.kernels.contact.sliding import sliding_slope
 from pgimp.kernels.contact.vertex import contact_at_vertex
 from pgimp.kernels.contact.vertex_list import vertex_number
 from pgimp.kernels.grid.conditions import Holding
-from pgimp.kernels.rigid.bodies import lever, position_of
+from pgimp.kernels.rigid.bodies import arm_of, lever, position_of
 from pgimp.physics.contact.base import TIED
 
 #: Least impulse across the normal; squares of smaller ones underflow.
@@ -103,12 +103,8 @@ def _add(contact, rigid_bodies, holding, number, pair, count, plane):
         if push < 0.0:
             along = _pulled(row, mobility)
     sign = -1.0 if rigid == a else 1.0
-    answer, x, motion = (
-        rigid_bodies.responses[plane, free],
-        position_of(holding.frame, number),
-        rigid_bodies.motion[t],
-    )
-    arm = (x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2])
+    answer = rigid_bodies.responses[plane, free]
+    arm = arm_of(rigid_bodies, t, position_of(holding.frame, number))
     for d in range(3):
         J = sign * (s[d] + push * n[d])
         for u in range(6):

@@ -199,6 +199,6 @@ def _set_velocity_of(contact, rigid_bodies, a, frame, number, last):
 
     def set_velocity(contact, rigid_bodies, a, frame, number, last):
         t = contact.bodies[a] - rigid_bodies.bodies
-        set_rigid_velocity(contact.fields[a], rigid_bodies.motion[t], frame, number, last)
+        set_rigid_velocity(contact.fields[a], rigid_bodies, t, frame, number, last)
 
     return set_velocity

@@ -1,17 +1,18 @@
 """Rigid bodies for the kernels: their motion, and signed distances at points."""
 
-from math import sqrt
+from math import floor, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.memory import structure
 from pgimp.jit.outside import NumbaObject
 
 #: A rigid body in a step: current and initial reference point, matrix of rotation, spacing and
-#: first point of the lattice. Velocity and angular velocity are at the step's beginning and end.
-#: For a free body, whether slip is viscous in this iteration, and its compliance against held
+#: first point of the lattice. In periodic domains also the lattice's current middle, and the way
+#: there from the reference point. Velocity and angular velocity are at the step's beginning and
+#: end. For a free body, whether slip is viscous in this iteration, and its compliance against held
 #: fields, see `pgimp.kernels.contact.law.held_compliance`.
 MOTION = structure(
     ("centre", "f8", 3),
@@ -19,6 +20,8 @@ MOTION = structure(
     ("rotation", "f8", (3, 3)),
     ("spacing", "f8"),
     ("low", "f8", 3),
+    ("middle", "f8", 3),
+    ("lever", "f8", 3),
     ("velocity_before", "f8", 6),
     ("velocity_after", "f8", 6),
     ("viscous_slip", "f8"),
@@ -65,6 +68,8 @@ class RigidBodies(NamedTuple):
         Scratch for the last result.
     responses : (planes, free bodies) RESPONSE or ()
         Impulses on free rigid bodies in a step, and their derivatives.
+    periods : (3,) float64 or ()
+        Period by direction, 0 where there is none; () if no face is periodic.
     """
 
     motion: np.ndarray
@@ -73,18 +78,89 @@ class RigidBodies(NamedTuple):
     bodies: int
     point: np.ndarray
     responses: Any
+    periods: Any
 
 
 #: The rigid bodies of a scene; () without any.
 AnyRigidBodies = RigidBodies | tuple[()]
 
-_RESPONSES = RigidBodies._fields.index("responses")
+_RESPONSES, _PERIODS = (RigidBodies._fields.index(name) for name in ("responses", "periods"))
+
+
+def repeat(rigid_bodies: NumbaObject) -> bool:
+    """Whether some rigid bodies, given by their Numba type, have images: in periodic domains."""
+    has = hasattr(rigid_bodies, "instance_class")
+    return has and hasattr(rigid_bodies.types[_PERIODS], "ndim")
 
 
 def move_freely(rigid_bodies: NumbaObject) -> bool:
     """Whether some rigid bodies, given by their Numba type, move freely."""
     has = hasattr(rigid_bodies, "instance_class")
     return has and hasattr(rigid_bodies.types[_RESPONSES], "ndim")
+
+
+def arm_of(rigid_bodies, t, x):
+    """Vector from the centre of body `t`, or of its nearest image, to a point, a triple."""
+
+
+@specialise(arm_of)
+def _arm_of(rigid_bodies, t, x):
+    if repeat(rigid_bodies):
+
+        def nearest(rigid_bodies, t, x):
+            gap, lever = _gap(rigid_bodies, t, x), rigid_bodies.motion[t].lever
+            return gap[0] + lever[0], gap[1] + lever[1], gap[2] + lever[2]
+
+        return nearest
+
+    def arm(rigid_bodies, t, x):
+        centre = rigid_bodies.motion[t].centre
+        return x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]
+
+    return arm
+
+
+def place_in_lattice(rigid_bodies, t, x, d):
+    """Coordinate of a point along `d` in the lattice of body `t`, or of its nearest image."""
+
+
+@specialise(place_in_lattice)
+def _place_in_lattice(rigid_bodies, t, x, d):
+    if repeat(rigid_bodies):
+        # From the middle on, so that it has the same bits wherever the body is.
+        def nearest(rigid_bodies, t, x, d):
+            row, gap, own = rigid_bodies.motion[t], _gap(rigid_bodies, t, x), 0.0
+            for k in range(3):
+                own += row.rotation[k, d] * gap[k]
+            return own / row.spacing + 0.5 * (rigid_bodies.lattice[t].points[d] - 1)
+
+        return nearest
+
+    def place(rigid_bodies, t, x, d):
+        row = rigid_bodies.motion[t]
+        own = row.reference[d]  # the point in the body's own directions
+        for k in range(3):
+            own += row.rotation[k, d] * (x[k] - row.centre[k])
+        return (own - row.low[d]) / row.spacing
+
+    return place
+
+
+@inner_kernel
+def _gap(rigid_bodies, t, x):
+    """Vector from the middle of body `t`, or of its nearest image, to a point."""
+    periods, middle = rigid_bodies.periods, rigid_bodies.motion[t].middle
+    return (
+        _nearest(x[0] - middle[0], periods[0]),
+        _nearest(x[1] - middle[1], periods[1]),
+        _nearest(x[2] - middle[2], periods[2]),
+    )
+
+
+@inner_kernel
+def _nearest(gap, period):
+    """Return a coordinate less the whole periods in it."""
+    return gap - floor(gap / period + 0.5) * period if period > 0.0 else gap
 
 
 @inner_kernel
@@ -94,16 +170,12 @@ def _locate(rigid_bodies, t, D, x, y, z):
     Returns whether there is one, its first point, the distances of its points along each
     direction, and the point's place between them.
     """
-    row, lattice = rigid_bodies.motion[t], rigid_bodies.lattice[t]
-    gap = (x - row.centre[0], y - row.centre[1], z - row.centre[2])
+    lattice = rigid_bodies.lattice[t]
     offset, inside = 0, True
     part = (0.0, 0.0, 0.0)
     step = (0, 0, 0)
     for d in range(D):
-        own = row.reference[d]  # the point in the body's own directions
-        for k in range(3):
-            own += row.rotation[k, d] * gap[k]
-        s = (own - row.low[d]) / row.spacing
+        s = place_in_lattice(rigid_bodies, t, (x, y, z), d)
         most = lattice.points[d] - 2
         if not (s > -1e-6 and s < most + 1.000001):
             inside = False
@@ -120,6 +192,17 @@ def _locate(rigid_bodies, t, D, x, y, z):
             stride if d == 2 else step[2],
         )
     return inside, lattice.first + offset, step, part
+
+
+def turns_back(rigid_bodies):
+    """Whether a line of vertices comes from one image of a body to the next."""
+
+
+@specialise(turns_back)
+def _turns_back(rigid_bodies):
+    if repeat(rigid_bodies):
+        return lambda rigid_bodies: True
+    return lambda rigid_bodies: False
 
 
 @inner_kernel

@@ -14,7 +14,7 @@ from pgimp.kernels.contact.select import include
 from pgimp.kernels.data.record import MASS
 from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
-from pgimp.kernels.rigid.bodies import find_distance, least_distance, position_of
+from pgimp.kernels.rigid.bodies import find_distance, least_distance, position_of, turns_back
 from pgimp.kernels.rigid.tents import cut
 
 #: Difference between the mean distance and the distance at the vertex, as part of a cell along the
@@ -77,6 +77,8 @@ def _clear_vertices(rigid_bodies, t, frame, number):
     spare = least_distance(rigid_bodies, t, D, x, y, z)
     if spare == 1e300:  # it may be outside of the lattice only here
         return 1
+    if turns_back(rigid_bodies):
+        return 1 if spare > _far(frame) else 0
     spare -= _far(frame)
     if not spare > 0.0:
         return 0

@@ -24,7 +24,7 @@ from pgimp.kernels.data.ledger import (
     TANGENTIAL_IMPULSE,
 )
 from pgimp.kernels.grid.position_limits import free_part
-from pgimp.kernels.rigid.bodies import RigidBodies, find_distance
+from pgimp.kernels.rigid.bodies import RigidBodies, arm_of, find_distance, place_in_lattice
 from pgimp.kernels.transfer.lane_io import take_row
 from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.contact.pairs import Pairs
@@ -93,10 +93,7 @@ def _is_within(rigid_bodies, t, D, x, reach):
     row, lattice = rigid_bodies.motion[t], rigid_bodies.lattice[t]
     offset = 0
     for d in range(D):
-        own = row.reference[d]
-        for k in range(3):
-            own += row.rotation[k, d] * (x[k] - row.centre[k])
-        s = (own - row.low[d]) / row.spacing
+        s = place_in_lattice(rigid_bodies, t, x, d)
         if not (s > -0.5 and s < lattice.points[d] - 0.5):
             return False
         offset = offset * lattice.points[d] + int(s + 0.5)
@@ -214,11 +211,8 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
         way = depth / square * g[d]
         particles.x[p, d] += way
         ledger.work[layer] += particles.m[p] * forcing.gravity[d] * way
-    arm = (
-        x[0] + depth * n[0] - motion.centre[0],
-        x[1] + depth * n[1] - motion.centre[1],
-        x[2] + depth * n[2] - motion.centre[2],
-    )
+    on = (x[0] + depth * n[0], x[1] + depth * n[1], x[2] + depth * n[2])
+    arm = arm_of(rigid_bodies, t, on)
     moving = motion.velocity_after
     own = (
         moving[0] + moving[4] * arm[2] - moving[5] * arm[1],

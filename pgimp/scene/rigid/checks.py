@@ -19,6 +19,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.scene.faces import Face
 from pgimp.scene.rigid.free_body import State
+from pgimp.scene.rigid.images import nearest_image
 from pgimp.scene.rigid.measure import is_symmetry
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 
@@ -113,7 +114,9 @@ def _depths(
         depth, least = -distance, 0.5 * float(np.sqrt(np.square(size).sum()))
     else:
         ends = [
-            rigid_bodies.case.rigid_bodies[name].region.signed_distance(x),
+            rigid_bodies.case.rigid_bodies[name].region.signed_distance(
+                rigid_bodies.nearest(name, x)
+            ),
             region.signed_distance(x),
         ]
         depth, least = np.where(np.max(ends, axis=0) < 0.0, -np.sum(ends, axis=0), 0.0), 0.0
@@ -122,7 +125,7 @@ def _depths(
 
 def may_collide(rigid_bodies: SceneRigidBodies, faces: Sequence[Face], states: list[State]) -> bool:
     """Whether a sphere around any free rigid body meets a wall, or a rigid body."""
-    if len(rigid_bodies) > len(states):
+    if len(rigid_bodies) > len(states) or (len(states) > 1 and rigid_bodies.periods.any()):
         return True
     frame = rigid_bodies.frame
     for number, (state, arm) in enumerate(zip(states, rigid_bodies.arms, strict=True)):
@@ -249,6 +252,9 @@ def _within_bodies(
         deepest = np.argsort(field.values[:, 0], kind="stable")[:64]
         deepest = deepest[field.values[deepest, 0] < 0.0]
         points = field.points(deepest, D)
+        frame, periods = rigid_bodies.frame, rigid_bodies.periods
+        middle = np.array(frame.origin) + 0.5 * periods  # points are moved into the domain
+        points = nearest_image(points, middle, periods)
         case = rigid_bodies.case
         for number, (own, body) in enumerate(case.bodies.items()):
             if body.region.WHOLE_BODY or not len(points) or own in case.staged.awaited:

@@ -12,6 +12,7 @@ from pgimp.errors import CaseError
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import FREEDOMS, Pose, RigidBody, Triple
 from pgimp.scene.rigid.bulk import Bulk
+from pgimp.scene.rigid.images import Ring
 from pgimp.schema.tables import VectorFunction
 
 Matrix = tuple[float, ...]
@@ -19,9 +20,6 @@ Matrix = tuple[float, ...]
 
 Six = tuple[float, ...]
 """Six numbers: along x, y, z, and about them."""
-
-#: Numbers of a state.
-STATE = 16
 
 
 class State(NamedTuple):
@@ -37,6 +35,8 @@ class State(NamedTuple):
         Momentum; angular momentum about the centre.
     angle : (3,) float
         Integral of its angular velocity since the start.
+    home : (3,) float or ()
+        In periodic domains the image of its centre that is within.
     """
 
     centre: Triple
@@ -44,10 +44,11 @@ class State(NamedTuple):
     momentum: Triple
     spin: Triple
     angle: Triple
+    home: tuple[float, ...] = ()
 
     @property
     def numbers(self) -> list[float]:
-        """All `STATE` numbers of the state."""
+        """All numbers of the state."""
         return [x for part in self for x in part]
 
     @classmethod
@@ -60,6 +61,7 @@ class State(NamedTuple):
             (x[7], x[8], x[9]),
             (x[10], x[11], x[12]),
             (x[13], x[14], x[15]),
+            tuple(x[16:]),
         )
 
 
@@ -74,6 +76,8 @@ class FreeBody:
         Its inertia.
     dimensions : int
         Directions of the scene.
+    rings : tuple of Ring
+        The directions of a periodic domain, else ().
 
     Attributes
     ----------
@@ -81,11 +85,13 @@ class FreeBody:
         Its degrees of freedom: along x, y, z and about them.
     """
 
-    def __init__(self, name: str, entry: RigidBody, bulk: Bulk, dimensions: int) -> None:
+    def __init__(
+        self, name: str, entry: RigidBody, bulk: Bulk, dimensions: int, rings: tuple[Ring, ...] = ()
+    ) -> None:
         assert entry.free is not None
         self.name = name
         self.bulk, self.may = bulk, entry.free.may(dimensions)
-        self.free = entry.free
+        self.free, self.rings = entry.free, rings
         self.first = self._at_start(entry)
         self._last: tuple[State | None, Six] = (None, ())
 
@@ -112,7 +118,8 @@ class FreeBody:
                     f"{freedom}, which `fixed` excludes"
                 )
         momentum, spin = self.momenta(self.inertia(still.turn), moving)
-        return still._replace(momentum=momentum, spin=spin)
+        home = tuple(ring.inside(x) for ring, x in zip(self.rings, centre, strict=False))
+        return still._replace(momentum=momentum, spin=spin, home=home)
 
     def inertia(self, turn: tuple[float, ...]) -> Matrix:
         """Return the moments of inertia in the directions of space."""
@@ -176,6 +183,7 @@ class FreeBody:
             _triple(p),
             _triple(p[3:]),
             add(state.angle, turn),
+            tuple(map(Ring.inside, self.rings, state.home, shift)),
         )
 
     def carried(self, state: State, start: float, dt: float, gravity: Six) -> list[float]:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.case.checks.periodic import periodic_axes
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.distancefield import MARGIN, DistanceField, distance_field, extent, thickness
@@ -145,4 +146,7 @@ def _within(case: Case, frame: Frame, entry: RigidBody) -> _Ends | None:
     paths = np.array([motion.displacement(float(t))[:D] for t in times])
     slack = (MARGIN + 1.0) * np.array(frame.cell)
     low = np.array(case.grid.origin, float) - paths.max(axis=0) - slack
-    return low, np.array(case.grid.corner, float) - paths.min(axis=0) + slack
+    high = np.array(case.grid.corner, float) - paths.min(axis=0) + slack
+    for axis in periodic_axes(case.boundaries):  # there its images enter, too
+        low[axis], high[axis] = -np.inf, np.inf
+    return low, high

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property, partial
 from hashlib import sha256
 from itertools import product
@@ -21,6 +22,7 @@ from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion, Pose, Triple
 from pgimp.scene.rigid.free_body import FreeBody, State
+from pgimp.scene.rigid.images import Middle, nearest_image, place, require_short, rings
 from pgimp.scene.rigid.measure import lattice_points, measure, require_densities
 
 #: Compliance of a free body against held fields, over its compliance as a free body. This fraction
@@ -47,6 +49,8 @@ class SceneRigidBodies:
         The case.
     frame : Frame
         Where the grid lies.
+    periods : (D,) float64
+        Period by direction, or 0.
 
     Attributes
     ----------
@@ -64,8 +68,9 @@ class SceneRigidBodies:
         Thickness of all bodies; likewise.
     """
 
-    def __init__(self, case: Case, frame: Frame) -> None:
-        self.case, self.frame = case, frame
+    def __init__(self, case: Case, frame: Frame, periods: NDArray[np.float64]) -> None:
+        self.case, self.frame, self.periods = case, frame, periods
+        self.rings = rings(frame, periods)
         self.names, self.entries = list(case.rigid_bodies), list(case.rigid_bodies.values())
         self.fields: list[DistanceField] = []
         self.rate = 0.0
@@ -105,8 +110,11 @@ class SceneRigidBodies:
             for number, (name, entry, one) in enumerate(
                 zip(self.names, self.entries, found, strict=True)
             ):
+                require_short(entry, one.field, self.frame, self.periods, name)
                 if one.inertia:
-                    self.free[number] = FreeBody(name, entry, one.inertia, len(self.frame.cell))
+                    self.free[number] = FreeBody(
+                        name, entry, one.inertia, len(self.frame.cell), self.rings
+                    )
         # Steps depend on these: one rank computes them, because machines may round differently.
         self.rate = on_root(comm, self._greatest_rate)
         self.arms = on_root(comm, self._greatest_arms)
@@ -171,6 +179,11 @@ class SceneRigidBodies:
             for number, entry in enumerate(self.entries)
         ]
 
+    def nearest(self, name: str, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return points that lie to a body at the start as `x`, (n, D), do to its nearest image."""
+        field = self.fields[self.names.index(name)]
+        return nearest_image(x, field.middle[: x.shape[1]], self.periods)
+
     def surface_at(self, poses: list[Pose]) -> NDArray[np.float64]:
         """Return the vertices of `surface` for these poses, (n, 3)."""
         points = self.surface.points.copy()
@@ -192,7 +205,7 @@ class SceneRigidBodies:
             zip(self.poses(start, states), self.entries, self.fields, strict=True)
         ):
             row, lattice = rigid_bodies.motion[number], rigid_bodies.lattice[number]
-            row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
+            self.place(row, number, pose, start, free)
             for name, time in (("velocity_before", start), ("velocity_after", end)):
                 if isinstance(entry.rigid, Motion):
                     row[name] = np.concatenate(entry.rigid.velocities(time))
@@ -200,6 +213,16 @@ class SceneRigidBodies:
                     row[name] = self.free[number].velocities(free[number])
             self._bound(row, lattice, field)
         return rigid_bodies
+
+    def place(
+        self, row: NDArray, number: int, pose: Pose, time: float, free: Mapping[int, State]
+    ) -> None:
+        """Set a body's pose; `free` are the states of the free bodies, by number."""
+        field, motion, middle = self.fields[number], self.entries[number].rigid, None
+        if self.rings:
+            middle = Middle(self.rings, field.middle, field.middle - self.reference(number))
+        home = motion if isinstance(motion, Motion) else free[number].home
+        place(row, pose, middle, home, time)
 
     def speeds(self) -> dict[int, float]:
         """Return the greatest speed over time of a point of each prescribed body."""
@@ -249,7 +272,10 @@ class SceneRigidBodies:
                 first += len(field.values)
             values = np.concatenate([np.zeros((0, 5)), *(field.values for field in self.fields)])
             point, bodies = np.zeros(1, POINT), len(self.case.bodies)
-            self._kept = RigidBodies(motion, lattice, values, bodies, point, self._answers(0))
+            periods = np.array([*self.periods, 0.0, 0.0][:3]) if self.periods.any() else ()
+            self._kept = RigidBodies(
+                motion, lattice, values, bodies, point, self._answers(0), periods
+            )
         return self._kept
 
     def in_planes(self, planes: int) -> RigidBodies:
@@ -272,6 +298,13 @@ class SceneRigidBodies:
             placed = a + b + c + row["centre"][d]
             low, high = placed.min(), placed.max()
             least, most = 0, self.frame.vertices[d] - 1
+            if self.periods[d] > 0.0:
+                turns = np.floor((0.5 * (low + high) - origin) * inverse / self.frame.cells[d])
+                low, high = low - turns * self.periods[d], high - turns * self.periods[d]
+                slack, end = (self.frame.ghost + 2) / inverse, origin + self.periods[d]
+                if low < origin + slack or high > end - slack:  # it may be on both sides
+                    lattice["least"][d], lattice["most"][d] = least, most
+                    continue
             lattice["least"][d] = np.clip(
                 np.floor((low - origin) * inverse) + self.frame.ghost - 1, least, most
             )

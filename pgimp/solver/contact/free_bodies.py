@@ -8,7 +8,7 @@ large the residual, the body gets exactly the momentum that the material loses.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import hypot, inf
+from math import floor, hypot, inf
 from typing import Any
 
 import numpy as np
@@ -266,7 +266,25 @@ class FreeBodies:
             self.comm.Allreduce(every.view(np.float64), found.view(np.float64))
             every = found
         numbers = every.view(np.float64).reshape(*every.shape, -1)
-        return np.add.reduce(numbers, axis=0).view(RESPONSE)[:, 0]
+        return np.add.reduce(self.in_order(numbers, low), axis=0).view(RESPONSE)[:, 0]
+
+    def in_order(self, values: np.ndarray, low: int) -> np.ndarray:
+        """Return values by plane, from `low` on, and body in the order in which they are summed.
+
+        Where x is periodic they begin half a period below the body: so sums do not depend on where
+        the seam is.
+        """
+        if not self.rigid_bodies.periods[0]:
+            return values
+        frame = self.scene.domain.frame
+        cells, found = frame.cells[0], np.zeros((frame.cells[0], *values.shape[1:]))
+        numbers = np.arange(low, low + len(values)) - frame.ghost
+        mine = (numbers >= 0) & (numbers < cells)
+        found[numbers[mine]] = values[mine]
+        for number, state in enumerate(self.states):
+            first = floor((state.home[0] - frame.origin[0]) * frame.inverse[0]) + cells // 2
+            found[:, number] = np.roll(found[:, number], -first, axis=0)
+        return found
 
     def move(self, rigid_bodies: RigidBodies, grid: Grid, dt: float) -> None:
         """Apply the step's impulses to the bodies, and move them; collective."""

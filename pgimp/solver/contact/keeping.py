@@ -27,9 +27,10 @@ def placed(rigid_bodies: SceneRigidBodies, time: float, states: list[State] | No
     """Return rigid bodies with their positions and velocities at a time."""
     kept, states = rigid_bodies.arrays(), rigid_bodies.first if states is None else states
     motion = kept.motion.copy()
+    free = dict(zip(rigid_bodies.free, states, strict=True))
     for number, pose in enumerate(rigid_bodies.poses(time, states)):
         row, rigid = motion[number], rigid_bodies.entries[number].rigid
-        row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
+        rigid_bodies.place(row, number, pose, time, free)
         if isinstance(rigid, Motion):
             row["velocity_after"] = np.concatenate(rigid.velocities(time))
     for (number, body), state in zip(rigid_bodies.free.items(), states, strict=True):
@@ -160,7 +161,7 @@ class Keeping:
             found = np.empty_like(every)
             self.comm.Allreduce(every, found)  # a layer has but one rank: no sum is rounded
             every = found
-        work = _push(self.free, np.add.reduce(every, axis=0))
+        work = _push(self.free, np.add.reduce(self.free.in_order(every, 0), axis=0))
         if self.comm.rank == 0 and len(ledger.work):
             ledger.work[0] += sum(work)
             ledger.rigid_bodies[0, numbers, RIGID_WORK] += work

@@ -12,7 +12,6 @@ from pgimp.kernels.data.particles import COLUMNS, Particles
 from pgimp.kernels.order.order import cell_numbers, locate
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
-from pgimp.scene.rigid.free_body import STATE
 from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.velocity_fields import MOST
@@ -135,7 +134,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             whole = _whole(source, name, (planes, *mine.shape[1:]))
             found[name] = whole[first : first + len(mine)]
         if scene.interaction.rigid_bodies.free:
-            shape = (len(scene.interaction.rigid_bodies.free), STATE)
+            begun = scene.interaction.rigid_bodies.first
+            shape = (len(begun), len(begun[0].numbers))
             states = _whole(source, "free-bodies", shape)
             if (abs((states[:, 3:7] ** 2).sum(axis=1) - 1.0) > 1e-9).any():
                 raise DamagedError("the rotation of a rigid body is none")

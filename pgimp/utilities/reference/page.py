@@ -173,7 +173,8 @@ def _rows(
     named = [*schema.get("patternProperties", {}).values(), schema.get("additionalProperties")]
     for value in named:
         if isinstance(value, dict):
-            place = "FACE" if "propertyNames" in schema else "NAME"
+            faces = "enum" in schema.get("propertyNames", {})
+            place = "FACE" if faces else "NAME"
             yield from _below(f"{path}.{place}", value, definitions, sections)
 
 

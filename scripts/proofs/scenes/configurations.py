@@ -157,6 +157,20 @@ def plates(rng, scene):
     return True
 
 
+def _is_short(scene, body, axes):
+    """Whether the images of a rigid body keep apart, also when it has turned."""
+    from pgimp.physics.rigid import RigidBody
+
+    region = RigidBody.model_validate(body).region
+    if any(part.FROM_FILE for part in region.simple()):
+        return False
+    low, high = region.bounds()
+    size = sum((b - a) ** 2 for a, b in zip(low, high, strict=True)) ** 0.5
+    size += 2.0 * max(scene.cell)
+    lengths = (scene.cells[axis] * scene.cell[axis] for axis in axes)
+    return size < min(lengths) - 2.1 * sum(scene.cell)
+
+
 def periodic(rng, scene):
     """One or more directions, x in most scenes, without what no periodic domain has."""
     from pgimp.physics.shapes import SHAPES
@@ -172,7 +186,8 @@ def periodic(rng, scene):
     if not axes:
         return False
     faces = [f"{'xyz'[axis]}-{end}" for axis in axes for end in ("min", "max")]
-    rigid = [name for name, body in case["bodies"].items() if "rigid" in body]
+    rigid = [name for name, body in case["bodies"].items()
+             if "rigid" in body and not _is_short(scene, body, axes)]  # fmt: skip
     for name in rigid:
         del case["bodies"][name]
     laws = [

@@ -199,6 +199,24 @@ def escape(rng, scene):
     scene.case["escape"] = ways
 
 
+def sinks(rng, scene):
+    """One or two regions anywhere take out what comes into them."""
+    bodies = scene.case["bodies"].values()
+    if all(body.get("configuration") == "initial" for body in bodies if "rigid" not in body):
+        return False
+    grid = scene.case["grid"]
+    for i in range(rng.choice((1, 1, 2))):
+        pairs = zip(grid["origin"], grid["size"], strict=True)
+        centre = [a + rng.uniform(0.0, 1.0) * size for a, size in pairs]
+        reach = [rng.uniform(0.5, 3.0) * h for h in scene.cell]
+        box = {end: [x + sign * r for x, r in zip(centre, reach, strict=True)]
+               for end, sign in (("min", -1.0), ("max", 1.0))}  # fmt: skip
+        ball = {"centre": centre, "radius": rng.uniform(0.5, 3.0) * min(scene.cell)}
+        region = {"ball": ball} if scene.dimension > 1 and rng.random() < 0.4 else {"box": box}
+        scene.case.setdefault("escape", {})[f"sink{i}"] = {"region": region}
+    return True
+
+
 class Feature(NamedTuple):
     """A line of the table: see the head of this file."""
 
@@ -247,6 +265,7 @@ FEATURES = (
     Feature("functions of time", over_time, 0.4),
     Feature("stages", stages, 0.25),
     Feature("along the axis", along_the_axis),
+    Feature("sinks", sinks, 0.2, compiled=True),
     Feature("periodic faces", periodic, 0.2, compiled=True),
     Feature("settling", settling, 0.1, compiled=True),
     Feature("body force of one's own", own_force, 0.15, compiled=True),

@@ -78,7 +78,8 @@ def cases(draw):
             face: draw(st.sampled_from(["stop", "remove"]))
             for face in ("y-min", "y-max", "z-min", "z-max")[: 2 * dimensions - 2]
             if draw(st.booleans())
-        },
+        }
+        | ({"bin": {"region": region}} if draw(st.booleans()) else {}),
         "output": {
             "every": draw(st.none() | st.floats(1e-150, 1e150)),
             "fields": draw(st.lists(st.sampled_from(IN_ALL), unique=True)),

@@ -66,6 +66,7 @@ COARSER = {
     ],
     "graded": ["grid.cell=[1.0]", "output.every=11.0", "history.every=1.0"],
     "gate": ["grid.cell=[0.005,0.01]", "time.end=0.02", "output.every=0.01"],
+    "hopper": ["time.end=1.1", "output.every=0.55"],
     "jet": ["grid.cell=[0.025,0.025]", "output.every=0.5"],
     "dam-break": ["grid.cell=[0.07,0.06]", "time.end=1.0", "output.every=0.5"],
 }

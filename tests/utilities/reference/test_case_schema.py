@@ -104,7 +104,7 @@ def test_every_column_of_the_history_is_written(dimensions):
     assert all(any(part in name for part in others) for name in unwritten)
 
 
-_NAMED = {"materials": "NAME", "bodies": "NAME", "boundaries": "FACE", "escape": "FACE"}
+_NAMED = {"materials": "NAME", "bodies": "NAME", "boundaries": "FACE", "escape": "NAME"}
 
 
 def keys(data, path=""):

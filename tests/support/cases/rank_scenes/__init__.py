@@ -20,9 +20,9 @@ from rank_scenes.flights import (
 from rank_scenes.gauged import GAUGED, gauged
 from rank_scenes.initial_bodies import both_configurations, initial, initial_contact, initial_stages
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
-from rank_scenes.leaving import PROBES, line_leaves, plane_leaves
+from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
 from rank_scenes.meetings import meeting, staged
-from rank_scenes.periods import endless, layer, round_and_round
+from rank_scenes.periods import endless, layer, rigid_round, round_and_round
 from rank_scenes.plates import plates, plates_initial
 from rank_scenes.rings import rings, rings_initial
 from rank_scenes.squeezed_blocks import SIZED
@@ -65,6 +65,7 @@ SCENES = (
             narrow,
             line_leaves,
             plane_leaves,
+            sinks,
             loaded,
             meeting,
             staged,
@@ -88,6 +89,7 @@ SCENES = (
             plates_initial,
             rings_initial,
             round_and_round,
+            rigid_round,
             layer,
             endless,
             lifts,

@@ -30,6 +30,33 @@ def line_leaves():
     )
 
 
+def sinks():
+    """Two regions take out what comes into them; a body in the initial configuration stays."""
+    bodies = {
+        "jet": box([14.0, 4.0], [16.0, 7.0], [-9.0, 0.0]),
+        "falls": turning(box([4.0, 8.0], [7.0, 10.0]), [5.5, 9.0], 1.5, [2.0, -6.0]),
+        "stays": box([9.0, 8.0], [11.0, 10.0], [0.5, -6.0], "stiff") | {"configuration": "initial"},
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[18, 12],
+        end=1.0,
+        step={"courant": 0.25},
+        materials=PAIR,
+        inflow={"jet": {"velocity": [-9.0, 0.0], "until": 0.6}},
+        contact=[{"bodies": "all"}],
+        boundaries={"y-max": "slip"},
+        escape={
+            "y-min": "remove",
+            "drain": {"region": {"ball": {"centre": [5.0, 3.0], "radius": 2.5}}},
+            "side": {"region": {"half-space": {"point": [9.0, 0.0], "normal": [1.0, 0.4]}}},
+        },
+        output={"every": 0.1, "fields": EVERYTHING},
+        history={"every": {"steps": 1}},
+    )
+
+
 def plane_leaves():
     """Courant control; a square leaves through a corner, one through the slabs' side, one stays."""
     bodies = {

@@ -42,6 +42,35 @@ def round_and_round():
     )  # fmt: skip
 
 
+def rigid_round():
+    """Rigid bodies cross seams, one moves freely; a block and a bar of fluid meet them there."""
+    fluid = {"model": "newtonian", "bulk": 100.0, "shear-viscosity": 0.5, "density": 1.0}
+    wheel = {"velocity": [5.0, -1.0], "rotation": {"about": [15.0, 6.0], "rate": 4.0}}
+    bodies = {
+        "block": box([1.0, 1.0], [4.0, 4.0], [-6.0, 2.0]),
+        "bar": box([8.0, 8.0], [12.0, 10.0], [4.0, -8.0], "fluid"),
+        "wheel": {"rigid": wheel, "region": {"ball": {"centre": [15.0, 6.0], "radius": 1.5}}},
+        "stone": {
+            "rigid": {"density": 1.5},
+            "region": {"box": {"min": [15.0, 1.0], "max": [17.0, 3.0]}},
+            "velocity": [3.0, 0.5],
+        },
+    }
+    return scene(
+        2,
+        bodies,
+        cells=[16, 12],
+        end=1.2,
+        step={"courant": 0.3},
+        materials={"soft": SOFT, "fluid": fluid},
+        gravity=[2.0, -1.0],
+        boundaries=dict.fromkeys(("x-min", "x-max", "y-min", "y-max"), "periodic"),
+        contact=[{"bodies": "all", "friction": 0.3}],
+        output={"every": 0.3, "fields": [*EVERYTHING, "unwrapped"], "grid": [*GRID, "contact"]},
+        history={"every": {"steps": 10}},
+    )
+
+
 def layer():
     """A layer of fluid from seam to seam flows down a channel that is periodic along x and z."""
     fluid = {"model": "newtonian", "bulk": 100.0, "shear-viscosity": 2.0, "density": 1.0}

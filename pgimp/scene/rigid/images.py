@@ -1,0 +1,127 @@
+"""Images of rigid bodies in periodic domains: of each a point meets the nearest one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import floor
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.errors import CaseError
+from pgimp.geometry.distancefield import MARGIN, DistanceField
+from pgimp.kernels.data.frame import Frame
+from pgimp.kernels.rigid.fill import CERTAINLY
+from pgimp.physics.rigid import Motion, Pose, RigidBody
+from pgimp.schema.sizes import AXES
+
+
+class Ring(NamedTuple):
+    """A direction in which the domain may be periodic: its low end, and its period or 0."""
+
+    low: float
+    period: float
+
+    def inside(self, x: float, way: float = 0.0) -> float:
+        """Return ``x + way``, less whole periods so that it is within the domain.
+
+        The way is added last: so the sum is rounded as within the domain.
+        """
+        if self.period == 0.0:
+            return x + way
+        return (x - floor((x + way - self.low) / self.period) * self.period) + way
+
+
+def rings(frame: Frame, periods: NDArray[np.float64]) -> tuple[Ring, ...]:
+    """Return the directions of a periodic domain, three; () for others."""
+    if not periods.any():
+        return ()
+    found = [Ring(*each) for each in zip(frame.origin, periods.tolist(), strict=True)]
+    return (*found, Ring(0.0, 0.0), Ring(0.0, 0.0))[:3]
+
+
+class Middle(NamedTuple):
+    """How the middle of a body's lattice is found from a pose, in a periodic domain.
+
+    Attributes
+    ----------
+    rings : tuple of Ring
+        The directions.
+    start, own : (3,) float64
+        The middle at the start, and from the reference point then.
+    """
+
+    rings: tuple[Ring, ...]
+    start: NDArray[np.float64]
+    own: NDArray[np.float64]
+
+
+def place(
+    row: NDArray, pose: Pose, middle: Middle | None, motion: Motion | Sequence[float], time: float
+) -> None:
+    """Set the pose of a rigid body, see `MOTION`.
+
+    Parameters
+    ----------
+    row : MOTION
+        Of the body.
+    pose : Pose
+        Its pose.
+    middle : Middle or None
+        None in domains that are not periodic.
+    motion : Motion or sequence of float
+        How it moves; of a free body the image of its centre that is within the domain.
+    time : float
+        The time.
+    """
+    row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
+    if middle is None:
+        return
+    # No matrix product: machines may round it differently.
+    own, turn = middle.own, row["rotation"]
+    lever = [turn[d, 0] * own[0] + turn[d, 1] * own[1] + turn[d, 2] * own[2] for d in range(3)]
+    row["lever"] = lever
+    if not isinstance(motion, Motion):
+        row["middle"] = [x + a for x, a in zip(motion, lever, strict=True)]
+        return
+    turns = motion.rotation is not None
+    first = motion.reference if turns else middle.start
+    for d, (ring, way) in enumerate(zip(middle.rings, motion.displacement(time), strict=True)):
+        row["middle"][d] = ring.inside(float(first[d]), way) + (lever[d] if turns else 0.0)
+
+
+def nearest_image(
+    x: NDArray[np.float64], middle: NDArray[np.float64], periods: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the points x, (n, D), less the whole periods that they are away from `middle`."""
+    length = np.where(periods > 0.0, periods, np.inf)
+    turns = np.floor((x - middle) / length + 0.5)
+    return np.asarray(x - turns * periods)
+
+
+def require_short(
+    entry: RigidBody, field: DistanceField, frame: Frame, periods: NDArray[np.float64], name: str
+) -> None:
+    """Refuse a body so long that a vertex may be near two of its images.
+
+    Raises
+    ------
+    CaseError
+        Always with the greatest length.
+    """
+    motion, D = entry.rigid, len(frame.cell)
+    sides = field.spacing * (field.shape[:D] - 1) - 2.0 * MARGIN * np.array(frame.cell)
+    turning = not isinstance(motion, Motion) or motion.rotation is not None
+    if turning and D > 1:
+        sides = np.full(D, float(np.sqrt(np.square(sides).sum())))
+    for d in np.flatnonzero(periods):
+        most = float(periods[d]) - 2.0 * CERTAINLY * sum(frame.cell)
+        if sides[d] > most:
+            turned = " as it turns" if turning and D > 1 else ""
+            raise CaseError(
+                f"bodies.{name}.region: is up to {sides[d]:.4g} long along {AXES[d]}{turned}, and "
+                f"the domain repeats every {periods[d]:.4g}: with these cells its images come too "
+                f"near each other from {max(most, 0.0):.4g} on; take a shorter body, smaller cells "
+                "or a longer domain, or a wall (boundaries) in place of a plate"
+            )
