@@ -20,7 +20,8 @@ from pgimp.schema.tables import VaryingVector
 #: Sections whose named entries change key by key; sections whose entries are replaced; sections
 #: that change key by key themselves; sections that are replaced.
 BY_KEY, BY_ENTRY = ("materials", "tractions", "constraints"), ("boundaries", "escape")
-SECTIONS, WHOLE = ("method", "output", "history"), ("gravity", "body_force", "damping", "contact")
+SECTIONS = ("method", "output", "history")
+WHOLE = ("gravity", "body_force", "water", "damping", "contact")
 
 _Entries = dict[str, object]
 
@@ -86,6 +87,11 @@ class Stage(Model):
     body_force: object = Field(
         default=None,
         description="as in the case, in place of it; null: none",
+        json_schema_extra=_any_form,
+    )
+    water: object = Field(
+        default=None,
+        description="as in the case, in place of it, so that its level changes at once; null: none",
         json_schema_extra=_any_form,
     )
     damping: object = Field(

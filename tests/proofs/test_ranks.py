@@ -37,6 +37,7 @@ GO_ON = {
         "narrow",
         "layer",
         "pours",
+        "soaked",
     ),
     (5, 4): (
         "line_mpm",

@@ -33,7 +33,7 @@ from pgimp.case.checks.domain import (
     check_time,
 )
 from pgimp.case.checks.geometry import check_axis, check_geometry, check_plane_stress, check_rings
-from pgimp.case.checks.geostatic import check_geostatic
+from pgimp.case.checks.geostatic import check_geostatic, check_water
 from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.periodic import (
     check_period,
@@ -175,6 +175,7 @@ _CHECKS = (
     check_damping,
     check_settling,
     check_geostatic,
+    check_water,
     check_configuration,
     check_initial_output,
     check_output,

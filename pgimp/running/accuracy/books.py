@@ -151,6 +151,7 @@ def momentum_books(case: Case, history: Array) -> tuple[list[MomentumBook], str]
     unknown = [
         *("tractions" for one in stages if one.tractions),
         *("a body force" for one in stages if one.body_force is not None),
+        *("water in the ground" for one in stages if one.water is not None),
         *("steps that settle" for one in stages if one.start.settle),
         *("axisymmetric rings" for one in stages if one.axisymmetric),
     ]
