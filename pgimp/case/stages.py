@@ -212,7 +212,7 @@ def merged(
     data |= {section: changes[section] for section in WHOLE if section in changes}
     step = stage.step if stage.step is not None else before["time"]["step"]
     end = before["time"]["end"] if stage.end is None else stage.end
-    data["time"] = {"end": end, "step": step}
+    data["time"] = {**before["time"], "end": end, "step": step}
     data["start"] = {"settle": stage.settle and stage.settle.model_dump()}
     for name in stage.remove:
         if "rigid" in data["bodies"].get(name, {}):

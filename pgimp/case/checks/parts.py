@@ -20,7 +20,7 @@ from pgimp.case.checks.bodies import (
     check_velocities,
 )
 from pgimp.case.checks.configuration import check_configuration, check_initial_output
-from pgimp.case.checks.damping import check_damping
+from pgimp.case.checks.damping import check_damping, check_mass_scaling
 from pgimp.case.checks.domain import (
     check_body_force,
     check_boundaries,
@@ -173,6 +173,7 @@ _CHECKS = (
     check_contact,
     check_adhesion,
     check_damping,
+    check_mass_scaling,
     check_settling,
     check_geostatic,
     check_water,

@@ -209,5 +209,6 @@ def _weight(case: Case, history: Array, axis: int) -> float | None:
             g = np.array([stage.gravity.value(float(t))[axis] for t in at])
         else:
             g = np.full(count, float(stage.gravity[axis]))
+        g = g / stage.time.mass_scaling  # whose masses are in the history
         total += float(np.trapezoid(g * np.interp(at, times, mass), at))
     return total if found else None

@@ -5,6 +5,10 @@ import math
 from proofs.scenes.bodies import number, vector
 from proofs.scenes.materials import runs
 
+#: Materials whose density is inertia and nothing else.
+INERTIA_ALONE = ("hooke", "neo-hookean", "linear-1d", "von-mises", "drucker-prager",
+                 "mohr-coulomb", "cam-clay")  # fmt: skip
+
 
 def table(rng, scene, most, size=None):
     """A load or velocity over the time of the run, linear in between."""
@@ -119,6 +123,25 @@ def water(rng, scene):
     for stage in stages:
         if rng.random() < 0.3:
             stage["water"] = {"level": levels[1], "density": density}
+    return True
+
+
+def mass_scaling(rng, scene):
+    """Inertia is larger, where nothing begins to move by itself."""
+    case, bodies = scene.case, scene.case["bodies"].values()
+    of = [case["materials"][body["material"]] for body in bodies if "rigid" not in body]
+    if (
+        {"exact", "inflow", "body_force"} & {*case}
+        or any("absorbing" in str(kind) for kind in case["boundaries"].values())
+        or any("absorbing" in str(stage) for stage in case["time"].get("stages", ()))
+        or any("density" in body.get("rigid", {}) for body in bodies)
+        or not all(entry["model"] in INERTIA_ALONE for entry in of)
+        or not all(isinstance(entry["density"], float) for entry in of)
+    ):
+        return False
+    for body in bodies:
+        body.pop("velocity", None)
+    case["time"]["mass-scaling"] = number(rng, 1.0, 30.0)
     return True
 
 

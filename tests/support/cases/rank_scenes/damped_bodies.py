@@ -116,8 +116,12 @@ def heavy():
 
 
 def soaked():
-    """As `heavy`, with a surcharge, in water whose level crosses slabs; it is drained at last."""
+    """As `heavy`, with a surcharge, in water whose level crosses slabs; it is drained at last.
+
+    Inertia is twice as large.
+    """
     case = heavy()
+    case["time"]["mass-scaling"] = 2.0
     case["boundaries"]["x-min"] = "slip"
     case["tractions"] = {"fill": {"body": "high", "face": "x-max", "pressure": 2.0}}
     case["water"] = {"level": {"table": [[0.2, 12.2], [0.7, 6.3]]}, "density": 0.5}
