@@ -39,6 +39,7 @@ from pgimp.physics.functions.over_time import until
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.inflow import InflowEntry
 from pgimp.physics.loads.tractions import TractionEntry
+from pgimp.physics.loads.water import Water
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.base import Count, Label, Model, Name
 from pgimp.schema.dispatch import WithKey
@@ -144,6 +145,11 @@ class Case(Model):
         default=None,
         description="body force that depends on place, velocity or time, besides gravity; null: "
         "none",
+    )
+    water: Water | None = Field(
+        default=None,
+        description="water at rest in the pores of the ground: below its level stresses are "
+        "effective ones, and the weight is that in water; null: none",
     )
     damping: Damping | None = Field(
         default=None,

@@ -20,7 +20,8 @@ from pgimp.schema.tables import VaryingVector
 #: Sections whose named entries change key by key; sections whose entries are replaced; sections
 #: that change key by key themselves; sections that are replaced.
 BY_KEY, BY_ENTRY = ("materials", "tractions", "constraints"), ("boundaries", "escape")
-SECTIONS, WHOLE = ("method", "output", "history"), ("gravity", "body_force", "damping", "contact")
+SECTIONS = ("method", "output", "history")
+WHOLE = ("gravity", "body_force", "water", "damping", "contact")
 
 _Entries = dict[str, object]
 
@@ -86,6 +87,11 @@ class Stage(Model):
     body_force: object = Field(
         default=None,
         description="as in the case, in place of it; null: none",
+        json_schema_extra=_any_form,
+    )
+    water: object = Field(
+        default=None,
+        description="as in the case, in place of it, so that its level changes at once; null: none",
         json_schema_extra=_any_form,
     )
     damping: object = Field(
@@ -206,7 +212,7 @@ def merged(
     data |= {section: changes[section] for section in WHOLE if section in changes}
     step = stage.step if stage.step is not None else before["time"]["step"]
     end = before["time"]["end"] if stage.end is None else stage.end
-    data["time"] = {"end": end, "step": step}
+    data["time"] = {**before["time"], "end": end, "step": step}
     data["start"] = {"settle": stage.settle and stage.settle.model_dump()}
     for name in stage.remove:
         if "rigid" in data["bodies"].get(name, {}):

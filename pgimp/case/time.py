@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import Field
 
 from pgimp.case.stages import Stage
 from pgimp.case.stepping.steps import AnyStep, CourantStep
-from pgimp.schema.base import Model, Positive
+from pgimp.schema.base import Model, Number, Positive
 from pgimp.schema.sizes import whole
 
 
@@ -19,6 +21,14 @@ class Time(Model):
     )
     step: AnyStep = Field(
         description="a fixed time step, of which end is a whole number [time], or {courant: ..}"
+    )
+    mass_scaling: Annotated[Number, Field(ge=1.0)] = Field(
+        default=1.0,
+        alias="mass-scaling",
+        description="factor on inertia for quasi-static runs, whose steps are longer by its root: "
+        "all accelerate as if masses were larger by it, while gravity and other forces stay what "
+        "they are. Masses, densities, momenta and kinetic energies in results are those of this "
+        "inertia; for all stages [1]",
     )
     stages: tuple[Stage, ...] = Field(
         default=(),

@@ -22,6 +22,7 @@ from pgimp.scene.checks.later_constraints import idle_warnings
 from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.checks.sanity import body_warnings, case_warnings, small_step_warning
+from pgimp.scene.mass_scaling import scaling_notes
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.solver.start.memory import size_text
 from pgimp.solver.start.require_memory import MemoryShortError
@@ -73,6 +74,7 @@ def report(case: Case, verbose: bool = False) -> None:
         For errors that would stop a run before its first step.
     """
     whole, case = case, case.stages[0]
+    written = case
     cells = " x ".join(str(n) for n in case.grid.cells)
     try:
         known = prepare(whole)
@@ -83,6 +85,7 @@ def report(case: Case, verbose: bool = False) -> None:
         report_memory(error.estimate, True)
         raise
     scene, bodies, rate, dt = known.scenes[0], known.found.bodies, known.rate, known.dt
+    case = scene.case  # with the inertia of mass scaling
     count = int(known.counts.sum())
     print(
         f"{case.title or 'case'}: valid; {count:,} particles in {len(bodies)} "
@@ -94,7 +97,7 @@ def report(case: Case, verbose: bool = False) -> None:
         report_body(body, case, duration, verbose)
     if len(bodies) > len(shown):
         print(f"{'':<16} and {len(bodies) - len(shown)} more bodies (-v has them)")
-    report_materials(case)
+    report_materials(written)
     report_rigid(scene, verbose)
     report_inflow(case, known.entering, duration)
     chosen = ", chosen by pgimp" if case.watched else ""
@@ -103,7 +106,7 @@ def report(case: Case, verbose: bool = False) -> None:
     first = f"{which} of {dt:.4g}, Courant {dt * rate:.3g}{chosen}{longest}"
     steps = float(case.time.steps or case.time.end / dt)
     costs, crossing = measure(scene, count, steps)
-    tried = pilot(case, count, steps, costs, _thinnest(case, bodies)) if costs else None
+    tried = pilot(written, count, steps, costs, _thinnest(case, bodies)) if costs else None
     steps = report_steps(case, steps, tried, first)
     if whole.time.stages:
         settles = case.start.settle is not None  # whose steps take no time
@@ -123,6 +126,7 @@ def report(case: Case, verbose: bool = False) -> None:
     poisson = {one.name: one.varies["poisson"][2] for one in bodies if "poisson" in one.varies}
     for note in (
         *known.notes,
+        *scaling_notes(case),
         *nearness.notes(case),
         *stripes(case, poisson),
         *ordered_advice(case, bodies, known.crossing, dt),

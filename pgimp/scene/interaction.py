@@ -10,6 +10,7 @@ from pgimp.scene.loads import SceneLoads
 from pgimp.scene.materials import MaterialTable
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.settings import Settings
+from pgimp.scene.water import SceneWater
 
 
 class Interaction:
@@ -34,8 +35,13 @@ class Interaction:
         if case.body_force:
             force = case.body_force.parameters()
         current = ~settings.lagrangian
+        water = SceneWater(case, materials) if case.water else None
         self.loads = SceneLoads(
-            case, materials.names, force, domain.sides_approached, case.method.follows & current
+            case,
+            materials.names,
+            (force, water),
+            domain.sides_approached,
+            case.method.follows & current,
         )
         self.rigid_bodies = SceneRigidBodies(case, domain.frame, domain.periods)
         self.pairs: Pairs | None = None

@@ -16,7 +16,8 @@ from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.merge import LEAST_FRACTION
-from pgimp.scene.surfaces import SurfaceLoads
+from pgimp.scene.surfaces import SurfaceLoads, face_stretches
+from pgimp.scene.water import SceneWater
 
 
 def covered_fractions(low: float, high: float, edges: np.ndarray) -> np.ndarray:
@@ -51,8 +52,9 @@ class SceneLoads:
         The case.
     materials : list of str
         Names of the materials in use, in the order of their parameters.
-    force : NamedTuple or ()
-        Parameters of the body force, or of an exact solution with a body force.
+    forces : (NamedTuple or (), SceneWater or None)
+        Parameters of the body force, or of an exact solution with a body force; and the water in
+        the ground.
     walls : tuple of Sides or ()
         Walls whose clearances are needed, see `Loads`.
     follows : (bodies,) bool
@@ -63,7 +65,7 @@ class SceneLoads:
         self,
         case: Case,
         materials: list[str],
-        force: tuple = (),
+        forces: tuple[Any, SceneWater | None] = ((), None),
         walls: tuple[Sides, ...] = (),
         follows: Iterable[bool] = (),
     ) -> None:
@@ -90,7 +92,7 @@ class SceneLoads:
         liquid = np.array([float(entry.LIQUID) for entry in law])
         if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid
-        self.force, self.walls = force, walls
+        (self.force, self.water), self.walls = forces, walls
         self.tractions = [entry for entry in case.tractions.values() if entry.face is not None]
         self.constraints = list(case.constraints.values())
         grid, method = case.grid, case.method
@@ -100,8 +102,8 @@ class SceneLoads:
         self._follows = dict(zip(self.bodies, follows, strict=False))
         self.surfaces = SurfaceLoads(case, self._follows)
         self._width = 2.0 * size if method.chi == "box" else size
-        self._varies = bool(force) or any(entry.varies for entry in case.tractions.values())
-        self._varies |= self.surfaces.varies
+        self._varies = bool(self.force) or any(entry.varies for entry in case.tractions.values())
+        self._varies |= self.surfaces.varies or bool(self.water and self.water.varies)
         self._constraints_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
         self._constraints = self._constraints_at(0.0, 0.0)
@@ -140,7 +142,8 @@ class SceneLoads:
             entry.parameters(i, self._spread, bool(self._follows.get(entry.body, False)), t)
             for i, entry in enumerate(self.tractions)
         )
-        force = BodyForce(self.force, t) if self.force else ()
+        source = self.water.at(t, self.force) if self.water else self.force
+        force = BodyForce(source, t) if source else ()
         mean, mean_lagrangian = ((), self.mean) if all(self.lagrangian) else (self.mean, ())
         return Loads(
             self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean,
@@ -265,7 +268,10 @@ class SceneLoads:
         rows = population.order.astype(np.int64)
         sums = np.zeros((len(start) - 1, len(self.tractions)))
         layer = np.repeat(np.arange(len(sums)), np.diff(start))
-        np.add.at(sums, layer, p.patch[rows])  # one after the other, in canonical order
+        areas = p.patch[rows]
+        for i, entry in enumerate(self.tractions):  # of what begins deformed, current ones
+            areas[:, i] *= face_stretches(p.F[rows], entry.axis, self.case.dimensions)
+        np.add.at(sums, layer, areas)  # one after the other, in canonical order
         total = np.add.reduce(np.concatenate(comm.allgather(sums)), axis=0)
         for i, (entry, area) in enumerate(zip(self.tractions, total, strict=True)):
             if area > 0.0 and (bodies is None or entry.body in bodies):

@@ -19,6 +19,7 @@ from pgimp.scene.bodies.counts import count_all
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.domain import Domain
 from pgimp.scene.interaction import Interaction
+from pgimp.scene.mass_scaling import scaled
 from pgimp.scene.materials import MaterialTable
 from pgimp.scene.settings import Settings
 
@@ -28,6 +29,8 @@ class Scene:
 
     Attributes
     ----------
+    case : Case
+        The stage's, with the inertia of mass scaling.
     dimension : int
         Directions D of the scene.
     settings : Settings
@@ -57,7 +60,7 @@ class Scene:
     """
 
     def __init__(self, case: Case) -> None:
-        self.case = case
+        self.case = case = scaled(case)
         self.dimension = D = case.dimensions
         self.body_names = list(case.bodies)
         self.settings = settings = Settings(case)

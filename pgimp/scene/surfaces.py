@@ -102,3 +102,16 @@ class SurfaceLoads:
                         f"tractions.{name}.region: touches no surface of '{entry.body}'; let it "
                         "reach across the surface, to both sides"
                     )
+
+
+def face_stretches(F: np.ndarray, axis: int, dimension: int) -> np.ndarray:
+    """Current over initial area of faces normal to an axis at first, (n,), given ``particles.F``.
+
+    It is the length of J F^-T N, by Nanson's formula.
+    """
+    C = np.tile(np.eye(3), (len(F), 1, 1))
+    C[:, :dimension, :dimension] = F[:, : dimension**2].reshape(-1, dimension, dimension)
+    if F.shape[1] == 5:
+        C[:, 2, 2] = F[:, 4]
+    normal = np.cross(C[:, :, (axis + 1) % 3], C[:, :, (axis + 2) % 3])
+    return np.asarray(np.sqrt((normal * normal).sum(axis=1)))

@@ -30,6 +30,7 @@ from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.checks.own_functions import require_sound
 from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.geometry import release, share, take_as_empty
+from pgimp.scene.mass_scaling import scaling_notes
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles, present
@@ -218,7 +219,7 @@ def resume(
 def _decompose(start: Start, counts: np.ndarray) -> Slab:
     """Cut the layers into slabs, one a rank, with balanced numbers of particles."""
     slab, start.balance, notes = partition(start.scene, start.comm, counts)
-    start.notes += notes
+    start.notes += [*notes, *scaling_notes(start.case)]
     return slab
 
 

@@ -38,6 +38,7 @@ GO_ON = {
         "layer",
         "pours",
         "sinks",
+        "soaked",
     ),
     (5, 4): (
         "line_mpm",

@@ -1,4 +1,4 @@
-"""Checks of damping."""
+"""Checks of damping, and of mass scaling."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 
 from pgimp.case.body import Body
 from pgimp.case.damping import Damping
+from pgimp.case.time import Time
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
+from pgimp.physics.materials.base import Material
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -52,3 +54,45 @@ def check_damping(
             f"is a part of the force on a vertex before {meets}, so that what is at rest would "
             "press with other forces: take {kinetic: true} or {mass: RATE}",
         )
+
+
+def check_mass_scaling(
+    time: Time,
+    materials: Mapping[str, Material],
+    bodies: Mapping[str, Body],
+    rigid_bodies: Mapping[str, RigidBody],
+    boundaries: Mapping[str, Boundary],
+    inflow: Mapping[str, object],
+    body_force: object,
+    exact: object,
+) -> Problems:
+    """Check that inertia is of no matter in what is asked for, and may be scaled in all that is."""
+    if time.mass_scaling == 1.0:
+        return
+    path = ("time", "mass-scaling")
+    text = "changes inertia, for quasi-static runs: "
+    for name, body in bodies.items():
+        law = materials.get(body.material)
+        if not isinstance(body.velocity, tuple) or any(body.velocity):
+            yield Problem(path, f"{text}'{name}' begins with a velocity; leave one of them out")
+        if law is not None and not law.INERTIA_ALONE:
+            yield Problem(
+                path,
+                f"{text}the density of '{body.material}' ({getattr(law, 'model', 'a model')}) is "
+                "more than inertia; leave this out",
+            )
+        elif law is not None and ("density",) in law.variations:
+            yield Problem(
+                path, f"{text}give '{body.material}' one density; layers may be bodies of their own"
+            )
+    for name, rigid in rigid_bodies.items():
+        if rigid.free:
+            yield Problem(path, f"{text}'{name}' moves freely, by inertia; give it a motion")
+    for face, entry in boundaries.items():
+        if entry.absorbs:
+            yield Problem(
+                path, f"{text}waves that {face} absorbs have another speed; hold the face"
+            )
+    for what, there in (("inflow", inflow), ("body_force", body_force), ("exact", exact)):
+        if there:
+            yield Problem(path, f"{text}{what} would not be what it is; leave one of them out")

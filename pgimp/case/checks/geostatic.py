@@ -1,4 +1,4 @@
-"""Checks of `start.stress`: the weight above, and the stress that it gives each material."""
+"""Checks of `start.stress`, of the weight above and what it gives each material; and of water."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from collections.abc import Iterator, Mapping
 from pgimp.case.body import Body
 from pgimp.case.start import JAKY, InitialStress, StartEntry, friction_angle
 from pgimp.geometry.regions import Points
+from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.loads.own_stress import OwnStress
+from pgimp.physics.loads.water import Water, vertical_of
 from pgimp.physics.materials.base import Material
 from pgimp.physics.materials.cam_clay import CamClay
 from pgimp.physics.rigid import RigidBody
@@ -115,3 +117,41 @@ def _unfit(
                 f"1-sin-phi needs the friction-angle of a soil, which '{body.material}' of "
                 f"'{name}' has not; give a number, by body: {{{name}: 0.5}}",
             )
+
+
+def check_water(
+    water: Water | None,
+    gravity: object,
+    materials: Mapping[str, Material],
+    bodies: Mapping[str, Body],
+    boundaries: Mapping[str, Boundary],
+) -> Problems:
+    """Check that water has a vertical, and fills bodies that are heavier."""
+    if water is None:
+        return
+    axis = vertical_of(gravity)
+    if axis is None:
+        yield Problem(
+            ("water",),
+            "needs gravity, whose greatest component is the vertical: gravity: [0.0, -9.81]",
+        )
+    elif any(entry.joins for face, entry in boundaries.items() if face[0] == "xyz"[axis]):
+        yield Problem(
+            ("water",),
+            f"has a level along {'xyz'[axis]}, along which the domain is periodic; leave one out",
+        )
+    for i, name in enumerate(water.bodies or ()):
+        if name not in bodies:
+            yield Problem(("water", "bodies", i), unknown("body", name, bodies))
+    for name, body in bodies.items():
+        law = materials.get(body.material)
+        if law is None or not water.fills(name) or law.density > water.density:
+            continue
+        where = ("water",) if water.bodies is None else ("water", "bodies")
+        others = [other for other in bodies if other != name and water.fills(other)]
+        yield Problem(
+            where,
+            f"fills the pores of '{name}', whose density with its water, {law.density:g}, has to "
+            f"be above that of water, {water.density:g}: take the saturated density of ground; a "
+            f"body without pores is left out by bodies: [{', '.join(others)}]",
+        )

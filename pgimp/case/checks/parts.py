@@ -20,7 +20,7 @@ from pgimp.case.checks.bodies import (
     check_velocities,
 )
 from pgimp.case.checks.configuration import check_configuration, check_initial_output
-from pgimp.case.checks.damping import check_damping
+from pgimp.case.checks.damping import check_damping, check_mass_scaling
 from pgimp.case.checks.domain import (
     check_body_force,
     check_boundaries,
@@ -33,7 +33,7 @@ from pgimp.case.checks.domain import (
 )
 from pgimp.case.checks.escape import check_escape
 from pgimp.case.checks.geometry import check_axis, check_geometry, check_plane_stress, check_rings
-from pgimp.case.checks.geostatic import check_geostatic
+from pgimp.case.checks.geostatic import check_geostatic, check_water
 from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.periodic import (
     check_period,
@@ -173,8 +173,10 @@ _CHECKS = (
     check_contact,
     check_adhesion,
     check_damping,
+    check_mass_scaling,
     check_settling,
     check_geostatic,
+    check_water,
     check_configuration,
     check_initial_output,
     check_output,

@@ -4,7 +4,8 @@ from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.vectors.simd import lane, stack, vector
 from pgimp.kernels.data.arguments import FourParticles
-from pgimp.kernels.loads.loads import add_force_power, layer_power
+from pgimp.kernels.loads.body_forces import add_force_power
+from pgimp.kernels.loads.loads import layer_power
 from pgimp.kernels.rigid.hold import hold_outside
 from pgimp.kernels.transfer.gather_shared import take_from_grid
 from pgimp.kernels.transfer.lane_io import LANES, four_rows, put, put_row, take

@@ -7,8 +7,9 @@ from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.data.used_rows import layer_marks, mark_support
 from pgimp.kernels.grid.calming import motion_share
 from pgimp.kernels.grid.filling import FillingSums, ratio_arms
+from pgimp.kernels.loads.body_forces import weight
 from pgimp.kernels.loads.following import DisplacementSums, displacement_arms
-from pgimp.kernels.loads.loads import scatter_loads, weight
+from pgimp.kernels.loads.loads import scatter_loads
 from pgimp.kernels.transfer.contribution import contribution, hoop_force
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
 from pgimp.kernels.transfer.scatter import Share, scatter

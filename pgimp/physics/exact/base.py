@@ -53,7 +53,7 @@ class Solution(Model):
         if self.moves and any(body.velocity if isinstance(body.velocity, tuple) else (True,)):
             text = "the exact solution gives the initial velocity; leave this out"
             yield Problem(("bodies", name, "velocity"), text)
-        for key in ("body_force", "tractions", "constraints"):
+        for key in ("body_force", "water", "tractions", "constraints"):
             if getattr(case, key, None):
                 yield Problem((key,), "the exact solution has none; leave this out")
         for rigid_body in case.rigid_bodies:

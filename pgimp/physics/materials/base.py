@@ -102,6 +102,10 @@ class Material(Varying):
     """Which of `LOSSES` of this module its parameters' ``losses`` tell; each is a column of the
     history."""
 
+    INERTIA_ALONE: ClassVar[bool] = False
+    """Whether the density is nothing but inertia, so that `time.mass-scaling` may change it: no
+    stress, temperature or state depends on it."""
+
     density: Positive = Field(description="initial density [mass/volume]")
     viscosity: ArtificialViscosity | None = Field(
         default=None, description="artificial viscosity; null: none"

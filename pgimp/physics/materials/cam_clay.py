@@ -142,6 +142,7 @@ class CamClayParameters(NamedTuple):
 class CamClay(Material):
     """Clay, modified Cam-clay; it begins under a pressure, `pressure` or that of `points`."""
 
+    INERTIA_ALONE: ClassVar[bool] = True
     CARRIES_STRESS: ClassVar[bool] = True
     BEARS_TENSION: ClassVar[bool] = False
     RESTS: ClassVar[bool] = True

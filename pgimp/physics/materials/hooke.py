@@ -58,6 +58,7 @@ class HookeParameters(NamedTuple):
 class Hooke(Material):
     """Linear elasticity in rate form, for small strains and any rotation."""
 
+    INERTIA_ALONE: ClassVar[bool] = True
     CARRIES_STRESS: ClassVar[bool] = True
     ELASTIC: ClassVar[bool] = True
     PLANE_STRESS: ClassVar[bool] = True

@@ -38,6 +38,7 @@ class Linear1dParameters(NamedTuple):
 class Linear1d(Material):
     """Bar of unit cross-section, stress linear in the stretch; only in one dimension."""
 
+    INERTIA_ALONE: ClassVar[bool] = True
     ELASTIC: ClassVar[bool] = True
 
     model: Literal["linear-1d"] = Field(description="name of the model")

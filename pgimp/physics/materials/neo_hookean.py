@@ -72,6 +72,7 @@ class NeoHookeanParameters(NamedTuple):
 class NeoHookean(Material):
     """Compressible neo-Hookean solid, for large elastic deformation."""
 
+    INERTIA_ALONE: ClassVar[bool] = True
     ELASTIC: ClassVar[bool] = True
     PLANE_STRESS: ClassVar[bool] = True
 

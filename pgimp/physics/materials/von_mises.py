@@ -225,6 +225,7 @@ class Saturation(Model):
 class VonMises(Material):
     """Metal that flows where its equivalent stress reaches a yield stress, for large strains."""
 
+    INERTIA_ALONE: ClassVar[bool] = True
     CARRIES_STRESS: ClassVar[bool] = True
     CARRIES_PRESSURE: ClassVar[bool] = False
     PLANE_STRESS: ClassVar[bool] = True

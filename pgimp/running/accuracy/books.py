@@ -187,6 +187,7 @@ def momentum_books(
     unknown = [
         *("tractions" for one in stages if one.tractions),
         *("a body force" for one in stages if one.body_force is not None),
+        *("water in the ground" for one in stages if one.water is not None),
         *("steps that settle" for one in stages if one.start.settle),
         *("axisymmetric rings" for one in stages if one.axisymmetric),
         *(
@@ -248,7 +249,8 @@ def _weight(case: Case, history: Array, axis: int) -> float | None:
             whole = int(history["step"][k + 1] - history["step"][k])
             part = (end[k] - begin[k]) / (times[k + 1] - times[k])
             steps = max(round(whole * part), 1)
-            total += _impulse(stage.gravity, axis, (begin[k], end[k]), (times, mass), steps, most)
+            impulse = _impulse(stage.gravity, axis, (begin[k], end[k]), (times, mass), steps, most)
+            total += impulse / stage.time.mass_scaling  # whose masses are in the history
     return total if found else None
 
 

@@ -1,7 +1,8 @@
 """Geostatic stress: that of the weight above each particle, and of K0 across.
 
 The weight above is summed in the columns of the lattice, from the surface down: all of the points
-above, and half of the point itself, over the area of a column. On level ground that fills the
+above, and half of the point itself, over the area of a column. The buoyancy of water in the ground
+is taken off, and loads on surfaces that face upwards are added. On level ground that fills the
 lattice's boxes it is exact. A material gets the stress by what it remembers:
 
 - the stress itself, or states that follow from it: F stays 1;
@@ -22,6 +23,7 @@ from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.materials.cam_clay import CamClay
 from pgimp.scene.bodies.prestrain import find_deformation, unknowns_along
+from pgimp.scene.bodies.surcharge import surcharge
 from pgimp.scene.scene import Scene
 
 
@@ -66,7 +68,8 @@ def weight_above(
 ) -> np.ndarray:
     """Weight of the column above each particle, over its area, (count,); collective.
 
-    Sums have the columns' order, so that their bits do not depend on the ranks.
+    It is less by the buoyancy of water, and more by the surcharge. Sums have the columns' order, so
+    that their bits do not depend on the ranks.
     """
     axis, pull = vertical(scene, time)
     frame, method = scene.domain.frame, scene.case.method
@@ -78,24 +81,30 @@ def weight_above(
     level = -number[:, axis] if pull < 0.0 else number[:, axis]
     across = np.delete(number, axis, axis=1)
     bounds = comm.allgather((level.min(initial=2**62), level.max(initial=-(2**62))))
+    weight, on_top = m * abs(pull), surcharge(scene, particles, count, (axis, pull), time)
+    if scene.interaction.loads.water:
+        weight -= scene.interaction.loads.water.lift(particles, count, time)
+    weight, on_top = weight / areas, on_top / areas
     top = min(low for low, _ in bounds)
     levels = max(high for _, high in bounds) - top + 1
     if axis > 0:  # whole columns are here
         columns, column = np.unique(across, axis=0, return_inverse=True)
-        sums = _by_level(column.ravel(), level - top, m * abs(pull) / areas, len(columns), levels)
-        return _at(sums, np.zeros(len(columns)))[0][column.ravel(), level - top]
+        place = column.ravel(), level - top
+        sums = [_by_level(*place, each, len(columns), levels) for each in (weight, on_top)]
+        return _at(sums, np.zeros(len(columns)))[0][place]
     every = np.concatenate(comm.allgather(np.unique(across, axis=0)))
     columns = np.unique(every, axis=0)
     key = np.concatenate([columns, across])
     column = np.unique(key, axis=0, return_inverse=True)[1].ravel()[len(columns) :]
-    sums = _by_level(column, level - top, m * abs(pull) / areas, len(columns), levels)
-    above, found = np.zeros(len(columns)), sums
+    place = column, level - top
+    sums = [_by_level(*place, each, len(columns), levels) for each in (weight, on_top)]
+    above, found = np.zeros(len(columns)), sums[0]
     ranks = range(comm.size) if pull > 0.0 else reversed(range(comm.size))
     for rank in ranks:  # one after the other, from the surface down
         if rank == comm.rank:
             found, above = _at(sums, above)
         above = comm.bcast(above, root=rank)
-    return np.asarray(found[column, level - top])
+    return np.asarray(found[place])
 
 
 def _by_level(
@@ -107,10 +116,14 @@ def _by_level(
     return sums
 
 
-def _at(sums: np.ndarray, above: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weight above the middle of each level, and above what comes below."""
-    every = np.cumsum(np.concatenate([above[:, None], sums], axis=1), axis=1)
-    return every[:, :-1] + 0.5 * sums, every[:, -1]
+def _at(sums: list[np.ndarray], above: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weight above the middle of each level, and above what comes below.
+
+    `sums` are those of the weights, and of loads on top of each level.
+    """
+    weight, on_top = sums
+    every = np.cumsum(np.concatenate([above[:, None], weight + on_top], axis=1), axis=1)
+    return every[:, :-1] + on_top + 0.5 * weight, every[:, -1]
 
 
 def k0_of(entry: InitialStress, scene: Scene, name: str) -> float:

@@ -11,6 +11,7 @@ from pgimp.kernels.data.frame import identity, volume_ratio
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.once.prestress import bearable_stress
 from pgimp.scene.scene import Scene
+from pgimp.scene.surfaces import face_stretches
 
 #: Newton steps, at most; the change of a logarithm for a slope; the part of the wanted stress that
 #: may be missing in the end.
@@ -144,3 +145,9 @@ def find_deformation(
     if not law.CARRIES_STRESS:
         p.sigma[rows] = found
     p.V0[rows] = p.V[rows] / volume_ratio(p.F[rows], D)
+    for i, traction in enumerate(scene.interaction.loads.tractions):  # whose areas are current
+        p.patch[rows, i] /= face_stretches(p.F[rows], traction.axis, D)
+    if p.drift.shape[1]:  # nothing has moved
+        square = p.F[rows, : D * D].reshape(-1, D, D)
+        p.drift[rows, : D * D] = np.linalg.inv(square).reshape(-1, D * D)
+        p.drift[rows, D * D :] = 1.0 / p.F[rows, D * D :]

@@ -41,10 +41,14 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
     scene = scenes[0]
     if not scene.interaction.rigid_bodies:
         return found
-    if scene.interaction.rigid_bodies.free and any(each.case.body_force for each in scenes):
+    for key in ("body_force", "water"):
+        if not scene.interaction.rigid_bodies.free:
+            break
+        if not any(getattr(each.case, key) for each in scenes):
+            continue
         names = ", ".join(f"'{body.name}'" for body in scene.interaction.rigid_bodies.free.values())
         found.append(
-            f"body_force: it acts on bodies of a material only, not on {names}, which moves freely "
+            f"{key}: it acts on bodies of a material only, not on {names}, which moves freely "
             "by gravity and contact alone"
         )
     first = len(scene.body_names)

@@ -96,6 +96,18 @@ HISTORY = (
             ),
         ),
     ),
+    Group(
+        lambda scene: [""] if scene.case.time.mass_scaling != 1.0 else [],
+        (
+            Column(
+                "mass-scaling",
+                "",
+                "only with `time.mass-scaling`: its factor on inertia, with which masses, momenta "
+                "and kinetic energies are",
+                lambda s, _: s.scene.case.time.mass_scaling,
+            ),
+        ),
+    ),
     _loss(
         "plastic-work",
         "only with materials that tell it, as the next columns: energy that plastic flow took "

@@ -241,7 +241,7 @@ class Books:
                 self.wrong.append(("books: free rigid body", text))
         loads = (
             "boundaries", "constraints", "tractions", "gravity", "rigid_bodies", "damping",
-            "body_force",
+            "body_force", "water",
         )  # fmt: skip
         held = any(getattr(case, load) for case in self.sim.cases for load in loads)
         if not held and self.D > 1 and len(self._lines) > 1:

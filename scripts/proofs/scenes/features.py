@@ -23,8 +23,10 @@ from proofs.scenes.loads import (
     constraint,
     damping,
     gravity,
+    mass_scaling,
     over_time,
     traction,
+    water,
     weight_above,
 )
 from proofs.scenes.materials import flows, materials, memory, metals, varied, viscosity
@@ -272,6 +274,8 @@ FEATURES = (
     Feature("velocity of one's own", own_velocity, 0.15),
     Feature("stress of one's own", own_stress, 0.08, compiled=True),
     Feature("coefficients of one's own", own_coefficients, 0.12, compiled=True),
+    Feature("water", water, 0.12, compiled=True),
+    Feature("mass scaling", mass_scaling, 0.1),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),

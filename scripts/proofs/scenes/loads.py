@@ -5,6 +5,10 @@ import math
 from proofs.scenes.bodies import number, vector
 from proofs.scenes.materials import runs
 
+#: Materials whose density is inertia and nothing else.
+INERTIA_ALONE = ("hooke", "neo-hookean", "linear-1d", "von-mises", "drucker-prager",
+                 "mohr-coulomb", "cam-clay")  # fmt: skip
+
 
 def table(rng, scene, most, size=None):
     """A load or velocity over the time of the run, linear in between."""
@@ -84,6 +88,60 @@ def weight_above(rng, scene):
     solid = [name for name, body in case["bodies"].items() if "rigid" not in body]
     each = {name: number(rng, 0.3, 1.5) for name in solid}
     case["start"] = {"stress": {"k0": each if rng.random() < 0.5 else each[solid[0]]}}
+    return True
+
+
+def water(rng, scene):
+    """Water in the pores of some bodies, with a level that may move; stages may change it."""
+    case, stages = scene.case, scene.case["time"].get("stages", ())
+    rings = case.get("geometry") == "axisymmetric"
+    walls = case["boundaries"]
+    free = [d for d in range(scene.dimension) if walls.get(f"{'xyz'[d]}-min") != "periodic"]
+    weighs = "k0" in case.get("start", {}).get("stress", {})
+    if weighs:
+        free = [d for d, part in enumerate(case["gravity"]) if part and d in free]
+    elif rings:
+        free = [d for d in free if d == 1]
+    if "exact" in case or not free:
+        return False
+    axis, most = rng.choice(free), 0.05 * scene.speed**2 / max(scene.cells)
+    if not weighs:
+        case["gravity"] = [0.0 if rings else number(rng, 0.0, 0.4 * most) for _ in scene.cells]
+        case["gravity"][axis] = number(rng, 0.5 * most, most) * rng.choice((-1.0, 1.0))
+    for stage in stages:
+        stage.pop("gravity", None)
+    low, size = case["grid"]["origin"][axis], case["grid"]["size"][axis]
+    up = -1.0 if case["gravity"][axis] > 0.0 else 1.0
+    levels = [round(up * (low + rng.uniform(0.1, 0.9) * size), 4) for _ in range(2)]
+    level = {"table": [[0.0, levels[0]], [round(0.7 * scene.end, 5), levels[1]]]}
+    solid = {name: body for name, body in case["bodies"].items() if "rigid" not in body}
+    each = [case["materials"][body["material"]]["density"] for body in solid.values()]
+    density = number(rng, 0.1, 0.9) * min(one if isinstance(one, float) else 0.1 for one in each)
+    case["water"] = {"level": level if rng.random() < 0.4 else levels[0], "density": density}
+    if rng.random() < 0.3:
+        case["water"]["bodies"] = [rng.choice([*solid])]
+    for stage in stages:
+        if rng.random() < 0.3:
+            stage["water"] = {"level": levels[1], "density": density}
+    return True
+
+
+def mass_scaling(rng, scene):
+    """Inertia is larger, where nothing begins to move by itself."""
+    case, bodies = scene.case, scene.case["bodies"].values()
+    of = [case["materials"][body["material"]] for body in bodies if "rigid" not in body]
+    if (
+        {"exact", "inflow", "body_force"} & {*case}
+        or any("absorbing" in str(kind) for kind in case["boundaries"].values())
+        or any("absorbing" in str(stage) for stage in case["time"].get("stages", ()))
+        or any("density" in body.get("rigid", {}) for body in bodies)
+        or not all(entry["model"] in INERTIA_ALONE for entry in of)
+        or not all(isinstance(entry["density"], float) for entry in of)
+    ):
+        return False
+    for body in bodies:
+        body.pop("velocity", None)
+    case["time"]["mass-scaling"] = number(rng, 1.0, 30.0)
     return True
 
 

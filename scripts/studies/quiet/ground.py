@@ -70,6 +70,12 @@ SCENES = {
     ],
     "the same, of rings": [lambda: ground(geometry="axisymmetric")],
     "the same, on an absorbing face": [lambda: ground(boundaries={"y-min": "absorbing"})],
+    "the same, in water under a surcharge": [
+        lambda law=law: ground(
+            materials={"m": HOOKE | {"model": law}}, water={"level": 3.0, "density": 0.4},
+            tractions={"fill": {"body": "b", "face": "y-max", "pressure": 2.0}},
+        ) for law in ("hooke", "neo-hookean")
+    ],
     "the same, of `newtonian`; of `mu-i`": [lambda: fluid("newtonian"), lambda: fluid("mu-i")],
     "the same, with `bspline-quadratic`; with `fuzzy-constant`": [
         lambda: ground(method={"shape": "bspline-quadratic"}),

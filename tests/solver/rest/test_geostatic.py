@@ -99,6 +99,106 @@ def test_layers_weigh_on_those_below(contact):
     assert fastest(case, 300)[0] < 1e-12
 
 
+WATER = {"level": 3.0, "density": 0.4}
+
+
+def in_water(y, dry=2.0, surcharge=2.0):
+    """Effective stress at a depth: under a surcharge, and in water below a dry part."""
+    return surcharge + y - 0.4 * np.maximum(y - dry, 0.0)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_ground_in_water_under_a_surcharge_stays_at_rest(law):
+    load = {"fill": {"body": "body", "face": "y-max", "pressure": 2.0}}
+    case = ground(law, water=WATER, tractions=load)
+    most, sim = fastest(case)
+    assert most < 1e-12
+    sigma, y = sim.particles.sigma[sim.live()], depth(sim, 1)
+    np.testing.assert_allclose(sigma[:, 1], -in_water(y), rtol=1e-12)
+    np.testing.assert_allclose(sigma[:, 0], -K0 * in_water(y), rtol=1e-12)
+    assert not sim.warnings
+
+
+TOP = {"box": {"min": [-1.0, 4.5], "max": [4.0, 6.0]}}
+LAKE = {"region": TOP, "hydrostatic": {"level": 7.0, "density": 1.0}}
+
+
+@pytest.mark.parametrize(
+    ("law", "dimension", "load", "parts"),
+    [
+        ("hooke", 1, {"face": "x-max", "traction": [-2.0]}, {}),
+        ("hooke", 3, {"face": "z-max", "traction": [0.0, 0.0, -2.0]}, {}),
+        ("hooke", 2, {"face": "y-max", "pressure": 2.0}, {"geometry": "axisymmetric"}),
+        ("neo-hookean", 2, {"region": TOP, "pressure": 2.0}, {}),
+        ("hooke", 2, {"region": TOP, "traction": [0.0, -2.0], "follower": False}, {}),
+        ("hooke", 2, LAKE, {}),
+        ("hooke", 2, {"face": "y-max", "pressure": 2.0}, {"configuration": "initial"}),
+    ],
+)
+def test_surcharges_of_all_kinds_leave_ground_at_rest(law, dimension, load, parts):
+    parts = dict(parts)
+    configuration = parts.pop("configuration", "current")
+    load = {"fill": load | {"body": "body"}}
+    case = ground(law, dimension, water=WATER, tractions=load, **parts)
+    case["bodies"]["body"]["configuration"] = configuration
+    if parts:
+        del case["boundaries"]["x-min"]
+    most, sim = fastest(case, 300)
+    assert most < 1e-12
+    sigma, y = sim.particles.sigma[sim.live(), dimension - 1], depth(sim, dimension - 1)
+    np.testing.assert_allclose(sigma, -in_water(y), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("level", "dry"), [(9.0, 0.0), (3.1, None), (-1.0, 5.0)])
+def test_water_may_stand_above_ground_within_a_particle_or_below_all(level, dry):
+    """Above ground it presses on no grains: effective stresses are those of a level there."""
+    most, sim = fastest(ground("hooke", water=WATER | {"level": level}), 300)
+    assert most < 1e-12
+    if dry is not None:
+        y = depth(sim, 1)
+        sigma = sim.particles.sigma[sim.live(), 1]
+        np.testing.assert_allclose(sigma, -in_water(y, dry, 0.0), rtol=1e-12)
+
+
+def test_only_the_bodies_that_water_fills_are_lighter():
+    case = ground("hooke", water=WATER | {"bodies": ["low"]})
+    case["bodies"] = {"low": box([0.0, 0.0], [3.0, 2.0]), "high": box([0.0, 2.0], [3.0, 5.0])}
+    most, sim = fastest(case, 300)
+    assert most < 1e-12
+    sigma, y = sim.particles.sigma[sim.live(), 1], depth(sim, 1)
+    np.testing.assert_allclose(sigma, -in_water(y, 3.0, 0.0), rtol=1e-12)
+
+
+@pytest.mark.parametrize("density", [1.0, {"table": [[0.0, 2.0], [6.0, 1.0]], "over": "y"}])
+def test_what_falls_in_water_has_its_weight_in_water(density):
+    case = ground("hooke", water=WATER | {"level": 9.0}) | {"start": {}, "boundaries": {}}
+    case["materials"]["soft"]["density"] = density
+    case["bodies"]["body"]["region"] = {"box": {"min": [0.0, 4.0], "max": [3.0, 6.0]}}
+    sim = start(case)
+    p, rows = sim.particles, sim.live()
+    before, weight = p.x[rows, 1].copy(), p.m[rows] - 0.4 * p.V0[rows]
+    for _ in range(20):
+        sim.advance()
+    line = sim.diagnostics()
+    assert line["momentum-y"] == pytest.approx(-weight.sum() * sim.time, rel=1e-12)
+    work = weight @ (before - p.x[rows, 1])
+    assert line["external-work"] == pytest.approx(work, rel=1e-12)
+
+
+def test_ground_that_is_drained_settles_under_its_whole_weight():
+    case = ground("hooke", end=1e-3, water=WATER | {"level": 5.0})
+    rest = {"name": "drained", "settle": {"tolerance": 1e-6}, "water": None}
+    case["time"]["stages"] = [rest]
+    sim = start(case)
+    while not sim.finished:
+        if sim.stage_done:
+            sim.next_stage()
+        sim.advance()
+    sigma, y = sim.particles.sigma[sim.live()], depth(sim, 1)
+    np.testing.assert_allclose(sigma[:, 1], -y, rtol=2e-3)
+    np.testing.assert_allclose(sigma[:, 0], -(K0 * 0.6 + 0.4 * 0.3 / 0.7) * y, rtol=2e-3)
+
+
 def test_a_slope_has_the_weight_of_its_columns_and_settles_sooner():
     """It is not at rest: the largest velocity is told in docs/case-file.md."""
     case = ground("hooke")
@@ -163,6 +263,11 @@ STONE = {"rigid": {"density": 3.0}, "region": {"ball": {"center": [1.5, 6.0], "r
         ("hooke", {"start": {"stress": {"k0": 0.5, "ocr": 2.0}}}, "is of cam-clay"),
         ("neo-hookean", {"configuration": "initial"}, "initial begins undeformed"),
         ("hooke", {"stone": STONE}, "'stone' moves freely"),
+        ("hooke", {"water": WATER, "gravity": None, "start": {}}, "water.*needs gravity"),
+        ("hooke", {"water": WATER, "gravity": [1.0, 1.0], "start": {}}, "water.*needs gravity"),
+        ("hooke", {"water": WATER | {"density": 1.0}}, "above that of water, 1: take the sat"),
+        ("hooke", {"water": WATER | {"bodies": ["bod"]}}, "did you mean 'body'"),
+        ("hooke", {"water": {"level": 3.0}}, "water.density"),
     ],
 )
 def test_what_has_no_such_stress_is_refused(law, change, text):

@@ -55,6 +55,7 @@ def cone_of(soil: "Soil", match: Match) -> tuple[float, float, float]:
 class Soil(Material):
     """Base of soils with cohesion, friction and dilation."""
 
+    INERTIA_ALONE: ClassVar[bool] = True
     RESTS: ClassVar[bool] = True
     SPELLINGS: ClassVar[dict[str, str]] = {
         "friction_angle": "friction-angle",

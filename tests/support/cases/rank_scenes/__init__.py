@@ -4,7 +4,7 @@ from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
 from rank_scenes.arrivals import lifts, pours, streams
-from rank_scenes.damped_bodies import damped, dug, heavy, pressed, quaking, settled
+from rank_scenes.damped_bodies import damped, dug, heavy, pressed, quaking, settled, soaked
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
     cut,
@@ -80,6 +80,7 @@ SCENES = (
             dug,
             pressed,
             heavy,
+            soaked,
             cut,
             metals,
             affine,

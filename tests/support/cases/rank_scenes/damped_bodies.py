@@ -115,6 +115,21 @@ def heavy():
     )
 
 
+def soaked():
+    """As `heavy`, with a surcharge, in water whose level crosses slabs; it is drained at last.
+
+    Inertia is twice as large.
+    """
+    case = heavy()
+    case["time"]["mass-scaling"] = 2.0
+    case["boundaries"]["x-min"] = "slip"
+    case["tractions"] = {"fill": {"body": "high", "face": "x-max", "pressure": 2.0}}
+    case["water"] = {"level": {"table": [[0.2, 12.2], [0.7, 6.3]]}, "density": 0.5}
+    drained = {"level": 4.0, "density": 0.5, "bodies": ["low"]}
+    case["time"]["stages"] = [{"name": "drained", "end": 1.4, "water": drained}]
+    return case
+
+
 def settled():
     """Two bodies come to rest on a floor before time 0, with local damping, and are pulled then."""
     held = {"body": "right", "region": {"box": {"min": [14.0, 0.0], "max": [16.0, 4.0]}}}

@@ -1,0 +1,39 @@
+"""Surcharge: loads on surfaces that face upwards, which add to the stress of the weight above."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.kernels.data.particles import Particles
+from pgimp.scene.scene import Scene
+
+
+def surcharge(
+    scene: Scene, p: Particles, count: int, vertical: tuple[int, float], t: float
+) -> np.ndarray:
+    """Force along gravity on the top of each of the first `count` particles, (count,).
+
+    `vertical` is the axis of gravity, and its component along it. Loads are those at time `t`, on
+    faces and on parts of surfaces whose normal points upwards.
+    """
+    axis, pull = vertical
+    sign, found = (1.0 if pull > 0.0 else -1.0), np.zeros(count)
+    loads, D = scene.interaction.loads.at(t), scene.dimension
+    for each in loads.tractions:
+        if each.axis == axis and each.side * pull < 0.0:
+            load = sign * each.traction[axis] + each.pressure
+            found += load * p.patch[:count, each.column]
+    for one in loads.surfaces:
+        first = one.column
+        area, N = p.surface[:count, first], p.surface[:count, first + 1 : first + 1 + D]
+        moments = p.surface[:count, first + 1 + D : first + 1 + D + D * D].reshape(-1, D, D)
+        g = np.array(one.gradient[:D])
+        pressure = one.pressure + p.x[:count] @ g
+        force = one.traction[axis] * area - pressure * N[:, axis] - (moments[:, :, axis] @ g)
+        upward = N[:, axis] * pull < 0.0
+        if g.any():  # none above the level of a liquid
+            square = np.where(upward, (N * N).sum(axis=1), 1.0)
+            centroid = np.einsum("njd,nd->nj", moments, N) / square[:, None]
+            upward &= pressure + centroid @ g > 0.0
+        found += np.where(upward, sign * force, 0.0)
+    return found
