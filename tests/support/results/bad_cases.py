@@ -60,7 +60,7 @@ MISTAKES = [
     ("    model: hooke\n", "", "11: materials.steel.model", "missing; known models: bingham,"),
     ("shape: gimp, ", "", "6: method.shape", "missing; known shapes: bspline-cubic,"),
     ("format: 1\n", "", " format", "missing (version of the case file's format)"),
-    ("end: 1.0", "end: 1.0\n  stop: 1.0", "9: time.stop", "unknown key", "end, mass-scaling, stages,"),
+    ("end: 1.0", "end: 1.0\n  stop: 1.0", "9: time.stop", "unknown key", "mass-scaling, stages"),
     ("title: Two bodies", "time: {end: 1.0}", "7: time", "there already, in line 2"),
     ("poisson: 0.3", "young: 1", "14: materials.steel.young", "there already, in line 13"),
     ("x-min: fixed", "x-min: fixed\n  x-min: slip", "28: boundaries.x-min", "in line 27"),
