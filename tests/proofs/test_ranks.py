@@ -59,6 +59,7 @@ GO_ON = {
         "varied",
         "round_and_round",
         "rigid_round",
+        "rings_free",
         "endless",
         "lifts",
         "streams",

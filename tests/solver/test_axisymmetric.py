@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import pgimp
+from pgimp.mpi.comm import Serial
+from pgimp.solver.simulation import Simulation
 
 pytestmark = pytest.mark.slow(60)
 
@@ -125,6 +127,96 @@ def test_totals_across_the_axis_vanish():
     assert total == pytest.approx(line["external-work"], rel=1e-12)
 
 
+#: A rigid disk that moves freely, of density 4.
+DISK = {"rigid": {"density": 4.0}, "region": box([0.0, 1.2], [1.0, 1.6])}
+
+
+def simulation(case):
+    """A simulation on one rank."""
+    return Simulation(case, Serial())
+
+
+@pytest.mark.parametrize(
+    ("region", "mass", "middle", "error"),
+    [
+        (box([-1.0, 1.0], [1.0, 1.5]), np.pi * 0.5, 1.25, 1e-13),
+        (box([0.5, 1.0], [1.0, 1.5]), np.pi * 0.75 * 0.5, 1.25, 1e-13),
+        ({"ball": {"centre": [0.0, 1.4], "radius": 0.5}}, 4 / 3 * np.pi * 0.125, 1.4, 1e-6),
+    ],
+)
+def test_a_free_rigid_body_falls_along_the_axis(region, mass, middle, error):
+    """Mass and centre are of the whole body; it falls exactly, and does not turn or go aside."""
+    sim = simulation(pgimp.load(
+        case(
+            box([0.0, 0.0], [1.0, 0.5]), end=0.05, gravity=[0.0, -2.0],
+            **{"contact": [{"bodies": "all"}]},
+        ),
+        {"bodies.disk": {"rigid": {"density": 4.0}, "region": region}},
+    ))  # fmt: skip
+    (body,) = sim.scene.interaction.rigid_bodies.free.values()
+    assert body.bulk.mass == pytest.approx(4.0 * mass, rel=error)
+    assert body.bulk.centre == (0.0, pytest.approx(middle, abs=10.0 * error), 0.0)
+    while not sim.finished:
+        sim.advance()
+    line = sim.diagnostics()
+    assert line["tool.disk.velocity-y"] == pytest.approx(-0.1, rel=1e-12)
+    assert line["tool.disk.momentum-y"] == pytest.approx(-0.4 * mass, rel=error + 1e-12)
+    assert line["tool.disk.displacement-x"] == line["tool.disk.angle-z"] == 0.0
+
+
+def test_a_rigid_disk_is_slowed_down_by_the_wave_that_it_sends():
+    """A column between smooth walls: v = v0 exp(-rho c A t/m) all round, until the wave is back."""
+    solid = {"model": "hooke", "young": 1000.0, "poisson": 0.0, "density": 2.0}
+    sim = simulation(pgimp.load(
+        case(
+            box([0.0, 0.0], [1.0, 4.0]), material=solid, size=(1.0, 5.0), h=0.125, end=0.12,
+            boundaries={"x-max": "slip", "y-min": "fixed"}, contact=[{"bodies": "all"}],
+        ),
+        {
+            "bodies.disk": {
+                "rigid": {"density": 8.0}, "region": box([-1.0, 4.0], [1.0, 4.5]),
+                "velocity": [0.0, -0.5],
+            },
+            "history.every": {"steps": 1},
+        },
+    ))  # fmt: skip
+    (body,) = sim.scene.interaction.rigid_bodies.free.values()
+    mass, c = 8.0 * np.pi * 0.5, np.sqrt(500.0)
+    assert body.bulk.mass == pytest.approx(mass, rel=1e-12)
+    begun = mass * -0.5
+    while not sim.finished:
+        sim.advance()
+    line = sim.diagnostics()
+    exact = -0.5 * np.exp(-2.0 * c * np.pi * sim.time / mass)
+    assert line["tool.disk.velocity-y"] == pytest.approx(exact, rel=6e-3)
+    assert abs(exact) < 0.3 * 0.5  # it has been slowed down
+    total = line["momentum-y"] + line["tool.disk.momentum-y"]
+    assert total == pytest.approx(begun, rel=1e-12)
+    assert abs(line["tool.disk.force-x"]) < 1e-9 * abs(line["tool.disk.force-y"])
+
+
+def test_a_rigid_disk_at_rest_weighs_on_a_pad():
+    """The force between them is its weight, all round, when it has settled."""
+    sim = simulation(pgimp.load(
+        case(
+            box([0.0, 0.0], [1.5, 1.0]), material=SOLID | {"young": 1.0e4}, h=0.125, end=4.0,
+            boundaries={"y-min": "fixed"}, contact=[{"bodies": "all", "friction": 0.3}],
+            gravity=[0.0, {"table": [[0.0, 0.0], [2.0, -3.0]]}], size=(2.0, 2.0),
+        ),
+        {
+            "bodies.disk": DISK | {"region": box([0.0, 1.0], [1.0, 1.4])},
+            "method.relaxation": 10.0,
+        },
+    ))  # fmt: skip
+    while not sim.finished:
+        if sim.time < 3.5:
+            sim.diagnostics()
+        sim.advance()
+    line, weight = sim.diagnostics(), 3.0 * 4.0 * np.pi * 0.4
+    assert line["tool.disk.force-y"] == pytest.approx(weight, rel=0.01)
+    assert abs(line["tool.disk.velocity-y"]) < 1e-3
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [
@@ -138,6 +230,18 @@ def test_totals_across_the_axis_vanish():
         (
             {"bodies.b.configuration": "initial", "boundaries": {"y-min": "separating"}},
             "bodies.b.configuration: initial is known in axisymmetry without contact",
+        ),
+        (
+            {"bodies.disk": DISK | {"velocity": [1.0, 0.0]}},
+            "bodies.disk.velocity: is along the axis",
+        ),
+        (
+            {"bodies.disk": DISK | {"velocity": {"rotation": {"about": [0, 0], "rate": 1.0}}}},
+            "bodies.disk.velocity: is along the axis",
+        ),
+        (
+            {"bodies.disk": DISK | {"rigid": {"density": 4.0, "force": [1.0, 0.0]}}},
+            "bodies.disk.rigid.force: acts along the axis",
         ),
     ],
 )

@@ -145,14 +145,27 @@ def check_rings(
             )
     for name, rigid in rigid_bodies.items():
         if isinstance(rigid.rigid, Free):
-            yield Problem(
-                ("bodies", name, "rigid"),
-                "bodies that move freely are not known in axisymmetry yet; prescribe the motion",
-            )
+            yield from _free(("bodies", name), rigid, rigid.rigid)
         elif rigid.rigid.rotation is not None or _radial(rigid.rigid.velocity):
             yield Problem(
                 ("bodies", name, "rigid"), "moves along the axis, y, alone: x is the radius"
             )
+
+
+def _free(path: tuple[str, str], body: RigidBody, free: Free) -> Problems:
+    """Check that a rigid body that moves freely is moved along the axis alone."""
+    if isinstance(body.velocity, RigidMotion) or _radial(body.velocity):
+        yield Problem(
+            (*path, "velocity"), "is along the axis, y, alone, on which the body stays: [0.0, ...]"
+        )
+    if _radial(free.force):
+        yield Problem(
+            (*path, "rigid", "force"), "acts along the axis, y, alone: x is the radius; [0.0, ...]"
+        )
+    if free.spring is not None and free.spring.to and free.spring.to[0] != 0.0:
+        yield Problem(
+            (*path, "rigid", "spring", "to"), "begins on the axis, where the centre is: [0.0, ...]"
+        )
 
 
 def _radial(value: object) -> bool:

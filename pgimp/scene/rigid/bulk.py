@@ -39,13 +39,15 @@ def everywhere(D: int) -> NDArray[np.float64]:
     return np.repeat([[-np.inf], [np.inf]], D, axis=1)
 
 
-def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
+def bulk(region: Region, density: float, within: NDArray[np.float64], axial: bool = False) -> Bulk:
     """Inertia of a homogeneous body: the part of a finite region within a box.
 
     Parameters
     ----------
     within : (2, D) float64
         Corners of the box, possibly infinite.
+    axial : bool
+        Whether the region is the section of a body of revolution, which only moves along its axis.
 
     Raises
     ------
@@ -55,7 +57,8 @@ def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
     D = within.shape[1]
     low, high = np.clip(np.array(region.bounds(), float), *within)
     if not (high - low).min() > 0.0:
-        raise CaseError("lies wholly beyond a plane of symmetry")
+        where = "the axis" if axial else "a plane of symmetry"
+        raise CaseError(f"lies wholly beyond {where}")
     # Half a body gets half the boxes of the whole, so it has half its mass to rounding.
     halves = 1 + ((low == within[0]) != (high == within[1]))
     extent = (high - low) * halves
@@ -70,6 +73,10 @@ def bulk(region: Region, density: float, within: NDArray[np.float64]) -> Bulk:
     indices = np.union1d(np.flatnonzero(found.whole), found.indices)
     part = found.fraction(indices)
     x = body.points(ranges, indices) + found.moment(indices) / part[:, None]
+    if axial:
+        rings = 2.0 * np.pi * part * x[:, 0]  # over the area of a box (Pappus)
+        mass = density * float(np.prod(body.size)) * float(rings.sum())
+        return Bulk(mass, (0.0, float((rings * x[:, 1]).sum() / rings.sum()), 0.0), (0.0,) * 9)
     volume = float(part.sum())
     centre = np.array([(part * x[:, d]).sum() / volume for d in range(D)])
     arm, second = x - centre, np.zeros((3, 3))

@@ -171,6 +171,8 @@ def collisions(
         free = rigid_bodies.entries[number].free
         assert free is not None
         for face in faces:
+            if rigid_bodies.case.axisymmetric and face.name == "x-min" and not frame.origin[0]:
+                continue  # the axis
             if is_symmetry(face.name, face.condition, free, len(frame.cell)):
                 continue
             wall = frame.origin[face.axis]

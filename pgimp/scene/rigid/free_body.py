@@ -56,13 +56,9 @@ class State(NamedTuple):
         """Return the state that has these numbers."""
         x = numbers
         return cls(
-            (x[0], x[1], x[2]),
-            (x[3], x[4], x[5], x[6]),
-            (x[7], x[8], x[9]),
-            (x[10], x[11], x[12]),
-            (x[13], x[14], x[15]),
-            tuple(x[16:]),
-        )
+            (x[0], x[1], x[2]), (x[3], x[4], x[5], x[6]), (x[7], x[8], x[9]),
+            (x[10], x[11], x[12]), (x[13], x[14], x[15]), tuple(x[16:]),
+        )  # fmt: skip
 
 
 class FreeBody:
@@ -74,24 +70,27 @@ class FreeBody:
         The entry in the case.
     bulk : Bulk
         Its inertia.
-    dimensions : int
-        Directions of the scene.
-    rings : tuple of Ring
-        The directions of a periodic domain, else ().
+    dimensions, rings : int, tuple of Ring
+        Directions of the scene; those of a periodic domain, else ().
+    axial : bool
+        Whether it is a body of revolution, which only moves along its axis, y.
 
     Attributes
     ----------
     may : tuple of 6 bool
-        Its degrees of freedom: along x, y, z and about them.
+        Degrees of freedom: along x, y, z and about them.
     """
 
     def __init__(
-        self, name: str, entry: RigidBody, bulk: Bulk, dimensions: int, rings: tuple[Ring, ...] = ()
-    ) -> None:
+        self, name: str, entry: RigidBody, bulk: Bulk, dimensions: int,
+        rings: tuple[Ring, ...] = (), axial: bool = False,
+    ) -> None:  # fmt: skip
         assert entry.free is not None
         self.name = name
         self.bulk, self.may = bulk, entry.free.may(dimensions)
         self.free, self.rings = entry.free, rings
+        if axial:
+            self.may = tuple(may and d == 1 for d, may in enumerate(self.may))
         self.first = self._at_start(entry)
         self._last: tuple[State | None, Six] = (None, ())
 

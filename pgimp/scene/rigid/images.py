@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from math import floor
 from typing import NamedTuple
 
@@ -89,6 +90,34 @@ def place(
     first = motion.reference if turns else middle.start
     for d, (ring, way) in enumerate(zip(middle.rings, motion.displacement(time), strict=True)):
         row["middle"][d] = ring.inside(float(first[d]), way) + (lever[d] if turns else 0.0)
+
+
+def bound(
+    row: NDArray, lattice: NDArray, field: DistanceField, frame: Frame, periods: NDArray
+) -> None:
+    """Set the first and the last vertex near a body."""
+    far = field.low + field.spacing * (field.shape - 1)
+    ends = zip(field.low, far, strict=True)
+    corners = np.array(list(product(*ends))) - row["reference"]
+    for d, (origin, inverse) in enumerate(zip(frame.origin, frame.inverse, strict=True)):
+        # No matrix product: machines may round it differently.
+        a, b, c = (corners[:, k] * row["rotation"][d, k] for k in range(3))
+        placed = a + b + c + row["centre"][d]
+        low, high = placed.min(), placed.max()
+        least, most = 0, frame.vertices[d] - 1
+        if periods[d] > 0.0:
+            turns = np.floor((0.5 * (low + high) - origin) * inverse / frame.cells[d])
+            low, high = low - turns * periods[d], high - turns * periods[d]
+            slack, end = (frame.ghost + 2) / inverse, origin + periods[d]
+            if low < origin + slack or high > end - slack:  # it may be on both sides
+                lattice["least"][d], lattice["most"][d] = least, most
+                continue
+        lattice["least"][d] = np.clip(
+            np.floor((low - origin) * inverse) + frame.ghost - 1, least, most
+        )
+        lattice["most"][d] = np.clip(
+            np.ceil((high - origin) * inverse) + frame.ghost + 1, least, most
+        )
 
 
 def nearest_image(

@@ -81,7 +81,8 @@ def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
         field = _distances(case, frame, entry)
         inertia = None
         if entry.free:
-            inertia = bulk(entry.region, entry.free.density, _symmetric_part(case, entry.free))
+            part = _symmetric_part(case, entry.free)
+            inertia = bulk(entry.region, entry.free.density, part, case.axisymmetric)
         return Measured(field, thickness(entry.region, D), inertia)
     except CaseError as error:
         raise CaseError(f"bodies.{name}.region: {error}") from None
@@ -99,6 +100,8 @@ def _symmetric_part(case: Case, free: Free) -> NDArray[np.float64]:
     """Box of a body's symmetric part, (2, D): the other half lies beyond its sides."""
     D = len(case.grid.cell)
     ends = everywhere(D)
+    if case.axisymmetric:
+        ends[0, 0] = 0.0
     for face, condition in case.boundaries.items():
         if is_symmetry(face, condition, free, D):
             d, upper = "xyz".index(face[0]), face.endswith("max")

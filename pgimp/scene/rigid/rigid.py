@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property, partial
 from hashlib import sha256
-from itertools import product
 from math import hypot
 from typing import NamedTuple
 
@@ -22,7 +21,7 @@ from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion, Pose, Triple
 from pgimp.scene.rigid.free_body import FreeBody, State
-from pgimp.scene.rigid.images import Middle, nearest_image, place, require_short, rings
+from pgimp.scene.rigid.images import Middle, bound, nearest_image, place, require_short, rings
 from pgimp.scene.rigid.measure import lattice_points, measure, require_densities
 
 #: Compliance of a free body against held fields, over its compliance as a free body. This fraction
@@ -107,14 +106,13 @@ class SceneRigidBodies:
             ]
             self.fields = [one.field for one in found]
             self.thick = [one.thick for one in found]
+            around = len(self.frame.cell), self.rings, self.case.axisymmetric
             for number, (name, entry, one) in enumerate(
                 zip(self.names, self.entries, found, strict=True)
             ):
                 require_short(entry, one.field, self.frame, self.periods, name)
                 if one.inertia:
-                    self.free[number] = FreeBody(
-                        name, entry, one.inertia, len(self.frame.cell), self.rings
-                    )
+                    self.free[number] = FreeBody(name, entry, one.inertia, *around)
         # Steps depend on these: one rank computes them, because machines may round differently.
         self.rate = on_root(comm, self._greatest_rate)
         self.arms = on_root(comm, self._greatest_arms)
@@ -211,7 +209,7 @@ class SceneRigidBodies:
                     row[name] = np.concatenate(entry.rigid.velocities(time))
                 else:
                     row[name] = self.free[number].velocities(free[number])
-            self._bound(row, lattice, field)
+            bound(row, lattice, field, self.frame, self.periods)
         return rigid_bodies
 
     def place(
@@ -284,30 +282,3 @@ class SceneRigidBodies:
 
     def _answers(self, planes: int) -> np.ndarray | tuple[()]:
         return np.zeros((planes, len(self.free)), RESPONSE) if self.free else ()
-
-    def _bound(self, row: NDArray, lattice: NDArray, field: DistanceField) -> None:
-        """Set the first and the last vertex near a body."""
-        far = field.low + field.spacing * (field.shape - 1)
-        ends = zip(field.low, far, strict=True)
-        corners = np.array(list(product(*ends))) - row["reference"]
-        for d, (origin, inverse) in enumerate(
-            zip(self.frame.origin, self.frame.inverse, strict=True)
-        ):
-            # No matrix product: machines may round it differently.
-            a, b, c = (corners[:, k] * row["rotation"][d, k] for k in range(3))
-            placed = a + b + c + row["centre"][d]
-            low, high = placed.min(), placed.max()
-            least, most = 0, self.frame.vertices[d] - 1
-            if self.periods[d] > 0.0:
-                turns = np.floor((0.5 * (low + high) - origin) * inverse / self.frame.cells[d])
-                low, high = low - turns * self.periods[d], high - turns * self.periods[d]
-                slack, end = (self.frame.ghost + 2) / inverse, origin + self.periods[d]
-                if low < origin + slack or high > end - slack:  # it may be on both sides
-                    lattice["least"][d], lattice["most"][d] = least, most
-                    continue
-            lattice["least"][d] = np.clip(
-                np.floor((low - origin) * inverse) + self.frame.ghost - 1, least, most
-            )
-            lattice["most"][d] = np.clip(
-                np.ceil((high - origin) * inverse) + self.frame.ghost + 1, least, most
-            )

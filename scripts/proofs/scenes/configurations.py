@@ -112,9 +112,14 @@ def along_the_axis(rng, scene):
         for key in ("boundaries", "escape"):
             if case["grid"]["origin"][0] == 0.0:
                 part.get(key, {}).pop("x-min", None)
-    for name, body in list(case["bodies"].items()):
+    for body in case["bodies"].values():
         if "density" in body.get("rigid", {}):
-            del case["bodies"][name]
+            velocity = body.get("velocity")
+            if isinstance(velocity, dict):
+                velocity = velocity.get("translation")
+            body["velocity"] = _along(velocity) or [0.0, 0.0]
+            if "force" in body["rigid"]:
+                body["rigid"]["force"] = _along(body["rigid"]["force"])
         elif "rigid" in body:
             body["rigid"] = {
                 key: _along(v) for key, v in body["rigid"].items() if key == "velocity"

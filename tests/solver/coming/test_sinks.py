@@ -10,6 +10,8 @@ from scenes import box, finish, scene, start
 import pgimp
 from pgimp.mpi.comm import Serial
 
+pytestmark = pytest.mark.slow(60)
+
 SPEED = 2.0
 #: By dimension: where a block that flies along x goes out, and how much of its section.
 BALL = {"ball": {"centre": [8.0, 2.0], "radius": 1.1}}

@@ -24,7 +24,7 @@ from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
 from rank_scenes.meetings import meeting, staged
 from rank_scenes.periods import endless, layer, rigid_round, round_and_round
 from rank_scenes.plates import plates, plates_initial
-from rank_scenes.rings import rings, rings_initial
+from rank_scenes.rings import rings, rings_free, rings_initial
 from rank_scenes.squeezed_blocks import SIZED
 
 #: What tests take from here besides.
@@ -86,6 +86,7 @@ SCENES = (
             affine,
             varied,
             rings,
+            rings_free,
             plates,
             plates_initial,
             rings_initial,

@@ -43,6 +43,39 @@ def rings():
     return case
 
 
+def rings_free():
+    """A rigid disk falls freely onto a bar and presses it; another one flies past a ring's bore."""
+    bodies = {
+        "bar": box([0.0, 0.0], [4.1, 3.0], None, "rubber"),
+        "ring": box([9.0, 3.0], [12.0, 5.0], [0.0, 2.0], "rubber"),
+        "disk": {
+            "rigid": {"density": 3.0},
+            "region": box([-5.0, 3.2], [5.0, 4.4])["region"],
+            "velocity": [0.0, -2.0],
+        },
+        "plug": {
+            "rigid": {"density": 0.5},
+            "region": {"ball": {"centre": [10.5, 7.0], "radius": 1.2}},
+            "velocity": [0.0, -3.0],
+        },
+    }
+    case = scene(
+        2,
+        bodies,
+        cells=[16, 10],
+        end=1.0,
+        step={"courant": 0.3},
+        materials={"rubber": SOFT},
+        gravity=[0.0, -2.0],
+        boundaries={"x-min": "slip", "y-min": "separating"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        output={"every": 0.25, "fields": EVERYTHING, "grid": ["mass", "contact"]},
+        history={"every": {"steps": 10}},
+    )
+    case["geometry"] = "axisymmetric"
+    return case
+
+
 def rings_initial():
     """A bar and a loaded tube in the initial configuration; one yields, one is held."""
     bodies = {

@@ -9,6 +9,8 @@ from scenes import box, field, finish, scene, start
 
 from pgimp.errors import CaseError
 
+pytestmark = pytest.mark.slow(60)
+
 CELL = 0.25
 JOINED = {face: "periodic" for face in ("x-min", "x-max", "y-min", "y-max")}
 
