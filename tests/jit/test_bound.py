@@ -2,13 +2,13 @@
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 import pytest
 import rank_scenes
 from scenes import start
 
-from pgimp.jit.bound import Bound
+from pgimp.jit import bound
+from pgimp.jit.bound import Bound, require_same_types
 from pgimp.jit.kernel import kernel
 
 
@@ -31,6 +31,15 @@ def test_calls_give_what_the_kernel_gives():
         call(total, Pair(np.arange(3, dtype=np.int32), 2.0), 1)  # what it does see
 
 
+def test_checked_calls_refuse_other_types(monkeypatch):
+    """Without the check this call would read 1.5 as an integer."""
+    monkeypatch.setattr(bound, "CHECKED", True)
+    call, pair = Bound(), Pair(np.arange(3.0), 2.0)
+    assert call(total, pair, 1) == call(total, pair, 2) - 1
+    with pytest.raises(TypeError, match="total is called with other types: argument 2 is float64"):
+        call(total, pair, 1.5)
+
+
 def test_other_functions_are_called_as_they_are():
     call = Bound()
     assert [call(max, 1, 2), call(max, 0.5, 0.25)] == [2, 0.5]
@@ -39,15 +48,15 @@ def test_other_functions_are_called_as_they_are():
 @pytest.mark.parametrize("name", ["line_mpm", "plane_gimp", "plane_leaves"])
 def test_a_run_calls_each_kernel_with_the_same_types(name, monkeypatch):
     """Walls, constraints and gravity by tables, particles that leave, stops."""
-    seen = {}
+    seen = set()
 
-    def checked(bound, function, *args):
-        seen.setdefault(function, set()).add(tuple(numba.typeof(arg) for arg in args))
-        return function(*args)
+    def checked(kernel, first, now):
+        seen.add(kernel)
+        require_same_types(kernel, first, now)
 
-    monkeypatch.setattr(Bound, "__call__", checked)
+    monkeypatch.setattr(bound, "CHECKED", True)
+    monkeypatch.setattr(bound, "require_same_types", checked)
     sim = start(getattr(rank_scenes, name)())
     while not sim.finished and sim.step < 300:
         sim.advance()
     assert len(seen) >= 3
-    assert all(len(types) == 1 for types in seen.values())

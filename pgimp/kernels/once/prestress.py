@@ -1,12 +1,9 @@
 """Initial stress: the state that it sets in particles, and the stress that materials can bear."""
 
-from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
-from pgimp.jit.tuples import read, scaled, write
+from pgimp.jit.tuples import scaled, write
 from pgimp.kernels.transfer.first_vertex import deformation
-from pgimp.kernels.update.stress import state_of
-from pgimp.kernels.update.varying import substitute_parameters
-from pgimp.physics.materials.parameters.evaluate import evaluate
+from pgimp.kernels.update.stress import of_particle
 
 
 @kernel
@@ -20,13 +17,9 @@ def remember_stress(setting, particles, rows):
     rows : (n,) int64
         Their rows; at least one material of the scene has state variables.
     """
-    F, tensor = setting.identity, symmetric(setting.identity)
     for p in rows:
-        materials = substitute_parameters(setting, particles, p).materials
-        number = setting.material_of[particles.body[p]]
-        args = (F, determinant(F), read(particles.sigma, p, 0, tensor))
-        state = state_of(materials, particles, p, F)
-        write(particles.state, p, 0, evaluate("initial_state", materials, number, args, state))
+        state = of_particle("initial_state", setting, particles, p, setting.identity, ())
+        write(particles.state, p, 0, state)
 
 
 @kernel
@@ -42,14 +35,10 @@ def bearable_stress(setting, particles, rows, stresses):
     stresses : (n, 3, 4 or 6) float64
         Gets the stresses.
     """
-    tensor, still = symmetric(setting.identity), scaled(0.0, setting.identity)
+    still = scaled(0.0, setting.identity)
     for i in range(len(rows)):
         p = rows[i]
         F = deformation(setting.frame, particles, p)
-        materials = substitute_parameters(setting, particles, p).materials
-        number = setting.material_of[particles.body[p]]
-        args = (F, determinant(F), read(particles.sigma, p, 0, tensor), still, 1.0)
-        state = state_of(materials, particles, p, F)
-        found = evaluate("stress", materials, number, args, state)
+        found = of_particle("stress", setting, particles, p, F, (still, 1.0))
         for k in range(stresses.shape[1]):
             stresses[i, k] = found[k]

@@ -4,14 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.jit.algebra import determinant, symmetric
 from pgimp.jit.kernel import kernel
 from pgimp.jit.tuples import read
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.update.stress import state_of
-from pgimp.kernels.update.varying import substitute_parameters
-from pgimp.physics.materials.parameters.evaluate import evaluate
+from pgimp.kernels.update.stress import of_particle
 
 
 @kernel
@@ -31,11 +28,7 @@ def particle_energies(setting, particles, rows, found):
     for n in range(len(rows)):
         p = rows[n]
         F = read(particles.F, p, 0, like)
-        sigma = read(particles.sigma, p, 0, symmetric(like))
-        materials = substitute_parameters(setting, particles, p).materials
-        state = state_of(materials, particles, p, F)
-        k = setting.material_of[particles.body[p]]
-        found[n] = evaluate("energy", materials, k, (F, determinant(F), sigma), state)
+        found[n] = of_particle("energy", setting, particles, p, F, ())
 
 
 def strain_energies(setting: KernelScene, particles: Particles, rows: Any) -> np.ndarray:

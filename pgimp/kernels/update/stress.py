@@ -2,12 +2,16 @@
 
 from math import isqrt
 
-from pgimp.jit.algebra import symmetric
-from pgimp.jit.kernel import specialise
+from numba.core import types
+from numba.extending import overload
+
+from pgimp.jit.algebra import determinant, symmetric
+from pgimp.jit.kernel import INLINE_OPTIONS, specialise
 from pgimp.jit.tuples import read
 from pgimp.kernels.transfer.lane_io import put_row, take_row
+from pgimp.kernels.update.varying import substitute_parameters
 from pgimp.physics.materials.base import has, state_width, takes_viscous_pressure
-from pgimp.physics.materials.parameters.evaluate import evaluate_four
+from pgimp.physics.materials.parameters.evaluate import evaluate, evaluate_four
 
 
 def _width(materials, like):
@@ -50,6 +54,40 @@ def _state_of(materials, particles, p, like):
         return lambda materials, particles, p, like: ()
     zeros = (0.0,) * width
     return lambda materials, particles, p, like: read(particles.state, p, 0, zeros)
+
+
+def of_particle(quantity, setting, particles, p, F, more):
+    """As `evaluate`, of particle `p` by its material, state and stress.
+
+    Parameters
+    ----------
+    quantity : str
+        A literal.
+    setting, particles
+        See `KernelScene`, `Particles`.
+    p : int
+        Its row.
+    F : tuple of float
+        Deformation gradient.
+    more : tuple
+        Arguments after the stress.
+    """
+
+
+@overload(of_particle, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
+def _of_particle(quantity, setting, particles, p, F, more):
+    if not isinstance(quantity, types.Literal):
+        return None
+    name = quantity.literal_value
+
+    def value(quantity, setting, particles, p, F, more):
+        materials = substitute_parameters(setting, particles, p).materials
+        sigma = read(particles.sigma, p, 0, symmetric(F))
+        state = state_of(materials, particles, p, F)
+        number = setting.material_of[particles.body[p]]
+        return evaluate(name, materials, number, (F, determinant(F), sigma, *more), state)
+
+    return value
 
 
 def update_stress(setting, forcing, particles, rows, numbers, F, J, L):

@@ -216,3 +216,13 @@ def test_what_would_be_lost_is_refused(wrong, text):
         sim.step()
     with pytest.raises(UsageError, match=r"expected a state, values by name, got 5"):
         pgimp.Each(wrong, state=5)
+
+
+def test_a_file_in_a_folder_called_pgimp_is_not_of_the_package(tmp_path):
+    """The place of an error is the line of the user's file, not one of a library that it calls."""
+    source = "import json\n\ndef control(now):\n    json.loads('{')\n"
+    names = {}
+    exec(compile(source, str(tmp_path / "pgimp" / "control.py"), "exec"), names)
+    sim = pgimp.Simulation(each_probe.CASE, each=names["control"])
+    with pytest.raises(RunError, match=r"JSONDecodeError: .* \(.*/pgimp/control\.py:4\)"):
+        sim.step()
