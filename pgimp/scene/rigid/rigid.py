@@ -73,6 +73,7 @@ class SceneRigidBodies:
         self.arms: list[float] = []
         self.thick: list[float] = []
         self._kept: RigidBodies | None = None
+        self._placed: dict[int, bytes] = {}
 
     def __len__(self) -> int:
         """Return the number of rigid bodies."""
@@ -192,12 +193,17 @@ class SceneRigidBodies:
             zip(self.poses(start, states), self.entries, self.fields, strict=True)
         ):
             row, lattice = rigid_bodies.motion[number], rigid_bodies.lattice[number]
-            row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
-            for name, time in (("velocity_before", start), ("velocity_after", end)):
-                if isinstance(entry.rigid, Motion):
-                    row[name] = np.concatenate(entry.rigid.velocities(time))
-                else:
+            if isinstance(entry.rigid, Motion):
+                before, after = entry.rigid.velocities(start), entry.rigid.velocities(end)
+                placed = np.concatenate([*pose, *before, *after]).tobytes()
+                if self._placed.get(number) == placed:  # mostly at rest
+                    continue
+                self._placed[number] = placed
+                row["velocity_before"], row["velocity_after"] = map(np.concatenate, (before, after))
+            else:
+                for name in ("velocity_before", "velocity_after"):
                     row[name] = self.free[number].velocities(free[number])
+            row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
             self._bound(row, lattice, field)
         return rigid_bodies
 
@@ -235,6 +241,7 @@ class SceneRigidBodies:
     def arrays(self) -> RigidBodies:
         """Return the kernels' constant data, and storage for the other data."""
         if self._kept is None:
+            self._placed.clear()
             count = len(self.entries)
             motion, lattice = np.zeros(count, MOTION), np.zeros(count, LATTICE)
             first = 0

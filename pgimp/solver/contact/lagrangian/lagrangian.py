@@ -17,7 +17,7 @@ from pgimp.kernels.contact.lagrangian.broad_phase import grow_boxes
 from pgimp.kernels.contact.lagrangian.coupling import WIDE, Coupling, find_coupling, number_rows
 from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES, solve_impulses
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
-from pgimp.kernels.contact.lagrangian.reference_grid import NUMBERS, Changes, change_velocities
+from pgimp.kernels.contact.lagrangian.reference_grid import Changes, change_velocities
 from pgimp.kernels.contact.lagrangian.rows import Solved, find_free
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices, sum_at_contact_vertices
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
@@ -30,7 +30,7 @@ from pgimp.solver.contact.lagrangian.bonds import bonded, interactions, separati
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase, reach
 from pgimp.solver.contact.lagrangian.joint import Joint, join, share
 from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles
-from pgimp.solver.contact.lagrangian.selected import Selection
+from pgimp.solver.contact.lagrangian.selected import Selection, flat
 from pgimp.solver.contact.lagrangian.selection import Selector
 from pgimp.solver.contact.lagrangian.warm_start import WarmStart
 from pgimp.solver.rank_state import RankState
@@ -238,6 +238,7 @@ class LagrangianContact(NoContact):
         contact, call, frame = self._contact, self.call, self.scene.domain.frame
         table, contact_vertices = near.selection.table, near.selection.contact_vertices
         left = self._particles.left(near)
+        self._particles.forget_moved(near, self.rigid_bodies)
         call(sum_at_contact_vertices, frame, table, near.motion, near.now, *left, contact_vertices)
         contact_vertices = contact_vertices._replace(
             order=np.flatnonzero(contact_vertices.sums["mass"] > 0.0)
@@ -287,11 +288,6 @@ class LagrangianContact(NoContact):
                 break
             capacity = entries
         return coupling._replace(column=coupling.column[:entries], entry=coupling.entry[:entries])
-
-
-def flat(values: np.ndarray) -> np.ndarray:
-    """Records of reference vertices as (n, NUMBERS) float64, without a copy."""
-    return values.view(np.float64).reshape(-1, NUMBERS)
 
 
 def nothing_held(holding: Holding) -> Holding:

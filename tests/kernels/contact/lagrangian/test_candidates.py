@@ -45,7 +45,7 @@ def test_candidates_are_vertices_that_several_groups_may_reach(D, seed, spread):
     none = np.empty(0, np.int64)
     contact_vertices = ContactVertices(
         np.full(3, -20), np.full(3, 60), GROUPS, none, none, none, Reached.empty(0, 0),
-        np.empty(0, VERTEX_SUMS), none,
+        np.empty(0, VERTEX_SUMS), none, none,
     )  # fmt: skip
     within = np.array([0, 2, 9])
     slacks, boxes = (SLACK, SLACK), np.empty((0, 2, 3), np.int64)
