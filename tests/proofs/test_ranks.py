@@ -51,6 +51,8 @@ GO_ON = {
         "narrow",
         "initial",
         "initial_stages",
+        "initial_contact",
+        "both_configurations",
         "damped",
         "settled",
         "quaking",

@@ -77,6 +77,7 @@ class SceneRigidBodies:
         self.arms: list[float] = []
         self.thick: list[float] = []
         self._kept: RigidBodies | None = None
+        self._placed: dict[int, bytes] = {}
 
     def __len__(self) -> int:
         """Return the number of rigid bodies."""
@@ -203,12 +204,18 @@ class SceneRigidBodies:
             zip(self.poses(start, states), self.entries, self.fields, strict=True)
         ):
             row, lattice = rigid_bodies.motion[number], rigid_bodies.lattice[number]
-            self.place(row, number, pose, start, free)
-            for name, time in (("velocity_before", start), ("velocity_after", end)):
-                if isinstance(entry.rigid, Motion):
-                    row[name] = np.concatenate(entry.rigid.velocities(time))
-                else:
+            if isinstance(motion := entry.rigid, Motion):
+                before, after = motion.velocities(start), motion.velocities(end)
+                parts = *pose, *before, *after, motion.displacement(start)
+                placed = np.concatenate(parts).tobytes()
+                if self._placed.get(number) == placed:  # mostly at rest
+                    continue
+                self._placed[number] = placed
+                row["velocity_before"], row["velocity_after"] = map(np.concatenate, (before, after))
+            else:
+                for name in ("velocity_before", "velocity_after"):
                     row[name] = self.free[number].velocities(free[number])
+            self.place(row, number, pose, start, free)
             bound(row, lattice, field, self.frame, self.periods)
         return rigid_bodies
 
@@ -256,6 +263,7 @@ class SceneRigidBodies:
     def arrays(self) -> RigidBodies:
         """Return the kernels' constant data, and storage for the other data."""
         if self._kept is None:
+            self._placed.clear()
             count = len(self.entries)
             motion, lattice = np.zeros(count, MOTION), np.zeros(count, LATTICE)
             first = 0

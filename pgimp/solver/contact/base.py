@@ -73,6 +73,14 @@ class NoContact:
     def restore(self, rank: RankState, assignment: np.ndarray) -> None:
         """Continue with an `assignment` from a checkpoint; collective."""
 
+    @property
+    def kept_forces(self) -> np.ndarray:
+        """Forces at which the next step begins to solve, for checkpoints: this rank's rows."""
+        return np.empty((0, 0))
+
+    def restore_forces(self, forces: np.ndarray) -> None:
+        """Continue with the `kept_forces` of all ranks from a checkpoint."""
+
     def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
         """Find the contact vertices, after the halo exchange."""
 

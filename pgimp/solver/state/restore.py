@@ -14,12 +14,12 @@ from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.velocity_fields import MOST
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.history.gauge_means import stored_lines
 from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, keep_masses, put_motion
 from pgimp.solver.loads.grips import Grips
 from pgimp.solver.rank import Rank
+from pgimp.solver.state.contact import restore_contact, stored_contact
 from pgimp.solver.state.state import State
 
 if TYPE_CHECKING:
@@ -144,15 +144,9 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             rank.grips = Grips(scene, rank.comm)
         if rank.grips:
             found["grips"] = _whole(source, "grips", rank.grips.state.shape)
-        bodies = len(scene.body_names)
         if rank.absorbing:
             found |= rank.absorbing.stored(source, _whole)
-        # An older checkpoint has no fields: they are assigned anew.
-        if rank.contact.assignment.size and "velocity-fields" in source.whole:
-            assignment = _whole(source, "velocity-fields", (1 + bodies,))
-            if (assignment < 0).any() or assignment[0] > MOST or (assignment[1:] >= bodies).any():
-                raise DamagedError("the velocity fields of its bodies are none")
-            found["velocity-fields"] = assignment
+        found |= stored_contact(rank, source, _whole)
         if state.last_line is not None:
             rows = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
             rows += 2 * len(scene.interaction.rigid_bodies) + len(scene.domain.faces)
@@ -171,8 +165,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         rank.grips.state[:] = found["grips"]
     if rank.absorbing:
         rank.absorbing.restore(found)
-    if "velocity-fields" in found:
-        rank.contact.restore(rank, found["velocity-fields"])
+    restore_contact(rank, found)
     if rank.comm.rank == 0:
         rank.clamped, rank.held = state.clamped, state.held
     if rank.inflow and state.inflow:

@@ -17,6 +17,7 @@ from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.rank import Rank
+from pgimp.solver.state.contact import FIELDS, FORCES
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EnergyWatch
 
@@ -166,7 +167,13 @@ def capture(
     own = rank.booked()
     vertices, *motion = stored_motion(rank)
     parts = rank.comm.gather(
-        (np.diff(rank.population.start), (rank.clamped, rank.held), own, vertices)
+        (
+            np.diff(rank.population.start),
+            (rank.clamped, rank.held),
+            own,
+            vertices,
+            rank.contact.kept_forces,
+        )
     )
     if parts is None:
         return {}, Ordered(rank), {}, dict(zip(MOTION, motion, strict=True))
@@ -222,7 +229,8 @@ def capture(
         whole["grips"] = rank.grips.state
     if rank.absorbing:
         whole |= rank.absorbing.datasets()
-    whole["velocity-fields"] = rank.contact.assignment
+    whole[FIELDS] = rank.contact.assignment
+    whole[FORCES] = np.concatenate([part[4] for part in parts])
     whole["gauge-lines"] = records.means.rows(rank.scene)
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]

@@ -5,7 +5,7 @@ of each, are found for several steps at once: wherever particles and rigid bodie
 a slack. Particles in one cell are one patch, whose vertices are looked up once.
 """
 
-from math import floor
+from math import ceil, floor
 from typing import NamedTuple
 
 import numpy as np
@@ -77,12 +77,17 @@ class Reach(NamedTuple):
 
 @inner_kernel
 def reached_range(frame, row, motion, slack, vertices, d):
-    """First and last vertex along `d` that a particle reaches when it moves by up to `slack`."""
+    """First and last vertex along `d` that a particle reaches when it moves by up to `slack`.
+
+    Its support ends a cell beyond its half-width, mostly before the last of `vertices`.
+    """
     if d >= len(frame.cell):
         return 0, 0
     x, half, away = motion.position[d], row.half_width[d], slack * frame.cell[d]
     low = first_vertex(frame, d, half, x - away)
-    return low, first_vertex(frame, d, half, x + away) + vertices - 1
+    end = (x + away - frame.origin[d]) * frame.inverse[d] + half + 1e-6
+    last = first_vertex(frame, d, half, x + away) + vertices - 1
+    return low, min(last, ceil(end) + frame.ghost)
 
 
 @inner_kernel

@@ -154,19 +154,29 @@ def _number_after(references, key, j):
 def _keep_row(frame, references, mirrors, r, box, used, seen, coupling):
     """Append what is in a box to row `r`, and clear the box; returns the number of entries.
 
-    The box has its sums, and the vertices from `low` up to `end`, by axis. `seen` has the last row
-    of each reference vertex, and its entry there.
+    The box has its sums from vertex `low` on, by axis, which are 0 before `begin` and from `end`
+    on. `seen` has the last row of each reference vertex, and its entry there.
     """
-    sums, low, end = box
+    sums, low, begin, end = box
     _, _, fields, field = references
     column, entry, beyond = coupling.column, coupling.entry, coupling.beyond
     ny_nz, j = across(frame), -2
-    for a in range(end[0] - low[0]):
-        for b in range(end[1] - low[1]):
+    for a in range(begin[0] - low[0], end[0] - low[0]):
+        for b in range(begin[1] - low[1], end[1] - low[1]):
             row = a * WIDE + b
-            for c in range(end[2] - low[2]):
+            number = by_direction(frame, (low[0] + a, low[1] + b, low[2]))
+            line = key_of_vertex(ny_nz, number, fields, field)
+            for c in range(begin[2] - low[2], end[2] - low[2]):
                 share = sums[row, c]
                 if share == 0.0:
+                    continue
+                if len(mirrors) == 0:  # keys ascend along the last axis
+                    j = _number_after(references, line + c * fields, j)
+                    if j >= 0 and seen[0, j] != r:
+                        seen[0, j], seen[1, j], column[used], entry[used, 0] = r, used, j, share
+                        used += 1
+                    elif j >= 0:
+                        entry[seen[1, j], 0] += share
                     continue
                 number = by_direction(frame, (low[0] + a, low[1] + b, low[2] + c))
                 image = image_of(mirrors, number)
@@ -178,9 +188,6 @@ def _keep_row(frame, references, mirrors, r, box, used, seen, coupling):
                     for d in range(entry.shape[1]):
                         entry[used, d] = 0.0
                     used += 1
-                if len(mirrors) == 0:
-                    entry[seen[1, j], 0] += share
-                    continue
                 for d in range(3):
                     entry[seen[1, j], d] += share * reflection(mirrors, number, d, len(mirrors))
                 for n in range(len(mirrors)):
@@ -242,25 +249,27 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
     for r in range(len(slots)):
         s = slots[r]
         vertex = number_of(contact_vertices, contact_vertices.keys[s] // contact_vertices.groups)
-        begin, waiting, inverse = contact_vertices.start[s], 0, 1.0 / sums[s].mass
-        for k in range(begin, reached.end[s]):
+        head, waiting, inverse = contact_vertices.start[s], 0, 1.0 / sums[s].mass
+        for k in range(head, reached.end[s]):
             left[waiting] = k
             waiting += 1
-        some = table[reached.particle[begin]]
+        some = table[reached.particle[head]]
         references = (initial[1], initial[2], initial[3], some.field)
         if some.lagrangian == 0:  # as the whole group: its own grid is the current one
             low, whole = by_axis(frame, vertex), 0.0
-            for k in range(begin, reached.end[s]):
+            for k in range(head, reached.end[s]):
                 whole += table[reached.particle[k]].mass * reached.weight[k] * inverse
             box[0, 0], end, waiting = whole, (low[0] + 1, low[1] + 1, low[2] + 1), 0
             if used + most > len(coupling.column):
                 box[:, :] = 0.0
                 return 2 * len(coupling.column) + most
-            used = _keep_row(frame, references, mirrors, r, (box, low, end), used, seen, coupling)
+            used = _keep_row(
+                frame, references, mirrors, r, (box, low, low, end), used, seen, coupling
+            )
         while waiting > 0:
             i = reached.particle[left[0]]
             middle = supports.first[i, 0], supports.first[i, 1], supports.first[i, 2]
-            low, end = (middle[0] - 2, middle[1] - 2, middle[2] - 2), middle
+            low, begin, end = (middle[0] - 2, middle[1] - 2, middle[2] - 2), middle, middle
             others = 0
             for n in range(waiting):
                 k = left[n]
@@ -272,6 +281,11 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
                 part = table[i].mass * reached.weight[k] * inverse
                 way = by_axis(frame, _way(frame, motion[i], vertex))
                 _add_particle(box, supports, i, low, part, way)
+                begin = (
+                    min(begin[0], supports.first[i, 0]),
+                    min(begin[1], supports.first[i, 1]),
+                    min(begin[2], supports.first[i, 2]),
+                )
                 end = (
                     max(end[0], supports.first[i, 0] + supports.many[i, 0]),
                     max(end[1], supports.first[i, 1] + supports.many[i, 1]),
@@ -280,7 +294,9 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
             if used + most > len(coupling.column):
                 box[:, :] = 0.0
                 return 2 * len(coupling.column) + most
-            used = _keep_row(frame, references, mirrors, r, (box, low, end), used, seen, coupling)
+            used = _keep_row(
+                frame, references, mirrors, r, (box, low, begin, end), used, seen, coupling
+            )
             waiting = others
         start[r + 1] = used
         _answer(coupling, r, numbers)

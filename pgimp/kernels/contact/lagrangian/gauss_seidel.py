@@ -61,11 +61,11 @@ def _load_pair(contact, frame, contact_pairs, k, coupling, solved):
     return load_pair
 
 
-def _give_both(contact, frame, end, J, coupling, solved):
+def give_both(contact, frame, end, J, coupling, solved):
     """Apply an impulse to both ends of a pair, with opposite signs."""
 
 
-@specialise(_give_both)
+@specialise(give_both)
 def _give_to_both(contact, frame, end, J, coupling, solved):
     def give_both(contact, frame, end, J, coupling, solved):
         number = (end.vertex[0], end.vertex[1], end.vertex[2])
@@ -150,7 +150,7 @@ def _sweep(contact, free, contact_pairs, coupling, solved, forwards):
             impulse_of(row, 2) - before[2],
         )
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            _give_both(contact, free.frame, end, J, coupling, solved)
+            give_both(contact, free.frame, end, J, coupling, solved)
         for d in range(3):
             change = max(change, abs(J[d]) * sqrt(inverse))
             most = max(most, abs(impulse_of(row, d)) * sqrt(inverse))
@@ -196,7 +196,7 @@ def _go_on(contact, free, contact_pairs, coupling, solved, changes, before):
             row.tangential_impulse[d] += way[k, 1 + d]
         J = (impulse_of(row, 0) - old[0], impulse_of(row, 1) - old[1], impulse_of(row, 2) - old[2])
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            _give_both(contact, free.frame, contact_pairs.ends[k], J, coupling, solved)
+            give_both(contact, free.frame, contact_pairs.ends[k], J, coupling, solved)
         for n in range(IMPULSES):
             way[k, n] += begin[k, n]
     return square

@@ -15,8 +15,8 @@ from pgimp.jit.memory import structure
 from pgimp.kernels.contact.data import PAIR_STATE, clear_field
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.lagrangian.reference_grid import depth
+from pgimp.kernels.contact.lagrangian.rigid_ends import load_resting
 from pgimp.kernels.contact.lagrangian.vertices import number_of
-from pgimp.kernels.contact.rigid_fields import load_rigid_bodies
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
 from pgimp.physics.contact.base import UNILATERAL
@@ -209,8 +209,9 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
         cell = whole * 0.5 ** on_walls(faces, frame, number)
         for a in range(count):
             _load(contact, a, sums[slots[a]], cell)
-        rigid_bodies = load_rigid_bodies(
-            contact, contact.rigid_bodies, frame, number, sides, count, True
+        fills = contact_vertices.fills[slots[0]]
+        rigid_bodies = load_resting(
+            contact, contact.rigid_bodies, frame, number, sides, count, fills
         )
         if count + rigid_bodies > 1:
             pairs = find_pairs(contact, frame, sides, 1.0, count + rigid_bodies, rigid_bodies, dt)

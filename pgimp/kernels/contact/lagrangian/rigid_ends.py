@@ -9,7 +9,20 @@ from math import inf, sqrt
 
 from pgimp.geometry.distancefield import MARGIN
 from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.memory import structure
+from pgimp.kernels.contact.rigid_fields import set_rigid_velocity
+from pgimp.kernels.rigid.around import way_around
 from pgimp.kernels.rigid.bodies import find_distance, lever, move_freely, position_of
+from pgimp.kernels.rigid.fill import fill
+
+#: What a rigid body fills of the neighbourhood of a vertex: whether that is known, and whether it
+#: is near; then as in `FIELD_STATE`. It lasts while the body rests.
+RIGID_FILL = structure(
+    ("state", "i8"), ("filled", "f8"), ("curvature_gap", "f8"), ("surface", "f8", 3)
+)
+
+#: States of a `RIGID_FILL`.
+UNKNOWN, FAR, NEAR = 0, 1, 2
 
 
 @inner_kernel
@@ -138,3 +151,36 @@ def _may_fill(rigid_bodies, frame, number, slack):
         return False
 
     return may_fill
+
+
+def load_resting(contact, rigid_bodies, frame, number, sides, count, fills):
+    """As `load_rigid_bodies`, with `fills` of the vertex, (rigid bodies,) RIGID_FILL."""
+
+
+@specialise(load_resting)
+def _load_resting(contact, rigid_bodies, frame, number, sides, count, fills):
+    if not hasattr(rigid_bodies, "instance_class"):
+        return lambda contact, rigid_bodies, frame, number, sides, count, fills: 0
+
+    def load(contact, rigid_bodies, frame, number, sides, count, fills):
+        found, point = count, rigid_bodies.point[0]
+        for t in range(len(rigid_bodies.motion)):
+            kept = fills[t]
+            if kept.state == UNKNOWN:
+                kept.state = NEAR if fill(rigid_bodies, t, frame, number, sides) else FAR
+                around = way_around(frame, number, sides)
+                kept.filled, kept.curvature_gap = point.filled, point.curvature_gap
+                for d in range(3):
+                    kept.surface[d] = point.surface[d] * around
+            if kept.state == FAR:
+                continue
+            row = contact.fields[found]
+            contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
+            row.mass, row.filled, row.curvature_gap = inf, kept.filled, kept.curvature_gap
+            for d in range(3):
+                row.surface[d] = kept.surface[d]
+            set_rigid_velocity(row, rigid_bodies.motion[t], frame, number, True)
+            found += 1
+        return found - count
+
+    return load

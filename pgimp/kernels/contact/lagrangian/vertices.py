@@ -105,6 +105,8 @@ class ContactVertices(NamedTuple):
         Those with weight in this step.
     sums : (m,) VERTEX_SUMS
         The sums.
+    fills : (m, rigid bodies) RIGID_FILL
+        What rigid bodies fill at each entry's vertex, while they rest.
     order : (n,) int64
         Numbers of the entries with mass, by ascending key.
     """
@@ -117,6 +119,7 @@ class ContactVertices(NamedTuple):
     particle: IntArray
     reached: Reached
     sums: NDArray
+    fills: NDArray
     order: IntArray
 
 

@@ -12,13 +12,12 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
-from pgimp.kernels.contact.lagrangian.books import book_contacts, book_mirrored
+from pgimp.kernels.contact.lagrangian.books import book_contacts, book_held, book_mirrored
 from pgimp.kernels.contact.lagrangian.broad_phase import grow_boxes
 from pgimp.kernels.contact.lagrangian.coupling import WIDE, Coupling, find_coupling, number_rows
 from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES, solve_impulses
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
-from pgimp.kernels.contact.lagrangian.reactions import book_held
-from pgimp.kernels.contact.lagrangian.reference_grid import NUMBERS, Changes, change_velocities
+from pgimp.kernels.contact.lagrangian.reference_grid import Changes, change_velocities
 from pgimp.kernels.contact.lagrangian.rows import Solved, find_free
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices, sum_at_contact_vertices
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
@@ -31,8 +30,9 @@ from pgimp.solver.contact.lagrangian.bonds import bonded, interactions, separati
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase, reach
 from pgimp.solver.contact.lagrangian.joint import Joint, join, share
 from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles
-from pgimp.solver.contact.lagrangian.selected import Selection
+from pgimp.solver.contact.lagrangian.selected import Selection, flat
 from pgimp.solver.contact.lagrangian.selection import Selector
+from pgimp.solver.contact.lagrangian.warm_start import WarmStart
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
@@ -95,6 +95,7 @@ class LagrangianContact(NoContact):
         )
         self._particles = NearParticles(scene, comm, self._selector.local)
         self._selection: Selection | None = None
+        self._warm_start = WarmStart(comm)
         self._dt = 0.0
         self._box = np.zeros((WIDE**2, WIDE))
 
@@ -106,6 +107,15 @@ class LagrangianContact(NoContact):
     def moved(self) -> None:
         """See `NoContact.moved`: all particles are searched again in the next step."""
         self._broad_phase.restart()
+
+    @property
+    def kept_forces(self) -> np.ndarray:
+        """See `NoContact.kept_forces`."""
+        return self._warm_start.stored
+
+    def restore_forces(self, forces: np.ndarray) -> None:
+        """See `NoContact.restore_forces`."""
+        self._warm_start.restore(forces)
 
     def assign_fields(self, rank: RankState) -> None:
         """See `NoContact.assign_fields`; once, for the groups of bodies bonded at the start."""
@@ -159,6 +169,8 @@ class LagrangianContact(NoContact):
             self._selection = None
         if needed(self._broad_phase.any):
             self._exchange_near(rank, update, self._select(rank, looked, travel, rate * t.dt))
+        else:
+            self._warm_start.clear()
         if free:
             free.end(rigid_bodies, t.dt)
 
@@ -176,9 +188,8 @@ class LagrangianContact(NoContact):
 
     def _exchange_near(self, rank: RankState, update: VertexUpdate, selection: Selection) -> None:
         """Solve for the impulses."""
-        scene, contact, call = self.scene, self._contact, self.call
+        scene, contact, call, grid = self.scene, self._contact, self.call, rank.grid
         t, faces, forcing, ledger = update
-        grid = rank.grid
         holding = Holding(
             faces, scene.domain.frame, forcing, contact.scratch_impulse, forcing.loads.relaxation
         )
@@ -189,10 +200,14 @@ class LagrangianContact(NoContact):
         if self.comm.size > 1:
             found, joint = join(self.comm, self._selector.root, joint)
         if not needed(found):
+            self._warm_start.clear()
             return
+        self._warm_start.move_to(self._selector.root)
         changes = None
         if joint is not None:
             changes = self._solve(joint, nothing_held(holding), ledger)
+        else:
+            self._warm_start.clear()
         if self.comm.size > 1:
             answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
             changes = share(self.comm, self._selector.root, changes, answers)
@@ -207,7 +222,9 @@ class LagrangianContact(NoContact):
         solved = Solved.of(values, coupling)
         scratch = np.empty((2, len(pairs.ends), IMPULSES))
         call(find_free, free.frame, coupling, solved)
+        self._warm_start.begin(contact, free.frame, pairs, coupling, solved, self._dt)
         call(solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy)
+        self._warm_start.keep(pairs, self._dt)
         changes = Changes(
             keys, solved.velocity[:, :3] - values["velocity"], solved.held_impulse[:, :3].copy()
         )
@@ -221,6 +238,7 @@ class LagrangianContact(NoContact):
         contact, call, frame = self._contact, self.call, self.scene.domain.frame
         table, contact_vertices = near.selection.table, near.selection.contact_vertices
         left = self._particles.left(near)
+        self._particles.forget_moved(near, self.rigid_bodies)
         call(sum_at_contact_vertices, frame, table, near.motion, near.now, *left, contact_vertices)
         contact_vertices = contact_vertices._replace(
             order=np.flatnonzero(contact_vertices.sums["mass"] > 0.0)
@@ -270,11 +288,6 @@ class LagrangianContact(NoContact):
                 break
             capacity = entries
         return coupling._replace(column=coupling.column[:entries], entry=coupling.entry[:entries])
-
-
-def flat(values: np.ndarray) -> np.ndarray:
-    """Records of reference vertices as (n, NUMBERS) float64, without a copy."""
-    return values.view(np.float64).reshape(-1, NUMBERS)
 
 
 def nothing_held(holding: Holding) -> Holding:

@@ -14,15 +14,17 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     ReferenceVertices,
     read_reference_vertices,
 )
+from pgimp.kernels.contact.lagrangian.rigid_ends import UNKNOWN
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, narrow_supports
 from pgimp.kernels.contact.lagrangian.vertices import NEAR_MOTION, copy_near_motion
 from pgimp.kernels.contact.volumes import BOXES
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.grid.conditions import Holding
+from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.messages import swap
-from pgimp.solver.contact.lagrangian.selected import Selection, plain
+from pgimp.solver.contact.lagrangian.selected import Selection, flat, plain
 
 
 class Near(NamedTuple):
@@ -63,6 +65,8 @@ class NearParticles:
         self.scene, self.comm, self.call, self._local = scene, comm, Bound(), local
         self._plain = plain(scene)
         self._kept: dict[str, np.ndarray] = {}
+        self._x = np.empty((0, 3))
+        self._place = b""
         self._supports: dict[str, Supports] = {}
 
     def gather(
@@ -92,18 +96,24 @@ class NearParticles:
         if self.comm.size > 1:
             motion = swap(self.comm, motion, given.particles, selection.particles)
             values = swap(self.comm, values, given.vertices, selection.vertices)
-        sorted_values = self._storage("sorted", len(values), REFERENCE_VERTEX)
-        np.take(values, selection.order, out=sorted_values)
-        now = self.supports(selection.table, motion)
-        return Near(selection, motion, now, ReferenceVertices(selection.keys, sorted_values))
+            found, values = values, self._storage("sorted", len(values), REFERENCE_VERTEX)
+            np.take(flat(found), selection.order, axis=0, out=flat(values), mode="clip")
+        now = self.supports(selection, motion)
+        return Near(selection, motion, now, ReferenceVertices(selection.keys, values))
 
-    def supports(self, table: np.ndarray, motion: np.ndarray) -> Supports:
+    def supports(self, selection: Selection, motion: np.ndarray) -> Supports:
         """Supports of particles at their current positions; they hold until the next ones."""
-        supports = self._room(len(table), "current")
+        supports = self._room(len(motion), "current")
         # An empty view would count as contiguous, against `Bound`.
-        half, x = (np.ascontiguousarray(each) for each in (table["half_width"], motion["position"]))
+        x = self._positions(len(motion))
+        x[:] = motion["position"]
         self.call(
-            find_supports, self.scene.settings.shape, self.scene.domain.frame, half, x, supports
+            find_supports,
+            self.scene.settings.shape,
+            self.scene.domain.frame,
+            selection.half_width,
+            x,
+            supports,
         )
         return supports
 
@@ -125,6 +135,21 @@ class NearParticles:
             left,
         )
         return left, 0.0
+
+    def forget_moved(self, near: Near, rigid_bodies: AnyRigidBodies) -> None:
+        """Have found again what rigid bodies fill of vertices, where any has moved."""
+        if not rigid_bodies:
+            return
+        place = rigid_bodies.motion["centre"].tobytes() + rigid_bodies.motion["rotation"].tobytes()
+        if place != self._place:
+            near.selection.contact_vertices.fills["state"] = UNKNOWN
+            self._place = place
+
+    def _positions(self, count: int) -> np.ndarray:
+        """Storage for the positions of so many particles, kept from step to step."""
+        if len(self._x) < count:
+            self._x = np.empty((count + count // 8, 3))
+        return self._x[:count]
 
     def _storage(self, name: str, count: int, kind: np.dtype) -> np.ndarray:
         """Storage for so many records, kept from step to step."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
+from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE, NUMBERS
 from pgimp.kernels.contact.lagrangian.reference_numbers import ReferenceSupports
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices
 from pgimp.kernels.data.arguments import KernelScene
@@ -44,6 +44,8 @@ class Selection(NamedTuple):
         What this rank has of all selections.
     table : (n,) NEAR_PARTICLE
         The particles, in canonical order.
+    half_width : (n, 3) float64
+        Their half-widths in cells.
     cut : bool
         Whether any is cut.
     contact_vertices : ContactVertices
@@ -62,6 +64,7 @@ class Selection(NamedTuple):
 
     given: Given
     table: np.ndarray
+    half_width: np.ndarray
     cut: bool
     contact_vertices: ContactVertices
     initial: ReferenceSupports
@@ -70,6 +73,11 @@ class Selection(NamedTuple):
     order: np.ndarray
     particles: np.ndarray
     vertices: np.ndarray
+
+
+def flat(values: np.ndarray) -> np.ndarray:
+    """Records of reference vertices as (n, NUMBERS) float64, without a copy."""
+    return values.view(np.float64).reshape(-1, NUMBERS)
 
 
 def plain(scene: Scene) -> KernelScene:

@@ -21,6 +21,7 @@ from pgimp.kernels.contact.lagrangian.reference_numbers import (
     keep_numbers,
     number_reference_vertices,
 )
+from pgimp.kernels.contact.lagrangian.rigid_ends import RIGID_FILL
 from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
 from pgimp.kernels.contact.lagrangian.travel import Tracked, greatest_travel, track, track_on
 from pgimp.kernels.contact.lagrangian.vertices import (
@@ -154,9 +155,9 @@ class Selector:
             call(track_on, grid.field, self._tracked)
         table = self._table
         if comm.size == 1:
-            rows, chosen, found = self._choose(table, motion)
+            rows, chosen, _ = self._choose(table, motion)
             mine, none = near[rows], np.empty(0, np.int64)
-            return chosen._replace(given=Given(mine, mine, found.keys, none, none))
+            return chosen._replace(given=Given(mine, mine, chosen.keys, none, none))
         first, last = self._ranges(table, motion)
         if looked:
             first_layer = grid.slab.layers and grid.slab.lower is None
@@ -213,13 +214,14 @@ class Selector:
         frame, slack, vertices = scene.domain.frame, self._slack, scene.settings.vertices
         groups, none = 1 + int(self.groups.max()), np.empty(0, np.int64)
         low, extent = np.zeros(3, np.int64), np.ones(3, np.int64)
+        bodies = len(scene.interaction.rigid_bodies)
         if len(table):
             first, last = self._ranges(table, motion)
             low = first.min(axis=0).astype(np.int64)
             extent = last.max(axis=0).astype(np.int64) - low + 1
         contact_vertices = ContactVertices(
             low, extent, groups, none, none, none, Reached.empty(0, 0), np.empty(0, VERTEX_SUMS),
-            none,
+            np.empty((0, bodies), RIGID_FILL), none,
         )  # fmt: skip
         within, boxes = self._shares.within(self.comm.rank), self._wall_boxes()
         patches = call(
@@ -236,6 +238,7 @@ class Selector:
             particle=reach.particle,
             reached=Reached.empty(len(order), len(reach.particle)),
             sums=np.empty(len(order), VERTEX_SUMS),
+            fills=np.zeros((len(order), bodies), RIGID_FILL),
         )
         table = table[reach.rows]
         start, fields = Supports.empty(len(table), self.local), 1 + int(self.fields.max())
@@ -251,7 +254,7 @@ class Selector:
         hashes = np.full((table_size(len(keys)), 2), -1, np.int64)
         call(keep_numbers, keys, hashes)
         chosen = Selection(
-            nothing, table, cut, contact_vertices, initial, hashes, keys, order, none, none
+            nothing, table, half, cut, contact_vertices, initial, hashes, keys, order, none, none
         )
         return reach.rows, chosen, found
 

@@ -45,7 +45,7 @@ def test_candidates_are_vertices_that_several_groups_may_reach(D, seed, spread):
     none = np.empty(0, np.int64)
     contact_vertices = ContactVertices(
         np.full(3, -20), np.full(3, 60), GROUPS, none, none, none, Reached.empty(0, 0),
-        np.empty(0, VERTEX_SUMS), none,
+        np.empty(0, VERTEX_SUMS), none, none,
     )  # fmt: skip
     within = np.array([0, 2, 9])
     slacks, boxes = (SLACK, SLACK), np.empty((0, 2, 3), np.int64)
@@ -60,7 +60,8 @@ def test_candidates_are_vertices_that_several_groups_may_reach(D, seed, spread):
     xi = (motion["position"][:, :D] - 0.1) / 0.3 - HALF
     low, high = np.zeros((2, len(table), 3), np.int64)
     low[:, :D] = np.floor(xi - SLACK) + frame.ghost
-    high[:, :D] = np.floor(xi + SLACK) + frame.ghost + VERTICES - 1
+    ends = np.ceil(xi + 2.0 * HALF + SLACK + 1e-6)  # a cell beyond the half-width
+    high[:, :D] = np.minimum(np.floor(xi + SLACK) + VERTICES - 1, ends) + frame.ghost
     met: dict = {}
     for i in range(len(table)):
         for v in product(*(range(a, b + 1) for a, b in zip(low[i], high[i], strict=True))):

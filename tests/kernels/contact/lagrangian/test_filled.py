@@ -74,7 +74,7 @@ def test_no_particle_fills_more_than_its_bound(D, slack):
     none = np.empty(0, np.int64)
     contact_vertices = ContactVertices(
         np.full(3, -20), np.full(3, 60), COUNT, none, none, none, Reached.empty(0, 0),
-        np.empty(0, VERTEX_SUMS), none,
+        np.empty(0, VERTEX_SUMS), none, none,
     )  # fmt: skip
     boxes = np.array([[[-50] * 3, [50] * 3]])
     patches = find_candidates(

@@ -1,0 +1,55 @@
+"""Contact in checkpoints: velocity fields, and the forces at which the next step begins."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pgimp.errors import DamagedError
+from pgimp.solver.contact.velocity_fields import MOST
+
+if TYPE_CHECKING:
+    from pgimp.io.checkpoints.checkpointfile import CheckpointFile
+    from pgimp.solver.rank import Rank
+
+#: Datasets of a checkpoint.
+FIELDS, FORCES = "velocity-fields", "contact-forces"
+
+#: Columns of the forces that are whole numbers, of vertices and bodies, and their bound.
+_NUMBERS, _GREATEST = 5, 2.0**52
+
+
+def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[str, np.ndarray]:
+    """What a checkpoint has of the state of contact, by name; `read` reads a dataset by its shape.
+
+    An older one has neither: fields are assigned anew, and the next step begins at zero forces.
+
+    Raises
+    ------
+    DamagedError
+        If it is not of this scene.
+    """
+    found, contact, bodies = {}, rank.contact, len(rank.scene.body_names)
+    if contact.assignment.size and FIELDS in source.whole:
+        assignment = read(source, FIELDS, (1 + bodies,))
+        if (assignment < 0).any() or assignment[0] > MOST or (assignment[1:] >= bodies).any():
+            raise DamagedError("the velocity fields of its bodies are none")
+        found[FIELDS] = assignment
+    width = contact.kept_forces.shape[1]
+    if width and FORCES in source.whole:
+        forces = read(source, FORCES, (*source.whole[FORCES][1][:1], width))
+        numbers = forces[:, :_NUMBERS]
+        if (numbers != np.floor(numbers)).any() or (abs(numbers) > _GREATEST).any():
+            raise DamagedError("its forces of contact are at no vertices")
+        found[FORCES] = forces
+    return found
+
+
+def restore_contact(rank: Rank, found: dict[str, np.ndarray]) -> None:
+    """Continue with what `stored_contact` found; collective."""
+    if FIELDS in found:
+        rank.contact.restore(rank, found[FIELDS])
+    if FORCES in found:
+        rank.contact.restore_forces(found[FORCES])
