@@ -5,7 +5,6 @@ Plain Python arithmetic on float64 in one order of operations: the same bits on 
 
 from __future__ import annotations
 
-from math import cos, hypot, sin, sqrt
 from typing import NamedTuple, Self
 
 from pgimp.errors import CaseError
@@ -13,10 +12,8 @@ from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import FREEDOMS, Pose, RigidBody, Triple
 from pgimp.scene.rigid.bulk import Bulk
 from pgimp.scene.rigid.images import Ring
+from pgimp.scene.rigid.rotation import Matrix, add, cross, matrix, solve, triple, turned
 from pgimp.schema.tables import VectorFunction
-
-Matrix = tuple[float, ...]
-"""Nine numbers, row by row."""
 
 Six = tuple[float, ...]
 """Six numbers: along x, y, z, and about them."""
@@ -102,11 +99,11 @@ class FreeBody:
         omega = (0.0, 0.0, 0.0)
         if isinstance(motion, RigidMotion):
             rate = motion.rotation.rate
-            omega = (0.0, 0.0, float(rate)) if isinstance(rate, float | int) else _triple(rate)
-            about = _triple((*motion.rotation.about, 0.0, 0.0))
+            omega = (0.0, 0.0, float(rate)) if isinstance(rate, float | int) else triple(rate)
+            about = triple((*motion.rotation.about, 0.0, 0.0))
             arm = tuple(a - b for a, b in zip(centre, about, strict=True))
-            along = _triple((*(motion.translation or ()), 0.0, 0.0, 0.0))
-            x, y, z = (a + b for a, b in zip(along, cross(omega, _triple(arm)), strict=True))
+            along = triple((*(motion.translation or ()), 0.0, 0.0, 0.0))
+            x, y, z = (a + b for a, b in zip(along, cross(omega, triple(arm)), strict=True))
         still = State(centre, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0,) * 3)
         moving = [v if may else 0.0 for v, may in zip((x, y, z, *omega), self.may, strict=True)]
         least = 1e-9 * max(map(abs, (x, y, z)))
@@ -169,18 +166,18 @@ class FreeBody:
         With these a body without forces conserves its energy to second order in the step.
         """
         omega = self.velocities(state)[3:]
-        return self.inertia(turned(state.turn, _triple(tuple(0.5 * dt * w for w in omega))))
+        return self.inertia(turned(state.turn, triple(tuple(0.5 * dt * w for w in omega))))
 
     def moved(self, state: State, momenta: Six, inertia: Matrix, dt: float) -> State:
         """Return the state after a step with these momenta."""
         p = tuple(value if may else 0.0 for value, may in zip(momenta, self.may, strict=True))
         v = self._velocities(p, inertia)
-        shift, turn = _triple(tuple(dt * x for x in v)), _triple(tuple(dt * w for w in v[3:]))
+        shift, turn = triple(tuple(dt * x for x in v)), triple(tuple(dt * w for w in v[3:]))
         return State(
             add(state.centre, shift),
             turned(state.turn, turn),
-            _triple(p),
-            _triple(p[3:]),
+            triple(p),
+            triple(p[3:]),
             add(state.angle, turn),
             tuple(map(Ring.inside, self.rings, state.home, shift)),
         )
@@ -215,7 +212,7 @@ class FreeBody:
             own + (J if may else 0.0)
             for own, J, may in zip((*state.momentum, *state.spin), given, self.may, strict=True)
         )
-        return state._replace(momentum=_triple(p), spin=_triple(p[3:]))
+        return state._replace(momentum=triple(p), spin=triple(p[3:]))
 
     def pose(self, state: State) -> Pose:
         """Return the pose: position and rotation."""
@@ -233,74 +230,3 @@ class FreeBody:
         """Return the kinetic energy."""
         v = self.velocities(state)
         return 0.5 * sum(a * b for a, b in zip(v, (*state.momentum, *state.spin), strict=True))
-
-
-def _triple(x: tuple[float, ...]) -> Triple:
-    return (float(x[0]), float(x[1]), float(x[2]))
-
-
-def add(a: Triple, b: Triple) -> Triple:
-    """Return the sum of two vectors."""
-    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
-
-
-def cross(a: Triple, b: Triple) -> Triple:
-    """Return the cross product of two vectors."""
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def matrix(turn: tuple[float, ...]) -> Matrix:
-    """Return the matrix of a rotation, given by its quaternion."""
-    w, x, y, z = turn
-    return (
-        1.0 - 2.0 * (y * y + z * z),
-        2.0 * (x * y - w * z),
-        2.0 * (x * z + w * y),
-        2.0 * (x * y + w * z),
-        1.0 - 2.0 * (x * x + z * z),
-        2.0 * (y * z - w * x),
-        2.0 * (x * z - w * y),
-        2.0 * (y * z + w * x),
-        1.0 - 2.0 * (x * x + y * y),
-    )
-
-
-def turned(
-    turn: tuple[float, float, float, float], by: Triple
-) -> tuple[float, float, float, float]:
-    """Return the quaternion of a rotation followed by one about an axis by an angle."""
-    angle = hypot(*by)
-    part = 0.5 if angle < 1e-8 else sin(0.5 * angle) / angle
-    a, b, c, d = cos(0.5 * angle), part * by[0], part * by[1], part * by[2]
-    w, x, y, z = turn
-    q = (
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y - b * z + c * w + d * x,
-        a * z + b * y - c * x + d * w,
-    )
-    length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    return (q[0] / length, q[1] / length, q[2] / length, q[3] / length)
-
-
-def solve(M: list[list[float]], b: list[float]) -> list[float]:
-    """Solve a small system of linear equations."""
-    n = len(b)
-    rows = [[*row, value] for row, value in zip(M, b, strict=True)]
-    for i in range(n):
-        for k in range(i + 1, n):
-            if abs(rows[k][i]) > abs(rows[i][i]):
-                rows[i], rows[k] = rows[k], rows[i]
-        pivot = rows[i]
-        for row in rows[i + 1 :]:
-            if row[i] != 0.0 and pivot[i] != 0.0:
-                factor = row[i] / pivot[i]
-                for j in range(i + 1, n + 1):
-                    row[j] -= factor * pivot[j]
-    x = [0.0] * n
-    for i in reversed(range(n)):
-        row, total = rows[i], rows[i][n]
-        for j in range(i + 1, n):
-            total -= row[j] * x[j]
-        x[i] = total / row[i] if row[i] != 0.0 else 0.0
-    return x

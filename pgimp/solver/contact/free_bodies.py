@@ -18,7 +18,8 @@ from pgimp.errors import EndlessError
 from pgimp.kernels.rigid.bodies import RESPONSE, RigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.rigid.checks import may_collide, require_clear
-from pgimp.scene.rigid.free_body import FreeBody, Matrix, State, solve
+from pgimp.scene.rigid.free_body import FreeBody, State
+from pgimp.scene.rigid.rotation import Matrix, solve
 from pgimp.scene.scene import Scene
 from pgimp.solver.time.clock import Step
 

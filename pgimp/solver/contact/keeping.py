@@ -13,8 +13,9 @@ from pgimp.kernels.rigid.bodies import RigidBodies
 from pgimp.kernels.rigid.hold import Keepers, count_inside, count_near
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion
-from pgimp.scene.rigid.free_body import State, solve
+from pgimp.scene.rigid.free_body import State
 from pgimp.scene.rigid.rigid import SceneRigidBodies
+from pgimp.scene.rigid.rotation import solve
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.time.clock import Step

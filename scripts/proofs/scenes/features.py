@@ -6,10 +6,8 @@ without a change where it does not fit, perhaps False, to be not named. Then add
 `FEATURES`: its name, the function, the part of scenes that get it, and whether it changes what
 Numba compiles (another type or number of parameters). What is compiled is chosen once for a group
 of scenes, as compiling takes longer than running: such a feature is in all scenes of a group or in
-none, and where it draws what is compiled it uses ``rng.kind``, which draws the same for all of
-them. Everything else is drawn from `rng`. Features come in the order of the table: the domain
-first, then what lies in it. Here are those of the domain and the method; a new kind of region goes
-into `bodies.REGIONS`, a new material into `materials.MATERIALS`.
+none, and draws what is compiled by ``rng.kind``, all else by `rng`. Features come in the order of
+the table. A new kind of region goes into `bodies.REGIONS`, a material into `materials.MATERIALS`.
 """
 
 import random
