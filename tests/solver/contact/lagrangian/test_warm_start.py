@@ -14,13 +14,13 @@ from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 
-def pressed(**parts):
+def pressed(end=3.0, **parts):
     """A block that a ram presses on a floor, from rest."""
     block = box([2.0, 0.0], [6.0, 3.0]) | {"configuration": "initial"}
     ram = {"rigid": {"velocity": [0.0, -0.1]},
            "region": {"box": {"min": [0.0, 3.0], "max": [8.0, 6.0]}}}  # fmt: skip
     return scene(
-        2, {"block": block, "ram": ram}, cells=[8, 8], end=3.0, step={"courant": 0.3},
+        2, {"block": block, "ram": ram}, cells=[8, 8], end=end, step={"courant": 0.3},
         materials={"soft": SOFT | {"young": 1000.0}}, gravity=[0.0, -1.0],
         boundaries={"y-min": {"separating": {"friction": 0.3}}},
         contact=[{"bodies": "all", "friction": 0.3}],
