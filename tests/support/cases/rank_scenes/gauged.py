@@ -37,7 +37,10 @@ def gauged(case):
     for face, kind in faces.items():
         lets_go = kind == "separating" or "separating" in kind
         if kind != "periodic" and not (initial and lets_go):
-            gauges[f"on-{face}"] = {"wall": face, "within": part, "mean": 1.0}
+            d, end = "xyz".index(face[0]), face.endswith("max")  # the part reaches to the wall
+            ends = {"min": [*low], "max": [*high]}
+            ends["max" if end else "min"][d] = size[d] if end else 0.0
+            gauges[f"on-{face}"] = {"wall": face, "within": {"box": ends}, "mean": 1.0}
     if D > 1:
         gauges["level"] = {"level": middle[:-1], "mean": 0.3}
     fields = [*case["output"]["fields"], *DERIVED]
