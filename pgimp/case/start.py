@@ -46,6 +46,11 @@ class InitialStress(Model):
         description="overconsolidation ratio of cam-clay: its preconsolidation is that which just "
         "bears the stress, times this; null: as the material says [1]",
     )
+    surcharge: tuple[Name, ...] = Field(
+        default=(),
+        description="names of tractions that have lain on the ground for long: where they press on "
+        "surfaces that face upwards, their values at time 0 add to the weight above",
+    )
 
     def begins(self, body: str) -> bool:
         """Whether a body begins with the stress."""

@@ -50,6 +50,8 @@ INSTEAD = {
     "--import cases/swirl.py -o swirl.out --set time.end=0.01 --quiet",
     "pgimp study cases/studies/swirl.yaml --import cases/swirl.py": "pgimp study "
     "cases/studies/swirl.yaml --import cases/swirl.py --list",
+    "pgimp cases/taylor-axisymmetric.yaml -o taylor.out": "pgimp cases/taylor-axisymmetric.yaml "
+    "-o taylor.out --set time.end=2.0e-6 --set output.every=null --quiet",
     "pgimp plot run.out --columns gauge.waist.force-x": "pgimp plot block3d.out --columns mass",
     # The run has been too short for the times of the text.
     "pgimp plot block3d.out --field von-mises --time 0,0.32,0.46,0.6": "pgimp plot block3d.out "

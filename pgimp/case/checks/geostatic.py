@@ -9,6 +9,7 @@ from pgimp.case.start import JAKY, InitialStress, StartEntry, friction_angle
 from pgimp.geometry.regions import Points
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.loads.own_stress import OwnStress
+from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.loads.water import Water, vertical_of
 from pgimp.physics.materials.base import Material
 from pgimp.physics.materials.cam_clay import CamClay
@@ -29,6 +30,7 @@ def check_geostatic(
     rigid_bodies: Mapping[str, RigidBody],
     exact: object,
     dimensions: int,
+    tractions: Mapping[str, TractionEntry],
 ) -> Problems:
     """Check that there is a weight along one axis, and that bodies have what its stress needs."""
     if start.stress is None:
@@ -37,6 +39,9 @@ def check_geostatic(
     if isinstance(start.stress, OwnStress):
         yield from _own(start.stress, dimensions, bodies, laws)
         return
+    for i, name in enumerate(start.stress.surcharge):
+        if name not in tractions:
+            yield Problem((*STRESS, "surcharge", i), unknown("traction", name, tractions))
     pull = gravity.value(0.0) if isinstance(gravity, VectorFunction) else gravity
     parts = pull if isinstance(pull, list | tuple) else ()
     if sum(part != 0.0 for part in parts) != 1:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pgimp.case.start import InitialStress
 from pgimp.kernels.data.particles import Particles
 from pgimp.scene.scene import Scene
 
@@ -13,17 +14,24 @@ def surcharge(
 ) -> np.ndarray:
     """Force along gravity on the top of each of the first `count` particles, (count,).
 
-    `vertical` is the axis of gravity, and its component along it. Loads are those at time `t`, on
-    faces and on parts of surfaces whose normal points upwards.
+    `vertical` is the axis of gravity, and its component along it. Loads are those of
+    `start.stress.surcharge` at time `t`, on faces and on parts of surfaces whose normal points
+    upwards.
     """
     axis, pull = vertical
+    stress, tractions = scene.case.start.stress, scene.case.tractions
+    named = stress.surcharge if isinstance(stress, InitialStress) else ()
+    on_faces = [name in named for name, entry in tractions.items() if entry.face is not None]
+    on_parts = [name in named for name, entry in tractions.items() if entry.region is not None]
     sign, found = (1.0 if pull > 0.0 else -1.0), np.zeros(count)
     loads, D = scene.interaction.loads.at(t), scene.dimension
-    for each in loads.tractions:
-        if each.axis == axis and each.side * pull < 0.0:
+    for known, each in zip(on_faces, loads.tractions, strict=True):
+        if known and each.axis == axis and each.side * pull < 0.0:
             load = sign * each.traction[axis] + each.pressure
             found += load * p.patch[:count, each.column]
-    for one in loads.surfaces:
+    for known, one in zip(on_parts, loads.surfaces, strict=True):
+        if not known:
+            continue
         first = one.column
         area, N = p.surface[:count, first], p.surface[:count, first + 1 : first + 1 + D]
         moments = p.surface[:count, first + 1 + D : first + 1 + D + D * D].reshape(-1, D, D)

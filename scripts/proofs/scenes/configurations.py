@@ -106,6 +106,8 @@ def along_the_axis(rng, scene):
     for name, entry in case["materials"].items():
         if _flowing(entry):
             case["materials"][name] = solid | {"density": entry["density"]}
+            for stage in case["time"].get("stages", ()):  # which change what it was
+                stage.get("materials", {}).pop(name, None)
     for part in (case, *case["time"].get("stages", ())):
         if "gravity" in part:
             part["gravity"] = _along(part["gravity"])

@@ -98,6 +98,8 @@ def water(rng, scene):
     walls = case["boundaries"]
     free = [d for d in range(scene.dimension) if walls.get(f"{'xyz'[d]}-min") != "periodic"]
     weighs = "k0" in case.get("start", {}).get("stress", {})
+    if weighs and "tractions" in case and rng.random() < 0.5:
+        case["start"]["stress"]["surcharge"] = [*case["tractions"]]
     if weighs:
         free = [d for d, part in enumerate(case["gravity"]) if part and d in free]
     elif rings:

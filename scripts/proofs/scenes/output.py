@@ -85,8 +85,11 @@ def gauges(rng, scene):
     for face, kind in faces.items() if not any(later) else ():
         if kind != "periodic" and not (initial and "separating" in kind):
             found[f"on-{face}"] = {"wall": face}
-            if rng.random() < 0.5:
-                found[f"on-{face}"]["within"] = part
+            if rng.random() < 0.5:  # what presses on the wall
+                d, end = "xyz".index(face[0]), "max" if face.endswith("max") else "min"
+                box = {"min": [*part["box"]["min"]], "max": [*part["box"]["max"]]}
+                box[end][d] = origin[d] + (size[d] if end == "max" else 0.0)
+                found[f"on-{face}"]["within"] = {"box": box}
     if D > 1 and case.get("geometry") != "plane-stress":
         found["level"] = {"level": point[:-1]}
     for entry in found.values():

@@ -8,7 +8,7 @@ LAYERS = {"soft": HOOKE, "stiff": HOOKE | {"young": 3000.0, "density": 2.0}}
 WIDE, HIGH = 6.0, 5.0
 
 
-def ground(*, dimension=2, materials=None, bodies=None, k0=0.6, side="slip", **parts):
+def ground(*, dimension=2, materials=None, bodies=None, k0=0.6, side="slip", stress=(), **parts):
     """Ground of unit density under unit gravity, on cells of unit size."""
     upward = dimension - 1
     top = [WIDE] * upward + [HIGH]
@@ -19,7 +19,7 @@ def ground(*, dimension=2, materials=None, bodies=None, k0=0.6, side="slip", **p
     faces = {face: what for face, what in faces.items() if what}
     return case_of(
         [WIDE] * upward + [HIGH + 5.0], 1.0, materials or {"m": HOOKE}, bodies, 1e9,
-        gravity=[0.0] * upward + [-1.0], start={"stress": {"k0": k0}},
+        gravity=[0.0] * upward + [-1.0], start={"stress": {"k0": k0, **dict(stress)}},
         boundaries=faces | {f"{'xyz'[upward]}-min": "slip"} | parts.pop("boundaries", {}), **parts,
     )  # fmt: skip
 
@@ -74,6 +74,7 @@ SCENES = {
         lambda law=law: ground(
             materials={"m": HOOKE | {"model": law}}, water={"level": 3.0, "density": 0.4},
             tractions={"fill": {"body": "b", "face": "y-max", "pressure": 2.0}},
+            stress={"surcharge": ["fill"]},
         ) for law in ("hooke", "neo-hookean")
     ],
     "the same, of `newtonian`; of `mu-i`": [lambda: fluid("newtonian"), lambda: fluid("mu-i")],

@@ -111,6 +111,7 @@ def in_water(y, dry=2.0, surcharge=2.0):
 def test_ground_in_water_under_a_surcharge_stays_at_rest(law):
     load = {"fill": {"body": "body", "face": "y-max", "pressure": 2.0}}
     case = ground(law, water=WATER, tractions=load)
+    case["start"]["stress"]["surcharge"] = ["fill"]
     most, sim = fastest(case)
     assert most < 1e-12
     sigma, y = sim.particles.sigma[sim.live()], depth(sim, 1)
@@ -140,6 +141,7 @@ def test_surcharges_of_all_kinds_leave_ground_at_rest(law, dimension, load, part
     configuration = parts.pop("configuration", "current")
     load = {"fill": load | {"body": "body"}}
     case = ground(law, dimension, water=WATER, tractions=load, **parts)
+    case["start"]["stress"]["surcharge"] = ["fill"]
     case["bodies"]["body"]["configuration"] = configuration
     if parts:
         del case["boundaries"]["x-min"]

@@ -179,7 +179,7 @@ def _load_resting(contact, rigid_bodies, frame, number, sides, count, fills):
             row.mass, row.filled, row.curvature_gap = inf, kept.filled, kept.curvature_gap
             for d in range(3):
                 row.surface[d] = kept.surface[d]
-            set_rigid_velocity(row, rigid_bodies.motion[t], frame, number, True)
+            set_rigid_velocity(row, rigid_bodies, t, frame, number, True)
             found += 1
         return found - count
 

@@ -124,6 +124,7 @@ def soaked():
     case["time"]["mass-scaling"] = 2.0
     case["boundaries"]["x-min"] = "slip"
     case["tractions"] = {"fill": {"body": "high", "face": "x-max", "pressure": 2.0}}
+    case["start"]["stress"]["surcharge"] = ["fill"]
     case["water"] = {"level": {"table": [[0.2, 12.2], [0.7, 6.3]]}, "density": 0.5}
     drained = {"level": 4.0, "density": 0.5, "bodies": ["low"]}
     case["time"]["stages"] = [{"name": "drained", "end": 1.4, "water": drained}]
