@@ -10,7 +10,7 @@ from pgimp.case.schema import Case
 from pgimp.kernels.data.particles import Particles
 from pgimp.physics.loads.water import Buoyancy, Water, vertical_of
 from pgimp.scene.materials import MaterialTable
-from pgimp.schema.tables import VectorFunction, entries_of
+from pgimp.schema.tables import VectorFunction
 from pgimp.schema.time_functions import TimeFunction
 
 
@@ -31,12 +31,11 @@ class SceneWater:
     """
 
     def __init__(self, case: Case, materials: MaterialTable) -> None:
-        axis = vertical_of(case.gravity)
-        assert case.water is not None and case.gravity is not None and axis is not None
+        vertical = vertical_of(case.gravity)
+        assert case.water is not None and case.gravity is not None and vertical is not None
         self.entry: Water = case.water
-        self.axis, self._pull = axis, case.gravity
-        along = [float(row[axis]) for _, row in entries_of(case.gravity)]
-        self._up = -1.0 if max(along, key=abs) > 0.0 else 1.0
+        (self.axis, self._up), self._pull = vertical, case.gravity
+        axis = self.axis
         self._half = 0.5 * case.grid.cell[axis] / case.method.particles_per_cell[axis]
         number = len(case.bodies)
         self._inverse, self._column = np.zeros(number), np.full(number, -1)

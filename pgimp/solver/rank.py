@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from time import perf_counter, thread_time
 
 import numpy as np
 
@@ -33,6 +32,7 @@ from pgimp.solver.loads.following import following_of
 from pgimp.solver.loads.grips import grips_of
 from pgimp.solver.rest.absorbing import absorbing_of
 from pgimp.solver.rest.damping import damping_of
+from pgimp.solver.time.stopwatch import stopwatch
 
 #: Phases of a step, as `Rank.timings` names them.
 PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
@@ -270,12 +270,15 @@ class Rank:
 
         It has the same bodies, and the particles the columns of the scene.
         """
+        fallen = self.following.fallen if self.following else 0
         # At rest faces hold with other forces, found anew.
         kept = None if self.scene.case.rests or scene.case.rests else self.absorbing
         window, self.scene = self.grid.base, scene
         self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
         self.population.particles = particles
         self._equip()
+        if self.following:
+            self.following.fallen = fallen
         self.absorbing = absorbing_of(scene, kept)
         self.inflow = inflow_of(scene, self.inflow)
         self.grips = grips_of(scene, self.comm, self.grips)
@@ -284,18 +287,4 @@ class Rank:
 
     def stopwatch(self) -> Callable[[str], None]:
         """Return a function that adds the time since its last call to a phase."""
-        timings, worked = self.timings, self.worked
-        last, apart = perf_counter(), worked is not timings
-        last_own = thread_time() if apart else 0.0
-
-        def lap(phase: str) -> None:
-            nonlocal last, last_own
-            now = perf_counter()
-            timings[phase] += now - last
-            last = now
-            if apart:
-                own = thread_time()
-                worked[phase] += own - last_own
-                last_own = own
-
-        return lap
+        return stopwatch(self.timings, self.worked)

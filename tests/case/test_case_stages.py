@@ -170,6 +170,7 @@ EXACT = {"vibrating-bar": {"amplitude": 0.01}}
             "is empty",
         ),
         ({"tractions": {"pull": None}}, "tractions.pull", "there is none to end"),
+        ({"escape": {"x-mux": None}}, "escape.x-mux", "there is none to end"),
         ({"materials": {"soil": 3.0}}, "materials.soil", "expected a mapping of the keys"),
         ({"tractions": {"pull": {"pressure": 1.0}}}, "tractions.pull", "the pressure 0"),
         ({"tractions": {"push": {"face": "x-max"}}}, "tractions.push.face", "cannot change"),

@@ -134,16 +134,16 @@ def check_water(
     """Check that water has a vertical, and fills bodies that are heavier."""
     if water is None:
         return
-    axis = vertical_of(gravity)
-    if axis is None:
+    vertical = vertical_of(gravity)
+    if vertical is None:
         yield Problem(
             ("water",),
             "needs gravity, whose greatest component is the vertical: gravity: [0.0, -9.81]",
         )
-    elif any(entry.joins for face, entry in boundaries.items() if face[0] == "xyz"[axis]):
+    elif any(entry.joins for face, entry in boundaries.items() if face[0] == "xyz"[vertical[0]]):
         yield Problem(
             ("water",),
-            f"has a level along {'xyz'[axis]}, along which the domain is periodic; leave one out",
+            f"has a level along {'xyz'[vertical[0]]}, where the domain is periodic; leave one out",
         )
     for i, name in enumerate(water.bodies or ()):
         if name not in bodies:

@@ -7,11 +7,12 @@ from typing import Any
 
 from pgimp.case.checks.domain import check_planes_of_symmetry
 from pgimp.case.stages import BY_ENTRY, BY_KEY, Stage
+from pgimp.physics.loads.water import vertical_of
 from pgimp.physics.materials.base import Material
 from pgimp.schema.dispatch import plain
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
-from pgimp.schema.sizes import Problems
+from pgimp.schema.sizes import Problems, faces
 
 #: Stands for `pgimp.case.schema.Case`, whose stages are checked here.
 Case = Any
@@ -110,13 +111,24 @@ def check_by_itself(stage: Stage, before: Case, names: set[str]) -> Problems:
             )
     for section in (*BY_KEY, *BY_ENTRY):
         for name, entry in getattr(stage, section).items():
-            if entry is None and name not in getattr(before, section) and section != "escape":
+            known = {*getattr(before, section)}
+            if section == "escape":  # faces, where nothing escapes anyway
+                known.update(faces(before.dimensions))
+            if entry is None and name not in known:
                 text = unknown("name", name, getattr(before, section), "there are")
                 yield Problem((section, name), f"there is none to end: {text}")
 
 
 def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
     """Check that particles have the columns that a stage needs; paths start at the case."""
+    if now.water is not None and "water" not in stage.model_fields_set:
+        then, up = vertical_of(before.gravity), vertical_of(now.gravity)
+        if None not in (then, up) and then != up:
+            yield Problem(
+                ("gravity",),
+                "turns the vertical, along which the water's level is a height: give `water` in "
+                "this stage as well, or `water: null`",
+            )
     for name, entry in now.materials.items():
         yield from _material(("materials", name), before.materials[name], entry, now.dimensions)
     for name, entry in now.tractions.items():

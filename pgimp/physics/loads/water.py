@@ -41,14 +41,21 @@ class Water(Model):
         return self.level.value(t) if isinstance(self.level, TimeFunction) else float(self.level)
 
 
-def vertical_of(gravity: object) -> int | None:
-    """Axis of the greatest component of gravity over time; None if there is none, or several."""
+def vertical_of(gravity: object) -> tuple[int, float] | None:
+    """Axis of the greatest component of gravity over time, and 1 if up is along it, else -1.
+
+    None if there is no gravity, or several axes have it.
+    """
     rows = [row for _, row in entries_of(gravity)]
     if not rows:
         return None
-    sizes = np.abs(np.array(rows, float)).max(axis=0)
+    every = np.array(rows, float)
+    sizes = np.abs(every).max(axis=0)
     axis = int(np.argmax(sizes))
-    return axis if np.count_nonzero(sizes == sizes[axis]) == 1 and sizes[axis] > 0.0 else None
+    if np.count_nonzero(sizes == sizes[axis]) > 1 or not sizes[axis] > 0.0:
+        return None
+    along = every[:, axis].tolist()
+    return axis, -1.0 if max(along, key=abs) > 0.0 else 1.0
 
 
 class Buoyancy(NamedTuple):

@@ -126,6 +126,8 @@ class SceneRigidBodies:
         self.free = {
             own: other.free[number] for own, number in enumerate(numbers) if number in other.free
         }
+        arms = dict(zip(other.free, other.arms, strict=True))
+        self.arms = [arms[number] for number in numbers if number in arms]
 
     @cached_property
     def surface(self) -> Surface:

@@ -31,7 +31,7 @@ def _within(value: Any) -> Iterator[Controlled]:
 
 def controlled(stages: Iterable[Case]) -> list[Controlled]:
     """Return the controlled loads of a case's stages."""
-    parts = ("gravity", "boundaries", "tractions", "constraints", "inflow", "rigid_bodies")
+    parts = ("gravity", "water", "boundaries", "tractions", "constraints", "inflow", "rigid_bodies")
     return [one for stage in stages for part in parts for one in _within(getattr(stage, part))]
 
 

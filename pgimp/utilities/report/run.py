@@ -230,7 +230,11 @@ def _case(path: Path, data: dict[str, Any]) -> list[Markup]:
         model = entry.get("model", "rigid") if isinstance(entry, dict) else ""
         rows.append((name, material or "", model, body.get("configuration", "")))
     stages = (data.get("time") or {}).get("stages") or ()
-    named = [f"{one.get('name')}, to t = {one.get('end')}" for one in stages]
+    named = [
+        f"{one.get('name')}, "
+        + ("to rest" if one.get("settle") is not None else f"to t = {one.get('end')}")
+        for one in stages
+    ]
     given = origin.file_text(path / "input.yaml")
     resolved = origin.file_text(path / "case.yaml")
     made: list[Markup] = [table(("body", "material", "model", "configuration"), rows, words=4)]

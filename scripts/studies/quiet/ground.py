@@ -70,7 +70,7 @@ SCENES = {
     ],
     "the same, of rings": [lambda: ground(geometry="axisymmetric")],
     "the same, on an absorbing face": [lambda: ground(boundaries={"y-min": "absorbing"})],
-    "the same, in water under a surcharge": [
+    "the same, in water under a surcharge on a face": [
         lambda law=law: ground(
             materials={"m": HOOKE | {"model": law}}, water={"level": 3.0, "density": 0.4},
             tractions={"fill": {"body": "b", "face": "y-max", "pressure": 2.0}},

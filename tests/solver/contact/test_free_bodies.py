@@ -52,6 +52,18 @@ def test_a_body_stops_on_a_bar_as_waves_say(configuration):
 
 
 @pytest.mark.parametrize("configuration", ["current", "initial"])
+def test_a_stage_goes_on_with_the_motion(configuration):
+    """The rehearsal of later stages has the bodies' measures; a stage that changes nothing too."""
+    case = configured(struck(2, {"friction": 0.3}, 1.0), configuration)
+    whole = finish(start(case)).diagnostics()
+    case["time"] |= {"end": 0.5 * case["time"]["end"],
+                     "stages": [{"name": "next", "end": case["time"]["end"]}]}  # fmt: skip
+    line = finish(start(case)).diagnostics()
+    for name in ("tool.ball.velocity-x", "tool.ball.velocity-y", "kinetic-energy"):
+        assert line[name] == pytest.approx(whole[name], rel=1e-4)  # impulses are known to 1e-5
+
+
+@pytest.mark.parametrize("configuration", ["current", "initial"])
 def test_a_heavy_body_is_a_tool(configuration):
     """What it meets is deformed as by one that moves as prescribed."""
     lines = []

@@ -226,3 +226,16 @@ def test_a_file_in_a_folder_called_pgimp_is_not_of_the_package(tmp_path):
     sim = pgimp.Simulation(each_probe.CASE, each=names["control"])
     with pytest.raises(RunError, match=r"JSONDecodeError: .* \(.*/pgimp/control\.py:4\)"):
         sim.step()
+
+
+def test_the_level_of_water_may_be_controlled():
+    water = {"level": {"control": "table", "start": 1.0}, "density": 0.1}
+    case = pgimp.load(each_probe.CASE | {"gravity": [0.0, -1.0], "water": water})
+
+    def lower(now):
+        now.loads["table"] = 0.9
+
+    sim = pgimp.Simulation(case, each=lower)
+    sim.step()
+    assert sim.core.case.water.height(sim.time) == 0.9
+    assert case.water.height(0.0) == 1.0  # of no other simulation

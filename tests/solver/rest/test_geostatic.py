@@ -286,6 +286,18 @@ def test_what_has_no_such_stress_is_refused(law, change, text):
         Case.model_validate(case)
 
 
+def test_a_stage_that_turns_the_vertical_says_what_its_water_is():
+    case = ground("hooke", water=WATER)
+    turned = {"name": "turned", "end": 9e9, "gravity": [1.0, 0.0]}
+    for stage in (turned, turned | {"gravity": [0.0, 1.0]}):
+        case["time"]["stages"] = [stage]
+        with pytest.raises(ValueError, match=r"stages\.0\.gravity\s+turns the vertical"):
+            Case.model_validate(case)
+        for water in (None, WATER | {"level": 1.0}):
+            case["time"]["stages"] = [stage | {"water": water}]
+            Case.model_validate(case)
+
+
 def test_a_particle_has_its_deformation_whatever_others_are_with_it():
     sim = start(ground("neo-hookean", k0=0.9))
     p, rows = sim.particles, sim.live()
