@@ -56,11 +56,11 @@ def test_a_surface_that_falls_back_on_F_is_told(tmp_path):
     ball = {"ball": {"center": [3.3, 3.4], "radius": 2.3}}
     sim = start(loaded(2, ball))
     p, rank, rows = sim.particles, sim.rank, sim.live()
-    rank.following.find(rank, rank.population.ordered, 0)
+    rank.following.begin(rank, rank.population.ordered, 0)
     assert rank.following.fallen == 0
     p.place[rows] = -p.place[rows[::-1]]  # inside out
     for _ in range(3):
-        rank.following.find(rank, rank.population.ordered, 0)
+        rank.following.begin(rank, rank.population.ordered, 0)
     loaded_ones = (p.surface[rows] != 0.0).any(axis=1).sum()
     assert 0 < rank.following.fallen <= 3 * 8 * loaded_ones < 3 * 8 * len(rows)
     while not sim.finished:

@@ -188,7 +188,8 @@ def test_what_falls_in_water_has_its_weight_in_water(density):
 
 
 def test_ground_that_is_drained_settles_under_its_whole_weight():
-    case = ground("hooke", end=1e-3, water=WATER | {"level": 5.0})
+    case = ground("hooke", water=WATER | {"level": 5.0})
+    case["time"]["end"] = 1e-3
     rest = {"name": "drained", "settle": {"tolerance": 1e-6}, "water": None}
     case["time"]["stages"] = [rest]
     sim = start(case)
