@@ -22,7 +22,7 @@ from pgimp.kernels.contact.lagrangian.vertices import (
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.rigid.fill import fill
 from pgimp.mpi.comm import Serial
-from pgimp.scene.rigid.images import bound
+from pgimp.scene.rigid import images
 from pgimp.scene.scene import Scene
 
 HALF, COUNT = 0.25, 60
@@ -166,7 +166,7 @@ def test_no_rigid_body_fills_more_than_its_bound(D, kind, cell):
 
     def place(centre, rotation):
         row["centre"], row["rotation"] = centre, rotation
-        bound(row, lattice, field, rigid.frame, rigid.periods)
+        images.bound(row, lattice, field, rigid.frame, rigid.periods)
 
     for _ in range(30):
         slack = rng.choice([0.05, 0.3])
