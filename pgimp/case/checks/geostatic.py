@@ -145,6 +145,8 @@ def check_water(
             ("water",),
             f"has a level along {'xyz'[vertical[0]]}, where the domain is periodic; leave one out",
         )
+    if water.bodies == ():
+        yield Problem(("water", "bodies"), "names no body; without the key it fills all")
     for i, name in enumerate(water.bodies or ()):
         if name not in bodies:
             yield Problem(("water", "bodies", i), unknown("body", name, bodies))

@@ -273,6 +273,7 @@ STONE = {"rigid": {"density": 3.0}, "region": {"ball": {"center": [1.5, 6.0], "r
         ("hooke", {"water": WATER | {"density": 1.0}}, "above that of water, 1: take the sat"),
         ("hooke", {"water": WATER | {"bodies": ["bod"]}}, "did you mean 'body'"),
         ("hooke", {"water": {"level": 3.0}}, "water.density"),
+        ("hooke", {"water": WATER | {"bodies": []}}, "names no body"),
         ("hooke", {"start": {"stress": {"k0": 1.0, "surcharge": ["fil"]}}}, "surcharge.*'fil'"),
     ],
 )
