@@ -14,6 +14,8 @@ from costs import Costs
 from hypothesis import settings
 from processes import clean_env, run
 
+from pgimp.physics.functions.registry import FUNCTIONS
+
 # The same examples in every run, so that a change is not refused for what it did not touch; others
 # are looked for with --hypothesis-profile=default.
 settings.register_profile("same", derandomize=True)
@@ -61,6 +63,15 @@ def without_rehearsal():
     """
     with patch("pgimp.solver.setup.warm_up"), patch("pgimp.solver.stages.warm_up"):
         yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def functions_of_a_module():
+    """Functions of one's own that a file of tests registers are gone after it."""
+    before = dict(FUNCTIONS)
+    yield
+    FUNCTIONS.clear()
+    FUNCTIONS.update(before)
 
 
 class Launch(Protocol):

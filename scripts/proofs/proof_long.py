@@ -44,8 +44,8 @@ history: {every: {steps: LINE}}
 checkpoint: {every: {wall: 20}, keep: 2}
 """
 _LINES = 200
-#: Growth of the memory from the first tenth of a run to its end that still counts as constant: the
-#: pages of the allocator and of the files' cache, not something a step or a line leaves.
+#: Growth of the memory from the first tenth of a run to its end, in MB, that still counts as
+#: constant: pages of the allocator, not something a step or a line leaves.
 _GROWTH = 2.0
 
 
@@ -120,9 +120,10 @@ def lines(directory):
 
 
 def resident(pid):
-    """Memory of a process in MB; 0 when it has gone."""
+    """Anonymous memory of a process in MB, without pages of libraries; 0 when it has gone."""
     try:
-        pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
-    except (OSError, IndexError):
+        status = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
         return 0.0
-    return pages * 4096 / 1e6
+    kilobytes = [line.split()[1] for line in status.splitlines() if line.startswith("RssAnon")]
+    return int(kilobytes[0]) * 1024 / 1e6 if kilobytes else 0.0
