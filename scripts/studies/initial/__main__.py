@@ -4,7 +4,7 @@ from itertools import product
 from time import process_time
 
 from studies.harness import Kept, key, options_of, origin, out, put, table
-from studies.initial import impacts, meetings
+from studies.initial import impacts, meetings, restitution
 from studies.initial.keeping import cube, hourglass, order, ringing, speed, spin, stretch, vortex
 
 BOTH = ("current", "initial")
@@ -147,5 +147,7 @@ def main():
         print(f"initial: {key(name)}: {found}, {process_time() - began:.0f} s", flush=True)
         kept["origin"] = origin()
         kept.add(name, found)
-    put({"initial": text(kept), "initial-contact": contacts(kept), "impacts": waves(kept)})
+    model = restitution.text(f"By a model of the scheme in 1D, `scripts/initial`; {origin()}.")
+    put({"initial": text(kept), "initial-contact": contacts(kept), "impacts": waves(kept),
+         "restitution": model})  # fmt: skip
     print(text(kept), waves(kept), sep="\n\n")
