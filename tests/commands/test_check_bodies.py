@@ -8,7 +8,7 @@ from pgimp.case.reader import read_case
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.scene.checks.locking import locking, stripes
-from pgimp.scene.checks.sanity import case_warnings, strains
+from pgimp.scene.checks.sanity import body_warnings, case_warnings, strains
 
 
 def test_a_constraint_that_holds_nothing_is_refused_as_by_a_run(monkeypatch):
@@ -220,3 +220,12 @@ bodies:
     assert "'grain0', 'grain1', 'grain2' and 6 more flow plastically" in note
     (warning,) = locking(read_case(text.replace("M,", "rubber,")))
     assert "and 'grain0', 'grain1', 'grain2' and 6 more will be too stiff" in warning
+
+
+@pytest.mark.parametrize(("high", "all_of_it"), [(8.0, True), (7.9, False)])
+def test_a_sink_that_takes_all_of_a_body_at_the_start(high, all_of_it):
+    case = plate(f"escape: {{drain: {{region: {{box: {{min: [0.0, 0.0], max: [{high}, 2.0]}}}}}}}}")
+    found = [text for text in body_warnings(case, facts(case)[0], case.time.end) if "gone" in text]
+    assert len(found) == all_of_it
+    for text in found:
+        mentions(text, "escape.drain: ", "all of beam")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.case.escape import sinks
 from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.variation import Variation
 from pgimp.physics.variation.randomfield import RandomVariation
@@ -32,6 +34,8 @@ _THIN, _AT_WALL = 1.0 - 1e-9, 0.5
 _FEW = 3.0 - 1e-9
 #: Spacings of particles within which a probe's particle lies, with a margin for a file's.
 _FAR = 1.0
+#: Part of a bounding box by which its corners are moved inwards: regions are half-open.
+_INWARDS = 1e-6
 AXES = "xyz"
 
 
@@ -97,6 +101,7 @@ def body_warnings(case: Case, body: BodyFacts, duration: float) -> Iterator[str]
             "tonnes)?"
         )
     yield from unlikely(case, body)
+    yield from _swallowed(case, body)
     transits = duration * body.wave_speed / body.extent
     if transits < _FEWEST_TRANSITS:
         yield (
@@ -109,6 +114,21 @@ def body_warnings(case: Case, body: BodyFacts, duration: float) -> Iterator[str]
             "method that follows each; is it in the unit of time that belongs to young, density "
             "and grid? What is slow can be shortened, as long as it stays slow for the waves"
         )
+
+
+def _swallowed(case: Case, body: BodyFacts) -> Iterator[str]:
+    """Warn of sinks that contain all corners of a body's bounding box at the start."""
+    if case.bodies[body.name].configuration != "current":
+        return
+    low, high = np.array(body.low), np.array(body.high)
+    near, far = low + _INWARDS * (high - low), high - _INWARDS * (high - low)
+    corners = np.array(list(product(*zip(near, far, strict=True))))
+    for name, sink in sinks(case.escape).items():
+        if sink.region.contains(corners).all():
+            yield (
+                f"escape.{name}: contains all of {body.name} at the start, which is gone after the "
+                "first step; a sink is to lie where material arrives"
+            )
 
 
 def _coarse(key: str, variation: Variation, case: Case) -> Iterator[str]:
