@@ -220,6 +220,10 @@ def test_a_rigid_disk_at_rest_weighs_on_a_pad():
     assert abs(line["tool.disk.velocity-y"]) < 1e-3
 
 
+#: What a body in the initial configuration has beside others.
+INITIAL = {"configuration": "initial"}
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [
@@ -231,8 +235,8 @@ def test_a_rigid_disk_at_rest_weighs_on_a_pad():
         ({"gravity": [1.0, 0.0]}, "gravity: acts along the axis"),
         ({"bodies.b.velocity": [1.0, 0.0]}, "bodies.b.velocity: is along the axis"),
         (
-            {"bodies.b.configuration": "initial", "boundaries": {"y-min": "separating"}},
-            "bodies.b.configuration: initial is known in axisymmetry without contact",
+            {"bodies.c": {"material": "m", "region": box([0, 1], [1, 2]), **INITIAL}},
+            "bodies.c.configuration: in axisymmetry all bodies have the same",
         ),
         (
             {"bodies.disk": DISK | {"velocity": [1.0, 0.0]}},
