@@ -174,16 +174,20 @@ def _narrow_along(shape, frame, half, x, offset, supports, i, d):
     return last if len(x) == 1 else more
 
 
-def _narrow_ring(shape, frame, half, x, offset, whole, supports, i, cut):
-    """In axisymmetry, set the weights of support `i` along the radius: of a `cut` box, or whole."""
+def _narrow_ring(shape, frame, place, whole, supports, i, cut):
+    """In axisymmetry, set the weights of support `i` along the radius: of a `cut` box, or whole.
+
+    `place` has its half-widths, its position and the offset to its centroid.
+    """
 
 
 @specialise(_narrow_ring)
-def _narrow_ring_of(shape, frame, half, x, offset, whole, supports, i, cut):
+def _narrow_ring_of(shape, frame, place, whole, supports, i, cut):
     if not is_axial(frame):
-        return lambda shape, frame, half, x, offset, whole, supports, i, cut: None
+        return lambda shape, frame, place, whole, supports, i, cut: None
 
-    def narrow(shape, frame, half, x, offset, whole, supports, i, cut):
+    def narrow(shape, frame, place, whole, supports, i, cut):
+        half, x, offset = place
         if not cut:
             for k in range(4):
                 supports.hoop[i, k] = whole.hoop[i, k]
@@ -225,7 +229,7 @@ def narrow_supports(shape, frame, table, motion, whole, supports):
         offset = read(motion.centroid_offset, i, 0, zero)
         if row.cut != 0:
             _narrow(shape, frame, half, x, offset, supports, i, 0)
-        _narrow_ring(shape, frame, half, x, offset, whole, supports, i, row.cut != 0)
+        _narrow_ring(shape, frame, (half, x, offset), whole, supports, i, row.cut != 0)
 
 
 def plus_hoop(frame, supports, i, a, V, slope):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_axisymmetric import box, case
+from ring_section import box, case
 
 import pgimp
 
