@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from pgimp.commands.plot import listed, numbers
 from pgimp.errors import UsageError, explain
 from pgimp.utilities.plot.runs import frames_of, open_runs
 
-_CHOICES = ("field", "frame", "time", "output")
+_CHOICES = ("field", "frame", "time", "output", "revolve")
+
+#: Fewest and most parts round the axis.
+_PARTS = (3, 3600)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,6 +45,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     copies.add_argument(
         "--time", metavar="T,...", help="instead: the frames nearest to these times"
+    )
+    copies.add_argument(
+        "--revolve",
+        metavar="N",
+        help="vtu of an axisymmetric scene: the particles revolved about the axis, each as a ring "
+        "of N hexahedra, in 3D",
     )
     copies.add_argument(
         "-o",
@@ -76,6 +86,7 @@ def execute(args: argparse.Namespace) -> int:
     chosen = frames_of(shown, which, times) or shown.run.frames
     frames = [frame for _, frame in sorted({frame.number: frame for frame in chosen}.items())]
     fields = listed(args.field)
+    parts = _parts(args, shown.case) if args.revolve is not None else 0
 
     from pgimp.utilities.export.files import grids, require_fields, tables
 
@@ -84,7 +95,12 @@ def execute(args: argparse.Namespace) -> int:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         write = tables if args.format == "csv" else grids
-        written = list(write(folder, frames, fields))
+        if parts:
+            from pgimp.utilities.export.revolved import solids
+
+            written = list(solids(folder, frames, fields, parts))
+        else:
+            written = list(write(folder, frames, fields))
     except OSError as error:
         raise UsageError(f"cannot write to {folder}: {explain(error)}") from error
     lists = [str(path) for path in written if path.suffix == ".pvd"]
@@ -94,6 +110,20 @@ def execute(args: argparse.Namespace) -> int:
         + (f"; open {' or '.join(lists)}" if lists else "")
     )
     return 0
+
+
+def _parts(args: argparse.Namespace, case: dict[str, Any]) -> int:
+    if args.format != "vtu":
+        raise UsageError(f"--revolve is for vtu, not for {args.format}")
+    if case.get("geometry") != "axisymmetric":
+        raise UsageError(
+            f"--revolve is for axisymmetric scenes; the geometry of {args.directory} is "
+            f"{case.get('geometry')}"
+        )
+    (count, *more) = numbers(args.revolve, "--revolve", int)
+    if more or not _PARTS[0] <= count <= _PARTS[1]:
+        raise UsageError(f"--revolve: expected one number from {_PARTS[0]} to {_PARTS[1]}")
+    return count
 
 
 def _in_place(args: argparse.Namespace) -> int:

@@ -208,3 +208,82 @@ def test_a_run_without_frames(run, capsys):
     for kind in ("vtkhdf", "csv", "vtu"):
         assert main(["export", kind, str(run)]) == 2
         assert "has no frames" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def rings(tmp_path_factory):
+    """A run of a ring and a cylinder on the axis, two frames."""
+    folder = tmp_path_factory.mktemp("rings")
+    bodies = {"bar": box([0.0, 1.0], [2.0, 3.0], [0.0, -1.0]), "ring": box([3.0, 1.0], [5.0, 2.0])}
+    output = {"every": 0.1, "fields": ["stress", "velocity", "deformation"]}
+    case = scene(2, bodies, end=0.1, output=output, gravity=[0.0, -1.0])
+    case["geometry"] = "axisymmetric"
+    write_case(folder / "case.yaml", case)
+    assert main([str(folder / "case.yaml"), "-o", str(folder / "out"), "--quiet"]) == 0
+    return folder / "out"
+
+
+def volumes(mesh):
+    """Volumes of hexahedra, exact with plane faces: six pyramids from their middles."""
+    corners = mesh.points[mesh.cells_dict["hexahedron"]]
+    middle, total = corners.mean(axis=1), 0.0
+    for face in (
+        (0, 3, 2, 1),
+        (4, 5, 6, 7),
+        (0, 1, 5, 4),
+        (1, 2, 6, 5),
+        (2, 3, 7, 6),
+        (3, 0, 4, 7),
+    ):
+        a, b, c, d = (corners[:, k] - middle for k in face)
+        for one, other in ((b, c), (c, d)):
+            total += np.einsum("ni,ni->n", a, np.cross(one, other)) / 6.0
+    return total
+
+
+def test_rings_are_revolved_with_their_exact_volumes(rings, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "vtu", str(rings), "--revolve", "24"]) == 0
+    assert "open out-vtu/revolved.pvd" in capsys.readouterr().out
+    frame = pgimp.open(rings).frames[0]
+    mesh = meshio.read("out-vtu/revolved-000000.vtu")
+    found = volumes(mesh).reshape(24, len(frame))
+    a = 2.0 * np.pi / 24
+    np.testing.assert_allclose(found.sum(axis=0), frame["volume"] * np.sin(a) / a, rtol=1e-12)
+    exact = np.pi * (2.0**2 * 2.0 + (5.0**2 - 3.0**2) * 1.0)  # of the cylinder and the ring
+    assert found.sum() * a / np.sin(a) == pytest.approx(exact, rel=1e-12)
+    assert mesh.cell_data["volume"][0].reshape(24, -1)[7].tolist() == frame["volume"].tolist()
+
+
+def test_vectors_and_tensors_of_revolved_rings_are_those_of_space(rings, tmp_path):
+    assert main(["export", "vtu", str(rings), "--revolve", "8", "-o", str(tmp_path)]) == 0
+    frame, mesh = pgimp.open(rings).frames[-1], meshio.read(tmp_path / "revolved-000001.vtu")
+    middle = mesh.points[mesh.cells_dict["hexahedron"]].mean(axis=1).reshape(8, -1, 3)
+    out = middle * [1.0, 0.0, 1.0]
+    out /= np.linalg.norm(out, axis=-1, keepdims=True)
+    velocity = mesh.cell_data["velocity"][0].reshape(8, -1, 3)
+    np.testing.assert_allclose(
+        (velocity * out).sum(axis=-1), np.tile(frame["velocity"][:, 0], (8, 1)), atol=1e-14
+    )
+    S = mesh.cell_data["stress"][0].reshape(8, -1, 6)[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]]
+    S = S.reshape(8, -1, 3, 3)
+    round_it = np.cross(out, [0.0, 1.0, 0.0])
+    for one, other, column in ((out, out, 0), (round_it, round_it, 2), (out, [0.0, 1.0, 0.0], 3)):
+        normal = np.einsum("kni,knij,knj->kn", one, S, np.broadcast_to(other, one.shape))
+        np.testing.assert_allclose(normal, np.tile(frame["stress"][:, column], (8, 1)), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["csv", "RINGS", "--revolve", "8"], "--revolve is for vtu"),
+        (["vtu", "PLANE", "--revolve", "8"], "--revolve is for axisymmetric scenes"),
+        (["vtu", "RINGS", "--revolve", "2"], "expected one number from 3 to 3600"),
+        (["vtu", "RINGS", "--revolve", "many"], "--revolve"),
+        (["vtkhdf", "RINGS", "--revolve", "8"], "--revolve is for csv and vtu"),
+    ],
+)
+def test_what_cannot_be_revolved_is_refused(rings, made, words, told, capsys):
+    places = {"RINGS": str(rings), "PLANE": str(made)}
+    assert main(["export", *(places.get(word, word) for word in words)]) == 2
+    assert told in capsys.readouterr().err

@@ -2,34 +2,13 @@
 
 import numpy as np
 import pytest
+from ring_section import SOLID, box, case
 
 import pgimp
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 
 pytestmark = pytest.mark.slow(60)
-
-SOLID = {"model": "neo-hookean", "young": 1000.0, "poisson": 0.3, "density": 2.0}
-
-
-def case(
-    region, *, material=SOLID, size=(3.0, 2.0), h=0.25, end=1.0, shape="gimp",
-    configuration="current", **more,
-):  # fmt: skip
-    return {
-        "format": 1,
-        "dimensions": 2,
-        "geometry": "axisymmetric",
-        "grid": {"size": list(size), "cell": [h, h]},
-        "method": {"shape": shape, "particles_per_cell": [2, 2]},
-        "time": {"end": end, "step": {"courant": 0.3}},
-        "materials": {"m": material},
-        "bodies": {"b": {"material": "m", "region": region, "configuration": configuration}},
-    } | more
-
-
-def box(low, high):
-    return {"box": {"min": list(low), "max": list(high)}}
 
 
 @pytest.mark.parametrize(
@@ -220,6 +199,10 @@ def test_a_rigid_disk_at_rest_weighs_on_a_pad():
     assert abs(line["tool.disk.velocity-y"]) < 1e-3
 
 
+#: What a body in the initial configuration has beside others.
+INITIAL = {"configuration": "initial"}
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [
@@ -231,8 +214,8 @@ def test_a_rigid_disk_at_rest_weighs_on_a_pad():
         ({"gravity": [1.0, 0.0]}, "gravity: acts along the axis"),
         ({"bodies.b.velocity": [1.0, 0.0]}, "bodies.b.velocity: is along the axis"),
         (
-            {"bodies.b.configuration": "initial", "boundaries": {"y-min": "separating"}},
-            "bodies.b.configuration: initial is known in axisymmetry without contact",
+            {"bodies.c": {"material": "m", "region": box([0, 1], [1, 2]), **INITIAL}},
+            "bodies.c.configuration: in axisymmetry all bodies have the same",
         ),
         (
             {"bodies.disk": DISK | {"velocity": [1.0, 0.0]}},

@@ -14,8 +14,15 @@ from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
 from pgimp.kernels.loads.following import followed
+from pgimp.kernels.loads.strips import strip_weights
 from pgimp.kernels.loads.tractions import columns, half_step, means
-from pgimp.kernels.transfer.first_vertex import coordinate, first_vertex, half_widths, is_initial
+from pgimp.kernels.transfer.first_vertex import (
+    coordinate,
+    first_vertex,
+    half_widths,
+    is_axial,
+    is_initial,
+)
 from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.scatter import Share, scatter_products
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, keep_support
@@ -147,6 +154,21 @@ def _along(load, frame, x, part, own, d, vertex, like):
     return means(False, False, half, min(max(g, half), last - half), like)
 
 
+def _along_first(load, frame, x, part, own, vertex, like):
+    """As `_along`, along x; in axisymmetry as of `strip_weights`."""
+
+
+@specialise(_along_first)
+def _along_first_of(load, frame, x, part, own, vertex, like):
+    if is_axial(frame):
+        return lambda load, frame, x, part, own, vertex, like: strip_weights(
+            load, frame, x, part, own, vertex, like
+        )
+    return lambda load, frame, x, part, own, vertex, like: _along(
+        load, frame, x, part, own, 0, vertex, like
+    )
+
+
 def _support(load, layout, window, particles, p, layer, part, buffer):
     """Store the weights of the vertices under a part; returns the first offset."""
 
@@ -168,7 +190,7 @@ def _support_of(load, layout, window, particles, p, layer, part, buffer):
         half = half_widths(shape, frame, particles, p)
         x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
         j = first_vertex(frame, 1, half[1], y)
-        w = _along(load, frame, x, part, half[0], 0, layer, like)
+        w = _along_first(load, frame, x, part, half[0], layer, like)
         v = _along(load, frame, y, part, half[1], 1, j, like)
         keep_support(buffer, 0, w, w)
         keep_support(buffer, 1, v, v)

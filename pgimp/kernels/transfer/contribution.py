@@ -132,7 +132,7 @@ def _hoop_force(loads, frame, particles, p, forces, j):
 
         return volume
     if is_initial(frame):
-        return lambda loads, frame, particles, p, forces, j: kept_hoop(forces, j)
+        return lambda loads, frame, particles, p, forces, j: kept_hoop(forces, 0, j)
 
     def force(loads, frame, particles, p, forces, j):
         hoop = particles.sigma[p, 2] - set_apart(loads, frame, particles, p)

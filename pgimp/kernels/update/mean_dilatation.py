@@ -160,7 +160,7 @@ def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
         around = gathered_mass(sums) * take(particles.V, rows)
         for d in range(D):
             around = around * frame.inverse[d]
-        around = _section(frame, particles, rows, around)
+        around = section(frame, particles.x, rows, around)
         fill = around / take(particles.m, rows)
         now = min(max((dense - fill) * (1.0 / (dense - sparse)), 0.0), 1.0)
         now = max(now, _always_alone(mean, particles, rows))
@@ -170,16 +170,16 @@ def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
     return with_rates
 
 
-def _section(frame, particles, rows, V):
-    """Sections of four volumes V of rings; outside of axisymmetry V itself."""
+def section(frame, x, rows, V):
+    """Sections of four volumes V of rings at `x`; outside of axisymmetry V itself."""
 
 
-@specialise(_section)
-def _section_of(frame, particles, rows, V):
+@specialise(section)
+def _section_of(frame, x, rows, V):
     if not is_axial(frame):
-        return lambda frame, particles, rows, V: V
-    return lambda frame, particles, rows, V: (
-        V / (2.0 * pi * off_axis(frame, take_row(particles.x, rows, 0, frame.origin))[0])
+        return lambda frame, x, rows, V: V
+    return lambda frame, x, rows, V: (
+        V / (2.0 * pi * off_axis(frame, take_row(x, rows, 0, frame.origin))[0])
     )
 
 

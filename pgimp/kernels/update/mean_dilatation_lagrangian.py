@@ -18,9 +18,7 @@ particle's density and the cell's volume. It is 1 inside bodies, and at least 0.
 along the grid and in their corners. With two particles a cell and direction it is 0.25^d for an
 isolated one. Weights are initial weights, and masses are constant until a stage removes a bonded
 body. A particle that becomes isolated then keeps its r_p, and an isolated one stays so: a jump of
-r_p would add strain.
-
-The particles' F is r_p F_p. G_p and r_p have columns of their own.
+r_p would add strain. The particles' F is r_p F_p. G_p and r_p have columns of their own.
 """
 
 from pgimp.jit.algebra import determinant, inverse, multiply
@@ -28,17 +26,34 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.simd import where
 from pgimp.kernels.data.record import MASS, VELOCITY
-from pgimp.kernels.transfer.first_vertex import is_plate
+from pgimp.kernels.transfer.first_vertex import is_axial, is_plate
 from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.gather_shared import gather_shared, row_major
 from pgimp.kernels.transfer.lane_io import LANES, deformations, put_row, take, take_row
 from pgimp.kernels.transfer.scatter import Share, scatter_products
-from pgimp.kernels.transfer.supports import first_offset, four_entries, keep_support, share_support
+from pgimp.kernels.transfer.supports import (
+    first_offset,
+    four_entries,
+    keep_hoop,
+    keep_support,
+    share_support,
+)
 from pgimp.kernels.transfer.transfer import Support
-from pgimp.kernels.transfer.transpose import gathered_mass, gradients, keep_sums, repeat_sums
+from pgimp.kernels.transfer.transpose import (
+    collected,
+    gathered_mass,
+    gradients,
+    keep_sums,
+    repeat_sums,
+)
 from pgimp.kernels.update.deformation import side, update_deformation, velocity_gradients
-from pgimp.kernels.update.mean_dilatation_weights import means_of_parts
-from pgimp.kernels.update.piola import BY_CELLS, kept_force
+from pgimp.kernels.update.mean_dilatation import section
+from pgimp.kernels.update.mean_dilatation_weights import (
+    gradients_of_rings,
+    means_of_parts,
+    means_of_rings,
+)
+from pgimp.kernels.update.piola import BY_CELLS, kept_force, kept_hoop
 from pgimp.kernels.update.plates import deform_plate
 
 #: d-th root of the filled part of its cells from which a particle is not isolated.
@@ -57,6 +72,16 @@ def keep_mean_lagrangian(mean, shape, frame, buffer, weights):
 def _keep_mean_lagrangian(mean, shape, frame, buffer, weights):
     if hasattr(mean, "count"):  # ()
         return lambda mean, shape, frame, buffer, weights: None
+
+    def rings(mean, shape, frame, buffer, weights):
+        slopes, hoop = gradients_of_rings(shape, buffer)
+        inverse = frame.inverse[0]
+        keep_support(weights, 0, means_of_rings(shape, buffer)[0], scaled(inverse, slopes))
+        keep_hoop(weights, scaled(inverse, hoop))
+        _along(shape, buffer, weights, 1, frame.cell[1:])
+
+    if is_axial(frame):
+        return rings
     return lambda mean, shape, frame, buffer, weights: _along(shape, buffer, weights, 0, frame.cell)
 
 
@@ -106,7 +131,7 @@ def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
     mass : Vec4
         Mean of the vertices' masses over their cells.
     C : tuple of D*D Vec4
-        Gradients of the velocity, means over their cells; row-major.
+        Gradients of the velocity, means over their cells; row-major, in axisymmetry with the hoop.
     """
 
 
@@ -133,7 +158,20 @@ def _take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
         repeat_sums(sums, four.size, frame.origin)
         return gathered_mass(sums), gradients(sums, 2, frame.origin)
 
-    return take
+    def rings(mean, layout, field, four, buffer, weights, sums):
+        (shape, frame), window = layout, field.window
+        begin = four.layer * window.stride[0]
+        for j in range(four.size):
+            U, A, D, _ = gather_products(
+                shape, field.G, Support(weights, j), begin + first_offset(buffer, j), window.stride,
+                frame.origin, (), (0.0,),
+            )  # fmt: skip
+            keep_sums(sums, j, U, A, D)
+        repeat_sums(sums, four.size, (0.0, 0.0, 0.0))
+        hoop = collected(sums, 4, frame.origin)
+        return gathered_mass(sums), (*gradients(sums, 2, frame.origin), hoop[0])
+
+    return rings if is_axial(layout[1]) else take
 
 
 def _but_first(D):
@@ -168,9 +206,15 @@ def _scatter_mean_lagrangian(mean, layout, G, support, offset, stride, forces):
         P = kept_force(forces, BY_CELLS, support.j, frame.origin)
         scatter_products(shape, G, support, offset, stride, Share((), (), P, (), (), ()))
 
+    def rings(mean, layout, G, support, offset, stride, forces):
+        shape, frame = layout
+        P = kept_force(forces, BY_CELLS, support.j, frame.origin)
+        H = kept_hoop(forces, BY_CELLS, support.j)
+        scatter_products(shape, G, support, offset, stride, Share((), (), P, (), (), H))
+
     if hasattr(mean, "count"):  # ()
         return lambda mean, layout, G, support, offset, stride, forces: None
-    return by_cells
+    return rings if is_axial(layout[1]) else by_cells
 
 
 def deform(cells, setting, forcing, particles, four, numbers, D):
@@ -218,6 +262,7 @@ def _deform(cells, setting, forcing, particles, four, numbers, D):
         held = mass * take(particles.V0, rows)
         for d in range(directions):
             held = held * frame.inverse[d]
+        held = section(frame, particles.origin, rows, held)
         was = take_row(particles.alone, rows, 0, (0.0,))[0]
         alone = where(held < least * take(particles.m, rows), 1.0, was)
         put_row(particles.alone, rows, 0, (alone,))
@@ -240,6 +285,10 @@ def _and_multiple_of(L, dt, e):
         f = 1.0 + e * dt
         return f * L[0] + e, f * L[1], f * L[2], f * L[3] + e
 
+    def ring(L, dt, e):
+        f = 1.0 + e * dt
+        return f * L[0] + e, f * L[1], f * L[2], f * L[3] + e, f * L[4] + e
+
     def three(L, dt, e):
         f = 1.0 + e * dt
         return (
@@ -247,4 +296,4 @@ def _and_multiple_of(L, dt, e):
             f * L[8] + e,
         )  # fmt: skip
 
-    return two if len(L) == 4 else three
+    return {4: two, 5: ring, 9: three}[len(L)]

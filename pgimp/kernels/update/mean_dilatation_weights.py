@@ -121,6 +121,35 @@ def _means_of_rings(shape, buffer):
     return {3: three, 4: four}[shape.instance_class.vertices()]
 
 
+def gradients_of_rings(shape, buffer):
+    """The means of four particles' cells, in cells, of dv/dr and of v/r for a velocity v.
+
+    Along the radius, tuples of Vec4. In a cell they are (v_b - v_a)/h and (v_a + v_b)/(2 m). Their
+    sum has the factors of the radial component of `means_of_rings`.
+    """
+
+
+@specialise(gradients_of_rings)
+def _gradients_of_rings(shape, buffer):
+    def three(shape, buffer):
+        half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
+        first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 8), r - f
+        p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
+        a, b = 0.5 * p / (v + 0.5), 0.5 * q / (v + 1.5)
+        return (-p, p - q, q), (a, a + b, b)
+
+    def four(shape, buffer):
+        half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
+        first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 12), r - f
+        inner = 1.0 - first - last
+        p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
+        s = inner * (r - half + half * (2.0 * first + inner)) / r
+        a, b, c = 0.5 * p / (v + 0.5), 0.5 * s / (v + 1.5), 0.5 * q / (v + 2.5)
+        return (-p, p - s, s - q, q), (a, a + b, b + c, c)
+
+    return {3: three, 4: four}[shape.instance_class.vertices()]
+
+
 def factor(mean, hoop, buffer, d, i, j):
     """Factors of direction `d` in dD_p/dv_v of its vertex `i`, for particle `j` of four.
 

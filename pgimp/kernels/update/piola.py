@@ -10,13 +10,16 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, number, pack, store, vector
-from pgimp.kernels.transfer.first_vertex import is_axial, is_initial, is_plate
+from pgimp.kernels.transfer.first_vertex import is_axial, is_initial, is_plate, undeformed
 from pgimp.kernels.transfer.lane_io import deformations, take, take_row
 from pgimp.kernels.update.viscosity import trace
 
 #: Offset in the buffer of the forces by cells, see
 #: `pgimp.kernels.update.mean_dilatation_lagrangian`.
 BY_CELLS = 48
+
+#: Offset of the forces of hoops, behind the columns of two directions.
+_HOOP = 32
 
 #: Numbers in the buffer: for each direction a vector a particle, and as many by cells.
 PIOLA_SIZE = 96
@@ -75,7 +78,7 @@ def _keep_all_columns(buffer, at, P):
     def keep_rings(buffer, at, P):
         _keep(buffer, at, P[0], P[2], 0.0)
         _keep(buffer, at + 16, P[1], P[3], 0.0)
-        store(buffer, BY_CELLS, P[4])
+        store(buffer, at + _HOOP, P[4])
 
     return {1: keep1, 4: keep2, 5: keep_rings, 9: keep3}[len(P)]
 
@@ -92,7 +95,8 @@ def _keep_forces(loads, frame, particles, rows, buffer):
     if not is_initial(frame):
         return lambda loads, frame, particles, rows, buffer: None
     D = len(frame.types[0])
-    like, matrix, part = (0.0,) * (3, 4, 6)[D - 1], (0.0,) * D**2, 1.0 / D
+    like, matrix = (0.0,) * (3, 4, 6)[D - 1], (0.0,) * len(undeformed(frame))
+    part = 1.0 / {1: 1, 4: 2, 5: 3, 9: 3}[len(matrix)]
 
     def keep_pointwise(loads, frame, particles, rows, buffer):
         sigma = take_row(particles.sigma, rows, 0, like)
@@ -104,10 +108,10 @@ def _keep_forces(loads, frame, particles, rows, buffer):
         sigma = take_row(particles.sigma, rows, 0, like)
         sigma = less_pressure(loads.viscosity, particles, rows, sigma)
         in_company = part * (1.0 - take_row(particles.alone, rows, 0, (0.0,))[0])
-        mean = in_company * trace(full(sigma))
+        mean = in_company * trace(stresses(frame, sigma))
         rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
         ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -take(particles.V0, rows)
-        P = multiply(full(rest), cofactor(deformations(frame, particles, rows)))
+        P = multiply(stresses(frame, rest), cofactor(deformations(frame, particles, rows)))
         keep_columns(buffer, 0, scaled(V * ratio, P))
         G = take_row(particles.around, rows, 0, matrix)
         keep_columns(buffer, BY_CELLS, scaled(V * mean, cofactor(G)))
@@ -127,13 +131,13 @@ def _stresses(frame, sigma):
     return lambda frame, sigma: full(sigma)
 
 
-def kept_hoop(buffer, j):
-    """The vector (0, -V0 P_zz, 0, 0) of ring number `j` of four."""
+def kept_hoop(buffer, at, j):
+    """The vector (0, -V0 P_zz, 0, 0) of ring number `j` of four; `at` as in `kept_force`."""
 
 
 @specialise(kept_hoop)
-def _kept_hoop(buffer, j):
-    return lambda buffer, j: pack(0.0, number(buffer, BY_CELLS + j), 0.0, 0.0)
+def _kept_hoop(buffer, at, j):
+    return lambda buffer, at, j: pack(0.0, number(buffer, at + _HOOP + j), 0.0, 0.0)
 
 
 def kept_force(buffer, at, j, like):

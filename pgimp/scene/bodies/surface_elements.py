@@ -255,13 +255,14 @@ def parts_of(
         return found
     elements = find_elements(body, within, (planes[0] - _AWAY, planes[1] + _AWAY), closed)
     goes = carriers(body, elements)
+    whole = _together(body, elements) if ring else elements.area
     shape = tuple(len(e) + 2 for e in body.edges)
     own = np.stack([np.searchsorted(e, x[:, d]) - 1 for d, e in enumerate(body.edges)], axis=1)
     numbers = np.ravel_multi_index(tuple((own + 2).T), shape)
     target = np.ravel_multi_index(tuple((goes + 2).T), shape) if len(goes) else np.zeros(0, int)
     row = np.minimum(np.searchsorted(numbers, target), n - 1)
     mine = numbers[row] == target
-    elements, row = elements.chosen(mine), row[mine]
+    elements, whole, row = elements.chosen(mine), whole[mine], row[mine]
     factor = np.ones(len(row))
     if ring:
         factor = 2.0 * np.pi * np.maximum(elements.centroid[:, 0], 0.0)
@@ -271,6 +272,30 @@ def parts_of(
         np.add.at(found[:, 1 + d], row, factor * elements.area[:, d])
         for j in range(D):
             arm = elements.centre[:, j] - x[row, j]
-            moment = elements.moment[:, j, d] + arm * elements.area[:, d]
-            np.add.at(found[:, 1 + D + D * j + d], row, factor * moment)
+            moment = factor * (elements.moment[:, j, d] + arm * elements.area[:, d])
+            if ring:
+                moment += 2.0 * np.pi * _spread(whole, j) * elements.area[:, d]
+            np.add.at(found[:, 1 + D + D * j + d], row, moment)
     return found
+
+
+#: Places in a box along each direction that tell elements apart.
+_PLACES = 32
+
+
+def _together(body: LatticeBody, elements: Elements) -> Reals:
+    """Area vectors of elements in 2D, (n, 2), with those of all at the same place.
+
+    A surface between two boxes has an element in each, of half of its area.
+    """
+    ends = [e[0] for e in body.edges]
+    place = np.rint((elements.centroid - ends) / np.array(body.size) * _PLACES).astype(np.int64)
+    number = np.unique(place, axis=0, return_inverse=True)[1].reshape(-1)
+    sums = np.zeros((len(place), 2))
+    np.add.at(sums, number, elements.area)
+    return np.asarray(sums[number])
+
+
+def _spread(area: Reals, j: int) -> Reals:
+    """Mean of (x - x_c) (x_j - x_jc) over straight elements in 2D, (n,), by their area vectors."""
+    return np.asarray((area[:, 1] ** 2 if j == 0 else -area[:, 0] * area[:, 1]) / 12.0)

@@ -168,6 +168,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
     restore_contact(rank, found)
     if rank.comm.rank == 0:
         rank.clamped, rank.held = state.clamped, state.held
+        if rank.following:
+            rank.following.fallen = state.fallen
     if rank.inflow and state.inflow:
         rank.inflow.restore(state.inflow)
     rank.mass_cutoff = state.mass_cutoff

@@ -40,6 +40,7 @@ class State(BaseModel):
     mass_cutoff: float = Field(ge=0.0)
     clamped: int = Field(ge=0)
     held: int = Field(ge=0, default=0)
+    fallen: int = Field(ge=0, default=0)
     first_energy: float | None
     last_line: float | None
     beyond: float = Field(ge=0.0)
@@ -169,7 +170,7 @@ def capture(
     parts = rank.comm.gather(
         (
             np.diff(rank.population.start),
-            (rank.clamped, rank.held),
+            (rank.clamped, rank.held, rank.following.fallen if rank.following else 0),
             own,
             vertices,
             rank.contact.kept_forces,
@@ -186,6 +187,7 @@ def capture(
         mass_cutoff=rank.mass_cutoff,
         clamped=sum(part[1][0] for part in parts),
         held=sum(part[1][1] for part in parts),
+        fallen=sum(part[1][2] for part in parts),
         first_energy=records.first_energy,
         last_line=records.last[0] if records.last else None,
         beyond=records.most_outside[0],

@@ -53,7 +53,7 @@ def tables(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Iter
         Fields besides `id`; those of the frame, if there are none.
     """
     for frame in frames:
-        names = ["id", *(name for name in _chosen(frame.fields, fields) if name != "id")]
+        names = ["id", *(name for name in chosen(frame.fields, fields) if name != "id")]
 
         def fill(part: Path, frame: Frame = frame, names: Sequence[str] = names) -> None:
             with open(part, "w", encoding="utf-8", newline="") as stream:
@@ -61,13 +61,13 @@ def tables(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Iter
                 for first in range(0, max(len(frame), 1), _ROWS):
                     last = min(first + _ROWS, len(frame))
                     read = partial(frame.rows, first=first, last=last)
-                    columns = _columns({name: _values(name, frame, read) for name in names})
+                    columns = _columns({name: values(name, frame, read) for name in names})
                     if first == 0:
                         writer.writerow(columns)
                     writer.writerows(zip(*columns.values(), strict=True))
 
         path = folder / f"{frame.path.stem}.csv"
-        _replace(path, fill)
+        replace(path, fill)
         yield path
 
 
@@ -98,22 +98,29 @@ def grids(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Itera
         Fields of the particles; those of the frame, if there are none.
     """
     for kind in ("particles", "grid", "rigid"):
-        lines = []
+        listed = []
         for frame in frames:
             source = frame.path.with_name(f"{kind}-{frame.path.stem.partition('-')[2]}.h5")
             if source.exists():
                 path = folder / f"{source.stem}.vtu"
                 _grid(source, path, fields if kind == "particles" else ())
-                lines.append(f'<DataSet timestep="{frame.time!r}" file={quoteattr(path.name)}/>\n')
+                listed.append((frame.time, path))
                 yield path
-        if lines:
-            path = folder / f"{kind}.pvd"
-            write(
-                path,
-                '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
-                f"{''.join(lines)}</Collection>\n</VTKFile>\n",
-            )
-            yield path
+        if listed:
+            yield collection(folder / f"{kind}.pvd", listed)
+
+
+def collection(path: Path, listed: Sequence[tuple[float, Path]]) -> Path:
+    """Write a ``.pvd`` file that lists files of its folder with their times; return its path."""
+    lines = [
+        f'<DataSet timestep="{time!r}" file={quoteattr(each.name)}/>\n' for time, each in listed
+    ]
+    write(
+        path,
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
+        f"{''.join(lines)}</Collection>\n</VTKFile>\n",
+    )
+    return path
 
 
 def _grid(source: Path, path: Path, fields: Sequence[str]) -> None:
@@ -123,30 +130,29 @@ def _grid(source: Path, path: Path, fields: Sequence[str]) -> None:
         names = [name for name in file.names if name not in (*FOR_READERS, "position")]
         points, cells = file["position"][()], file["connectivity"][()]
         data = {
-            name: _values(name, names, lambda name: file[name][()])
-            for name in _chosen(names, fields)
+            name: values(name, names, lambda name: file[name][()]) for name in chosen(names, fields)
         }
     if cells.ndim == 1:
         cells = cells[:, None]
     mesh = meshio.Mesh(points, [(_CELLS[cells.shape[1]], cells)], point_data=data)
-    _replace(path, lambda part: mesh.write(part, file_format="vtu"))
+    replace(path, lambda part: mesh.write(part, file_format="vtu"))
 
 
-def _chosen(names: Sequence[str], fields: Sequence[str]) -> list[str]:
+def chosen(names: Sequence[str], fields: Sequence[str]) -> list[str]:
     """The fields that are there, in the order of the frame; then those that follow from them."""
     there = [name for name in names if not fields or name in fields]
     more = [name for name in FROM_STRESS if name in fields and name not in names]
     return there + (more if "stress" in names else [])
 
 
-def _values(name: str, there: Container[str], read: Callable[[str], Array]) -> Array:
+def values(name: str, there: Container[str], read: Callable[[str], Array]) -> Array:
     """Read a field, or compute it from the stress."""
     if name in there:
         return read(name)
     return FROM_STRESS[name](read("stress").astype(np.float64))
 
 
-def _replace(path: Path, fill: Callable[[Path], None]) -> None:
+def replace(path: Path, fill: Callable[[Path], None]) -> None:
     """Write a file under a temporary name, and rename it when it is complete."""
     with suppress(FileNotFoundError):
         require_plain(path)

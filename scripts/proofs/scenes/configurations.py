@@ -131,17 +131,13 @@ def along_the_axis(rng, scene):
             if isinstance(velocity, dict):
                 velocity = velocity.get("translation")
             body["velocity"] = _along(velocity) or [0.0, 0.0]
-    _alone(case)
+    _alike(case)
 
 
-def _alone(case):
-    """Bodies in the initial configuration remain so if they meet nothing; all do or none."""
-    walls = case["boundaries"].values()
-    meets = "contact" in case or case["method"].get("volumetric") == "mean" or any(
-        kind == "separating" or "separating" in kind for kind in walls
-    )  # fmt: skip
-    kinds = {body.get("configuration") for body in case["bodies"].values()}
-    if meets or kinds != {"initial"}:
+def _alike(case):
+    """All bodies of a material are in the initial configuration, or none is."""
+    bodies = [body for body in case["bodies"].values() if "rigid" not in body]
+    if {body.get("configuration") for body in bodies} != {"initial"}:
         for body in case["bodies"].values():
             body.pop("configuration", None)
 

@@ -83,7 +83,7 @@ def gradients(case, scene, x, F):
     if scene.settings.follows:
         half = np.minimum(np.sqrt(((F * (half[0] * cell)) ** 2).sum(axis=2)) / cell, 1.0)
     local = local_vertices(shape.vertices(), 2)
-    supports = Supports.empty(len(x), local)
+    supports = Supports.empty(len(x), local, scene.case.axisymmetric)
     find_supports(shape, scene.domain.frame, np.ascontiguousarray(half), x, supports)
     one, two, _ = local.T
     w, g = supports.w, supports.g

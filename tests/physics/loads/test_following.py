@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from scenes import box, field, scene, start
 
+from pgimp.io.checkpoints.checkpointfile import CheckpointFile
+from pgimp.mpi.comm import Serial
+from pgimp.running.checkpoints import Checkpoints
 from pgimp.running.summary import say_done
+from pgimp.solver.simulation import Simulation
 
 pytestmark = pytest.mark.slow(60)
 
@@ -70,6 +74,19 @@ def test_a_surface_that_falls_back_on_F_is_told(tmp_path):
     recorder = SimpleNamespace(seconds={}, size=0, frames=SimpleNamespace(written=1))
     say_done(sim, 0, recorder, SimpleNamespace(path=tmp_path), log, 1.0)
     assert any("the load followed F of the particle alone" in line for line in said)
+
+
+def test_how_often_a_surface_falls_back_on_F_is_in_checkpoints(tmp_path):
+    """A run that goes on tells the number of the whole run."""
+    sim = start(loaded(2, {"ball": {"center": [3.3, 3.4], "radius": 2.3}}))
+    sim.advance()
+    sim.rank.following.fallen = 24
+    (tmp_path / "checkpoints").mkdir()
+    Checkpoints(tmp_path, sim.case, sim).write(sim, 0, 0)
+    (path,) = (tmp_path / "checkpoints").iterdir()
+    gone_on = Simulation(sim.case, Serial(), CheckpointFile(path))
+    assert gone_on.step == sim.step
+    assert gone_on.rank.following.fallen == 24
 
 
 def test_only_loads_that_follow_surfaces_pay_for_it():

@@ -133,6 +133,8 @@ LAKE = {"region": TOP, "hydrostatic": {"level": 7.0, "density": 1.0}}
         ("neo-hookean", 2, {"region": TOP, "pressure": 2.0}, {}),
         ("hooke", 2, {"region": TOP, "traction": [0.0, -2.0], "follower": False}, {}),
         ("hooke", 2, LAKE, {}),
+        ("hooke", 2, {"region": TOP, "pressure": 2.0}, {"geometry": "axisymmetric"}),
+        ("hooke", 2, LAKE, {"geometry": "axisymmetric"}),
         ("hooke", 2, {"face": "y-max", "pressure": 2.0}, {"configuration": "initial"}),
     ],
 )

@@ -25,6 +25,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     reflection,
 )
 from pgimp.kernels.contact.lagrangian.reference_numbers import by_axis, by_direction
+from pgimp.kernels.contact.lagrangian.supports import from_centroid
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
@@ -279,7 +280,8 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
                     others += 1
                     continue
                 part = table[i].mass * reached.weight[k] * inverse
-                way = by_axis(frame, _way(frame, motion[i], vertex))
+                way = from_centroid(frame, table[i], _way(frame, motion[i], vertex))
+                way = by_axis(frame, way)
                 _add_particle(box, supports, i, low, part, way)
                 begin = (
                     min(begin[0], supports.first[i, 0]),

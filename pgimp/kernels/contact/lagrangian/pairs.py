@@ -19,6 +19,7 @@ from pgimp.kernels.contact.lagrangian.rigid_ends import load_resting
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
+from pgimp.kernels.rigid.around import way_around
 from pgimp.physics.contact.base import UNILATERAL
 
 #: Ends of a pair: the entry of each in `ContactVertices`, later its row in `Coupling`, or -1 - n
@@ -160,17 +161,19 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
         return 0
     if _past_another(faces, axis, frame, number):
         return 0
-    row, area = contact.fields[1], cell * frame.inverse[axis]
+    row = contact.fields[1]
     clear_field(row)
     row.mass, row.filled = inf, 0.5 if deep == 0 else 1.0
-    row.surface[axis] = -side * area * (1.0 if deep != 1 else 1e-3)
     contact.bodies[1] = walls.first + w
     along = (
         0 if axis == 0 else sides[0],
         0 if axis == 1 else sides[1],
         0 if axis == 2 else sides[2],
     )
-    return find_pairs(contact, frame, along, 1.0, 2, 1, 1.0)
+    around = way_around(frame, number, along)
+    area = cell * frame.inverse[axis] * around
+    row.surface[axis] = -side * area * (1.0 if deep != 1 else 1e-3)
+    return find_pairs(contact, frame, along, around, 2, 1, 1.0)
 
 
 @kernel
@@ -207,20 +210,22 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
         slots, number = order[begin:i], number_of(contact_vertices, vertex)
         count, sides = len(slots), wall_sides(faces, frame, number)
         cell = whole * 0.5 ** on_walls(faces, frame, number)
+        around = way_around(frame, number, sides)
         for a in range(count):
-            _load(contact, a, sums[slots[a]], cell)
+            _load(contact, a, sums[slots[a]], cell * around)
         fills = contact_vertices.fills[slots[0]]
         rigid_bodies = load_resting(
             contact, contact.rigid_bodies, frame, number, sides, count, fills
         )
         if count + rigid_bodies > 1:
-            pairs = find_pairs(contact, frame, sides, 1.0, count + rigid_bodies, rigid_bodies, dt)
+            every = count + rigid_bodies
+            pairs = find_pairs(contact, frame, sides, around, every, rigid_bodies, dt)
             found = _keep_pairs(contact, frame, sums, number, slots, pairs, found, contact_pairs)
         for w in range(len(walls.planes)):
             for a in range(count):
                 on = depth(walls.planes[w], number) == 0
                 half = cell * 2.0 if on else cell
-                _load(contact, 0, sums[slots[a]], half)
+                _load(contact, 0, sums[slots[a]], half * around)
                 pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)
                 if pairs > 0:
                     contact.pair_states[0].gap_rate /= dt

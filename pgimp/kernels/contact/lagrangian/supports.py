@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
-from pgimp.jit.tuples import read
-from pgimp.kernels.contact.volumes import LEAST, cut_weights
+from pgimp.jit.tuples import plus_scaled, read, scaled
+from pgimp.kernels.contact.volumes import LEAST, cut_moments, cut_weights
 from pgimp.kernels.data.particles import FloatArray, IntArray
-from pgimp.kernels.transfer.first_vertex import first_vertex
+from pgimp.kernels.transfer.first_vertex import first_vertex, is_axial, off_axis
+from pgimp.kernels.transfer.rings import ring_weights
 from pgimp.physics.shapes.base import weights
 
 
@@ -30,19 +31,23 @@ class Supports(NamedTuple):
         scene does not have.
     local : (k, 3) uint32
         Vertices of any support, counted from the first one, the last direction innermost.
+    hoop : (n, 4) or (0, 4) float64
+        In axisymmetry the weights T of the hoop, times the cell: see
+        `pgimp.kernels.transfer.rings`.
     """
 
     first: IntArray
     w: FloatArray
     g: FloatArray
     local: NDArray[np.uint32]
+    hoop: FloatArray
 
     @classmethod
-    def empty(cls, count: int, local: NDArray[np.uint32]) -> Self:
+    def empty(cls, count: int, local: NDArray[np.uint32], axial: bool) -> Self:
         """Allocate the supports of `count` particles; `local` is from `local_vertices`."""
-        return cls(
-            np.empty((count, 3), np.int64), np.empty((count, 3, 4)), np.empty((count, 3, 4)), local
-        )
+        w, g = np.empty((2, count, 3, 4))
+        hoop = np.empty((count if axial else 0, 4))
+        return cls(np.empty((count, 3), np.int64), w, g, local, hoop)
 
 
 def local_vertices(vertices: int, dimensions: int) -> NDArray[np.uint32]:
@@ -102,6 +107,33 @@ def _support_along(shape, frame, half, x, supports, i, d, like):
     return along
 
 
+def _first_support(shape, frame, half, x, supports, i):
+    """Set support `i` along all directions, in axisymmetry along the radius with rings."""
+
+
+@specialise(_first_support)
+def _first_support_of(shape, frame, half, x, supports, i):
+    if not is_axial(frame):
+        return lambda shape, frame, half, x, supports, i: _support(
+            shape, frame, half, x, supports, i, 0, frame.origin
+        )
+
+    def ring(shape, frame, half, x, supports, i):
+        inverse, near = frame.inverse[0], off_axis(frame, (x[0],))[0]
+        r = near * inverse
+        wide = min(half[0], r)
+        first = first_vertex(frame, 0, wide, near)
+        f = (near - frame.origin[0]) * inverse - (first - frame.ghost)
+        values, slopes, hoop, _, _ = ring_weights(shape, wide, f, r)
+        supports.first[i, 0] = first
+        keep_values(supports.w[i, 0], 0, values)
+        keep_values(supports.g[i, 0], 0, slopes)
+        keep_values(supports.hoop[i], 0, hoop)
+        _support(shape, frame, half, x, supports, i, 1, frame.origin[1:])
+
+    return ring
+
+
 @kernel
 def find_supports(shape, frame, half, x, supports):
     """Set the supports of particles.
@@ -119,7 +151,7 @@ def find_supports(shape, frame, half, x, supports):
             for k in range(4):
                 supports.w[i, d, k] = 1.0 if k == 0 else 0.0
                 supports.g[i, d, k] = 0.0
-        _support(shape, frame, half[i], x[i], supports, i, 0, frame.origin)
+        _first_support(shape, frame, half[i], x[i], supports, i)
 
 
 def _narrow(shape, frame, half, x, offset, supports, i, d):
@@ -142,6 +174,37 @@ def _narrow_along(shape, frame, half, x, offset, supports, i, d):
     return last if len(x) == 1 else more
 
 
+def _narrow_ring(shape, frame, place, whole, supports, i, cut):
+    """In axisymmetry, set the weights of support `i` along the radius: of a `cut` box, or whole.
+
+    `place` has its half-widths, its position and the offset to its centroid.
+    """
+
+
+@specialise(_narrow_ring)
+def _narrow_ring_of(shape, frame, place, whole, supports, i, cut):
+    if not is_axial(frame):
+        return lambda shape, frame, place, whole, supports, i, cut: None
+
+    def narrow(shape, frame, place, whole, supports, i, cut):
+        half, x, offset = place
+        if not cut:
+            for k in range(4):
+                supports.hoop[i, k] = whole.hoop[i, k]
+            return
+        inverse, first = frame.inverse[0], supports.first[i, 0]
+        r = max((x[0] + offset[0]) * inverse, LEAST)
+        f = r - frame.origin[0] * inverse - (first - frame.ghost)
+        left = min(max(half[0] - abs(offset[0]) * inverse, LEAST), r)
+        by, (w, g) = 1.0 / r, cut_weights(shape, left, f)
+        moments, ends = cut_moments(shape, left, f)
+        keep_values(supports.w[i, 0], 0, plus_scaled(by, moments, w))
+        keep_values(supports.g[i, 0], 0, plus_scaled(by, ends, g))
+        keep_values(supports.hoop[i], 0, scaled(by, w))
+
+    return narrow
+
+
 @kernel
 def narrow_supports(shape, frame, table, motion, whole, supports):
     """Set the supports of cut boxes; uncut particles keep their whole supports.
@@ -162,7 +225,39 @@ def narrow_supports(shape, frame, table, motion, whole, supports):
             supports.first[i, d] = whole.first[i, d]
             for k in range(4):
                 supports.w[i, d, k], supports.g[i, d, k] = whole.w[i, d, k], whole.g[i, d, k]
+        half, x = read(table.half_width, i, 0, zero), read(motion.position, i, 0, zero)
+        offset = read(motion.centroid_offset, i, 0, zero)
         if row.cut != 0:
-            half, x = read(table.half_width, i, 0, zero), read(motion.position, i, 0, zero)
-            offset = read(motion.centroid_offset, i, 0, zero)
             _narrow(shape, frame, half, x, offset, supports, i, 0)
+        _narrow_ring(shape, frame, (half, x, offset), whole, supports, i, row.cut != 0)
+
+
+def plus_hoop(frame, supports, i, a, V, slope):
+    """The radial part `slope` of a closed surface with the hoop's, V times T of vertex `a`."""
+
+
+@specialise(plus_hoop)
+def _plus_hoop(frame, supports, i, a, V, slope):
+    if not is_axial(frame):
+        return lambda frame, supports, i, a, V, slope: slope
+    return lambda frame, supports, i, a, V, slope: slope + V * supports.hoop[i, a]
+
+
+def from_centroid(frame, row, way):
+    """The vector `way` from a particle, as one from where its velocity is the grid's.
+
+    In axisymmetry that is the centroid of its ring in the initial configuration.
+    """
+
+
+@specialise(from_centroid)
+def _from_centroid_of(frame, row, way):
+    if not is_axial(frame):
+        return lambda frame, row, way: way
+
+    def shifted(frame, row, way):
+        r = off_axis(frame, (row.weight_position[0],))[0] * frame.inverse[0]
+        half = min(row.half_width[0], r)
+        return way[0] - half * half * (1.0 / 3.0) / r, way[1], way[2]
+
+    return shifted

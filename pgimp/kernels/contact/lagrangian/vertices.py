@@ -20,6 +20,7 @@ from pgimp.jit.algebra import determinant, inverse
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.memory import structure
 from pgimp.jit.tuples import read
+from pgimp.kernels.contact.lagrangian.supports import plus_hoop
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.rigid.bodies import position_of
 from pgimp.kernels.transfer.first_vertex import deformation
@@ -249,7 +250,8 @@ def sum_at_contact_vertices(frame, table, motion, supports, left, linear, contac
             volume += V * (x * y * z)
             x_slope, y_slope = V * (g[i, 0, a] * y * z), V * (x * g[i, 1, b] * z)
             z_slope = V * (x * y * g[i, 2, c])
-            x_surface, y_surface = x_surface + x_slope, y_surface + y_slope
+            x_surface = plus_hoop(frame, left, i, a, V * (y * z), x_surface + x_slope)
+            y_surface += y_slope
             z_surface += z_slope
             if linear != 0.0:
                 offset = moved.centroid_offset

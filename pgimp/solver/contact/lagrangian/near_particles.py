@@ -162,5 +162,8 @@ class NearParticles:
         """Storage for the supports of a kind."""
         kept = self._supports.get(kind)
         if kept is None or len(kept.first) < count:
-            kept = self._supports[kind] = Supports.empty(count + count // 8, self._local)
-        return kept._replace(first=kept.first[:count], w=kept.w[:count], g=kept.g[:count])
+            kept = self._supports[kind] = Supports.empty(
+                count + count // 8, self._local, self.scene.case.axisymmetric
+            )
+        every = {name: getattr(kept, name)[:count] for name in ("first", "w", "g", "hoop")}
+        return kept._replace(**every)

@@ -34,7 +34,7 @@ from pgimp.kernels.contact.lagrangian.vertices import (
     copy_near_particles,
 )
 from pgimp.kernels.contact.volumes import BOXES
-from pgimp.kernels.data.frame import InitialFrame
+from pgimp.kernels.data.frame import AxialInitialFrame, InitialFrame
 from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -88,7 +88,8 @@ class Selector:
             np.zeros((1, 1 + len(scene.interaction.rigid_bodies)), np.int8),
             faces,
         )
-        self._frame, self._plain = InitialFrame(*scene.domain.frame), plain(scene)
+        frame = AxialInitialFrame if scene.case.axisymmetric else InitialFrame
+        self._frame, self._plain = frame(*scene.domain.frame), plain(scene)
         self._rigid_bodies, self._walls = rigid_bodies, walls
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
         self.mirrors = mirrors_of(scene)
@@ -241,7 +242,8 @@ class Selector:
             fills=np.zeros((len(order), bodies), RIGID_FILL),
         )
         table = table[reach.rows]
-        start, fields = Supports.empty(len(table), self.local), 1 + int(self.fields.max())
+        start = Supports.empty(len(table), self.local, scene.case.axisymmetric)
+        fields = 1 + int(self.fields.max())
         half, x = (np.ascontiguousarray(table[name]) for name in ("half_width", "weight_position"))
         call(find_supports, scene.settings.shape, self._frame, half, x, start)
         initial = ReferenceSupports.empty(len(table))
@@ -268,7 +270,8 @@ class Selector:
     ) -> np.ndarray:
         """Entries of vertices where there may be contact, in the order of their keys."""
         order, scene = np.argsort(patches.keys), self.scene
-        if not isinstance(scene.settings.shape, BOXES):
+        # Bounds are of boxes in the plane.
+        if scene.case.axisymmetric or not isinstance(scene.settings.shape, BOXES):
             return order
         most, kept = np.empty(len(order)), np.empty(len(order), bool)
         frame, keys = scene.domain.frame, patches.keys[order]

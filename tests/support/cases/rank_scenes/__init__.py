@@ -24,7 +24,7 @@ from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
 from rank_scenes.meetings import meeting, staged
 from rank_scenes.periods import endless, layer, rigid_round, round_and_round
 from rank_scenes.plates import plates, plates_initial
-from rank_scenes.rings import rings, rings_free, rings_initial
+from rank_scenes.rings import rings, rings_free, rings_initial, rings_initial_contact
 from rank_scenes.squeezed_blocks import SIZED
 
 #: What tests take from here besides.
@@ -90,6 +90,7 @@ SCENES = (
             plates,
             plates_initial,
             rings_initial,
+            rings_initial_contact,
             round_and_round,
             rigid_round,
             layer,

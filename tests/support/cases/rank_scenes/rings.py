@@ -106,3 +106,40 @@ def rings_initial():
     for body in bodies.values():
         body["configuration"] = "initial"
     return case
+
+
+def rings_initial_contact():
+    """In the initial configuration, with means: bars and a tube meet, rigid disks press them."""
+    bodies = {
+        "bar": box([0.0, 0.6], [2.1, 3.4], [0.0, -3.0]),
+        "lid": box([0.0, 3.4], [1.6, 5.0], [0.0, -4.0], "rubber"),
+        "tube": box([5.1, 0.0], [7.9, 5.2], None, "rubber"),
+        "sleeve": box([7.9, 1.0], [9.0, 4.0], [0.0, 2.0]),
+    }
+    for body in bodies.values():
+        body["configuration"] = "initial"
+    bodies["stamp"] = {
+        "rigid": {"velocity": [0.0, -1.5]},
+        "region": {"ball": {"center": [6.5, 7.3], "radius": 2.0}},
+    }
+    bodies["disk"] = {
+        "rigid": {"density": 3.0},
+        "region": box([-2.0, 5.2], [2.0, 6.4])["region"],
+        "velocity": [0.0, -2.0],
+    }
+    case = scene(
+        2,
+        bodies,
+        cells=[12, 10],
+        end=1.0,
+        step={"courant": 0.3},
+        materials={"soft": METALS["soft"], "rubber": SOFT},
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "separating"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        tractions={"bore": {"body": "tube", "face": "x-min", "pressure": 8.0}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": ["mass", "velocity"]},
+        history={"every": {"steps": 10}},
+    )
+    case["geometry"], case["method"]["volumetric"] = "axisymmetric", "mean"
+    return case
