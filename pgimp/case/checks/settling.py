@@ -80,3 +80,5 @@ def _moving(
     for name, constraint in constraints.items():
         if any(prescribed(constraint.velocity, time, time)[1]):
             yield "constraints", name, "velocity"
+        if constraint.rotation and constraint.rotation.speed(time):
+            yield "constraints", name, "rotation"

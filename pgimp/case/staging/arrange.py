@@ -80,6 +80,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             before.staged.added + stage.add,
             {name: i for name, i in before.staged.awaited.items() if i > number + 1},
             before.staged.stress,
+            _angles(before, now),
         )
         found.append(now)
     return tuple(found), []
@@ -124,6 +125,18 @@ def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
             ((way or 0.0) + more) - (new or 0.0)
             for way, more, new in zip(old, shift, entry.displacement(start), strict=True)
         )
+    return found
+
+
+def _angles(before: Case, now: Case) -> dict[str, float]:
+    """Angles to add to the rotations of a stage, see `Staged`."""
+    start, found = float(before.time.end), {}
+    for name, entry in now.constraints.items():
+        turned = 0.0
+        if not reselects(before, now, name):
+            turned = before.constraints[name].angle(start) + before.staged.angles.get(name, 0.0)
+        if entry.rotation or turned:
+            found[name] = turned - entry.angle(start)
     return found
 
 

@@ -156,10 +156,12 @@ def _with(
     """Return a constraint that also holds the directions of a force, with these velocities."""
     held, v, a = (
         [new if own else old for own, new, old in zip(way, more, given, strict=True)]
-        for more, given in zip((way.tolist(), velocity, rate), one, strict=True)
+        for more, given in zip((way.tolist(), velocity, rate), one[:3], strict=True)
     )
-    return Constraint(
-        (bool(held[0]), bool(held[1]), bool(held[2])), (v[0], v[1], v[2]), (a[0], a[1], a[2])
+    return one._replace(
+        held=(bool(held[0]), bool(held[1]), bool(held[2])),
+        velocity=(v[0], v[1], v[2]),
+        rate=(a[0], a[1], a[2]),
     )
 
 
