@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import Annotated, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from pgimp.geometry.regions import RegionEntry
 from pgimp.physics.loads.motion import RigidMotion
@@ -13,7 +13,6 @@ from pgimp.physics.loads.spring import AnchoredSpring
 from pgimp.physics.loads.turning import Triple, Turning, rotation_matrix
 from pgimp.schema.base import Model, Positive, Vector
 from pgimp.schema.dispatch import Either, WithKey
-from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.tables import VaryingVector, VectorFunction
 
 

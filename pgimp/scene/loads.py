@@ -105,8 +105,7 @@ class SceneLoads:
         self._varies = bool(self.force) or any(entry.varies for entry in case.tractions.values())
         self._varies |= self.surfaces.varies or bool(self.water and self.water.varies)
         self.turning = [name for name, entry in case.constraints.items() if entry.rotation]
-        varies = any(entry.varies for entry in self.constraints)
-        self._constraints_vary = varies or bool(self.turning)
+        self._constraints_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
         self._constraints = self._constraints_at(0.0, 0.0)
 

@@ -63,8 +63,10 @@ def _coordinates_of(places, r, number, like):
     D = len(like)
 
     def in_space(places, r, number, like):
-        return _along(places, r, number, 0), _along(places, r, number, 1), _along(
-            places, r, number, 2
+        return (
+            _along(places, r, number, 0),
+            _along(places, r, number, 1),
+            _along(places, r, number, 2),
         )
 
     if D == 3:

@@ -120,7 +120,8 @@ class ConstraintEntry(Model):
     @property
     def varies(self) -> bool:
         """Whether the parameters depend on time."""
-        return any(isinstance(component, TimeFunction) for component in self.velocity)
+        varying = any(isinstance(component, TimeFunction) for component in self.velocity)
+        return varying or self.rotation is not None
 
     def parameters(self, start: float, end: float) -> Constraint:
         """Parameters of the kernels for a step from `start` to `end`, without given forces."""
@@ -178,7 +179,8 @@ def _unturned(
     velocity: tuple[Component, ...], force: tuple[Component, ...], rotation: Turning
 ) -> list[Problem]:
     """Problems of what goes with a rotation: only the direction of the axis may be free."""
-    found, text = [], "cannot be combined with a rotation, which prescribes the motion; leave it out"
+    found = []
+    text = "cannot be combined with a rotation, which prescribes the motion; leave it out"
     if any(f is not None for f in force):
         found.append(Problem(("force",), text))
     for d, component in enumerate(velocity):

@@ -272,7 +272,7 @@ class Diagnostics:
         return sums, most
 
     def _forces(self, time: float, impulse: np.ndarray) -> np.ndarray:
-        """Mean forces of faces and constraints since the last line, (rows, 3), see `Totals.force`."""
+        """Mean forces and moments since the last line, (rows, 3), see `Totals.force`."""
         if self.last is None:
             force = np.zeros_like(impulse)
         elif time > self.last[0]:

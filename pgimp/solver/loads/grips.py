@@ -146,7 +146,7 @@ class Grips(StepPart):
         """Note the impulses of contact that the grips have borne; collective."""
         if self.acts and rank.contact.bears:
             now = rank.ledger.constraint_impulse[: rank.grid.owned]
-            borne = self._sum(rank, self._before - now)
+            borne = self._sum(rank, self._before - now)[: len(self.entries)]
             self.state[:, BORNE] = np.where(self.controls == 1, borne, 0.0)
 
 

@@ -178,6 +178,19 @@ def _is_short(scene, body, axes):
     return size < min(lengths) - 2.1 * sum(scene.cell)
 
 
+def _turn_along(case, axes):
+    """Let constraints turn no more but about the one periodic direction."""
+    for name, entry in case.get("constraints", {}).items():
+        axis = entry.get("rotation", {}).get("axis", [0.0, 0.0, 1.0])
+        along = [d for d, each in enumerate(axis) if each]
+        if "rotation" not in entry or along == axes:
+            continue
+        about = entry.pop("rotation")["about"]
+        entry.setdefault("velocity", [0.0] * len(about))
+        for stage in case["time"].get("stages", ()):
+            (stage.get("constraints", {}).get(name) or {}).pop("rotation", None)
+
+
 def periodic(rng, scene):
     """One or more directions, x in most scenes, without what no periodic domain has."""
     from pgimp.physics.shapes import SHAPES
@@ -211,6 +224,7 @@ def periodic(rng, scene):
     for body in case["bodies"].values():
         body.pop("configuration", None)
     case["boundaries"] |= dict.fromkeys(faces, "periodic")
+    _turn_along(case, axes)
     for part in (case, *case["time"].get("stages", ())):
         if not loads:
             part.pop("tractions", None)

@@ -23,6 +23,7 @@ from proofs.scenes.loads import (
     gravity,
     mass_scaling,
     over_time,
+    rotation,
     traction,
     water,
     weight_above,
@@ -95,9 +96,8 @@ def domain(rng, scene):
 
 def method(rng, scene):
     """One of the shapes with its options."""
-    shape = rng.kind.choice(SHAPES)
-    scene.per_cell = [rng.choice((1, 2, 2, 3) if scene.dimension < 3 else (1, 1, 2))
-                      for _ in scene.cells]  # fmt: skip
+    shape, counts = rng.kind.choice(SHAPES), (1, 2, 2, 3) if scene.dimension < 3 else (1, 1, 2)
+    scene.per_cell = [rng.choice(counts) for _ in scene.cells]
     entry = {"shape": shape, "particles_per_cell": scene.per_cell}
     if shape in ("mpm", "gimp") and rng.kind.random() < 0.3:
         entry["volume"] = "initial"
@@ -109,10 +109,9 @@ def method(rng, scene):
 
 def splines(rng, scene):
     """B-splines in place of another shape."""
-    method = {"shape": rng.kind.choice(("bspline-quadratic", "bspline-cubic"))}
-    scene.case["method"] = method | {"particles_per_cell": scene.per_cell}
-    if rng.kind.random() < 0.3:
-        scene.case["method"]["wall"] = "ghost"
+    shape = rng.kind.choice(("bspline-quadratic", "bspline-cubic"))
+    ghost = {"wall": "ghost"} if rng.kind.random() < 0.3 else {}
+    scene.case["method"] = {"shape": shape, "particles_per_cell": scene.per_cell} | ghost
 
 
 def of_corners(rng, scene):
@@ -254,6 +253,7 @@ FEATURES = (
     Feature("traction", traction, 0.25, compiled=True),
     Feature("constraint", constraint, 0.25, compiled=True),
     Feature("second constraint", constraint, 0.05, compiled=True),
+    Feature("rotation", rotation, 0.3, compiled=True),
     Feature("rigid bodies", rigid_bodies, 0.3, compiled=True),
     Feature("free body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
@@ -293,8 +293,8 @@ def make(seed, number, group):
     for feature in FEATURES:
         rng = Chance(seed, number, group, feature.name)
         chance = rng.kind if feature.compiled else rng
-        if feature.share == 1.0 or chance.random() < feature.share:
-            if feature.add(rng, scene) is not False:
-                names.append(feature.name)
+        taken = feature.share == 1.0 or chance.random() < feature.share
+        if taken and feature.add(rng, scene) is not False:
+            names.append(feature.name)
     title = f"scene {number} of group {group}, seed {seed}"
-    return {"title": title, **scene.case}, scene.files, names
+    return {"title": title} | scene.case, scene.files, names
