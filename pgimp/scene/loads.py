@@ -14,6 +14,7 @@ from pgimp.kernels.grid.wall_gap import Sides
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
+from pgimp.physics.loads.constraints import at_places
 from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.merge import LEAST_FRACTION
 from pgimp.scene.surfaces import SurfaceLoads, face_stretches
@@ -105,6 +106,9 @@ class SceneLoads:
         self._varies = bool(self.force) or any(entry.varies for entry in case.tractions.values())
         self._varies |= self.surfaces.varies or bool(self.water and self.water.varies)
         self.turning = [name for name, entry in case.constraints.items() if entry.rotation]
+        self.placed = any(entry.placed for entry in self.constraints)
+        own = (entry.field for entry in self.constraints)
+        self.velocity_fields = tuple(field.source() for field in own if field)
         self._constraints_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
         self._constraints = self._constraints_at(0.0, 0.0)
@@ -152,14 +156,10 @@ class SceneLoads:
         )  # fmt: skip
 
     def _constraints_at(self, start: float, end: float) -> tuple:
-        if not self.turning:
+        if not self.placed:
             return tuple(entry.parameters(start, end) for entry in self.constraints)
-        found, row = [], len(self.constraints)
-        for name, entry in self.case.constraints.items():
-            before = self.case.staged.displacements.get(name, (0.0,) * self.case.dimensions)
-            found.append(entry.placed(start, end, before, row))
-            row += name in self.turning
-        return tuple(found)
+        like, before = (0.0,) * self.case.dimensions, self.case.staged.displacements
+        return at_places(self.case.constraints, (start, end), before, (self.velocity_fields, like))
 
     @property
     def booked_constraints(self) -> list[Hashable]:

@@ -138,9 +138,12 @@ def check_constraints(
         yield from wrong
         if entry.rotation:
             yield from turning_problems((*path, "rotation"), dimensions, entry.rotation)
-        for key in ("velocity", "force"):
-            if getattr(entry, key):
-                yield from length((*path, key), getattr(entry, key), dimensions)
+        if entry.field:
+            for found in entry.field.misfits(dimensions):
+                yield found._replace(path=(*path, "velocity", *found.path))
+        for key, given in (("velocity", entry.along), ("force", entry.force)):
+            if given:
+                yield from length((*path, key), given, dimensions)
         if wrong or not sound or any(region.FROM_FILE for region in entry.region.simple()):
             continue
         low, high = entry.region.bounds()

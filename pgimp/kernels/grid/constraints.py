@@ -20,6 +20,7 @@ from pgimp.kernels.loads.prescribed import (
     place_of,
     places_of_four,
     rate_at,
+    velocities_at,
     velocity_at,
 )
 from pgimp.kernels.transfer.lane_io import take
@@ -149,51 +150,53 @@ def constrain_particles(constraints, particles, four, u, v, ledger):
     """
 
 
-def _held(constraints, k, number, x, m, u, v, ledger, plane):
+def _held(constraints, k, which, u, v, ledger, plane):
     """Apply the constraints from number `k` on, given in `constraints`.
 
-    `number` is each particle's constraint, from 1; `x` are their places, where it matters; `m` is
-    zero for particles that do not count. Branches for single particles would slow down the loop
-    over all.
+    `which` are each particle's constraint, from 1; their masses, zero for particles that do not
+    count; and their places, where these matter. Branches for single particles would slow down the
+    loop over all.
     """
 
 
 @specialise(_held)
-def _held_by_each(constraints, k, number, x, m, u, v, ledger, plane):
+def _held_by_each(constraints, k, which, u, v, ledger, plane):
     if len(constraints) == 0:
-        return lambda constraints, k, number, x, m, u, v, ledger, plane: (u, v)
+        return lambda constraints, k, which, u, v, ledger, plane: (u, v)
 
-    def held(constraints, k, number, x, m, u, v, ledger, plane):
+    def held(constraints, k, which, u, v, ledger, plane):
+        number, m, x = which
         one, chosen = constraints[0], number == k + 1.0
-        w = velocity_at(one, x)
+        w = velocities_at(one, x, chosen)
         _book_moment(one, x, chosen, m, w, v, ledger, plane)
-        U, V = _hold(one, 0, chosen, m, w, u, v, ledger, (plane, k))
-        return _held(constraints[1:], k + 1, number, x, m, U, V, ledger, plane)
+        U, V = _hold(one, (plane, k, 0), (chosen, m), w, u, v, ledger)
+        return _held(constraints[1:], k + 1, which, U, V, ledger, plane)
 
     return held
 
 
-def _hold(one, d, chosen, m, w, u, v, ledger, entry):
+def _hold(one, entry, which, w, u, v, ledger):
     """Apply one constraint in the directions from `d` on, one vector each of `u` and `v`.
 
-    `w` are the prescribed velocities from there on, `entry` the plane and the constraint's number
-    in the ledger.
+    `w` are the prescribed velocities from there on; `entry` is the plane and the constraint's
+    number in the ledger, and d; `which` are the particles, and their masses.
     """
 
 
 @specialise(_hold)
-def _hold_along(one, d, chosen, m, w, u, v, ledger, entry):
+def _hold_along(one, entry, which, w, u, v, ledger):
     if len(u) == 0:
-        return lambda one, d, chosen, m, w, u, v, ledger, entry: (u, v)
+        return lambda one, entry, which, w, u, v, ledger: (u, v)
 
-    def hold(one, d, chosen, m, w, u, v, ledger, entry):
-        U, V = _hold(one, d + 1, chosen, m, w[1:], u[1:], v[1:], ledger, entry)
+    def hold(one, entry, which, w, u, v, ledger):
+        plane, k, d = entry
+        chosen, m = which
+        U, V = _hold(one, (plane, k, d + 1), which, w[1:], u[1:], v[1:], ledger)
         if not one.held[d]:
             return (u[0], *U), (v[0], *V)
         prescribed = w[0]
         given = where(chosen, m * (prescribed - v[0]), 0.0)
         total = _sum(given)
-        plane, k = entry
         ledger.constraint_impulse[plane, k, d] += total
         ledger.work[plane] += _times(given, total, prescribed)
         return (where(chosen, prescribed, u[0]), *U), (where(chosen, prescribed, v[0]), *V)
@@ -223,7 +226,7 @@ def _book_moment(one, x, chosen, m, w, v, ledger, plane):
 
 @specialise(_book_moment)
 def _book_moment_of(one, x, chosen, m, w, v, ledger, plane):
-    if len(x) == 0:
+    if len(x) < 2:
         return lambda one, x, chosen, m, w, v, ledger, plane: None
 
     def in_plane(one, x, chosen, m, w, v, ledger, plane):
@@ -263,6 +266,6 @@ def _constrain_particles(constraints, particles, four, u, v, ledger):
             return u, v
         m = where(pack(0.0, 1.0, 2.0, 3.0) < four.size, take(particles.m, rows), 0.0)
         x = places_of_four(constraints, particles, rows, u)
-        return _held(constraints, 0, number, x, m, u, v, ledger, four.layer)
+        return _held(constraints, 0, (number, m, x), u, v, ledger, four.layer)
 
     return constrain_particles

@@ -64,7 +64,9 @@ def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
             low, high = low - half, high + half
         velocity, turns = _velocity(body.velocity, 0.5 * (low + high))
         moved = [entry for entry in case.constraints.values() if entry.body == name]
-        if moved:
+        if moved and moved[-1].field:
+            displacement = np.zeros((len(times), len(low)))
+        elif moved:
             displacement = _integral(_prescribed(moved[-1].motion, times), times)
         elif any(_held(case, low, high)):
             displacement = np.zeros((len(times), len(low)))

@@ -62,7 +62,7 @@ def strains(case: Case, body: BodyFacts) -> dict[str, float]:
     if pulls:
         greatest = max(max(_greatest(one.traction), _greatest(one.pressure)) for one in pulls)
         found["by its tractions"] = greatest / modulus
-    moved = [entry.velocity for entry in case.constraints.values() if entry.body == body.name]
+    moved = [entry.along for entry in case.constraints.values() if entry.body == body.name]
     moved += [one.velocity for one in case.boundaries.values() if hasattr(one, "velocity")]
     turned = [entry.rotation for entry in case.constraints.values() if entry.body == body.name]
     turning = [_rim(rotation, body) * rotation.greatest for rotation in turned if rotation]

@@ -47,6 +47,8 @@ class Grips(StepPart):
         self.entries = scene.interaction.loads.constraints
         self.controls = np.zeros((len(self.entries), 3), np.int64)
         for k, entry in enumerate(self.entries):
+            if entry.field:
+                self.controls[k, : scene.dimension] = 2
             for d, (v, f) in enumerate(zip(entry.motion, entry.forces, strict=True)):
                 self.controls[k, d] = 2 if v is not None else int(f is not None)
         self.state = np.zeros((len(self.entries), STATES, 3))

@@ -236,3 +236,20 @@ def periodic(rng, scene):
             part.pop("contact", None)
             part["remove"] = [name for name in part.get("remove", []) if name not in rigid]
     return True
+
+
+def relaxation(rng, scene):
+    """Particles' velocities relax towards the grid's."""
+    scene.case["method"]["relaxation"] = number(rng, 0.5, 20.0)
+
+
+def splines(rng, scene):
+    """B-splines in place of another shape."""
+    shape = rng.kind.choice(("bspline-quadratic", "bspline-cubic"))
+    ghost = {"wall": "ghost"} if rng.kind.random() < 0.3 else {}
+    scene.case["method"] = {"shape": shape, "particles_per_cell": scene.per_cell} | ghost
+
+
+def of_corners(rng, scene):
+    """Parallelograms in place of another shape."""
+    scene.case["method"] = {"shape": "cpdi-corners", "particles_per_cell": scene.per_cell}

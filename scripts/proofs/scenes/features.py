@@ -14,7 +14,17 @@ import random
 from typing import NamedTuple
 
 from proofs.scenes.bodies import add_bodies, number, vector
-from proofs.scenes.configurations import along_the_axis, both, initial, periodic, plates, rings
+from proofs.scenes.configurations import (
+    along_the_axis,
+    both,
+    initial,
+    of_corners,
+    periodic,
+    plates,
+    relaxation,
+    rings,
+    splines,
+)
 from proofs.scenes.contact import contact, free, rigid_bodies
 from proofs.scenes.loads import (
     components,
@@ -41,6 +51,7 @@ from proofs.scenes.output import (
 from proofs.scenes.own.features_of_functions import (
     own_coefficients,
     own_force,
+    own_motion,
     own_stress,
     own_velocity,
 )
@@ -107,18 +118,6 @@ def method(rng, scene):
     scene.case["method"] = entry
 
 
-def splines(rng, scene):
-    """B-splines in place of another shape."""
-    shape = rng.kind.choice(("bspline-quadratic", "bspline-cubic"))
-    ghost = {"wall": "ghost"} if rng.kind.random() < 0.3 else {}
-    scene.case["method"] = {"shape": shape, "particles_per_cell": scene.per_cell} | ghost
-
-
-def of_corners(rng, scene):
-    """Parallelograms in place of another shape."""
-    scene.case["method"] = {"shape": "cpdi-corners", "particles_per_cell": scene.per_cell}
-
-
 def of_method(shapes=None, **entries):
     """A feature that adds keys to the method, of all shapes or of some."""
 
@@ -140,11 +139,6 @@ def long(rng, scene):
     if not isinstance(scene.case["time"]["step"], dict):
         scene.case["time"]["step"] = {"courant": number(rng, 0.15, 0.35)}
     scene.case["time"]["end"] = 12.0 * scene.end
-
-
-def relaxation(rng, scene):
-    """Particles' velocities relax towards the grid's."""
-    scene.case["method"]["relaxation"] = number(rng, 0.5, 20.0)
 
 
 def time(rng, scene):
@@ -270,6 +264,7 @@ FEATURES = (
     Feature("settling", settling, 0.1, compiled=True),
     Feature("body force of one's own", own_force, 0.15, compiled=True),
     Feature("velocity of one's own", own_velocity, 0.15),
+    Feature("motion of one's own", own_motion, 0.3, compiled=True),
     Feature("stress of one's own", own_stress, 0.08, compiled=True),
     Feature("coefficients of one's own", own_coefficients, 0.12, compiled=True),
     Feature("water", water, 0.12, compiled=True),
