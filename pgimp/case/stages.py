@@ -147,6 +147,8 @@ class Staged(NamedTuple):
         Whether a previous stage has damping.
     displacements : dict of str to tuple
         Displacements that constraints have prescribed in previous stages, to be added.
+    angles : dict of str to float
+        Likewise the angles of rotation.
     rebonds : bool
         Whether a stage has given other entries of contact, which may bond bodies anew.
     settled : bool
@@ -172,6 +174,7 @@ class Staged(NamedTuple):
     added: tuple[str, ...] = ()
     awaited: Mapping[str, int] = {}
     stress: Any = None
+    angles: Mapping[str, float] = {}
 
     @property
     def title(self) -> str:

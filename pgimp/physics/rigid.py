@@ -2,44 +2,18 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, sin
+from math import hypot
 from typing import Annotated, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from pgimp.geometry.regions import RegionEntry
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.loads.spring import AnchoredSpring
+from pgimp.physics.loads.turning import Triple, Turning, rotation_matrix
 from pgimp.schema.base import Model, Positive, Vector
 from pgimp.schema.dispatch import Either, WithKey
-from pgimp.schema.problems import Problem, raise_problems
-from pgimp.schema.tables import Varying, VaryingVector, VectorFunction
-from pgimp.schema.time_functions import TimeFunction
-
-Triple = tuple[float, float, float]
-
-
-class Turning(Model):
-    """Rotation about an axis that moves with the body."""
-
-    about: Vector = Field(description="a point of the axis, where it is at the start [length]")
-    axis: Vector = Field(
-        default=(0.0, 0.0, 1.0), description="direction of the axis, of any length; z in 2D"
-    )
-    rate: Varying = Field(
-        description="angular velocity, counter-clockwise about the axis positive [1/time]"
-    )
-
-    @model_validator(mode="after")
-    def _check_axis(self) -> Turning:
-        if len(self.axis) != 3 or not hypot(*self.axis) > 0.0:
-            text = "expected a vector of three numbers that is not zero"
-            raise_problems("rotation", [Problem(("axis",), text)])
-        return self
-
-    def angle(self, t: float) -> float:
-        """Return the angle of rotation from time 0 to `t`."""
-        return self.rate.integral(t) if isinstance(self.rate, TimeFunction) else self.rate * t
+from pgimp.schema.tables import VaryingVector, VectorFunction
 
 
 class Pose(NamedTuple):
@@ -93,21 +67,12 @@ class Motion(Model):
     @property
     def axis(self) -> Triple:
         """Unit vector of the axis of rotation."""
-        x, y, z = self.rotation.axis if self.rotation else (0.0, 0.0, 1.0)
-        length = hypot(x, y, z)
-        return (x / length, y / length, z / length)
+        return self.rotation.direction if self.rotation else (0.0, 0.0, 1.0)
 
     def pose(self, t: float) -> Pose:
         """Return the pose at time `t`: exact, not summed over steps."""
-        shift, start, (x, y, z) = self.displacement(t), self.reference, self.axis
-        angle = self.rotation.angle(t) if self.rotation else 0.0
-        c, s = cos(angle), sin(angle)
-        one = 1.0 - c
-        turn = (
-            c + x * x * one, x * y * one - z * s, x * z * one + y * s,
-            y * x * one + z * s, c + y * y * one, y * z * one - x * s,
-            z * x * one - y * s, z * y * one + x * s, c + z * z * one,
-        )  # fmt: skip
+        shift, start = self.displacement(t), self.reference
+        turn = rotation_matrix(self.axis, self.rotation.angle(t) if self.rotation else 0.0)
         return Pose((start[0] + shift[0], start[1] + shift[1], start[2] + shift[2]), turn)
 
     def velocities(self, t: float) -> tuple[Triple, Triple]:
@@ -118,21 +83,18 @@ class Motion(Model):
         elif self.velocity is not None:
             velocity = self.velocity
         x, y, z = (*(float(v) for v in velocity), 0.0, 0.0, 0.0)[:3]
-        rate = 0.0
-        if self.rotation:
-            turns = self.rotation.rate
-            rate = turns.value(t) if isinstance(turns, TimeFunction) else turns
+        rate = self.rotation.speed(t) if self.rotation else 0.0
         u, v, w = (rate * n for n in self.axis)
         return (x, y, z), (u, v, w)
 
     def greatest(self) -> tuple[float, float]:
         """Return the greatest velocity of the reference point, and angular velocity."""
-        velocity, rate = self.velocity, self.rotation.rate if self.rotation else 0.0
+        velocity = self.velocity
         values = [velocity or ()]
         if isinstance(velocity, VectorFunction):
             values = [value for _, value in velocity.rows]
-        rates = [value for _, value in rate.rows] if isinstance(rate, TimeFunction) else [rate]
-        return max(hypot(*value) for value in values), max(map(abs, rates))
+        rate = self.rotation.greatest if self.rotation else 0.0
+        return max(hypot(*value) for value in values), rate
 
 
 #: Degrees of freedom of a body; `fixed` lists those that a free rigid body lacks.

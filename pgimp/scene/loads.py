@@ -1,6 +1,6 @@
 """Loads of a case besides stress and gravity, and the particles that carry them."""
 
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Hashable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from pgimp.kernels.grid.wall_gap import Sides
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
+from pgimp.physics.loads.constraints import at_places
 from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.merge import LEAST_FRACTION
 from pgimp.scene.surfaces import SurfaceLoads, face_stretches
@@ -104,6 +105,10 @@ class SceneLoads:
         self._width = 2.0 * size if method.chi == "box" else size
         self._varies = bool(self.force) or any(entry.varies for entry in case.tractions.values())
         self._varies |= self.surfaces.varies or bool(self.water and self.water.varies)
+        self.turning = [name for name, entry in case.constraints.items() if entry.rotation]
+        self.placed = any(entry.placed for entry in self.constraints)
+        own = (entry.field for entry in self.constraints)
+        self.velocity_fields = tuple(field.source() for field in own if field)
         self._constraints_vary = any(entry.varies for entry in self.constraints)
         self._loads = self._at(0.0)
         self._constraints = self._constraints_at(0.0, 0.0)
@@ -151,7 +156,20 @@ class SceneLoads:
         )  # fmt: skip
 
     def _constraints_at(self, start: float, end: float) -> tuple:
-        return tuple(entry.parameters(start, end) for entry in self.constraints)
+        if not self.placed:
+            return tuple(entry.parameters(start, end) for entry in self.constraints)
+        like, before = (0.0,) * self.case.dimensions, self.case.staged.displacements
+        return at_places(self.case.constraints, (start, end), before, (self.velocity_fields, like))
+
+    @property
+    def booked_constraints(self) -> list[Hashable]:
+        """Names of the rows of constraints in the ledger: impulses, then moments of what turns."""
+        return [*self.case.constraints, *((name, "moment") for name in self.turning)]
+
+    def angle(self, number: int, t: float) -> float:
+        """Angle by which a constraint of `turning` has turned until `t`, with previous stages."""
+        name = self.turning[number]
+        return self.case.staged.angles.get(name, 0.0) + self.case.constraints[name].angle(t)
 
     def displacement(
         self, number: int, t: float, moved: Sequence[float]
@@ -210,10 +228,7 @@ class SceneLoads:
     def require_held(self, counts: np.ndarray, bodies: Container[str] | None = None) -> None:
         """Refuse constraints that hold no particle, of all bodies that are there or of some.
 
-        Parameters
-        ----------
-        counts : (constraints + 1,) int64
-            Number of particles of each constraint, numbered as in `held`.
+        `counts`, (constraints + 1,) int64, are of the particles of each, numbered as in `held`.
 
         Raises
         ------

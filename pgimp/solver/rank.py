@@ -146,7 +146,7 @@ class Rank:
         self.keeping = Keeping(scene, comm, self.free, slab.layers)
         bodies, settings = len(scene.body_names), scene.settings
         outflow = (bodies, scene.materials.sums) if settings.escapes else (0, 0)
-        constraints = len(scene.interaction.loads.constraints)
+        constraints = len(scene.interaction.loads.booked_constraints)
         contacts = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,

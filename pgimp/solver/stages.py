@@ -204,12 +204,15 @@ def _forces(scene: Scene) -> list[Hashable]:
     ]
 
 
-def _booked(scene: Scene) -> tuple[list[str], ...]:
+def _booked(scene: Scene) -> tuple[list[Hashable], ...]:
     """Names of the faces, constraints, entries of contact and rigid bodies in the ledger."""
     # The last law of contact is for pairs without an entry.
-    contact = [*(entry.name for entry in scene.case.contact), ""] if scene.interaction.pairs else []
-    faces = [face.name for face in scene.domain.faces]
-    return faces, list(scene.case.constraints), contact, list(scene.interaction.rigid_bodies.names)
+    contact: list[Hashable] = []
+    if scene.interaction.pairs:
+        contact = [*(entry.name for entry in scene.case.contact), ""]
+    faces: list[Hashable] = [face.name for face in scene.domain.faces]
+    constraints = scene.interaction.loads.booked_constraints
+    return faces, constraints, contact, list(scene.interaction.rigid_bodies.names)
 
 
 def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) -> np.ndarray:

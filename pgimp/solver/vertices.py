@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.ledger import Ledger
@@ -12,6 +12,7 @@ from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
 from pgimp.kernels.grid.seam import join_volumes, part_seam
 from pgimp.kernels.lagrangian.keep import keep_motion
 from pgimp.kernels.loads.loads import Loads
+from pgimp.kernels.loads.prescribed import Places
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 
@@ -76,7 +77,9 @@ def vertex_update(
     """
     scene, grid = rank.scene, rank.grid
     constraints = scene.interaction.loads.constraints_at(t.start, t.end)
-    marked = (constraints, grid.marks) if constraints else ()
+    marked: tuple[Any, ...] = (constraints, grid.marks) if constraints else ()
+    if scene.interaction.loads.placed:
+        marked += (Places(scene.domain.frame, grid.window, grid.motion),)
     forcing = Forcing(
         t.dt,
         scene.domain.gravity(t.start),
@@ -113,7 +116,7 @@ def hold_constrained(rank: RankState, update: VertexUpdate) -> VertexUpdate:
     if not update.forcing.marked:
         return update
     if rank.grips and rank.grips.acts:
-        marked = (rank.grips.find(rank, update), rank.grid.marks)
+        marked = (rank.grips.find(rank, update), *update.forcing.marked[1:])
         update = update._replace(forcing=update.forcing._replace(marked=marked))
     rank.call(apply_constraints, rank.grid.field, update.forcing, update.ledger)
     if rank.grips:

@@ -65,6 +65,7 @@ GO_ON = {
         "endless",
         "lifts",
         "streams",
+        "turned",
     ),
 }
 #: Scenes that run on three ranks too: those that go on from there, and those that tests look at.

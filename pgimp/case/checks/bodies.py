@@ -10,10 +10,12 @@ from pgimp.case.checks.regions import check_region
 from pgimp.case.grid import Grid
 from pgimp.case.output import PointProbe
 from pgimp.geometry.regions import REGIONS, Points
+from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.motion import check_rotation
 from pgimp.physics.loads.own_velocity import OwnVelocity
 from pgimp.physics.loads.tractions import TractionEntry
+from pgimp.physics.loads.turning import turning_problems
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.base import Material
 from pgimp.physics.rigid import RigidBody
@@ -134,9 +136,14 @@ def check_constraints(
         yield from check_body_of(path, entry, every_body, body_names, why)
         wrong = list(check_region((*path, "region"), entry.region, dimensions))
         yield from wrong
-        for key in ("velocity", "force"):
-            if getattr(entry, key):
-                yield from length((*path, key), getattr(entry, key), dimensions)
+        if entry.rotation:
+            yield from turning_problems((*path, "rotation"), dimensions, entry.rotation)
+        if entry.field:
+            for found in entry.field.misfits(dimensions):
+                yield found._replace(path=(*path, "velocity", *found.path))
+        for key, given in (("velocity", entry.along), ("force", entry.force)):
+            if given:
+                yield from length((*path, key), given, dimensions)
         if wrong or not sound or any(region.FROM_FILE for region in entry.region.simple()):
             continue
         low, high = entry.region.bounds()
@@ -145,3 +152,26 @@ def check_constraints(
             yield Problem((*path, "region"), "is empty: no point lies in it")
         elif any(b < least or a > most for a, b, least, most in within):
             yield Problem((*path, "region"), "lies beyond the domain, where no particle comes")
+
+
+def check_turning(
+    dimensions: int,
+    geometry: str,
+    boundaries: Mapping[str, Boundary],
+    constraints: Mapping[str, ConstraintEntry],
+) -> Problems:
+    """Check that what turns can turn in this domain."""
+    joined = {face[0] for face, entry in boundaries.items() if entry.joins}
+    for name, entry in constraints.items():
+        if not entry.rotation:
+            continue
+        path = ("constraints", name, "rotation")
+        if geometry == "axisymmetric":
+            text = "what is turned in the plane of radius and axis is no ring any more, and a "
+            text += "rotation about the axis (swirl) is no motion of this geometry; leave it out"
+            yield Problem(path, text)
+        for axis in sorted(joined) if dimensions > 1 else ():
+            if abs(entry.rotation.direction["xyz".index(axis)]) != 1.0:
+                text = f"the domain is periodic along {axis}: each of its copies would turn about "
+                text += f"a centre of its own; only a rotation about {axis} is the same for all"
+                yield Problem(path, text)

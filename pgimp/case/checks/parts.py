@@ -17,6 +17,7 @@ from pgimp.case.checks.bodies import (
     check_constraints,
     check_materials,
     check_tractions,
+    check_turning,
     check_velocities,
 )
 from pgimp.case.checks.configuration import check_configuration, check_initial_output
@@ -169,6 +170,7 @@ _CHECKS = (
     check_fields,
     check_tractions,
     check_constraints,
+    check_turning,
     check_inflow,
     check_contact,
     check_adhesion,

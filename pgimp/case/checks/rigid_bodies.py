@@ -9,6 +9,7 @@ from pgimp.case.checks.regions import check_region
 from pgimp.case.grid import Grid
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.motion import RigidMotion, check_rotation
+from pgimp.physics.loads.turning import turning_problems
 from pgimp.physics.rigid import FREEDOMS, Free, Motion, RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
@@ -78,14 +79,8 @@ def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: F
 def _motion(path: tuple[str | int, ...], dimensions: int, motion: Motion) -> Problems:
     """Check that the motion of a rigid body fits the dimensions."""
     yield from lengths((*path, "velocity"), motion.velocity, dimensions)
-    if motion.rotation is None:
-        return
-    if dimensions == 1:
-        yield Problem((*path, "rotation"), "there is no rotation in one dimension")
-        return
-    yield from length((*path, "rotation", "about"), motion.rotation.about, dimensions)
-    if dimensions == 2 and any(motion.rotation.axis[:2]):
-        yield Problem((*path, "rotation", "axis"), "in 2D the axis is z; leave it out")
+    if motion.rotation is not None:
+        yield from turning_problems((*path, "rotation"), dimensions, motion.rotation)
 
 
 def check_contact(

@@ -78,5 +78,7 @@ def _moving(
         ):
             yield "boundaries", face
     for name, constraint in constraints.items():
-        if any(prescribed(constraint.velocity, time, time)[1]):
+        if constraint.field or any(prescribed(constraint.along, time, time)[1]):
             yield "constraints", name, "velocity"
+        if constraint.rotation and constraint.rotation.speed(time):
+            yield "constraints", name, "rotation"

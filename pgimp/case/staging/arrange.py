@@ -12,6 +12,7 @@ from pgimp.case.escape import ways_out
 from pgimp.case.stages import Stage, Staged, merged
 from pgimp.case.staging.arrivals import check_added, check_probes_there
 from pgimp.case.staging.strength import strength_problems, weakened
+from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.schema.messages import explain
 from pgimp.schema.problems import Problem
 
@@ -80,6 +81,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             before.staged.added + stage.add,
             {name: i for name, i in before.staged.awaited.items() if i > number + 1},
             before.staged.stress,
+            _angles(before, now),
         )
         found.append(now)
     return tuple(found), []
@@ -118,12 +120,29 @@ def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
         old: tuple[float | None, ...] = (None,) * now.dimensions
         shift = (0.0,) * now.dimensions
         if not reselects(before, now, name):
-            old = before.constraints[name].displacement(start)
+            old = _way(before.constraints[name], start, now.dimensions)
             shift = before.staged.displacements.get(name, shift)
         found[name] = tuple(
             ((way or 0.0) + more) - (new or 0.0)
-            for way, more, new in zip(old, shift, entry.displacement(start), strict=True)
+            for way, more, new in zip(old, shift, _way(entry, start, now.dimensions), strict=True)
         )
+    return found
+
+
+def _way(entry: ConstraintEntry, t: float, dimensions: int) -> tuple[float | None, ...]:
+    """Displacement that a constraint prescribes until `t`; by a function it is not known."""
+    return entry.displacement(t) or (None,) * dimensions
+
+
+def _angles(before: Case, now: Case) -> dict[str, float]:
+    """Angles to add to the rotations of a stage, see `Staged`."""
+    start, found = float(before.time.end), {}
+    for name, entry in now.constraints.items():
+        turned = 0.0
+        if not reselects(before, now, name):
+            turned = before.constraints[name].angle(start) + before.staged.angles.get(name, 0.0)
+        if entry.rotation or turned:
+            found[name] = turned - entry.angle(start)
     return found
 
 

@@ -150,9 +150,9 @@ class Forcing(NamedTuple):
         gradient, however small its weight.
     loads : Loads
         See `pgimp.kernels.loads.loads`.
-    constraints : tuple of Constraint
+    constraints : tuple of Constraint or of PlacedConstraint
         The constraints, see `pgimp.kernels.grid.constraints`.
-    marked : (constraints, mask) or ()
+    marked : (constraints, mask) or (constraints, mask, Places) or ()
         The constraints and their vertices, see `constrained_velocity`.
     position_limits : (6, WALL) float64
         The faces that hold particles, see `pgimp.kernels.grid.position_limits`.

@@ -40,8 +40,9 @@ class Ledger(NamedTuple):
         Impulse of each face with a condition.
     outside_mass : (planes, faces) float64
         Mass beyond each face in the last step.
-    constraint_impulse : (planes, constraints, 3) float64
-        Impulse of each constraint.
+    constraint_impulse : (planes, constraints + turning ones, 3) float64
+        Impulse of each constraint, and then of each that turns the angular impulse about its centre
+        at each step's beginning.
     wall_energy : (planes, faces, WALL_BOOKED) float64
         Energy taken by each unilateral face, or each face that holds all components; the energy
         that left through an absorbing face, as a loss; else zeros.

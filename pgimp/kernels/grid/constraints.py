@@ -1,16 +1,28 @@
 """Prescribed motion of a part of a body: constraints on its particles and on vertices near them.
 
 A constrained particle moves exactly as prescribed, and so do its marked vertices
-(`pgimp.kernels.grid.constrained_vertices`).
+(`pgimp.kernels.grid.constrained_vertices`). Where a constraint turns, each moves by the chord of
+its own circle, so that no step changes the radius; the chords are linear in space, so that the
+grid gives particles theirs, and their neighbourhood a rotation without strain.
 """
 
-from pgimp.jit.kernel import kernel, specialise
+from numba.core import types
+
+from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.vectors.simd import bits, lane, pack, where
 from pgimp.kernels.data.motion import grid_rate
 from pgimp.kernels.data.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.constraint_flags import SEVERAL
 from pgimp.kernels.loads.loads import given
+from pgimp.kernels.loads.prescribed import (
+    add_moment,
+    place_of,
+    places_of_four,
+    rate_at,
+    velocities_at,
+    velocity_at,
+)
 from pgimp.kernels.transfer.lane_io import take
 
 
@@ -19,9 +31,9 @@ def constrained_velocity(marked, r, v):
 
     Parameters
     ----------
-    marked : (constraints, mask) or ()
-        The constraints and their vertices, see `mark_constrained_vertices`. Where
-        constraints share a vertex, the later one applies.
+    marked : (constraints, mask) or (constraints, mask, Places) or ()
+        The constraints and their vertices, see `mark_constrained_vertices`, with `Places` where
+        velocities depend on the place. Where constraints share a vertex, the later one applies.
     """
 
 
@@ -31,10 +43,10 @@ def _constrained_velocity(marked, r, v):
         return lambda marked, r, v: v
 
     def by_constraints(marked, r, v):
-        constraints, mask = marked
+        constraints, mask = marked[0], marked[1]
         for k in range(len(constraints)):
             if mask[r // RECORD] >> k & 1:
-                h, u = constraints[k].held, constraints[k].velocity
+                h, u = constraints[k].held, velocity_at(constraints[k], place_of(marked, r))
                 v = (u[0] if h[0] else v[0], u[1] if h[1] else v[1], u[2] if h[2] else v[2])
         return v
 
@@ -51,10 +63,11 @@ def _former_velocity(marked, r, v, dt):
         return lambda marked, r, v, dt: v
 
     def by_constraints(marked, r, v, dt):
-        constraints, mask = marked
+        constraints, mask = marked[0], marked[1]
         for k in range(len(constraints)):
             if mask[r // RECORD] >> k & 1:
-                h, u, a = constraints[k].held, constraints[k].velocity, constraints[k].rate
+                h, x = constraints[k].held, place_of(marked, r)
+                u, a = velocity_at(constraints[k], x), rate_at(constraints[k], x)
                 v = (
                     u[0] - dt * a[0] if h[0] else v[0],
                     u[1] - dt * a[1] if h[1] else v[1],
@@ -85,13 +98,14 @@ def apply_constraints(field, forcing, ledger):
     field, forcing
         As in `update_momentum`, which has booked gravity's work with the velocity before.
     ledger : Ledger
-        `constraint_impulse` grows by the momentum that each constraint gives to the vertices,
-        `work` by that momentum times the velocity after the last constraint.
+        `constraint_impulse` grows by the momentum that each constraint gives to the vertices, and
+        by its moment where it turns, `work` by that momentum times the velocity after the last
+        constraint.
     """
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
     marked, relaxation = forcing.marked, forcing.loads.relaxation
     dt, gravity, work, impulse = forcing.dt, forcing.gravity, ledger.work, ledger.constraint_impulse
-    constraints, mask = marked
+    constraints, mask = marked[0], marked[1]
     size = field_size(field.window)
     for i in range(len(active)):
         if active[i] == 0:
@@ -103,13 +117,14 @@ def apply_constraints(field, forcing, ledger):
             rate = grid_rate(relaxation, field.motion, (r - i * plane) // size)
             mass = G[r + MASS] if i < owned else 0.0
             own = (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
-            last = constrained_velocity(marked, r, own)
+            last, x = constrained_velocity(marked, r, own), place_of(marked, r)
             for k in range(len(constraints)):
                 if held >> k & 1 == 0:
                     continue
+                velocity, acceleration = velocity_at(constraints[k], x), rate_at(constraints[k], x)
                 for d in range(3):
                     if constraints[k].held[d]:
-                        v, a = constraints[k].velocity[d], constraints[k].rate[d]
+                        v, a = velocity[d], acceleration[d]
                         u, b = G[r + VELOCITY + d], G[r + ACCELERATION + d]
                         change = given(rate, mass, dt, u, b, v, a)
                         work[i] += mass * dt * gravity[d] * (v - u)
@@ -117,6 +132,7 @@ def apply_constraints(field, forcing, ledger):
                         G[r + ACCELERATION + d] = a
                         G[r + HELD] = SEVERAL
                         impulse[i, k, d] += change
+                        add_moment(constraints[k], x, d, change, impulse[i])
                         work[i] += change * last[d]
 
 
@@ -134,52 +150,103 @@ def constrain_particles(constraints, particles, four, u, v, ledger):
     """
 
 
-def _held(constraints, k, number, m, u, v, ledger, plane):
+def _held(constraints, k, which, u, v, ledger, plane):
     """Apply the constraints from number `k` on, given in `constraints`.
 
-    `number` is each particle's constraint, from 1; `m` is zero for particles that do not
-    count. Branches for single particles would slow down the loop over all.
+    `which` are each particle's constraint, from 1; their masses, zero for particles that do not
+    count; and their places, where these matter. Branches for single particles would slow down the
+    loop over all.
     """
 
 
 @specialise(_held)
-def _held_by_each(constraints, k, number, m, u, v, ledger, plane):
+def _held_by_each(constraints, k, which, u, v, ledger, plane):
     if len(constraints) == 0:
-        return lambda constraints, k, number, m, u, v, ledger, plane: (u, v)
+        return lambda constraints, k, which, u, v, ledger, plane: (u, v)
 
-    def held(constraints, k, number, m, u, v, ledger, plane):
-        chosen = number == k + 1.0
-        U, V = _hold(constraints[0], 0, chosen, m, u, v, ledger, (plane, k))
-        return _held(constraints[1:], k + 1, number, m, U, V, ledger, plane)
+    def held(constraints, k, which, u, v, ledger, plane):
+        number, m, x = which
+        one, chosen = constraints[0], number == k + 1.0
+        w = velocities_at(one, x, chosen)
+        _book_moment(one, x, chosen, m, w, v, ledger, plane)
+        U, V = _hold(one, (plane, k, 0), (chosen, m), w, u, v, ledger)
+        return _held(constraints[1:], k + 1, which, U, V, ledger, plane)
 
     return held
 
 
-def _hold(one, d, chosen, m, u, v, ledger, entry):
+def _hold(one, entry, which, w, u, v, ledger):
     """Apply one constraint in the directions from `d` on, one vector each of `u` and `v`.
 
-    `entry` is the plane and the constraint's number in the ledger.
+    `w` are the prescribed velocities from there on; `entry` is the plane and the constraint's
+    number in the ledger, and d; `which` are the particles, and their masses.
     """
 
 
 @specialise(_hold)
-def _hold_along(one, d, chosen, m, u, v, ledger, entry):
+def _hold_along(one, entry, which, w, u, v, ledger):
     if len(u) == 0:
-        return lambda one, d, chosen, m, u, v, ledger, entry: (u, v)
+        return lambda one, entry, which, w, u, v, ledger: (u, v)
 
-    def hold(one, d, chosen, m, u, v, ledger, entry):
-        U, V = _hold(one, d + 1, chosen, m, u[1:], v[1:], ledger, entry)
+    def hold(one, entry, which, w, u, v, ledger):
+        plane, k, d = entry
+        chosen, m = which
+        U, V = _hold(one, (plane, k, d + 1), which, w[1:], u[1:], v[1:], ledger)
         if not one.held[d]:
             return (u[0], *U), (v[0], *V)
-        prescribed = one.velocity[d]
+        prescribed = w[0]
         given = where(chosen, m * (prescribed - v[0]), 0.0)
-        total = (lane(given, 0) + lane(given, 1)) + (lane(given, 2) + lane(given, 3))
-        plane, k = entry
+        total = _sum(given)
         ledger.constraint_impulse[plane, k, d] += total
-        ledger.work[plane] += total * prescribed
+        ledger.work[plane] += _times(given, total, prescribed)
         return (where(chosen, prescribed, u[0]), *U), (where(chosen, prescribed, v[0]), *V)
 
     return hold
+
+
+@inner_kernel
+def _sum(values):
+    return (lane(values, 0) + lane(values, 1)) + (lane(values, 2) + lane(values, 3))
+
+
+def _times(given, total, w):
+    """Sum of four impulses times velocities `w`: four, or one for all, given with their sum."""
+
+
+@specialise(_times)
+def _times_each(given, total, w):
+    if isinstance(w, types.Float):
+        return lambda given, total, w: total * w
+    return lambda given, total, w: _sum(given * w)
+
+
+def _book_moment(one, x, chosen, m, w, v, ledger, plane):
+    """Book the moment of what a constraint gives to four particles, where it turns."""
+
+
+@specialise(_book_moment)
+def _book_moment_of(one, x, chosen, m, w, v, ledger, plane):
+    if len(x) < 2:
+        return lambda one, x, chosen, m, w, v, ledger, plane: None
+
+    def in_plane(one, x, chosen, m, w, v, ledger, plane):
+        if one.moment >= 0:
+            c, m = one.centre, where(chosen, m, 0.0)
+            each = (x[0] - c[0]) * (m * (w[1] - v[1])) - (x[1] - c[1]) * (m * (w[0] - v[0]))
+            ledger.constraint_impulse[plane, one.moment, 2] += _sum(each)
+
+    def in_space(one, x, chosen, m, w, v, ledger, plane):
+        if one.moment >= 0:
+            c, h, m = one.centre, one.held, where(chosen, m, 0.0)
+            a, b, e = x[0] - c[0], x[1] - c[1], x[2] - c[2]
+            f = (m if h[0] else 0.0 * m) * (w[0] - v[0])
+            g = (m if h[1] else 0.0 * m) * (w[1] - v[1])
+            i = (m if h[2] else 0.0 * m) * (w[2] - v[2])
+            ledger.constraint_impulse[plane, one.moment, 0] += _sum(b * i - e * g)
+            ledger.constraint_impulse[plane, one.moment, 1] += _sum(e * f - a * i)
+            ledger.constraint_impulse[plane, one.moment, 2] += _sum(a * g - b * f)
+
+    return in_plane if len(x) == 2 else in_space
 
 
 @specialise(constrain_particles)
@@ -198,6 +265,7 @@ def _constrain_particles(constraints, particles, four, u, v, ledger):
         if bits(number > 0.0) == 0:
             return u, v
         m = where(pack(0.0, 1.0, 2.0, 3.0) < four.size, take(particles.m, rows), 0.0)
-        return _held(constraints, 0, number, m, u, v, ledger, four.layer)
+        x = places_of_four(constraints, particles, rows, u)
+        return _held(constraints, 0, (number, m, x), u, v, ledger, four.layer)
 
     return constrain_particles

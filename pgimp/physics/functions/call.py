@@ -110,7 +110,7 @@ def vectors_at(source, like, x, values):
     """Set rows of `values` (n, k) to a function's tuples at `x` (n, D); `like` has D numbers."""
     for p in range(len(x)):
         X = read(x, p, 0, like)
-        write(values, p, 0, call(source, (X,)))
+        write(values, p, 0, call(source, (X, 0.0)))
 
 
 @kernel

@@ -47,7 +47,10 @@ def body_force(function: F | str | None = None) -> F:
 
 
 def velocity(function: F | str | None = None) -> F:
-    """Register an initial velocity, of ``x`` and parameters: D floats [length/time]."""
+    """Register a velocity, of ``x``, ``t`` and parameters: D floats [length/time].
+
+    An initial velocity is of ``x`` alone, that of a constraint may also be of the time.
+    """
     return _decorated(VELOCITY, function)  # type: ignore[return-value]
 
 

@@ -39,7 +39,7 @@ class Kind(NamedTuple):
 
 
 BODY_FORCE = Kind("body_force", ("X", "x", "v", "t"), "a component for each direction")
-VELOCITY = Kind("velocity", ("x",), "a component for each direction")
+VELOCITY = Kind("velocity", ("x", "t"), "a component for each direction")
 STRESS = Kind("stress", ("x",), "the components of a stress")
 COEFFICIENT = Kind("coefficient", ("x", "t"), "a number")
 EXACT_SOLUTION = Kind(

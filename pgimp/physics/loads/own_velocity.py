@@ -14,6 +14,8 @@ class OwnVelocity(FunctionEntry):
     """Initial velocity by a function of one's own."""
 
     KIND: ClassVar[Kind] = VELOCITY
+    NOT_GIVEN: ClassVar[tuple[str, ...]] = ("t",)
+    ELSEWHERE: ClassVar[str] = "an initial velocity is of x alone, that of a constraint of both"
 
     def at(self, x: np.ndarray) -> np.ndarray:
         """Return the velocities at positions, both (n, D)."""

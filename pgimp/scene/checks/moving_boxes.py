@@ -6,12 +6,14 @@ Only the case is used: gravity, initial velocities, constraints, and faces that 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pgimp.geometry.regions import Points
 from pgimp.physics.loads.own_velocity import OwnVelocity
+from pgimp.physics.loads.turning import rotation_matrix
 from pgimp.scene.checks.supports import held_at
 from pgimp.schema.tables import VectorFunction
 from pgimp.schema.time_functions import TimeFunction
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.physics.boundaries.base import Boundary
     from pgimp.physics.loads.motion import RigidMotion
+    from pgimp.physics.loads.turning import Turning
 
 AXES = "xyz"
 
@@ -61,7 +64,9 @@ def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
             low, high = low - half, high + half
         velocity, turns = _velocity(body.velocity, 0.5 * (low + high))
         moved = [entry for entry in case.constraints.values() if entry.body == name]
-        if moved:
+        if moved and moved[-1].field:
+            displacement = np.zeros((len(times), len(low)))
+        elif moved:
             displacement = _integral(_prescribed(moved[-1].motion, times), times)
         elif any(_held(case, low, high)):
             displacement = np.zeros((len(times), len(low)))
@@ -71,8 +76,24 @@ def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
         wider = np.zeros_like(displacement)
         if turns:
             wider[1:] = 0.5 * (float(np.linalg.norm(high - low)) - (high - low))
-        boxes.append(Box(name, low + displacement - wider, high + displacement + wider))
+        first, last = low - wider, high + wider
+        if moved and moved[-1].rotation:
+            first, last = _turned(low, high, moved[-1].rotation, times)
+        boxes.append(Box(name, first + displacement, last + displacement))
     return boxes
+
+
+def _turned(
+    low: np.ndarray, high: np.ndarray, rotation: Turning, times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounding boxes of a box that turns as a whole, (instants, D) each."""
+    D = len(low)
+    arms = np.zeros((2**D, 3))
+    arms[:, :D] = np.array([*product(*zip(low, high, strict=True))]) - rotation.about
+    turns = [rotation_matrix(rotation.direction, rotation.angle(t)) for t in times]
+    corners = np.einsum("tij,kj->tki", np.reshape(turns, (-1, 3, 3)), arms)[..., :D]
+    corners += rotation.about
+    return corners.min(axis=1), corners.max(axis=1)
 
 
 def _velocity(

@@ -10,7 +10,7 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.exact.own import OwnSolution
-from pgimp.physics.functions.call import evaluate, forces_at, states_at
+from pgimp.physics.functions.call import evaluate, forces_at, states_at, vectors_at
 from pgimp.physics.loads.own_force import OwnForce
 from pgimp.scene.scene import Scene
 
@@ -19,7 +19,9 @@ _SMALL = 1e-9
 
 
 def require_sound(scene: Scene, particles: Particles, count: int, comm: Communicator) -> None:
-    """Refuse a body force that is no number, or a solution that is none or begins displaced.
+    """Refuse a body force or a prescribed velocity that is no number, and wrong solutions.
+
+    A solution must be numbers, and begin without a displacement.
 
     At the start, at the first `count` particles; collective.
 
@@ -29,9 +31,20 @@ def require_sound(scene: Scene, particles: Particles, count: int, comm: Communic
         On every rank, if there is one.
     """
     force, exact = scene.case.body_force, scene.case.exact
-    if isinstance(force, OwnForce) or isinstance(exact, OwnSolution):
+    own = isinstance(force, OwnForce) or isinstance(exact, OwnSolution)
+    if own or scene.interaction.loads.velocity_fields:
         with located(scene.case):
-            all_or_none(comm, lambda: _require(scene, particles.x[:count]), CaseError)
+            all_or_none(comm, lambda: _require_all(scene, particles, count), CaseError)
+
+
+def _require_all(scene: Scene, particles: Particles, count: int) -> None:
+    _require(scene, particles.x[:count])
+    for number, (name, entry) in enumerate(scene.case.constraints.items(), 1):
+        if entry.field:
+            x = particles.x[:count][particles.constraint[:count, 0] == number]
+            values, origin = np.zeros_like(x), (0.0,) * scene.dimension
+            evaluate(entry.field.registered, vectors_at, (entry.field.source(), origin, x, values))
+            _finite(f"constraints.{name}.velocity: {entry.field.registered}", x, values)
 
 
 def _require(scene: Scene, x: np.ndarray) -> None:

@@ -20,6 +20,7 @@ from pgimp.schema.time_functions import TimeFunction
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
+    from pgimp.physics.loads.turning import Turning
 
 #: Greatest plausible strain of an elastic solid by loads.
 _MOST_STRAIN = 0.5
@@ -64,12 +65,24 @@ def strains(case: Case, body: BodyFacts) -> dict[str, float]:
     if pulls:
         greatest = max(max(_greatest(one.traction), _greatest(one.pressure)) for one in pulls)
         found["by its tractions"] = greatest / modulus
-    moved = [entry.velocity for entry in case.constraints.values() if entry.body == body.name]
+    moved = [entry.along for entry in case.constraints.values() if entry.body == body.name]
     moved += [one.velocity for one in case.boundaries.values() if hasattr(one, "velocity")]
+    turned = [entry.rotation for entry in case.constraints.values() if entry.body == body.name]
+    turning = [_rim(rotation, body) * rotation.greatest for rotation in turned if rotation]
+    if turning:
+        moved.append(tuple(turning))
     if moved:
         speeds = [_greatest(component) for velocity in moved for component in velocity] or [0.0]
         found["by prescribed velocities"] = max(speeds) / c
     return found
+
+
+def _rim(rotation: Turning, body: BodyFacts) -> float:
+    """Greatest distance of the corners of a body's bounding box from the axis."""
+    arms = np.zeros((2 ** len(body.low), 3))
+    arms[:, : len(body.low)] = [*product(*zip(body.low, body.high, strict=True))]
+    arms[:, : len(body.low)] -= rotation.about
+    return float(np.linalg.norm(np.cross(rotation.direction, arms), axis=1).max())
 
 
 def _greatest(load: Any) -> float:

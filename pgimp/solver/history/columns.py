@@ -226,8 +226,28 @@ HISTORY = (
                 "displacement of each constraint, none where it is free: the integral of its "
                 "`velocity` since the start; its particles move in steps by the velocity at each "
                 "step's end, so that theirs differs from it by an error of first order in the "
-                "step. Where a `force` moves them, their own",
+                "step. Where a `force` moves them, their own; where it turns, the displacement of "
+                "its axis, which is exact",
                 lambda s, k: s.scene.interaction.loads.displacement(k, s.done.end, s.moved[k]),
+            ),
+        ),
+    ),
+    Group(
+        lambda scene: scene.interaction.loads.turning,
+        (
+            Column(
+                "angle.NAME",
+                "",
+                "only of constraints with a `rotation`, as the next column: angle by which each "
+                "has turned since the start, the integral of its rate",
+                lambda s, k: s.scene.interaction.loads.angle(k, s.done.end),
+            ),
+            Column(
+                "torque.NAME-AXIS",
+                "force length",
+                "mean moment of each on the material since the last line, about `about` where the "
+                "axis has moved it; about z alone in 2D",
+                lambda s, k: s.torque(k),
             ),
         ),
     ),

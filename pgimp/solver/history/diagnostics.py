@@ -116,7 +116,8 @@ def column_names(scene: Scene) -> list[str]:
     contact = np.zeros((len(scene.interaction.pairs.way) if scene.interaction.pairs else 0, BOOKED))
     rigid_bodies = np.zeros((len(scene.interaction.rigid_bodies), TOOLED))
     moved = np.zeros((len(scene.case.constraints), 3))
-    force = np.zeros((faces + len(moved) + len(contact) + 2 * len(rigid_bodies), 3))
+    held = len(scene.interaction.loads.booked_constraints)
+    force = np.zeros((faces + held + len(contact) + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
     bodies = np.zeros((len(scene.body_names), scene.materials.sums))
     errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
@@ -271,7 +272,7 @@ class Diagnostics:
         return sums, most
 
     def _forces(self, time: float, impulse: np.ndarray) -> np.ndarray:
-        """Mean forces of faces and constraints since the last line, (faces + constraints, 3)."""
+        """Mean forces and moments since the last line, (rows, 3), see `Totals.force`."""
         if self.last is None:
             force = np.zeros_like(impulse)
         elif time > self.last[0]:

@@ -50,9 +50,9 @@ class Totals(NamedTuple):
         Kinetic and strain energy at the start.
     work : float
         External work since the start.
-    force : (faces + constraints + entries of contact + 2 rigid bodies, 3) float64
-        Mean force of each on the material since the last line. For rigid bodies mean forces on
-        them, then mean moments.
+    force : (faces + constraints + turning + entries of contact + 2 rigid bodies, 3) float64
+        Mean force of each on the material since the last line, mean moment of each constraint that
+        turns. For rigid bodies mean forces on them, then mean moments.
     outside_mass : (faces,) float64
         Mass beyond each face in the last step.
     walls : (faces, WALL_BOOKED) float64
@@ -130,8 +130,14 @@ class Totals(NamedTuple):
         """Return the force of an entry of contact, nothing for an entry of more than two bodies."""
         if len(self.scene.case.contact[k].bodies) != 2:
             return ()
-        others = len(self.scene.domain.faces) + len(self.scene.case.constraints)
+        others = len(self.scene.domain.faces)
+        others += len(self.scene.interaction.loads.booked_constraints)
         return self.along(self.force[others + k], 0)
+
+    def torque(self, k: int) -> tuple[float | None, ...]:
+        """Return the mean moment of the k-th constraint that turns."""
+        first = len(self.scene.domain.faces) + len(self.scene.case.constraints)
+        return self.about_axes(self.force[first + k])
 
     def on_tool(self, k: int) -> np.ndarray:
         """Return the mean force on a rigid body."""

@@ -47,6 +47,8 @@ class Grips(StepPart):
         self.entries = scene.interaction.loads.constraints
         self.controls = np.zeros((len(self.entries), 3), np.int64)
         for k, entry in enumerate(self.entries):
+            if entry.field:
+                self.controls[k, : scene.dimension] = 2
             for d, (v, f) in enumerate(zip(entry.motion, entry.forces, strict=True)):
                 self.controls[k, d] = 2 if v is not None else int(f is not None)
         self.state = np.zeros((len(self.entries), STATES, 3))
@@ -146,7 +148,7 @@ class Grips(StepPart):
         """Note the impulses of contact that the grips have borne; collective."""
         if self.acts and rank.contact.bears:
             now = rank.ledger.constraint_impulse[: rank.grid.owned]
-            borne = self._sum(rank, self._before - now)
+            borne = self._sum(rank, self._before - now)[: len(self.entries)]
             self.state[:, BORNE] = np.where(self.controls == 1, borne, 0.0)
 
 
@@ -156,10 +158,12 @@ def _with(
     """Return a constraint that also holds the directions of a force, with these velocities."""
     held, v, a = (
         [new if own else old for own, new, old in zip(way, more, given, strict=True)]
-        for more, given in zip((way.tolist(), velocity, rate), one, strict=True)
+        for more, given in zip((way.tolist(), velocity, rate), one[:3], strict=True)
     )
-    return Constraint(
-        (bool(held[0]), bool(held[1]), bool(held[2])), (v[0], v[1], v[2]), (a[0], a[1], a[2])
+    return one._replace(
+        held=(bool(held[0]), bool(held[1]), bool(held[2])),
+        velocity=(v[0], v[1], v[2]),
+        rate=(a[0], a[1], a[2]),
     )
 
 

@@ -63,7 +63,7 @@ class VertexDamping(StepPart):
         field, forcing = rank.grid.field, update.forcing
         if rank.grips and rank.grips.acts:
             held = rank.grips.undisturbed(forcing.marked[0])
-            forcing = forcing._replace(marked=(held, forcing.marked[1]))
+            forcing = forcing._replace(marked=(held, *forcing.marked[1:]))
         if self.settles and needed(update.t.number % EVERY == 0):
             rank.call(sum_internal_forces, field, forcing, rank.ledger)
         if not self._forces:

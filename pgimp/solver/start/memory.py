@@ -179,7 +179,7 @@ def estimate(
     plane_sums = (
         40
         + 32 * faces
-        + 24 * len(scene.interaction.loads.constraints)
+        + 24 * len(scene.interaction.loads.booked_constraints)
         + line * bool(scene.settings.escapes)
     )
     plane_sums += 8 * BOOKED * len(scene.interaction.pairs.way) if scene.interaction.pairs else 0

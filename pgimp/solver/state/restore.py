@@ -150,7 +150,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         if state.last_line is not None:
             rows = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
             rows += 2 * len(scene.interaction.rigid_bodies) + len(scene.domain.faces)
-            shape = (len(scene.interaction.loads.constraints) + rows, 3)
+            shape = (len(scene.interaction.loads.booked_constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)
         return found | stored_lines(scene, source, _whole)

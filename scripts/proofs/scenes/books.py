@@ -159,6 +159,7 @@ class Books:
         known = not self.case.tractions and not (self.case.axisymmetric and self.case.gravity)
         # Absorbing faces do the work of the forces with which they hold what was there at first.
         known &= not any(entry.absorbs for entry in self.case.boundaries.values())
+        known &= not any(entry.placed for entry in self.case.constraints.values())
         if (len(forces) <= 1 or not moves) and known:
             self._check_work(line, last, before, weight, start)
 

@@ -174,6 +174,19 @@ def _is_short(scene, body, axes):
     return size < min(lengths) - 2.1 * sum(scene.cell)
 
 
+def _turn_along(case, axes):
+    """Let constraints turn no more but about the one periodic direction."""
+    for name, entry in case.get("constraints", {}).items():
+        axis = entry.get("rotation", {}).get("axis", [0.0, 0.0, 1.0])
+        along = [d for d, each in enumerate(axis) if each]
+        if "rotation" not in entry or along == axes:
+            continue
+        about = entry.pop("rotation")["about"]
+        entry.setdefault("velocity", [0.0] * len(about))
+        for stage in case["time"].get("stages", ()):
+            (stage.get("constraints", {}).get(name) or {}).pop("rotation", None)
+
+
 def periodic(rng, scene):
     """One or more directions, x in most scenes, without what no periodic domain has."""
     from pgimp.physics.shapes import SHAPES
@@ -207,6 +220,7 @@ def periodic(rng, scene):
     for body in case["bodies"].values():
         body.pop("configuration", None)
     case["boundaries"] |= dict.fromkeys(faces, "periodic")
+    _turn_along(case, axes)
     for part in (case, *case["time"].get("stages", ())):
         if not loads:
             part.pop("tractions", None)
@@ -218,3 +232,20 @@ def periodic(rng, scene):
             part.pop("contact", None)
             part["remove"] = [name for name in part.get("remove", []) if name not in rigid]
     return True
+
+
+def relaxation(rng, scene):
+    """Particles' velocities relax towards the grid's."""
+    scene.case["method"]["relaxation"] = number(rng, 0.5, 20.0)
+
+
+def splines(rng, scene):
+    """B-splines in place of another shape."""
+    shape = rng.kind.choice(("bspline-quadratic", "bspline-cubic"))
+    ghost = {"wall": "ghost"} if rng.kind.random() < 0.3 else {}
+    scene.case["method"] = {"shape": shape, "particles_per_cell": scene.per_cell} | ghost
+
+
+def of_corners(rng, scene):
+    """Parallelograms in place of another shape."""
+    scene.case["method"] = {"shape": "cpdi-corners", "particles_per_cell": scene.per_cell}

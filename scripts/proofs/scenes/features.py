@@ -14,7 +14,17 @@ import random
 from typing import NamedTuple
 
 from proofs.scenes.bodies import add_bodies, number, vector
-from proofs.scenes.configurations import along_the_axis, both, initial, periodic, plates, rings
+from proofs.scenes.configurations import (
+    along_the_axis,
+    both,
+    initial,
+    of_corners,
+    periodic,
+    plates,
+    relaxation,
+    rings,
+    splines,
+)
 from proofs.scenes.contact import contact, free, rigid_bodies
 from proofs.scenes.loads import (
     components,
@@ -23,6 +33,7 @@ from proofs.scenes.loads import (
     gravity,
     mass_scaling,
     over_time,
+    rotation,
     traction,
     water,
     weight_above,
@@ -40,6 +51,7 @@ from proofs.scenes.output import (
 from proofs.scenes.own.features_of_functions import (
     own_coefficients,
     own_force,
+    own_motion,
     own_stress,
     own_velocity,
 )
@@ -95,9 +107,8 @@ def domain(rng, scene):
 
 def method(rng, scene):
     """One of the shapes with its options."""
-    shape = rng.kind.choice(SHAPES)
-    scene.per_cell = [rng.choice((1, 2, 2, 3) if scene.dimension < 3 else (1, 1, 2))
-                      for _ in scene.cells]  # fmt: skip
+    shape, counts = rng.kind.choice(SHAPES), (1, 2, 2, 3) if scene.dimension < 3 else (1, 1, 2)
+    scene.per_cell = [rng.choice(counts) for _ in scene.cells]
     entry = {"shape": shape, "particles_per_cell": scene.per_cell}
     if shape in ("mpm", "gimp") and rng.kind.random() < 0.3:
         entry["volume"] = "initial"
@@ -105,19 +116,6 @@ def method(rng, scene):
         entry |= {"size": rng.kind.choice(("tracked", "fixed"))}
         entry |= {"wall": rng.kind.choice(("mirror", "mirror", "ghost"))}
     scene.case["method"] = entry
-
-
-def splines(rng, scene):
-    """B-splines in place of another shape."""
-    method = {"shape": rng.kind.choice(("bspline-quadratic", "bspline-cubic"))}
-    scene.case["method"] = method | {"particles_per_cell": scene.per_cell}
-    if rng.kind.random() < 0.3:
-        scene.case["method"]["wall"] = "ghost"
-
-
-def of_corners(rng, scene):
-    """Parallelograms in place of another shape."""
-    scene.case["method"] = {"shape": "cpdi-corners", "particles_per_cell": scene.per_cell}
 
 
 def of_method(shapes=None, **entries):
@@ -141,11 +139,6 @@ def long(rng, scene):
     if not isinstance(scene.case["time"]["step"], dict):
         scene.case["time"]["step"] = {"courant": number(rng, 0.15, 0.35)}
     scene.case["time"]["end"] = 12.0 * scene.end
-
-
-def relaxation(rng, scene):
-    """Particles' velocities relax towards the grid's."""
-    scene.case["method"]["relaxation"] = number(rng, 0.5, 20.0)
 
 
 def time(rng, scene):
@@ -254,6 +247,7 @@ FEATURES = (
     Feature("traction", traction, 0.25, compiled=True),
     Feature("constraint", constraint, 0.25, compiled=True),
     Feature("second constraint", constraint, 0.05, compiled=True),
+    Feature("rotation", rotation, 0.3, compiled=True),
     Feature("rigid bodies", rigid_bodies, 0.3, compiled=True),
     Feature("free body", free, 0.12, compiled=True),
     Feature("contact", contact, 0.35, compiled=True),
@@ -270,6 +264,7 @@ FEATURES = (
     Feature("settling", settling, 0.1, compiled=True),
     Feature("body force of one's own", own_force, 0.15, compiled=True),
     Feature("velocity of one's own", own_velocity, 0.15),
+    Feature("motion of one's own", own_motion, 0.3, compiled=True),
     Feature("stress of one's own", own_stress, 0.08, compiled=True),
     Feature("coefficients of one's own", own_coefficients, 0.12, compiled=True),
     Feature("water", water, 0.12, compiled=True),
@@ -293,8 +288,8 @@ def make(seed, number, group):
     for feature in FEATURES:
         rng = Chance(seed, number, group, feature.name)
         chance = rng.kind if feature.compiled else rng
-        if feature.share == 1.0 or chance.random() < feature.share:
-            if feature.add(rng, scene) is not False:
-                names.append(feature.name)
+        taken = feature.share == 1.0 or chance.random() < feature.share
+        if taken and feature.add(rng, scene) is not False:
+            names.append(feature.name)
     title = f"scene {number} of group {group}, seed {seed}"
-    return {"title": title, **scene.case}, scene.files, names
+    return {"title": title} | scene.case, scene.files, names

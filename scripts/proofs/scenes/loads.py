@@ -243,3 +243,32 @@ def constraint(rng, scene):
         entry |= _forced(rng, scene, entry)
     grips = scene.case.setdefault("constraints", {})
     grips[f"grip{len(grips)}"] = entry
+
+
+def rotation(rng, scene):
+    """Constraints turn by up to half a turn about a place in the body, the axis moving or not."""
+    case = scene.case
+    entries = [
+        entry for entry in case.get("constraints", {}).values()
+        if not entry.get("force") and entry["body"] not in case.get("inflow", {})
+    ]  # fmt: skip
+    if not entries or scene.dimension == 1 or case.get("geometry") == "axisymmetric":
+        return False
+    for entry in entries:
+        low, high = scene.corners[entry["body"]]
+        most = 0.1 * scene.speed / max(b - a for a, b in zip(low, high, strict=True))
+        turning = {
+            "about": [number(rng, a, b) for a, b in zip(low, high, strict=True)],
+            "rate": number(rng, -most, most) if rng.random() < 0.5 else table(rng, scene, most),
+        }
+        velocity = [0.0 if v is None else v for v in entry["velocity"]]
+        if scene.dimension == 3:
+            turning["axis"] = [1.0, *vector(rng, 2, 1.0)]
+            if rng.random() < 0.5:
+                along = rng.randrange(3)
+                turning["axis"] = [0.0, 0.0, 0.0]
+                turning["axis"][along], velocity[along] = rng.choice((-2.0, 1.0)), None
+        entry |= {"rotation": turning, "velocity": velocity}
+        if None not in velocity and rng.random() < 0.3:
+            del entry["velocity"]
+    return True

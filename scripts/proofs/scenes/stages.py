@@ -62,6 +62,9 @@ def settling(rng, scene):
     if stops := [name for name, entry in held.items() if entry and entry["body"] not in gone]:
         freed = still | {"force": [], "mass": 0.0, "spring": None}
         stage["constraints"] = {n: freed if held[n].get("force") else still for n in stops}
+        for name in stops:
+            if held[name].get("rotation"):
+                stage["constraints"][name] = still | {"rotation": None}
     if moves := [face for face, kind in walls.items() if kind and "velocity" in kind]:
         stage["boundaries"] = dict.fromkeys(moves, "fixed")
     if "damping" in case and rng.random() < 0.5:
@@ -160,6 +163,8 @@ def constraints(rng, scene, now, stage):
             change |= {"force": [], "mass": 0.0, "spring": None}
         if all(each is None for each in velocity):
             change["velocity"] = [0.0] * scene.dimension
+        if entry.get("rotation"):  # turns otherwise, or no more
+            change |= _turned(rng, entry, change)
         if len(had) > 1 and rng.random() < 0.5:
             change = None
             del had[name]
@@ -170,6 +175,16 @@ def constraints(rng, scene, now, stage):
                 "radius": 0.6 * max(b - a for a, b in zip(low, high, strict=True)),
             }}  # fmt: skip
         stage.setdefault("constraints", {})[name] = change
+
+
+def _turned(rng, entry, change):
+    """Keys that change of a constraint that turns."""
+    if rng.random() < 0.5:
+        return {"rotation": None}
+    turning, velocity = entry["rotation"], [v or 0.0 for v in change["velocity"]]
+    if turning.get("axis", [1.0, 1.0]).count(0.0) == 2:
+        velocity = [None if n else v for n, v in zip(turning["axis"], velocity, strict=True)]
+    return {"rotation": {**turning, "rate": number(rng, -0.5, 0.5)}, "velocity": velocity}
 
 
 def writing(rng, scene, now, stage):

@@ -30,6 +30,9 @@ def case():
         boundaries={"y-min": "slip"}, checkpoint={"every": {"steps": 5}, "keep": 9},
         output={"every": 0.2, "fields": ["velocity", "stress"]}, history={"every": {"steps": 4}},
     )  # fmt: skip
+    held = {"body": "body", "region": {"box": {"min": [6.0, 1.0], "max": [9.0, 2.5]}}}
+    drift = named("drifting", size=2.0, wave=0.4, rate=4.0)
+    found["constraints"] = {"grip": held | {"velocity": drift}}
     density = named("patchy", mean=1.0, part=0.3, wave=0.5)
     found["materials"]["soft"] = found["materials"]["soft"] | {"density": density}
     return found
@@ -49,7 +52,7 @@ def test_bits_do_not_depend_on_ranks_nor_on_a_kill(tmp_path, mpirun, python):
     assert pgimp.open(tmp_path / "5").info["resumed_from"] >= 10
     assert digests(tmp_path / "1") == digests(tmp_path / "3") == digests(tmp_path / "5")
     known = pgimp.open(tmp_path / "5").info["functions"]
-    assert len(known) == 5 and known == pgimp.open(tmp_path / "1").info["functions"]
+    assert len(known) == 6 and known == pgimp.open(tmp_path / "1").info["functions"]
     done = python([*words[:3], "-o", "none"], 120, tmp_path)
     assert done.returncode == 2
     assert "unknown body force 'swaying'" in done.stderr and "--import FILE.py" in done.stderr

@@ -11,6 +11,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import offset_of_key, turns
 from pgimp.kernels.data.ledger import CONTACT_AREA, WALL_HEAT, WALL_LOSS
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.grid.conditions import Holding, hold
+from pgimp.kernels.loads.prescribed import add_moment, place_of
 
 
 @inner_kernel
@@ -134,11 +135,12 @@ def _book_each_constraint(marked, r, rest, impulse):
         return lambda marked, r, rest, impulse: None
 
     def book_each(marked, r, rest, impulse):
-        constraints, mask = marked
+        constraints, mask, x = marked[0], marked[1], place_of(marked, r)
         for d in range(3):
             for k in range(len(constraints)):
                 if mask[r // RECORD] >> k & 1 and constraints[k].held[d]:
                     impulse[k, d] -= rest[d]
+                    add_moment(constraints[k], x, d, -rest[d], impulse)
                     break
 
     return book_each

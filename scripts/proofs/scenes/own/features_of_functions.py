@@ -24,6 +24,28 @@ def own_velocity(rng, scene):
             body["velocity"] = {"function": "rippling", "parameters": parameters}
 
 
+def own_motion(rng, scene):
+    """Some of what constraints hold moves as a function of place and time says, in all stages."""
+    case = scene.case
+    periodic = "periodic" in case.get("boundaries", {}).values()
+    stages = case["time"].get("stages", ())
+    grips = {
+        name: entry for name, entry in case.get("constraints", {}).items()
+        if not (entry.get("force") or entry.get("rotation") or name in case.get("inflow", {}))
+    }  # fmt: skip
+    settles = any("settle" in stage for stage in (case.get("start") or {}, *stages))
+    if not grips or periodic or settles:
+        return False
+    for name, entry in grips.items():
+        size = 0.02 * scene.speed / max(1.0, *(abs(x) for x in scene.corners[entry["body"]][1]))
+        parameters = {"size": number(rng, -size, size), "wave": number(rng, 0.1, 1.0)}
+        parameters["rate"] = number(rng, 0.0, 6.0) / scene.end
+        entry["velocity"] = {"function": "drifting", "parameters": parameters}
+        for stage in stages:
+            (stage.get("constraints", {}).get(name) or {}).pop("velocity", None)
+    return True
+
+
 def own_stress(rng, scene):
     """Bodies begin with a stress that varies in space."""
     case = scene.case

@@ -25,6 +25,12 @@ def rippling(x, size, wave):
     return scaled(size * sin(wave * x[0]), scaled(0.1, x))
 
 
+@pgimp.velocity
+def drifting(x, t, size, wave, rate):
+    """Velocity that varies in space and time, of what is held."""
+    return scaled(size * cos(rate * t) * sin(wave * x[0]), scaled(0.1, x))
+
+
 @pgimp.coefficient
 def breathing(t, mean, swing, rate):
     """Load that swings about a mean."""

@@ -26,6 +26,7 @@ from rank_scenes.periods import endless, layer, rigid_round, round_and_round
 from rank_scenes.plates import plates, plates_initial
 from rank_scenes.rings import rings, rings_free, rings_initial, rings_initial_contact
 from rank_scenes.squeezed_blocks import SIZED
+from rank_scenes.turned import turned
 
 #: What tests take from here besides.
 __all__ = [
@@ -98,6 +99,7 @@ SCENES = (
             lifts,
             streams,
             pours,
+            turned,
         )
     }
     | SIZED
