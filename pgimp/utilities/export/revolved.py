@@ -10,6 +10,7 @@ stays y, and x the radius of the section.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -51,14 +52,12 @@ def solids(
         points, cells = revolve(frame["position"], frame["radius"], parts)
         names = [name for name in frame.fields if name not in (*FOR_READERS, "position")]
         read = {
-            name: turned(name, values(name, names, lambda name, of=frame: of[name]), parts)
+            name: [turned(name, values(name, names, frame.__getitem__), parts)]
             for name in chosen(names, fields)
         }
-        mesh = meshio.Mesh(
-            points, [("hexahedron", cells)], cell_data={name: [each] for name, each in read.items()}
-        )
+        mesh = meshio.Mesh(points, [("hexahedron", cells)], cell_data=read)
         path = folder / f"revolved-{frame.path.stem.partition('-')[2]}.vtu"
-        replace(path, lambda part, mesh=mesh: mesh.write(part, file_format="vtu"))
+        replace(path, partial(mesh.write, file_format="vtu"))
         lines.append((frame.time, path))
         yield path
     if lines:
