@@ -21,6 +21,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_machinery import PassManager
 from numba.core.environment import lookup_environment
 
+import pgimp.jit.compiled.arguments  # noqa: F401  so that records are passed whole
 from pgimp.jit.compiled.cache import Store
 from pgimp.jit.outside import NumbaObject, part_of
 
@@ -152,6 +153,7 @@ class Compiler(compiler.Compiler):
     def _part(self) -> NumbaObject:
         """Find a part of kernels on disk, or compile and keep it."""
         state, function = self.state, self.state.func_id
+        function.is_part = True  # see `pgimp.jit.compiled.arguments`
         store, name = None, f"{function.modname}.{function.func_qualname}"
         captured = _captured(function.func)
         part = part_of(state.args)
