@@ -86,6 +86,6 @@ def shaking(redraw):
     w = 2.0 * np.pi * f
     exact = 1.0 / np.abs(np.cos(np.sqrt(w * w - 1j * w * damping) * high / speed))
     axes[1].plot(f, exact, "k--", lw=1.0, label="exact")
-    axes[1].set(xlabel="frequency [Hz]", ylabel="surface over base", xlim=(0, 5), ylim=(0, 14))
+    axes[1].set(xlabel="frequency [Hz]", ylabel="surface over base", xlim=(0, 5), ylim=(0, 18))
     axes[1].legend()
     save(figure, "shaking")
