@@ -4,7 +4,7 @@ import argparse
 
 from column import compaction
 from cost import error_and_cost
-from endless import bagnold, own_taylor_green, poiseuille
+from curves import bagnold, cavity, own_taylor_green, poiseuille, shaking, tunnel
 from exact import plane_waves, shock, spinning_block, vortex
 from flowing import (
     blast,
@@ -20,7 +20,6 @@ from flowing import (
     slope,
     sod,
 )
-from ground import cavity, shaking, tunnel
 from hard import (
     fluid_dam_break,
     hard_bending,
