@@ -4,6 +4,7 @@ import argparse
 
 from column import compaction
 from cost import error_and_cost
+from curves import bagnold, cavity, own_taylor_green, poiseuille, shaking, tunnel
 from exact import plane_waves, shock, spinning_block, vortex
 from flowing import (
     blast,
@@ -43,8 +44,9 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     compaction, block3d, block3d_initial, block3d_paraview, disks, rolling, rolling_ball, incline,
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
     taylor_bar, taylor_axisymmetric, taylor_contours, thick_tube, tube, vortex, spinning_block,
-    plane_waves, sod, channel, sand_column, slope, graded, excavation, safety, footing, dam_break,
-    jet, hopper, gate, blast, nut, fluid_dam_break, own_swirl, hard_translation, hard_column,
+    plane_waves, sod, channel, poiseuille, bagnold, sand_column, slope, graded, excavation, safety,
+    footing, cavity, tunnel, shaking, dam_break, jet, hopper, gate, blast, nut, fluid_dam_break,
+    own_swirl, own_taylor_green, hard_translation, hard_column,
     hard_shock, hard_spinning, hard_bending, hard_grazing, tutorial_footing, tutorial_impact,
     tutorial_dam_break, tutorial_own_material, error_and_cost,
 )}  # fmt: skip

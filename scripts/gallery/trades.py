@@ -6,10 +6,13 @@ TRADES = {
         "hertz-line", "corner", "bar-vibration", "tube", "shock", "geometry/nut",
     ),
     "Metals": ("taylor-bar", "taylor-axisymmetric", "plate-impact", "thick-tube"),
-    "Soils": ("excavation", "slope", "safety", "footing", "sand-column", "graded"),
+    "Soils": (
+        "excavation", "slope", "safety", "footing", "cavity", "tunnel", "shaking", "sand-column",
+        "graded",
+    ),
     "Fluids and grains": (
-        "dam-break", "gate", "jet", "hopper", "channel", "blast", "sod", "drum",
-        "fluid/dam-break",
+        "dam-break", "gate", "jet", "hopper", "channel", "poiseuille", "bagnold", "blast", "sod",
+        "drum", "fluid/dam-break", "own/taylor-green",
     ),
     "Methods": (
         "compaction", "vortex", "spinning-block", "plane-waves", "own/swirl", "hard/translation",

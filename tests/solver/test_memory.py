@@ -236,6 +236,20 @@ def test_particles_are_counted_from_the_outside(D, radius, at, kind, looks):
             assert mine == theirs or (abs(mine - theirs) == 1 and at_edge)
 
 
+def test_long_boxes_are_counted_in_few_looks(monkeypatch):
+    """A brick two boxes wide, of boxes four times as long as wide: it is divided across."""
+    case = scene(2, {"material": "soft", "region": {"box": {"min": [3.1, 3.1], "max": [7.0, 6.9]}}})
+    case["grid"] |= {"size": [8.0, 8.0], "cell": [4.0, 1.0]}
+    case["method"]["particles_per_cell"] = [1, 1]
+    distances = []
+    region = type(Case.model_validate(case).bodies["body"].region)
+    asked = region.distance
+    monkeypatch.setattr(region, "distance", lambda *a: distances.append(1) or asked(*a))
+    (found,) = extent.extents(Case.model_validate(case))
+    assert len(distances) < 20
+    assert found.least <= 4 <= found.most
+
+
 def test_a_run_that_would_never_end_is_refused(tmp_path, capsys):
     write_case(
         tmp_path / "case.yaml",

@@ -96,7 +96,8 @@ def _extent(
             thin = np.maximum(1.0, (b - a).min(axis=1, initial=np.inf) / 3.0)
             surface = cut_through + float((boxes / thin).sum())
             return Extent(low, high, least, least + cut_through + float(boxes.sum()), surface)
-        longest = ((b - a) * size).max(axis=1)
+        # Of what can be divided: one box may be longer than many across it.
+        longest = np.where(b - a > 1.0, (b - a) * size, 0.0).max(axis=1)
         for d in range(D):
             long = (b[:, d] - a[:, d] > 1.0) & ((b[:, d] - a[:, d]) * size[d] > 0.5 * longest)
             cut = np.floor(0.5 * (a[:, d] + b[:, d]))
