@@ -95,8 +95,15 @@ class Either(Dispatch):
 
     def write(self, value: object) -> object:
         """See `Dispatch`."""
-        form = self.forms.get(_kind(value))
-        return form.write(value) if isinstance(form, Dispatch) else plain(value)
+        kind = _kind(value)
+        form = self.forms.get(kind)
+        if isinstance(form, Dispatch):
+            return form.write(value)
+        if kind is tuple and tuple in self.adapters:  # its items may have several forms, too
+            return self.adapters[tuple].dump_python(
+                value, by_alias=True, exclude_unset=_SPARSE.get()
+            )
+        return plain(value)
 
     def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """See `Dispatch`."""

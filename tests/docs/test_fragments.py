@@ -77,6 +77,7 @@ FRAGMENTS = (
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
     ("bodies:                               # of a dam", ground, ()),
     ("constraints:\n  press:", lambda: scene(2), ()),
+    ("constraints:\n  chuck:", lambda: scene(3, bodies=("shaft", *"abc")), ()),
     ("tractions:\n  bore:", lambda: scene(2), ()),
     ("inflow:\n  jet:", lambda: scene(2, ("water",)), ()),
     ("escape:\n  x-max:", lambda: scene(2), ()),

@@ -180,7 +180,8 @@ class Lattice:
         Returns
         -------
         errors : list of ((int, int), str)
-            The bodies' numbers and a message for each pair of bodies that overlap.
+            The bodies' numbers and a message for pairs of bodies that overlap. The first pair of
+            all is among them; those after the first one on the lattice are not looked at.
         shared : set of pairs of names
             Bodies with particles in the same cell.
         """
@@ -210,7 +211,7 @@ class Lattice:
                         "is: move or cut one of them (region: {difference: [...]})"
                     )
                     errors.append(((a, b), message))
-                    break
+                    return errors, shared
                 if not self._cells(both[0]).isdisjoint(self._cells(both[1])):
                     shared.add(names)
         return errors, shared

@@ -141,7 +141,7 @@ def problems(**entry):
 def test_wrong_entries_are_named():
     text = problems(velocity=[1.0, None], force=[2.0, 0.0])
     assert "constraints.pull.force.0" in text and "force.1" not in text
-    assert "a velocity or a force" in problems()
+    assert "a velocity, a rotation or a force" in problems()
     assert "constraints.pull.mass" in problems(velocity=[1.0, 0.0], mass=2.0)
     assert "stiffness" in problems(force=[1.0, 0.0], spring={"dashpot": 2.0})
     assert "has no force" in problems(force=[1.0, 0.0], spring={"stiffness": 0.0})
