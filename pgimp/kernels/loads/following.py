@@ -139,8 +139,10 @@ def _displacement_arms(frame, particles, p):
     def arms3(frame, particles, p):
         G = _carried_gradient(frame, particles, p)
         return (
-            pack(0.0, G[0], G[3], G[6]), pack(0.0, G[1], G[4], G[7]), pack(0.0, G[2], G[5], G[8])
-        )  # fmt: skip
+            pack(0.0, G[0], G[3], G[6]),
+            pack(0.0, G[1], G[4], G[7]),
+            pack(0.0, G[2], G[5], G[8]),
+        )
 
     return (arms2, arms3)[len(frame.types[0]) - 2]
 
@@ -168,8 +170,11 @@ def _gradient(slopes):
 def _gradient_of(slopes):
     if len(slopes) == 2:
         return lambda slopes: (
-            lane(slopes[0], 1), lane(slopes[1], 1), lane(slopes[0], 2), lane(slopes[1], 2)
-        )  # fmt: skip
+            lane(slopes[0], 1),
+            lane(slopes[1], 1),
+            lane(slopes[0], 2),
+            lane(slopes[1], 2),
+        )
     return lambda slopes: (
         lane(slopes[0], 1), lane(slopes[1], 1), lane(slopes[2], 1),
         lane(slopes[0], 2), lane(slopes[1], 2), lane(slopes[2], 2),
@@ -188,8 +193,9 @@ def _with_hoop_of(frame, particles, p, F, R):
     if not is_axial(frame):
         return lambda frame, particles, p, F, R: (*R, 1.0)
     return lambda frame, particles, p, F, R: (
-        *R, particles.x[p, 0] / (particles.place[p, 0] * F[4])
-    )  # fmt: skip
+        *R,
+        particles.x[p, 0] / (particles.place[p, 0] * F[4]),
+    )
 
 
 @inner_kernel

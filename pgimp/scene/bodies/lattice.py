@@ -186,7 +186,7 @@ class Lattice:
             Bodies with particles in the same cell.
         """
         every = overlaps(self.names, self.bodies, self.box, planes, self.stages)
-        errors, shared = list(every), set()
+        errors, shared = list(every), set[tuple[str, str]]()
         step = self.per_cell[0]
         for a, b, box in self.close_pairs():
             names = (self.names[a], self.names[b])
