@@ -24,7 +24,7 @@ from pgimp.errors import PgimpError
 #: Scenes of one kind: what is compiled is the same.
 GROUP = 20
 #: Groups of `--short`, which have what tests/proofs/test_proofs.py lists.
-SHORT = (210, 950, 1291)
+SHORT = (210, 1291, 472)
 #: One scene in this number is run by mpirun too.
 MPIRUN = 25
 #: A run that fails at a face.

@@ -101,7 +101,8 @@ def water(rng, scene):
     if weighs and "tractions" in case and rng.random() < 0.5:
         case["start"]["stress"]["surcharge"] = [*case["tractions"]]
     if weighs:
-        free = [d for d, part in enumerate(case["gravity"]) if part and d in free]
+        steady = [d for d, part in enumerate(case["gravity"]) if isinstance(part, float) and part]
+        free = [d for d in free if d in steady]
     elif rings:
         free = [d for d in free if d == 1]
     if "exact" in case or not free:
