@@ -77,7 +77,14 @@ def test_every_column_of_the_history_is_written(dimensions):
             },
             "boundaries": {"x-min": "separating"},
             "escape": {"x-max": "remove"},
-            "constraints": {"b": {"body": "b", "region": box(1), "velocity": vector(0)}},
+            "constraints": {
+                "b": {
+                    "body": "b",
+                    "region": box(1),
+                    "velocity": vector(0),
+                    **({"rotation": {"about": vector(1), "rate": 1}} if dimensions > 1 else {}),
+                }
+            },
             "inflow": {"a": {"velocity": [-1, *vector(0)[1:]]}},
             "contact": [{"bodies": ["a", "b"]}],
             "gauges": {
