@@ -2,8 +2,8 @@
 
 A constrained particle moves exactly as prescribed, and so do its marked vertices
 (`pgimp.kernels.grid.constrained_vertices`). Where a constraint turns, each moves by the chord of
-its own circle, so that no step changes the radius; the chords are linear in space, so that the
-grid gives particles theirs, and their neighbourhood a rotation without strain.
+its own circle: no step changes the radius. Chords are linear in space. So the grid gives particles
+theirs, and their neighbourhood a rotation without strain.
 """
 
 from numba.core import types

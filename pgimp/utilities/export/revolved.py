@@ -1,8 +1,8 @@
 """Particles of axisymmetric scenes revolved about the axis, as hexahedra of a file for VTK.
 
 A particle is the ring of its section, a square of twice its `radius`, which does not reach beyond
-the axis. A ring of N hexahedra has the volume of the ring times sin(a)/a with a = 2 pi/N, as its
-corners lie on the circle; the field `volume` is that of the whole ring, as in the frame. Vectors
+the axis. Corners lie on circles: N hexahedra have the volume of their ring times sin(a)/a with
+a = 2 pi/N. The field `volume` is of the whole ring, as in the frame. Vectors
 and tensors are turned into the directions of space, at the middle of each hexahedron. The axis
 stays y, and x the radius of the section.
 """
