@@ -26,14 +26,17 @@ STARTED = {"display", "mpirun", "pvpython"}
 
 
 def pytest_addoption(parser):
-    """Add the option of the fast tier."""
+    """Add the options of the tiers."""
+    group = parser.getgroup("pgimp")
     words = "leave out what starts ranks, Slurm or ParaView, and the files that take long"
-    parser.getgroup("pgimp").addoption("--fast", action="store_true", help=words)
+    group.addoption("--fast", action="store_true", help=words)
+    words = "also the tests marked `wide`: further combinations of what the others test"
+    group.addoption("--all", action="store_true", help=words)
 
 
 def pytest_configure(config):
     """List what files of tests cost, at the end."""
-    config.pluginmanager.register(Costs(), "costs")
+    config.pluginmanager.register(Costs(config.cache), "costs")
 
 
 def seconds(item):
@@ -49,10 +52,15 @@ def pytest_collection_modifyitems(config, items):
     was killed, have numbers between those that keep a core busy: of three at a time one waits.
     """
     items.sort(key=seconds, reverse=True)
+    left_out = []
+    if not config.option.all:
+        left_out += [item for item in items if item.get_closest_marker("wide")]
     if config.option.fast:
-        left_out = [item for item in items if seconds(item) or STARTED & {*item.fixturenames}]
-        items[:] = [item for item in items if item not in set(left_out)]
-        config.hook.pytest_deselected(items=left_out)
+        left_out += [item for item in items if seconds(item) or STARTED & {*item.fixturenames}]
+    if left_out:
+        chosen = set(items) - set(left_out)
+        config.hook.pytest_deselected(items=[item for item in items if item not in chosen])
+        items[:] = [item for item in items if item in chosen]
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -31,6 +31,8 @@ from pgimp.utilities.study.plan import read_plan
 
 pytestmark = pytest.mark.slow(240)
 
+#: Pages that everybody follows.
+FIRST = ("README.md", "docs/first-steps.md", "docs/running.md")
 SHORT = "--set time.end=0.004 --set output.every=null --quiet"
 INSTEAD = {
     "pgimp study cases/studies/compaction.yaml": "pgimp study cases/studies/compaction.yaml --list",
@@ -62,11 +64,10 @@ INSTEAD = {
 }
 
 
-def commands():
-    """The commands of all shell blocks, in order, without comments, each once."""
-    lines = [
-        shlex.join(shlex.split(line, comments=True)) for line in "".join(blocks("sh")).splitlines()
-    ]
+def commands(text):
+    """The commands of all shell blocks of pages, in order, without comments, each once."""
+    found = [block for kind, block in FENCE.findall(text) if kind == "sh"]
+    lines = [shlex.join(shlex.split(line, comments=True)) for line in "".join(found).splitlines()]
     return list(dict.fromkeys(line for line in lines if line and line != ACTIVATE))
 
 
@@ -126,11 +127,18 @@ def check_notebook(output, done, ranks):
     assert pgimp.open(output / "column").info["ranks"] == ranks
 
 
-def test_commands_run(folder, display):
+@pytest.mark.parametrize(
+    ("text", "least"),
+    [
+        pytest.param("\n".join(map(PAGES.get, FIRST)), 17, id="first"),
+        pytest.param(TEXT, 31, id="all", marks=pytest.mark.wide),
+    ],
+)
+def test_commands_run(folder, display, text, least):
     """Every command of the shell blocks, in order, in one folder."""
-    listed = commands()
+    listed = commands(text)
     assert listed[:2] == ["scripts/run cases/block3d.yaml", "scripts/test"]
-    assert len(listed) > 30
+    assert len(listed) >= least
     started = set()
     # Some are shortened to the same.
     for command in dict.fromkeys(map(shortened, listed)):

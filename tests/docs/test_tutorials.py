@@ -54,6 +54,7 @@ def stated(page, sentence):
     return [float(number) for number in found.groups()]
 
 
+@pytest.mark.wide
 def test_footing(tmp_path):
     followed("footing", tmp_path)
     books = pgimp.open(tmp_path / "footing.out").history
@@ -66,6 +67,7 @@ def test_footing(tmp_path):
     assert later.max() - later.min() < 0.1 * later.mean()
 
 
+@pytest.mark.wide
 def test_impact(tmp_path):
     followed("impact", tmp_path)
     books = pgimp.open(tmp_path / "impact.out").history
@@ -82,6 +84,7 @@ def test_impact(tmp_path):
     assert stated("impact", "is stretched to # times its length") == [4.6]
 
 
+@pytest.mark.wide
 def test_dam_break(tmp_path):
     followed("dam-break", tmp_path)
     run = pgimp.open(tmp_path / "dam.out")

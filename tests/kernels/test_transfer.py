@@ -13,7 +13,12 @@ from pgimp.physics.boundaries import BOUNDARIES
 pytestmark = pytest.mark.slow(225)
 
 EVERY = pytest.mark.parametrize(
-    ("name", "D"), [(name, D) for name in KINDS for D in (1, 2, 3)]
+    ("name", "D"),
+    [
+        pytest.param(name, D, marks=[] if D == 2 or name in ("mpm", "gimp") else [pytest.mark.wide])
+        for name in KINDS
+        for D in (1, 2, 3)
+    ],
 )  # fmt: skip
 
 
@@ -50,7 +55,7 @@ def test_particles_to_grid(name, D):
 
 
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.parametrize("D", [2, 3])
+@pytest.mark.parametrize("D", [2, pytest.param(3, marks=pytest.mark.wide)])
 def test_particles_to_grid_between_two_sorts(name, D):
     """Particles have moved since their rows were sorted: the order within a layer is stale."""
     rank, reference, _ = setting(name, D)
@@ -102,7 +107,9 @@ def test_every_condition_on_every_face(name, D, kind):
     assert any(changed) if kind == "separating" else all(changed)
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize(
+    "name", ["gimp", *(pytest.param(n, marks=pytest.mark.wide) for n in KINDS if n != "gimp")]
+)
 def test_conditions_meet_at_edges_and_corners(name):
     """All kinds at once; where two faces meet each acts on what the one before left."""
     rank, reference, p = setting(name, 3)
@@ -162,7 +169,7 @@ def test_momentum_is_kept(name, D):
     assert close((m * (after.x - before.x)).sum(axis=0), DT * (m * after.v).sum(axis=0))
 
 
-@pytest.mark.parametrize("D", [1, 2, 3])
+@pytest.mark.parametrize("D", [2, *(pytest.param(D, marks=pytest.mark.wide) for D in (1, 3))])
 @pytest.mark.parametrize("name", [*KINDS, "fuzzy-constant"])
 def test_uniform_stress_has_no_force_inside(name, D):
     """(33): particles that are a partition of unity, with sizes that followed a compression.

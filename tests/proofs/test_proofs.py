@@ -67,6 +67,7 @@ def test_contact_that_keeps_its_selections_has_the_bits_of_one_that_does_not():
     assert selections < anew / 2
 
 
+@pytest.mark.wide
 def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
     """Six; a failing one is printed as a case file, made smaller."""
     numbers = [(proof_scenes.GROUP * group + n, group) for group in proof_scenes.SHORT
@@ -90,6 +91,7 @@ def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
     assert int(re.search(r"(\d+) done", said)[1]) == 6 and "wrong: 0" in said
 
 
+@pytest.mark.wide
 def test_heaps_go_on_to_the_same_bits():
     said = prove("heaps", "--short", "--runs", "2", timeout=1200)
     assert "{'the same bits': 2}" in said and said.count(" at ") >= 4
@@ -211,6 +213,7 @@ def test_a_scene_is_the_same_again_whatever_features_there_are_besides(monkeypat
     assert before == after
 
 
+@pytest.mark.wide
 def test_a_failing_scene_is_made_smaller():
     """What it fails of stays: a difference of regions, in a case that can be run."""
 
@@ -237,7 +240,7 @@ def test_wrong_words_are_answered(words):
     assert job.returncode != 0 and "Traceback" not in job.stderr
 
 
-@pytest.mark.parametrize("affine", [True, False])
+@pytest.mark.parametrize("affine", [True, pytest.param(False, marks=pytest.mark.wide)])
 def test_books_close_while_the_window_of_the_grid_grows(affine):
     """What they see of the vertices belongs to the step; after it the window may be another.
 

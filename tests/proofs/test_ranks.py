@@ -68,6 +68,41 @@ GO_ON = {
         "turned",
     ),
 }
+#: Scenes whose kernels the others share most: each dimension, contact of both kinds, walls,
+#: periodic faces, loads, stages, damping, probes. The tests of all others are wide.
+CORE = (
+    "line_gimp",
+    "line_slows",
+    "line_mpm",
+    "line_leaves",
+    "plane_gimp",
+    "plane_mpm",
+    "plane_finite",
+    "plane_leaves",
+    "space_gimp",
+    "other_output",
+    "narrow",
+    "affine",
+    "cut",
+    "loaded",
+    "metals",
+    "meeting",
+    "staged",
+    "round_and_round",
+    "initial_contact",
+    "damped",
+    "quaking",
+    "dug",
+    "soaked",
+    "ring",
+)
+
+
+def of(name, *more):
+    """Parameters with a scene, wide if it is none of the core."""
+    return pytest.param(name, *more, marks=[] if name in CORE else [pytest.mark.wide])
+
+
 #: Scenes that run on three ranks too: those that go on from there, and those that tests look at.
 #: Five ranks have all kinds of slabs that three have.
 ON_THREE = (*GO_ON[3, 2], "line_gimp", "line_fuzzy", "other_output")
@@ -76,12 +111,13 @@ TCP = {"OMPI_MCA_btl": "tcp,self", "OMPI_MCA_btl_tcp_if_include": "lo"}
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory, mpirun, python):
-    """``runs[ranks]`` is the folder with that many ranks' runs of all scenes, by name."""
+def runs(tmp_path_factory, mpirun, python, request):
+    """``runs[ranks]`` is the folder with that many ranks' runs of the scenes, by name."""
     folder = tmp_path_factory.mktemp("ranks")
-    cases = [folder / f"{name}.yaml" for name in SCENES]
-    for path, case in zip(cases, SCENES.values(), strict=True):
-        write_case(path, case)
+    names = SCENES if request.config.option.all else CORE
+    cases = [folder / f"{name}.yaml" for name in names]
+    for path in cases:
+        write_case(path, SCENES[path.stem])
     results = {}
     for start in (*RANKS, *RESUMED):
         before, ranks = start if isinstance(start, tuple) else (0, start)
@@ -100,7 +136,7 @@ def runs(tmp_path_factory, mpirun, python):
 
 
 @pytest.mark.parametrize(
-    ("name", "ranks"), [*((name, 3) for name in ON_THREE), *((name, 5) for name in SCENES)]
+    ("name", "ranks"), [*(of(name, 3) for name in ON_THREE), *(of(name, 5) for name in SCENES)]
 )
 def test_frames_and_history_are_the_same_bytes(runs, name, ranks):
     alone, together = runs[1] / name, runs[ranks] / name
@@ -117,7 +153,7 @@ def test_frames_and_history_are_the_same_bytes(runs, name, ranks):
 
 
 @pytest.mark.parametrize(
-    ("name", "start"), [(name, start) for start, names in GO_ON.items() for name in names],
+    ("name", "start"), [of(name, start) for start, names in GO_ON.items() for name in names],
     ids=lambda each: each if isinstance(each, str) else "{}-then-{}".format(*each),
 )  # fmt: skip
 def test_resumed_runs_leave_the_same_bytes(runs, name, start):
@@ -129,7 +165,7 @@ def test_resumed_runs_leave_the_same_bytes(runs, name, start):
     assert digests(alone) == digests(resumed)
 
 
-@pytest.mark.parametrize("name", EXACT)
+@pytest.mark.parametrize("name", [*map(of, EXACT)])
 def test_exact_solutions_have_errors(runs, name):
     history = pgimp.open(runs[5] / name).history
     assert (history["error.displacement-l2"][1:] > 0.0).all()
@@ -145,12 +181,12 @@ def reach(frame, axis, body=None):
 @pytest.mark.parametrize(
     ("name", "body"),
     [
-        ("line_gimp", "quick"),
-        ("plane_gimp", "flies"),
-        ("plane_mpm", "up"),
-        ("plane_mpm", "down"),
-        ("space_gimp", "flies"),
-        ("space_mpm", "flies"),
+        of("line_gimp", "quick"),
+        of("plane_gimp", "flies"),
+        of("plane_mpm", "up"),
+        of("plane_mpm", "down"),
+        of("space_gimp", "flies"),
+        of("space_mpm", "flies"),
     ],
 )
 def test_the_scenes_cross_slabs(runs, name, body):
@@ -191,8 +227,8 @@ def test_the_scenes_leave_slabs_empty(runs):
 
 @pytest.mark.parametrize(
     ("name", "axes"),
-    [("plane_gimp", [1]), ("plane_mpm", [1]), ("space_gimp", [1, 2]), ("space_mpm", [1, 2]),
-     ("narrow", [1])],
+    [of("plane_gimp", [1]), of("plane_mpm", [1]), of("space_gimp", [1, 2]),
+     of("space_mpm", [1, 2]), of("narrow", [1])],
 )  # fmt: skip
 def test_the_scenes_outgrow_the_window_of_the_start(runs, name, axes):
     """By more than the margin of 2 cells that the stored planes have."""
@@ -202,6 +238,7 @@ def test_the_scenes_outgrow_the_window_of_the_start(runs, name, axes):
         assert new_high > high + 2.0 or new_low < low - 2.0
 
 
+@pytest.mark.wide
 def test_the_log_counts_held_half_widths_over_all_ranks(runs):
     """Tents of a whole cell, of which a blow stretches some in some steps."""
     said = []
@@ -226,7 +263,7 @@ def test_surplus_ranks_are_idle(runs):
 
 
 def test_rows_were_sorted_anew_and_steps_followed_the_speed(runs):
-    for name in ("line_gimp", "plane_mpm", "space_mpm"):
+    for name in ("line_gimp", "plane_mpm"):
         assert pgimp.open(runs[1] / name).info["steps"] > 128
     for name in ("line_mpm", "plane_gimp", "space_gimp"):
         dt = pgimp.open(runs[1] / name).history["dt"][1:]

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from processes import run
 
-pytestmark = pytest.mark.slow(270)
+pytestmark = [pytest.mark.slow(270), pytest.mark.wide]
 
 ROOT = Path(__file__).resolve().parents[2]
 FIGURES = [f"fig{n:02}" for n in range(4, 12)] + [f"fig{n:02}-fuzzy" for n in range(4, 11)]

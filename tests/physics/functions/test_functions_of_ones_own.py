@@ -65,7 +65,7 @@ def hidden(x, _a):
 
 WRONG = {
     star: "takes \\*more, but a velocity has arguments of fixed names alone: x",
-    speedy: "a velocity is not given v, but x; take another name",
+    speedy: "a velocity is not given v, but x, t; take another name",
     texts: "the default of size must be a finite number or a tuple of them, not 'large'",
     hidden: "the parameter _a cannot be a key of a case",
 }

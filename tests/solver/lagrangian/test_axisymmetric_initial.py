@@ -70,6 +70,7 @@ def cylinders(speed):
     )  # fmt: skip
 
 
+@pytest.mark.wide
 def test_cylinders_end_on_end_stay_at_rest():
     sim = cylinders(0.0)
     sim.step(50)
@@ -120,7 +121,9 @@ def on_a_core(h, inner):
     return (np.abs(found - u).max() / np.abs(u).max(), abs(line["tool.core.force-x"] / force - 1.0))
 
 
-@pytest.mark.parametrize("inner", [0.5, 0.125])  # one cell from the axis, on the coarse grid
+@pytest.mark.parametrize(
+    "inner", [0.5, pytest.param(0.125, marks=pytest.mark.wide)]
+)  # one cell from the axis, on the coarse grid
 def test_a_ring_pressed_on_a_rigid_core(inner):
     """Lame's solution, second order in the cell; strains of 1e-3 are not in it."""
     coarse, fine = on_a_core(0.125, inner), on_a_core(0.0625, inner)

@@ -10,6 +10,7 @@ from pgimp.mpi.comm import Serial
 from pgimp.solver.lagrangian.motion import begin_motion
 
 pytestmark = pytest.mark.slow(120)
+WIDE = pytest.mark.wide
 
 #: Speed of waves in the soft solid.
 C = float(np.sqrt(100.0 * 0.7 / (1.3 * 0.4)))
@@ -28,7 +29,12 @@ def turning(region, about, rate, velocity=None):
 
 
 @pytest.mark.parametrize(
-    ("D", "shape", "turns"), [(2, "gimp", 10), (2, "fuzzy-nearest", 10), (3, "gimp", 3)]
+    ("D", "shape", "turns"),
+    [
+        (2, "gimp", 10),
+        pytest.param(2, "fuzzy-nearest", 10, marks=WIDE),
+        pytest.param(3, "gimp", 3, marks=WIDE),
+    ],
 )
 def test_spin_lasts(D, shape, turns):
     """Angular momentum to rounding and energy to a thousandth; its edge moves at 0.1 c."""
@@ -61,7 +67,7 @@ def ringing(sim, period, periods, means=30):
     return np.mean(early), np.mean(late)
 
 
-@pytest.mark.parametrize("shape", ["gimp", "fuzzy-nearest"])
+@pytest.mark.parametrize("shape", ["gimp", pytest.param("fuzzy-nearest", marks=WIDE)])
 def test_a_standing_wave_keeps_its_energy(shape):
     """A free bar of 10 cells, cut off the grid's lines, for 100 periods."""
     period, body = 10.0 / C, initial(box([2.3], [12.3]))
@@ -145,7 +151,8 @@ def gains(sim, *names):
 @pytest.mark.parametrize(
     ("shape", "edge", "first"),
     [("gimp", "ghost", "initial"), ("fuzzy-constant", "mirror", "initial"),
-     ("fuzzy-constant", "mirror", "current"), ("bspline-quadratic", "mirror", "initial")],
+     pytest.param("fuzzy-constant", "mirror", "current", marks=WIDE),
+     ("bspline-quadratic", "mirror", "initial")],
 )  # fmt: skip
 def test_stages_book_what_they_change(shape, edge, first):
     """Bonded bodies fly and turn; one is gripped, let go, removed; walls and friction begin.
@@ -195,7 +202,7 @@ def test_a_run_resumes_after_a_body_has_been_removed_far_from_the_others(tmp_pat
 
 
 @pytest.mark.parametrize("kind", ["slip", "fixed", "separating"])
-@pytest.mark.parametrize("shape", ["fuzzy-constant", "bspline-quadratic"])
+@pytest.mark.parametrize("shape", ["fuzzy-constant", pytest.param("bspline-quadratic", marks=WIDE)])
 def test_a_mirror_books_what_it_turns_round(shape, kind):
     """A block that turns on a wall, under gravity; and lands on one that lets it go."""
     motion = {"rotation": {"about": [4.0, 1.0], "rate": 0.6}, "translation": [0.3, -1.0]}

@@ -1,6 +1,7 @@
 """What each file of tests costs: CPU time, also of the processes it starts, and compiled kernels.
 
-A plugin of pytest, for `tests/conftest.py`; the dearest files are listed at the end of a run.
+A plugin of pytest, for `tests/conftest.py`. The dearest files are listed at the end of a run; what
+each test took is in ``.pytest_cache/v/pgimp/costs``.
 """
 
 import resource
@@ -40,9 +41,10 @@ def cpu():
 class Costs:
     """Measures tests in the workers, and adds up files where these report to."""
 
-    def __init__(self):
-        self._compiled = _Compiled()
+    def __init__(self, cache):
+        self._compiled, self._cache = _Compiled(), cache
         event.register("numba:compile", self._compiled)
+        self._tests: dict[str, tuple[float, int]] = {}
         self._seconds, self._kernels = Counter(), Counter()
         self._marked: set[str] = set()
 
@@ -69,14 +71,16 @@ class Costs:
         if "slow" in report.keywords:
             self._marked.add(file)
         if cost := dict(report.user_properties).get("cost"):
+            self._tests[report.nodeid] = cost
             self._seconds[file] += cost[0]
             self._kernels[file] += cost[1]
 
     def pytest_terminal_summary(self, terminalreporter):
-        """List the dearest files."""
+        """List the dearest files, and keep what tests took."""
         total, kernels = sum(self._seconds.values()), sum(self._kernels.values())
         if total < 60.0:
             return
+        self._cache.set("pgimp/costs", self._tests)
         terminalreporter.section(
             f"{total / 60.0:.1f} minutes of CPU time, {kernels} kernels compiled in tests"
         )
