@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
@@ -21,6 +22,9 @@ from pgimp.physics.functions.registry import FUNCTIONS
 settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
 
+#: Parameters of tests that choose kernels: all of their combinations are run with --all alone.
+VARIANTS = {"D", "dimension", "dimensions", "shape", "configuration", "name", "model", "law"}
+
 #: Fixtures of what is started, as is in no test of the fast tier.
 STARTED = {"display", "mpirun", "pvpython"}
 
@@ -30,7 +34,7 @@ def pytest_addoption(parser):
     group = parser.getgroup("pgimp")
     words = "leave out what starts ranks, Slurm or ParaView, and the files that take long"
     group.addoption("--fast", action="store_true", help=words)
-    words = "also the tests marked `wide`: further combinations of what the others test"
+    words = "also wide tests, and all combinations of dimensions, shapes and configurations"
     group.addoption("--all", action="store_true", help=words)
 
 
@@ -45,6 +49,38 @@ def seconds(item):
     return mark.args[0] if mark else 0
 
 
+def choices(item):
+    """Values of a test, one for each list that it is parametrized with; none without variants."""
+    marks = [mark.args[0] for mark in item.iter_markers("parametrize")]
+    lists = [names.replace(" ", "").split(",") if isinstance(names, str) else names
+             for names in marks]  # fmt: skip
+    if len(lists) < 2 or not VARIANTS & {name for names in lists for name in names}:
+        return frozenset()
+    return frozenset((*names, repr([item.callspec.params[n] for n in names])) for names in lists)
+
+
+def beyond_each_choice(items):
+    """Of tests over several lists of variants, those whose values are all in others' that stay.
+
+    Every value of every parameter stays in some test, beside values that few others have.
+    """
+    crosses: dict[str, dict] = {}
+    for item in items:
+        if found := choices(item):
+            crosses.setdefault(item.nodeid.partition("[")[0], {})[item] = found
+    for values in crosses.values():
+        missing, used = set().union(*values.values()), Counter()
+        while missing:
+            chosen = max(
+                values,
+                key=lambda it: (len(values[it] & missing), -sum(used[v] for v in values[it])),
+            )
+            found = values.pop(chosen)
+            missing -= found
+            used.update(found)
+        yield from values
+
+
 def pytest_collection_modifyitems(config, items):
     """Begin with files that take long, so that no worker is left with one at the end.
 
@@ -55,6 +91,9 @@ def pytest_collection_modifyitems(config, items):
     left_out = []
     if not config.option.all:
         left_out += [item for item in items if item.get_closest_marker("wide")]
+        left_out += beyond_each_choice(
+            [item for item in items if not item.get_closest_marker("wide")]
+        )
     if config.option.fast:
         left_out += [item for item in items if seconds(item) or STARTED & {*item.fixturenames}]
     if left_out:
