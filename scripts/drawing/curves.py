@@ -173,3 +173,30 @@ def own_taylor_green(redraw):
     axis.set(xlabel="time", ylabel="kinetic energy", xlim=(0.0, 0.5), ylim=(0.0, 0.26))
     axis.legend()
     save(figure, "own-taylor-green")
+
+
+def own_spinning_disk(redraw):
+    """Stresses and the radial displacement over the radius, against exact ones."""
+    words = ["--import", ROOT / "cases/spin.py"]
+    results = run("own/spinning-disk", redraw, "own-spinning-disk", words=words, ranks=1)
+    frame, a, b, nu = results.frame(-1), 0.25, 0.05, 0.3
+    grown = frame["displacement"][:, 0]
+    r = frame["position"][:, 0] - grown
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.4))
+    fine = np.linspace(b, a, 300)
+    pull, ring = 7850.0 * 500.0**2 * (3.0 + nu) / 8.0, (a * b / fine) ** 2
+    hoop = pull * (a * a + b * b + ring - (1.0 + 3.0 * nu) / (3.0 + nu) * fine**2)
+    radial = pull * (a * a + b * b - ring - fine**2)
+    for column, colour, label, exact in ((2, RED, "hoop", hoop), (0, BLUE, "radial", radial)):
+        axes[0].plot(
+            1e3 * r, frame["stress"][:, column] / 1e6, ".", ms=3, color=colour, label=label
+        )
+        axes[0].plot(1e3 * fine, exact / 1e6, "k--", lw=1.0)
+    axes[0].set(xlabel="radius [mm]", ylabel="stress [MPa]", xlim=(45, 255), ylim=(0, 110))
+    axes[0].legend()
+    axes[1].plot(1e3 * r, 1e6 * grown, ".", ms=3, color=BLUE, label="pgimp")
+    exact = fine / 2.1e11 * (hoop - nu * radial)
+    axes[1].plot(1e3 * fine, 1e6 * exact, "k--", lw=1.0, label="exact")
+    axes[1].set(xlabel="radius [mm]", ylabel="radial displacement [µm]", xlim=(45, 255))
+    axes[1].legend()
+    save(figure, "own-spinning-disk")
