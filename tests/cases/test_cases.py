@@ -116,6 +116,7 @@ def test_a_bar_of_rings_is_the_same_mushroom(runs):
     assert history["kinetic-energy"][-1] < 0.02 * energy
 
 
+@pytest.mark.wide
 def test_a_tube_is_pressed_apart(runs):
     """Eight cells to the wall: Lame's displacement at the bore, and the mean of the hoop stress."""
     frame = runs("tube").frame(-1)

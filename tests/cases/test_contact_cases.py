@@ -63,6 +63,7 @@ def test_cylinder_slides_and_rolls(runs):
     assert slip[-1] == pytest.approx(0.3 * push[-1], rel=0.02)
 
 
+@pytest.mark.wide
 def test_ball_rolls_down_a_slope(runs):
     """A radius of five cells: acceleration, and no slip between the ball and the slope."""
     results = runs("rolling-ball")
@@ -95,6 +96,7 @@ def test_block_slides_down_a_slope(runs):
     assert np.ptp(history["body.block.centre-y"]) < 0.001
 
 
+@pytest.mark.wide
 def test_bar_is_pressed_and_rolled(runs):
     """A radius of six cells: Hertz's force to 4 %, half of the punch's way to 3 %, no loss."""
     history = runs("upsetting").history
@@ -114,6 +116,7 @@ def test_bar_is_pressed_and_rolled(runs):
     assert punch[-1] == 0.0  # it lets go
 
 
+@pytest.mark.wide
 def test_a_hammer_drives_a_pile(runs):
     """Cells twice as large: its velocity to 0.2 % until the wave is back, then it is thrown off."""
     history = runs("pile").history

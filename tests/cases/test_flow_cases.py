@@ -122,6 +122,7 @@ def test_a_plate_bears_the_momentum_of_a_jet(runs):
     assert 0.0 < history["dissipated-energy"][-1] < 0.15 * history["inflow.kinetic-energy"][-1]
 
 
+@pytest.mark.wide
 def test_a_hopper_empties_as_beverloo_says(runs):
     """Within the literature's coefficients, whatever the level; nothing is lost."""
     history = runs("hopper").history
@@ -149,6 +150,7 @@ def test_graded_ground_settles(runs):
     assert -frame["displacement"][-1, 0] == pytest.approx(exact, rel=3e-3)
 
 
+@pytest.mark.wide
 def test_a_wave_in_water_throws_a_plate(runs):
     """Taylor's velocity to 1 % on cells twice as large, which remains: the water lets go."""
     history = runs("blast").history

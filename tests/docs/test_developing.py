@@ -102,6 +102,7 @@ for each in (1, 2):
 """
 
 
+@pytest.mark.wide
 def test_shape(source):
     """Its weights are those of quadrature; with one particle a cell it is gimp."""
     words = ["tests/physics/shapes/test_shapes.py", "-k", "quadratic-spline"]

@@ -118,6 +118,7 @@ def slurm(tmp_path_factory, monkeypatch):
     run([words, "stop", str(folder)], 60)
 
 
+@pytest.mark.wide
 @pytest.mark.usefixtures("slurm")
 def test_batch_job(tmp_path):
     followed("batch-job", tmp_path)

@@ -60,6 +60,7 @@ def test_many_steps_leave_no_trace_in_the_memory():
         assert float(residual) < 1e-8  # rounding of as many steps
 
 
+@pytest.mark.wide
 def test_contact_that_keeps_its_selections_has_the_bits_of_one_that_does_not():
     """Blocks between walls, for a hundredth of the steps."""
     said = prove("kept", "--quick", "--scene", "blocks")
@@ -146,7 +147,7 @@ print(scene_runs.compare(Path("case.yaml"), Path("runs"), random.Random(3), 30))
 """
 
 
-@pytest.mark.parametrize("how", ["flipped", "sound"])
+@pytest.mark.parametrize("how", ["flipped", pytest.param("sound", marks=pytest.mark.wide)])
 def test_one_bit_of_one_particle_that_changes_rank_is_noticed(tmp_path, how):
     job = run([sys.executable, "-c", FLIPPED, str(PROOFS.parent), how], 300, cwd=tmp_path)
     assert job.returncode == 0, job.stderr

@@ -28,7 +28,12 @@ def test_masses_are_of_the_whole_body(region, volume, error):
 
 @pytest.mark.parametrize(
     ("shape", "configuration"),
-    [("gimp", "current"), ("finite-gimp", "current"), ("cpdi", "current"), ("cpdi", "initial")],
+    [
+        ("gimp", "current"),
+        pytest.param("finite-gimp", "current", marks=pytest.mark.wide),
+        pytest.param("cpdi", "current", marks=pytest.mark.wide),
+        ("cpdi", "initial"),
+    ],
 )
 @pytest.mark.parametrize("inner", [0.0, 0.6])
 def test_pressure_all_round_holds_a_uniform_stress(shape, configuration, inner):

@@ -44,8 +44,9 @@ def apart(D, shape, **parts):
 
 
 @pytest.mark.parametrize(("D", "shape", "affine", "more"), [
-    (1, "fuzzy-nearest", True, {}), (2, "finite-gimp", True, {"volumetric": "mean"}),
-    (3, "gimp", False, {}),
+    pytest.param(1, "fuzzy-nearest", True, {}, marks=pytest.mark.wide),
+    (2, "finite-gimp", True, {"volumetric": "mean"}),
+    pytest.param(3, "gimp", False, {}, marks=pytest.mark.wide),
 ])  # fmt: skip
 def test_bodies_that_do_not_meet_have_the_bits_they_have_alone(D, shape, affine, more):
     """Each body as in a case without the other, also while both are at the same place."""

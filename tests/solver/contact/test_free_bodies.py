@@ -39,7 +39,9 @@ def test_momentum_at_any_ratio_of_masses(configuration, D, density, law):
     assert gained == pytest.approx(booked, abs=1e-12 * max(1.0, density))
 
 
-@pytest.mark.parametrize("configuration", ["current", "initial"])
+@pytest.mark.parametrize(
+    "configuration", ["current", pytest.param("initial", marks=pytest.mark.wide)]
+)
 def test_a_body_stops_on_a_bar_as_waves_say(configuration):
     """v = v0 exp(-rho c A t/M) until waves return: three per cent of v0, then two."""
     for cells, off in ((2, 0.03), (4, 0.015)):

@@ -163,6 +163,7 @@ def bore(h, volumetric):
     )
 
 
+@pytest.mark.wide
 def test_a_nearly_incompressible_tube_locks_without_means_alone():
     """Lame's solution at a Poisson's ratio of 0.499, on four and eight cells."""
     locked, coarse, fine = bore(0.125, "pointwise"), bore(0.125, "mean"), bore(0.0625, "mean")
