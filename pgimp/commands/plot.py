@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pgimp.errors import UsageError
 from pgimp.utilities.plot.changes import add_arguments as add_changes
 from pgimp.utilities.plot.changes import changes
-from pgimp.utilities.plot.look import Look, look, planes, rate, settings
+from pgimp.utilities.plot.look import Look, look, pieces, planes, rate, settings
 from pgimp.utilities.plot.look import add_arguments as add_looks
 from pgimp.utilities.plot.output import MOVIES, output_path, rendered, write
 from pgimp.utilities.plot.runs import AXES, PlotRun, every_snapshot, open_runs, snapshots
@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from pgimp.utilities.plot.camera import Camera
     from pgimp.utilities.plot.selection import Selection
 
-_PICTURE_ONLY = ("slice", "camera", "range", "map", "panels", "mirror", "contours", "outline")
+_PICTURE_ONLY = (
+    "slice", "camera", "range", "map", "panels", "mirror", "contours", "outline", "revolve",
+)  # fmt: skip
 _LONGEST_NAME = 120
 
 
@@ -205,7 +207,7 @@ def _frame(
             raise UsageError(f"--along {name}: the axes are {', '.join(AXES[:dimension])}")
         axis = AXES.index(name)
         place = parse_place(args.at, "--at", [one for one in axes if one != axis])
-        for option in ("range", "map", "panels", "mirror", "contours", "outline"):
+        for option in ("range", "map", "panels", "mirror", "contours", "outline", "revolve"):
             if getattr(args, option) is not None:
                 raise UsageError(f"--{option} is for a picture; in 1D, and --along, there is none")
         figure, table, remarks = along(chosen, quantities, Selection(bodies, place), axis, args.log)
@@ -235,10 +237,35 @@ def _seen(args: argparse.Namespace, shown: PlotRun) -> tuple[Selection, Camera, 
     place = parse_place(args.slice, "--slice", range(dimension))
     if len(place) > 1:
         raise UsageError(f"--slice {args.slice}: one plane, such as y=0.5; a line is --along")
+    if args.revolve is not None:
+        view, angles = _revolved(args, shown)
+        return (
+            Selection(tuple(listed(args.body)), {}, shown.spacing, (), angles),
+            view,
+            look(args, _limits(args.range)),
+        )
     view = camera(args.camera, dimension, next(iter(place), None))
     mirrored = planes(args.mirror, *shown.corners) if args.mirror is not None else ()
     selection = Selection(tuple(listed(args.body)), place, shown.spacing, mirrored)
     return selection, view, look(args, _limits(args.range))
+
+
+def _revolved(args: argparse.Namespace, shown: PlotRun) -> tuple[Camera, tuple[float, ...]]:
+    """Return the camera, and the angles of the pieces of a body of revolution."""
+    from pgimp.utilities.plot.camera import upright
+
+    geometry = shown.case.get("geometry", "plane-strain")
+    if geometry != "axisymmetric":
+        raise UsageError(
+            f"--revolve is for axisymmetric scenes; the geometry of {shown.name} is {geometry}"
+        )
+    for option in ("mirror", "contours", "outline", "csv"):
+        if getattr(args, option) is not None:
+            raise UsageError(f"--revolve and --{option} do not go together")
+    if args.output and args.output.lower().endswith(".csv"):
+        raise UsageError("--revolve is for pictures, not for a .csv")
+    view = upright(args.camera)
+    return view, pieces(args.revolve, view.towards)
 
 
 def _movie(args: argparse.Namespace, runs: Sequence[PlotRun], kind: str) -> bytes:

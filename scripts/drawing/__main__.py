@@ -35,7 +35,7 @@ from lessons import tutorial_dam_break, tutorial_footing, tutorial_impact, tutor
 from looking import block3d, block3d_initial, block3d_paraview
 from meeting import corner, drum, hertz, hertz_line
 from metal import plate_impact, taylor_bar, thick_tube
-from rings import taylor_axisymmetric, taylor_contours, tube
+from rings import revolved_disk, taylor_axisymmetric, taylor_contours, tube
 from rolls import rolling, rolling_ball
 from scenes import bar_vibration, disks, graded, incline, pile, upsetting
 from studies.harness import chosen
@@ -46,7 +46,7 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     taylor_bar, taylor_axisymmetric, taylor_contours, thick_tube, tube, vortex, spinning_block,
     plane_waves, sod, channel, poiseuille, bagnold, sand_column, slope, graded, excavation, safety,
     footing, cavity, tunnel, shaking, dam_break, jet, hopper, gate, blast, nut, fluid_dam_break,
-    own_swirl, own_taylor_green, own_spinning_disk, hard_translation, hard_column,
+    own_swirl, own_taylor_green, own_spinning_disk, revolved_disk, hard_translation, hard_column,
     hard_shock, hard_spinning, hard_bending, hard_grazing, tutorial_footing, tutorial_impact,
     tutorial_dam_break, tutorial_own_material, error_and_cost,
 )}  # fmt: skip

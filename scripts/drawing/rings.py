@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 import numpy as np
-from common import BLUE, GREY, PICTURES, RED, boxes, frame_at, plt, run, save, shrink
+from common import BLUE, GREY, PICTURES, RED, ROOT, boxes, frame_at, plt, run, save, shrink
 
 
 def tube(redraw):
@@ -64,4 +64,14 @@ def taylor_contours(redraw):
     words = [sys.executable, "-m", "pgimp", "plot", directory, "--field", "plastic-strain"]
     words += ["--time", "0,2e-5,8e-5", "--mirror", "x-min", "--range", "0,2", "--contours"]
     subprocess.run([*words, "--map", "magma", "--width", "7", "-o", path], check=True)
+    shrink(path)
+
+
+def revolved_disk(redraw):
+    """Three quarters of the spinning disk, by ``pgimp plot``."""
+    words = ["--import", ROOT / "cases/spin.py"]
+    directory = run("own/spinning-disk", redraw, "own-spinning-disk", words=words, ranks=1).path
+    path = PICTURES / "revolved-disk.png"
+    words = [sys.executable, "-m", "pgimp", "plot", directory, "--field", "stress.zz", "--revolve"]
+    subprocess.run([*words, "-o", path], check=True)
     shrink(path)

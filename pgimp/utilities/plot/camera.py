@@ -119,6 +119,21 @@ def camera(text: str | None, dimension: int, normal: int | None) -> Camera:
     return Camera(right, np.cross(towards, right))
 
 
+def upright(text: str | None) -> Camera:
+    """Return the camera of a name or a direction for bodies of revolution: y is upwards.
+
+    Directions are as in 3D with z upwards: x, -z and y here are its x, y and z.
+
+    Raises
+    ------
+    UsageError
+        As `camera`.
+    """
+    found = camera(text, 3, None)
+    right, up = ([side[0], side[2], -side[1]] for side in (found.right, found.up))
+    return Camera(np.array(right), np.array(up))
+
+
 def name_axes(
     axis: Axes, snapshot: PlotFrame, camera: Camera, columns: int, *, lowest: bool
 ) -> None:

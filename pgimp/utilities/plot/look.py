@@ -16,6 +16,8 @@ from pgimp.utilities.plot.style import MAP
 _WIDTHS, _LETTERS = (1.0, 40.0), (3.0, 40.0)
 #: Colours of contours: by default, and at most.
 _COLOURS, _MOST_COLOURS = 10, 100
+#: Angle of a ring's piece in a picture of a body of revolution.
+_PIECE = np.pi / 60.0
 
 
 #: By axis, the coordinate.
@@ -78,6 +80,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     looks.add_argument(
         "--outline", action="store_true", default=None, help="also the outline of each body"
+    )
+    looks.add_argument(
+        "--revolve",
+        metavar="DEGREES",
+        nargs="?",
+        const="270",
+        help="the whole body of an axisymmetric scene, open towards the eye (default: 270 of 360 "
+        "degrees)",
     )
     looks.add_argument(
         "--mirror",
@@ -170,6 +180,28 @@ def planes(text: str | None, origin: Sequence[float], corner: Sequence[float]) -
         number = AXES.index(axis)
         found.append((number, float((origin if end == "min" else corner)[number])))
     return tuple(found)
+
+
+def pieces(text: str, towards: np.ndarray) -> tuple[float, ...]:
+    """Return the angles of ``--revolve`` about y, of pieces of rings; the gap is towards the eye.
+
+    Parameters
+    ----------
+    text : str
+        Degrees that are drawn.
+    towards : (3,) float
+        Unit vector towards the eye.
+
+    Raises
+    ------
+    UsageError
+        If the degrees are wrong.
+    """
+    whole = np.radians(_positive(text, "--revolve", (10.0, 360.0)))
+    count = max(2, round(whole / _PIECE))
+    eye = np.arctan2(-towards[2], towards[0])
+    opens = eye + np.pi - 0.5 * whole
+    return tuple(opens + whole * (np.arange(count) + 0.5) / count)
 
 
 def rate(args: argparse.Namespace) -> float:

@@ -107,7 +107,7 @@ def picture(
     shown, remarks = [], []
     for snapshot, quantity in zip(snapshots, quantities, strict=True):
         same = [snapshot.shown.name, snapshot.frame.number, snapshot.frame.time]
-        net, bodies = lines(snapshot.frame, camera), []
+        net, bodies = lines(snapshot.frame, camera, selection.angles), []
         if look.contours or look.outline:
             field = look.contours > 0
             bodies = bodies_of(snapshot, selection, quantity, camera, field=field)
@@ -128,7 +128,8 @@ def picture(
         part = seen.take(np.argsort(seen.id))
         table.add(same, [part.id, *part.position[:, :dimension].T, part.radius, part.value])
     inside = widened(inside, [one.net for one in shown])
-    figure = _draw(shown, quantities[0], camera, inside, look)
+    flat = dimension < 3 and not selection.angles
+    figure = _draw(shown, quantities[0], camera, inside, look, flat=flat)
     return figure, table, remarks
 
 
@@ -183,7 +184,13 @@ def scale(values: Array, limits: tuple[float, float] | None) -> tuple[float, flo
 
 
 def _draw(
-    shown: Sequence[_Shown], quantity: Quantity, camera: Camera, inside: Array, look: Look
+    shown: Sequence[_Shown],
+    quantity: Quantity,
+    camera: Camera,
+    inside: Array,
+    look: Look,
+    *,
+    flat: bool,
 ) -> Figure:
     """Draw each frame with its particles or bodies, and the nets of its rigid bodies."""
     from matplotlib import colormaps
@@ -211,7 +218,6 @@ def _draw(
     (left, bottom), (right, top) = inside + 0.03 * size.max() * np.array([[-1.0], [1.0]])
     several = len({snapshot.shown.name for snapshot in snapshots}) > 1
     for number, ((snapshot, seen, bodies, net), axis) in enumerate(zip(shown, axes, strict=False)):
-        flat = snapshot.shown.dimension < 3
         if seen is not None:
             rgba = colours.to_rgba(np.ma.masked_invalid(seen.value))
             draw(axis, camera, seen, rgba, flat)

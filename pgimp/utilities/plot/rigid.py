@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,10 +17,22 @@ Array = np.ndarray
 
 #: Greatest widening of a picture for rigid bodies, over its size.
 _ROOM = 0.12
+#: Sections of a body of revolution.
+_SECTIONS = 18
 
 
-def lines(frame: Frame, camera: Camera) -> Array:
-    """Return the edges of the surfaces in a picture, (n, 2, 2); possibly none."""
+def lines(frame: Frame, camera: Camera, angles: Sequence[float] = ()) -> Array:
+    """Return the edges of the surfaces in a picture, (n, 2, 2); possibly none.
+
+    Parameters
+    ----------
+    frame : Frame
+        A frame of particles, beside which rigid bodies have theirs.
+    camera : Camera
+        The projection.
+    angles : sequence of float
+        Angles about y at which sections are shown; some of them, and both ends.
+    """
     path = frame.path.with_name(frame.path.name.replace("particles-", "rigid-"))
     if not path.is_file():
         return np.zeros((0, 2, 2))
@@ -29,7 +42,15 @@ def lines(frame: Frame, camera: Camera) -> Array:
         return np.zeros((0, 2, 2))
     pairs = [cells] if cells.shape[1] == 2 else [cells[:, [k, (k + 1) % 4]] for k in range(4)]
     edges = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
-    return camera.project(position)[:, :2][edges]
+    if not len(angles):
+        return camera.project(position)[:, :2][edges]
+    found = []
+    for angle in (*angles[:: max(1, len(angles) // _SECTIONS)], angles[-1]):
+        place = position.astype(np.float64)
+        place[:, 2] = -np.sin(angle) * place[:, 0]
+        place[:, 0] *= np.cos(angle)
+        found.append(camera.project(place)[:, :2][edges])
+    return np.concatenate(found)
 
 
 def widened(inside: Array, edges: list[Array]) -> Array:

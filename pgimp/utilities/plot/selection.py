@@ -65,6 +65,37 @@ class Block(NamedTuple):
         image = self._replace(position=position, edges=edges)
         return Block(*(np.concatenate(pair) for pair in zip(self, image, strict=True)))
 
+    def revolved(self, angles: Array) -> Block:
+        """Return the block of rings about the axis y, a piece of each ring at each angle.
+
+        Parameters
+        ----------
+        angles : (k,) float
+            Middles of the pieces about y, in radians, in equal distances; at 0 a ring is along x.
+
+        Returns
+        -------
+        Block
+            k times as many particles, with edges.
+        """
+        n, k = len(self.radius), len(angles)
+        edges = self.edges
+        if not edges.size:
+            edges = self.radius[:, None, None] * np.eye(3)
+        c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
+        position = np.empty((k, n, 3))
+        turned = np.empty((k, n, 3, 3))
+        for row, found in [(self.position, position)] + [
+            (edges[:, side], turned[:, :, side]) for side in (0, 1)
+        ]:
+            found[..., 0], found[..., 1], found[..., 2] = c * row[:, 0], row[:, 1], -s * row[:, 0]
+        half = np.tan(0.5 * (angles[1] - angles[0])) * np.abs(self.position[:, 0])
+        turned[:, :, 2, 0], turned[:, :, 2, 1], turned[:, :, 2, 2] = -s * half, 0.0, -c * half
+        rest = (np.tile(each, k) for each in (self.id, self.radius, self.value, self.volume))
+        number, radius, value, volume = rest
+        places, sides = position.reshape(-1, 3), turned.reshape(-1, 3, 3)
+        return Block(number, places, radius, value, volume, sides)
+
 
 class Selection(NamedTuple):
     """A selection of particles.
@@ -79,12 +110,15 @@ class Selection(NamedTuple):
         Initial distance of the particles by axis; if empty, they are squares and cubes.
     mirrored : tuple of (int, float)
         Planes of symmetry, by axis and coordinate, at which their images are added.
+    angles : tuple of float
+        Angles about the axis y at which pieces of rings are drawn; if empty, their section is.
     """
 
     bodies: tuple[str, ...] = ()
     place: Mapping[int, float] = {}
     spacing: tuple[float, ...] = ()
     mirrored: tuple[tuple[int, float], ...] = ()
+    angles: tuple[float, ...] = ()
 
     def blocks(self, frame: Frame, quantity: Quantity | None) -> Iterator[Block]:
         """Iterate over the selected particles.
@@ -131,6 +165,8 @@ class Selection(NamedTuple):
             ).take(rows)
             for plane in self.mirrored:
                 block = block.with_image(*plane)
+            if self.angles:
+                block = block.revolved(np.array(self.angles))
             yield block
 
     def _edges(self, frame: Frame, first: int, last: int, radius: Array) -> Array:

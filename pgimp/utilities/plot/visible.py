@@ -73,7 +73,7 @@ def visible(
             block = Block(*(np.concatenate(pair) for pair in zip(kept, block, strict=True)))
         place = camera.project(block.position)
         order = np.lexsort((-block.id, -place[:, 2]))
-        if len(frame) > FEW:
+        if len(frame) * max(1, len(selection.angles)) > FEW:
             column, row = np.floor((place[order, :2] - inside[0]) / spot).astype(np.int64).T
             order = order[np.unique(row * (SPOTS + 2) + column, return_index=True)[1]]
         kept = block.take(order)

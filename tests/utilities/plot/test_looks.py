@@ -5,9 +5,12 @@ import io
 
 import numpy as np
 import pytest
+from scenes import box, scene
 
-from pgimp.utilities.plot.camera import camera
+import pgimp
+from pgimp.utilities.plot.camera import camera, upright
 from pgimp.utilities.plot.changes import Changes, axis_label, moving_mean
+from pgimp.utilities.plot.look import pieces
 from pgimp.utilities.plot.picture import columns_of
 from pgimp.utilities.plot.quantity import Quantity
 from pgimp.utilities.plot.selection import Block, Selection
@@ -88,6 +91,55 @@ def test_images_at_planes_of_symmetry():
     assert sorted(block.position[:, 0]) == [-3.0, -3.0, -2.0, -2.0, 0.0, 0.0, 1.0, 1.0]
     np.testing.assert_allclose(np.linalg.det(block.edges[2:4]), -np.linalg.det(block.edges[:2]))
     np.testing.assert_array_equal(block.value, np.tile(block.value[:2], 4))
+
+
+def test_rings_are_drawn_as_pieces_about_their_axis():
+    """They have the rings' volume but for tan(a)/a, their place along y, and the drawn angle."""
+    frame = Made(np.eye(3), SHEAR)
+    frame.fields["position"] += [2.0, 3.0, 0.0]
+    towards = upright("corner").towards
+    angles = pieces("270", towards)
+    block = taken(frame, angles=angles)
+    assert len(angles) == 90 and len(block.id) == 180
+    half = 0.5 * (angles[1] - angles[0])
+    assert 180 * half == pytest.approx(1.5 * np.pi)
+    for number, radius in ((0, 2.0), (1, 3.0)):
+        mine = block.id == number
+        place, sides = block.position[mine], block.edges[mine]
+        np.testing.assert_allclose(np.hypot(place[:, 0], place[:, 2]), radius)
+        np.testing.assert_array_equal(place[:, 1], 3.0)
+        volume = 8.0 * np.abs(np.linalg.det(sides)).sum()
+        exact = 1.5 * np.pi * radius * 0.125 * np.tan(half) / half
+        assert volume == pytest.approx(exact)
+    # The quarter that is left out is towards the eye.
+    level = np.array([towards[0], 0.0, towards[2]]) / np.hypot(towards[0], towards[2])
+    direction = block.position * [1.0, 0.0, 1.0]
+    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    assert (direction @ level).max() == pytest.approx(np.cos(0.25 * np.pi + half))
+    wide = extent(frame, Selection(spacing=SPACING, angles=angles), upright("y-max"))
+    assert wide[1, 0] == pytest.approx(3.0, rel=0.2)
+
+
+def test_a_body_of_revolution_is_drawn(plot, tmp_path):
+    case = scene(2, box([1.0, 1.0], [3.0, 2.0]), cells=[5, 4], end=0.02, step=0.01)
+    case |= {"geometry": "axisymmetric"}
+    case["output"] = {"every": 0.02, "fields": ["velocity", "deformation"]}
+    pgimp.run(case, output=tmp_path / "disk.out", quiet=True)
+    status, said, _ = plot(
+        str(tmp_path / "disk.out"), "--revolve", "--field", "velocity", "-o", "a.png"
+    )
+    assert status == 0 and "wrote a.png" in said
+    for words, message in (
+        ("--mirror x-min", "--revolve and --mirror do not go together"),
+        ("--contours", "--revolve and --contours do not go together"),
+        ("--csv a.csv", "--revolve and --csv do not go together"),
+        ("--along x", "--revolve is for a picture"),
+        ("-o a.csv", "--revolve is for pictures"),
+    ):
+        status, _, said = plot(str(tmp_path / "disk.out"), "--revolve", "180", *words.split())
+        assert status == 2 and message in said, said
+    status, _, said = plot(str(tmp_path / "disk.out"), "--revolve", "5")
+    assert status == 2 and "--revolve 5: a number from 10 to 360" in said
 
 
 @pytest.mark.parametrize("view", [None, "corner", "y-min"])
@@ -199,6 +251,7 @@ def test_moving_means():
         ("plates.out --map nothing", "matplotlib has none of this name"),
         ("plates.out --panels 0 --frame 0", "a whole number from 1 to 12"),
         ("plates.out --mirror z-min", "faces of the domain"),
+        ("plates.out --revolve", "--revolve is for axisymmetric scenes"),
         ("plates.out --width wide", "--width wide: a number from"),
         ("plates.out --style nowhere", "--style nowhere"),
         ("plates.out --mean 4", "an odd number of lines"),
