@@ -128,6 +128,7 @@ def test_a_tube_is_pressed_apart(runs):
     assert np.abs(frame["stress"][:, 2] - hoop).mean() < 0.01 * hoop.max()
 
 
+@pytest.mark.wide
 def test_a_tube_yields_from_its_bore(runs):
     """Five cells to the bore's radius: Hill's pressure to 5 %, also while a part is elastic."""
     run = runs("thick-tube")

@@ -144,6 +144,7 @@ def test_ball_hits_a_wall(runs):
     assert impulse == pytest.approx(np.ptp(history["momentum-z"][[0, -1]]), rel=1e-12)
 
 
+@pytest.mark.wide
 def test_cylinders_are_pressed_on_each_other(runs):
     """2.2 cells in Hertz's half-width, 4.4 in the case: force, half-width, pressure."""
     results = runs("hertz-line")

@@ -26,6 +26,7 @@ def test_a_shock_runs_down_the_tube(runs):
     assert np.abs(energy - energy[0]).max() < 1e-3 * energy[0]
 
 
+@pytest.mark.wide
 def test_mud_moves_as_a_plug(runs):
     frame = runs("channel").frame(-1)
     x, v = frame["position"], frame["velocity"][:, 1]

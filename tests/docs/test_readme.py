@@ -32,7 +32,7 @@ from pgimp.utilities.study.plan import read_plan
 pytestmark = pytest.mark.slow(240)
 
 #: Pages that everybody follows.
-FIRST = ("README.md", "docs/first-steps.md", "docs/running.md")
+FIRST = ("README.md", "docs/first-steps.md")
 SHORT = "--set time.end=0.004 --set output.every=null --quiet"
 INSTEAD = {
     "pgimp study cases/studies/compaction.yaml": "pgimp study cases/studies/compaction.yaml --list",
@@ -130,7 +130,7 @@ def check_notebook(output, done, ranks):
 @pytest.mark.parametrize(
     ("text", "least"),
     [
-        pytest.param("\n".join(map(PAGES.get, FIRST)), 17, id="first"),
+        pytest.param("\n".join(map(PAGES.get, FIRST)), 8, id="first"),
         pytest.param(TEXT, 31, id="all", marks=pytest.mark.wide),
     ],
 )

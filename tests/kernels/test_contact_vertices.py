@@ -48,7 +48,7 @@ def masses(grid, field, values):
     return found
 
 
-@pytest.mark.parametrize("D", [2, 3])
+@pytest.mark.parametrize("D", [2, pytest.param(3, marks=pytest.mark.wide)])
 def test_unused_rows_are_zero(monkeypatch, D):
     """Of the grid and of the volumes; they are far fewer than all."""
     parts = []

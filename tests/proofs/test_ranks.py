@@ -84,7 +84,6 @@ CORE = (
     "narrow",
     "affine",
     "cut",
-    "loaded",
     "metals",
     "meeting",
     "staged",
@@ -92,8 +91,6 @@ CORE = (
     "initial_contact",
     "damped",
     "quaking",
-    "dug",
-    "soaked",
     "ring",
 )
 

@@ -134,6 +134,7 @@ def test_a_block_slides_on_a_bed_of_the_other_configuration(slides):
     assert np.polyfit(time, speed, 1)[0] == pytest.approx(g[0] - slope * g[1], rel=0.03)
 
 
+@pytest.mark.wide
 def test_water_rests_on_a_plate_in_the_initial_configuration():
     """The plate's supports bear the weight of both, and no water comes through."""
     water = {"model": "newtonian", "density": 1.0, "bulk": 400.0, "shear-viscosity": 0.5}

@@ -40,7 +40,10 @@ def lift(region, D, *, more=None, load=LIQUID, **parts):
     "region",
     [
         {"ball": {"center": [4.1, 4.2, 3.9], "radius": 2.53}},
-        {"cylinder": {"from": [2.3, 3.1, 2.9], "to": [6.4, 5.2, 5.1], "radius": 1.4}},
+        pytest.param(
+            {"cylinder": {"from": [2.3, 3.1, 2.9], "to": [6.4, 5.2, 5.1], "radius": 1.4}},
+            marks=pytest.mark.wide,
+        ),
         "mesh",
     ],
 )

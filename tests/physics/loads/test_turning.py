@@ -158,6 +158,7 @@ def twisted(n):
     return case
 
 
+@pytest.mark.wide
 def test_a_square_bar_is_twisted_as_saint_venant_says():
     """T = G a^4 k angle/L with k = 0.140577 (Timoshenko & Goodier, Theory of Elasticity, 109).
 

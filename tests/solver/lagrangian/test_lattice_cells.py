@@ -84,9 +84,13 @@ CASES |= {
     "metal in space": remade(CASES["planes of six"], soft=METAL | {"yield-stress": 0.3}, mean=True),
 }
 del CASES["space"]
+#: Those with kernels of three dimensions.
+IN_SPACE = ("planes of six", "metal in space")
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.wide] * (n in IN_SPACE)) for n in CASES]
+)
 def test_cells_have_what_particles_have_one_by_one(name, monkeypatch):
     """Sums in another order, and F from displacements in place of its increments: to rounding."""
     cells = finish(start(CASES[name]))

@@ -150,7 +150,7 @@ def gains(sim, *names):
 
 @pytest.mark.parametrize(
     ("shape", "edge", "first"),
-    [("gimp", "ghost", "initial"), ("fuzzy-constant", "mirror", "initial"),
+    [("gimp", "ghost", "initial"), pytest.param("fuzzy-constant", "mirror", "initial", marks=WIDE),
      pytest.param("fuzzy-constant", "mirror", "current", marks=WIDE),
      ("bspline-quadratic", "mirror", "initial")],
 )  # fmt: skip
