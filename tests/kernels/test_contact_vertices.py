@@ -112,7 +112,7 @@ def near_bodies(frame, lower, rigid_bodies, out):
                         out[i, j, k] = True
 
 
-@pytest.mark.parametrize("D", [2, 3])
+@pytest.mark.parametrize("D", [2, pytest.param(3, marks=pytest.mark.wide)])
 def test_vertices_near_rigid_bodies_are_those_of_a_plain_loop(monkeypatch, D):
     """One turns and is inclined to the grid, the other is small."""
     seen = set()

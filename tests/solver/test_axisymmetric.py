@@ -182,6 +182,7 @@ def test_a_rigid_disk_is_slowed_down_by_the_wave_that_it_sends():
     assert abs(line["tool.disk.force-x"]) < 1e-9 * abs(line["tool.disk.force-y"])
 
 
+@pytest.mark.wide
 def test_a_rigid_disk_at_rest_weighs_on_a_pad():
     """The force between them is its weight, all round, when it has settled."""
     sim = simulation(pgimp.load(
