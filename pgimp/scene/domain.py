@@ -8,7 +8,7 @@ import numpy as np
 from pgimp.case.escape import exits
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
-from pgimp.kernels.data.frame import AxialFrame, Frame
+from pgimp.kernels.data.frame import FRAMES, AxialFrame
 from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
@@ -63,8 +63,7 @@ class Domain:
 
     def __init__(self, case: Case, settings: Settings) -> None:
         grid, method, remote = case.grid, case.method, settings.by_vertex
-        # Vertices of plates are those of plane strain, and share its kernels.
-        self.frame = (AxialFrame if case.axisymmetric else Frame)(
+        self.frame = FRAMES[case.geometry][0](
             origin=tuple(float(x) for x in grid.origin),
             cell=tuple(float(x) for x in grid.cell),
             inverse=tuple(1.0 / x for x in grid.cell),

@@ -82,8 +82,8 @@ class Scene:
             winding=any(domain.periodic),
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
-        current, start = (each(*domain.frame) for each in FRAMES[case.geometry])
-        frame, shape = start if settings.initial else current, case.method
+        start, shape = FRAMES[case.geometry][1](*domain.frame), case.method
+        frame = start if settings.initial else domain.frame
         of_body = np.array(materials.body_material, np.int64)
         self.setting = KernelScene(
             settings.shape,
@@ -97,8 +97,7 @@ class Scene:
         self.setting_lagrangian = self.setting._replace(
             shape=shape.fixed(domain.frame.cell), frame=start
         )
-        plane = "axisymmetric" if case.axisymmetric else "plane-strain"  # plates are sorted as it
-        self.order_frame: Any = FRAMES[plane][settings.initial](*domain.frame)
+        self.order_frame: Any = frame
         if settings.mixed:
             self.order_frame = MixedFrame(*domain.frame, settings.lagrangian)
         self.by_cells = self._by_cells()
