@@ -91,6 +91,7 @@ CORE = (
     "initial_contact",
     "damped",
     "quaking",
+    "plates_initial",
     "ring",
 )
 
