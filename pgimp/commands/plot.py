@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pgimp.errors import UsageError
 from pgimp.utilities.plot.changes import add_arguments as add_changes
 from pgimp.utilities.plot.changes import changes
-from pgimp.utilities.plot.look import Look, look, pieces, planes, rate, settings
+from pgimp.utilities.plot.look import Look, look, planes, rate, revolved, settings
 from pgimp.utilities.plot.look import add_arguments as add_looks
 from pgimp.utilities.plot.output import MOVIES, output_path, rendered, write
 from pgimp.utilities.plot.runs import AXES, PlotRun, every_snapshot, open_runs, snapshots
@@ -238,34 +238,13 @@ def _seen(args: argparse.Namespace, shown: PlotRun) -> tuple[Selection, Camera, 
     if len(place) > 1:
         raise UsageError(f"--slice {args.slice}: one plane, such as y=0.5; a line is --along")
     if args.revolve is not None:
-        view, angles = _revolved(args, shown)
-        return (
-            Selection(tuple(listed(args.body)), {}, shown.spacing, (), angles),
-            view,
-            look(args, _limits(args.range)),
-        )
+        view, angles = revolved(args, shown.case.get("geometry", "plane-strain"))
+        selection = Selection(tuple(listed(args.body)), spacing=shown.spacing, angles=angles)
+        return selection, view, look(args, _limits(args.range))
     view = camera(args.camera, dimension, next(iter(place), None))
     mirrored = planes(args.mirror, *shown.corners) if args.mirror is not None else ()
     selection = Selection(tuple(listed(args.body)), place, shown.spacing, mirrored)
     return selection, view, look(args, _limits(args.range))
-
-
-def _revolved(args: argparse.Namespace, shown: PlotRun) -> tuple[Camera, tuple[float, ...]]:
-    """Return the camera, and the angles of the pieces of a body of revolution."""
-    from pgimp.utilities.plot.camera import upright
-
-    geometry = shown.case.get("geometry", "plane-strain")
-    if geometry != "axisymmetric":
-        raise UsageError(
-            f"--revolve is for axisymmetric scenes; the geometry of {shown.name} is {geometry}"
-        )
-    for option in ("mirror", "contours", "outline", "csv"):
-        if getattr(args, option) is not None:
-            raise UsageError(f"--revolve and --{option} do not go together")
-    if args.output and args.output.lower().endswith(".csv"):
-        raise UsageError("--revolve is for pictures, not for a .csv")
-    view = upright(args.camera)
-    return view, pieces(args.revolve, view.towards)
 
 
 def _movie(args: argparse.Namespace, runs: Sequence[PlotRun], kind: str) -> bytes:

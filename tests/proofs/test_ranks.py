@@ -68,8 +68,7 @@ GO_ON = {
         "turned",
     ),
 }
-#: Scenes whose kernels the others share most: each dimension, contact of both kinds, walls,
-#: periodic faces, loads, stages, damping, probes. The tests of all others are wide.
+#: Each dimension, both kinds of contact, walls, seams, stages, damping: other scenes are wide.
 CORE = (
     "line_gimp",
     "line_slows",

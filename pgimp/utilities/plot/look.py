@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.errors import UsageError
+from pgimp.utilities.plot.camera import Camera, upright
 from pgimp.utilities.plot.runs import AXES
 from pgimp.utilities.plot.style import MAP
 
@@ -180,6 +181,25 @@ def planes(text: str | None, origin: Sequence[float], corner: Sequence[float]) -
         number = AXES.index(axis)
         found.append((number, float((origin if end == "min" else corner)[number])))
     return tuple(found)
+
+
+def revolved(args: argparse.Namespace, geometry: str) -> tuple[Camera, tuple[float, ...]]:
+    """Return the camera of ``--revolve``, and the angles of `pieces`.
+
+    Raises
+    ------
+    UsageError
+        If the scene has another geometry, or other options do not go with it.
+    """
+    if geometry != "axisymmetric":
+        raise UsageError(f"--revolve is for axisymmetric scenes; the geometry is {geometry}")
+    for option in ("mirror", "contours", "outline", "csv"):
+        if getattr(args, option) is not None:
+            raise UsageError(f"--revolve and --{option} do not go together")
+    if args.output and args.output.lower().endswith(".csv"):
+        raise UsageError("--revolve is for pictures, not for a .csv")
+    view = upright(args.camera)
+    return view, pieces(args.revolve, view.towards)
 
 
 def pieces(text: str, towards: np.ndarray) -> tuple[float, ...]:

@@ -141,8 +141,9 @@ class Selection(NamedTuple):
             if name not in frame.bodies:
                 raise UsageError(f"{frame.path}: {unknown('body', name, frame.bodies, 'it has')}")
         chosen = [frame.bodies.index(name) for name in self.bodies]
-        for first in range(0, len(frame), _BLOCK_ROWS):
-            last = min(first + _BLOCK_ROWS, len(frame))
+        step = max(1, _BLOCK_ROWS // max(1, len(self.angles)))
+        for first in range(0, len(frame), step):
+            last = min(first + step, len(frame))
             position = frame.rows("position", first, last).astype(np.float64)
             radius = frame.rows("radius", first, last).astype(np.float64)
             if self.spacing:
