@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import traceback
+from pathlib import Path
 
 from pgimp.errors import is_library, is_outside
 from pgimp.physics.functions.registry import FUNCTIONS, Function
@@ -27,6 +29,7 @@ def raised_by(error: BaseException, known: Function | None = None) -> str:
     if not frames:
         return ""
     at = frames[-1]
+    at = traceback.FrameSummary(_loaded(at.filename), at.lineno, at.name)
     found = known or next((one for one in FUNCTIONS.values() if _has(one, at)), None)
     if found is None and (not is_outside(at.filename) or is_library(at.filename)):
         return ""
@@ -36,6 +39,28 @@ def raised_by(error: BaseException, known: Function | None = None) -> str:
     file = found.function.__code__.co_filename
     place = f" in line {at.lineno}" if at.filename == file else ""
     return f"{found} raises {what}{place}"
+
+
+def _loaded(filename: str) -> str:
+    """Path of the loaded module whose file this is a copy of: the one whose end agrees most.
+
+    Kernels from disk know the path that their functions had when they were compiled.
+    """
+    files = {file for one in (*sys.modules.values(),) if (file := getattr(one, "__file__", None))}
+    if filename in files:
+        return filename
+    parts = Path(filename).parts[::-1]
+    agree = {file: _common(parts, Path(file).parts[::-1]) for file in sorted(files)}
+    best = max(agree, key=lambda file: agree[file])
+    return best if agree[best] else filename
+
+
+def _common(one: tuple[str, ...], other: tuple[str, ...]) -> int:
+    """Number of equal entries at the start of both."""
+    return next(
+        (i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b),
+        min(len(one), len(other)),
+    )
 
 
 def _has(function: Function, at: traceback.FrameSummary) -> bool:

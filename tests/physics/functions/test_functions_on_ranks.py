@@ -56,3 +56,45 @@ def test_bits_do_not_depend_on_ranks_nor_on_a_kill(tmp_path, mpirun, python):
     done = python([*words[:3], "-o", "none"], 120, tmp_path)
     assert done.returncode == 2
     assert "unknown body force 'swaying'" in done.stderr and "--import FILE.py" in done.stderr
+
+
+RAISES = """
+import numba
+import pgimp
+
+@numba.njit
+def reading(t, until):
+    if t > until:
+        raise ValueError("no data")
+    return 1.0
+
+@pgimp.body_force
+def pulling(x, t, until):
+    return reading(t, until), 0.0
+
+@pgimp.body_force
+def ending(x, t, until):
+    if t > until:
+        raise ValueError("the table ends here")
+    return 1.0, 0.0
+"""
+
+
+def test_errors_name_the_copy_that_ran_not_the_one_whose_kernels_are_on_disk(tmp_path, python):
+    """Kernels kept on disk serve every copy of a file, as in the folders of a study."""
+    for name in "first", "second":
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "their_data.py").write_text(RAISES)
+        for function in "pulling", "ending":
+            force = named(function, until=0.05)
+            body = box([1.0, 1.0], [3.0, 3.0])
+            given = scene(2, body, cells=[4, 4], end=0.6, body_force=force)
+            write_case(folder / f"{function}.yaml", given)
+        words = ["--import", "their_data.py", "--quiet", "-o"]
+        done = python(["-m", "pgimp", "ending.yaml", *words, "1"], 120, folder)
+        told = f"the body force 'ending' ({folder}/their_data.py:15) raises ValueError: the table"
+        assert done.returncode == 1 and told in done.stderr, done.stderr
+        done = python(["-m", "pgimp", "pulling.yaml", *words, "2"], 120, folder)
+        told = f"the function 'reading' ({folder}/their_data.py:8) raises ValueError: no data"
+        assert done.returncode == 1 and told in done.stderr, done.stderr
