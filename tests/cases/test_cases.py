@@ -89,6 +89,7 @@ def test_plates_meet(runs):
     assert 0.0 < history["plastic-work"][-1] < history["dissipated-energy"][-1]
 
 
+@pytest.mark.wide
 def test_a_cylinder_becomes_a_mushroom(runs):
     """Two cells to the radius: its length to 5 %, and where its energy goes."""
     run = runs("taylor-bar")

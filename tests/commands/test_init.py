@@ -222,6 +222,7 @@ def installed(tmp_path_factory):
     return folder / "target"
 
 
+@pytest.mark.wide
 def test_init_works_from_a_wheel(installed, folder):
     env = {"PYTHONPATH": str(installed)}
     script = (

@@ -133,6 +133,7 @@ print(last["momentum-x"] / first["momentum-x"])
 """
 
 
+@pytest.mark.wide
 def test_boundary_condition_and_field(source):
     """Blocks that fall are slowed down by the rough floor alone; the field is det F by NumPy."""
     found = [
@@ -162,6 +163,7 @@ for law in ("friction", {"limited": {"limit": 1.0e9}}, {"limited": {"limit": 0.1
 """
 
 
+@pytest.mark.wide
 def test_law_of_contact(source):
     """Below the limit it is friction, to the bit; above it the force is limit times area."""
     friction, high, low = (float(line) for line in python(source, "-c", ON_PLATE).split())

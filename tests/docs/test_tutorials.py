@@ -96,6 +96,7 @@ def test_dam_break(tmp_path):
     assert 1.48e3 / np.sqrt(4.0e5 / 1.0e3) == pytest.approx(times, rel=0.1)
 
 
+@pytest.mark.wide
 def test_own_material(tmp_path):
     said = followed("own-material", tmp_path)
     (rows,) = (each.text for words, each in said.items() if words.startswith("pgimp element"))

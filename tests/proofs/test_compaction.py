@@ -59,6 +59,7 @@ def test_before_particles_change_cells_the_methods_agree():
         assert abs(tip) < 2e-5
 
 
+@pytest.mark.wide
 def test_once_particles_change_cells_mpm_is_noisy_and_gimp_is_smooth():
     """W = 12000, 30000 and 40000: figures 4(b) and 5.
 

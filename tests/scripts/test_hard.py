@@ -89,6 +89,7 @@ def test_viscosity_reduces_the_overshoot_of_the_shock():
     assert thick[0] < plain[0]
 
 
+@pytest.mark.wide
 def test_wide_tents_lock_less_and_mean_dilatation_does_not():
     """Nearly incompressible, on cells a quarter of the beam's height."""
     coarse = {"grid.cell": [0.25, 0.25], "time.step": {"courant": 0.4}}

@@ -148,6 +148,7 @@ def test_a_free_rigid_body_falls_along_the_axis(region, mass, middle, error):
     assert line["tool.disk.displacement-x"] == line["tool.disk.angle-z"] == 0.0
 
 
+@pytest.mark.wide
 def test_a_rigid_disk_is_slowed_down_by_the_wave_that_it_sends():
     """A column between smooth walls: v = v0 exp(-rho c A t/m) all round, until the wave is back."""
     solid = {"model": "hooke", "young": 1000.0, "poisson": 0.0, "density": 2.0}

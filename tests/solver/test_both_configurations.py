@@ -207,6 +207,7 @@ def test_parallelograms_of_both_configurations_are_refused():
     start(disks("current", "current") | {"method": case["method"]})
 
 
+@pytest.mark.wide
 @pytest.mark.parametrize("drops", ["initial", "current"])
 @pytest.mark.parametrize("size", [(0.5, 0.25), (1.0, 0.1)])
 def test_a_drop_does_not_fall_through_a_slab(drops, size):

@@ -116,6 +116,7 @@ def test_what_moves_as_a_whole_is_left_as_it_is(shape):
     assert inside.any() and abs(found[inside]).max() < 1e-16
 
 
+@pytest.mark.wide
 def test_other_bodies_have_no_part_in_it():
     """A solid on sand, on the same vertices: sand keeps its momentum, the solid every bit."""
     bodies = {
@@ -150,6 +151,7 @@ def test_sand_that_slides_on_sand_is_not_braked():
     assert abs(gains(blocks(bodies=bodies), apart)[0]).max() > 1e-7
 
 
+@pytest.mark.wide
 def test_what_a_constraint_holds_has_no_part_in_it():
     """Held particles keep what is prescribed; the others keep their momentum."""
     held = {"body": "sand", "region": {"box": {"min": [2, 2], "max": [6, 3]}}}

@@ -130,6 +130,7 @@ def test_what_flows_is_on_its_yield_surface(configuration):
     assert np.isclose(q[flows], 1.0 + 20.0 * strain[flows], rtol=1e-9).any()
 
 
+@pytest.mark.wide
 def test_a_thin_plate_in_space_moves_alike():
     """A block one cell thick, free on both sides, of stiff rubber that stretches by a tenth."""
     parts = {"body": {"configuration": "initial"}, "time": {"end": 3.0, "step": 0.005}}

@@ -148,6 +148,7 @@ def test_outline_and_cells_in_2d(tmp_path):
         filled(mesh(tmp_path / "open.vtu"), dimension=2)
 
 
+@pytest.mark.wide
 def test_same_bits_on_ranks_and_resumed_without_the_file(tmp_path, mpirun, python):
     """With probes and a constraint; the name counts from the case's folder; case.yaml is a case."""
     (tmp_path / "cases").mkdir()

@@ -103,6 +103,7 @@ def test_held_particles_follow_the_function(configuration):
     assert "constraint.left-x" in line and "displacement.left-x" not in line
 
 
+@pytest.mark.wide
 def test_a_function_of_the_place_alone_and_others_besides():
     """A linear one moves exactly; beside it what turns, and what moves as before."""
     constraints = {

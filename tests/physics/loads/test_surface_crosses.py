@@ -55,6 +55,7 @@ def test_a_liquid_lifts_bodies_in_3d(tmp_path, region, configuration):
     np.testing.assert_allclose(force, [0.0, 1.4, 0.0], rtol=0, atol=2e-3)
 
 
+@pytest.mark.wide
 def test_half_a_disk_is_a_ball_under_water():
     """In axisymmetric scenes, where the ball has its exact volume."""
     disk = {"ball": {"center": [0.0, 4.2], "radius": 2.53}}

@@ -42,6 +42,7 @@ def test_a_mirror_gives_back_what_tents_lose_past_a_wall(shape, lost):
     assert mirror < 0.005  # measured 0.3 to 0.4 %, of which stairs make 0.25 %
 
 
+@pytest.mark.wide
 def test_the_column_converges_at_second_order_with_tracked_sizes():
     """Halving the cells, until the waves that the ramp leaves count; measured 3.9 to 4.0."""
     for shape in ("finite-gimp", "fuzzy-nearest"):

@@ -22,6 +22,7 @@ def ended(case, last):
     return sim, sim.diagnostics()
 
 
+@pytest.mark.wide
 @pytest.mark.parametrize(
     ("top", "error"),
     [

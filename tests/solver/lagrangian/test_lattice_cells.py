@@ -137,6 +137,7 @@ def test_a_metal_beyond_its_shape_is_named():
         finish(sim)
 
 
+@pytest.mark.wide
 def test_momenta_of_metals_last():
     """Sums by cells and F from the same vertices: to rounding, far from the start too."""
     case = remade(disks(), soft=VISCOUS, hard=METAL, mean=True)

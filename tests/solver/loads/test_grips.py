@@ -23,6 +23,7 @@ def bar(grip, **parts):
     return scene(1, box([2.0], [10.0]), **parts)
 
 
+@pytest.mark.wide
 def test_a_force_moves_the_mass_of_grip_and_addition():
     sim = start(bar(press([0.0], [12.0], 6.0, mass=4.0)))
     finish(sim)
