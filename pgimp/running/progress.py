@@ -6,6 +6,7 @@ import os
 import shutil
 import sys
 from contextlib import suppress
+from math import isnan
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -127,8 +128,10 @@ class Progress:
             f"{duration(left)} left"
         )
         if self._sim.settling:
+            known = not isnan(self._sim.unbalanced)  # it is compared once in some steps
+            force = f"unbalanced force {self._sim.unbalanced:.2g}  " if known else ""
             text = (
-                f"settling: unbalanced force {self._sim.unbalanced:.2g}  step {step}  "
+                f"settling: {force}step {step}  "
                 f"{self._rates[1] * self._sim.known_count:.3g} particle-steps/s"
             )
         if self._bar is not None:
