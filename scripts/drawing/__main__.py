@@ -35,7 +35,7 @@ from lessons import tutorial_dam_break, tutorial_footing, tutorial_impact, tutor
 from looking import block3d, block3d_initial, block3d_paraview
 from meeting import corner, drum, hertz, hertz_line
 from metal import plate_impact, taylor_bar, thick_tube
-from rings import revolved_disk, taylor_axisymmetric, taylor_contours, tube
+from rings import cone, revolved_disk, taylor_axisymmetric, taylor_contours, tube
 from rolls import rolling, rolling_ball
 from scenes import bar_vibration, disks, graded, incline, pile, upsetting
 from studies.harness import chosen
@@ -45,10 +45,10 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
     taylor_bar, taylor_axisymmetric, taylor_contours, thick_tube, tube, vortex, spinning_block,
     plane_waves, sod, channel, poiseuille, bagnold, sand_column, slope, graded, excavation, safety,
-    footing, cavity, tunnel, shaking, dam_break, jet, hopper, gate, blast, nut, fluid_dam_break,
-    own_swirl, own_taylor_green, own_spinning_disk, revolved_disk, hard_translation, hard_column,
-    hard_shock, hard_spinning, hard_bending, hard_grazing, tutorial_footing, tutorial_impact,
-    tutorial_dam_break, tutorial_own_material, error_and_cost,
+    footing, cavity, cone, tunnel, shaking, dam_break, jet, hopper, gate, blast, nut,
+    fluid_dam_break, own_swirl, own_taylor_green, own_spinning_disk, revolved_disk,
+    hard_translation, hard_column, hard_shock, hard_spinning, hard_bending, hard_grazing,
+    tutorial_footing, tutorial_impact, tutorial_dam_break, tutorial_own_material, error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")
 parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))

@@ -75,3 +75,35 @@ def revolved_disk(redraw):
     words = [sys.executable, "-m", "pgimp", "plot", directory, "--field", "stress.zz", "--revolve"]
     subprocess.run([*words, "-o", path], check=True)
     shrink(path)
+
+
+def cone(redraw):
+    """The clay round the cone, to both sides of the axis; the cone's factor over its way."""
+    results = run("cone", redraw)
+    coarse = run("cone", redraw, "cone-coarse", ["grid.cell=[0.5,0.5]", "output.every=26.0"])
+    figure, axes = plt.subplots(1, 2, figsize=(9, 4.2), width_ratios=(1.0, 1.6))
+    frame = results.frame(-1)
+    place, radius, strain = frame["position"], frame["radius"], frame["plastic-strain"]
+    near = place[:, 0] < 6.0
+    place, radius, strain = place[near], radius[near], strain[near]
+    other = place * [-1.0, 1.0, 1.0]
+    shown = boxes(axes[0], np.concatenate([other, place]), np.concatenate([radius, radius]),
+                  np.concatenate([strain, strain]), (0.0, 2.0))  # fmt: skip
+    tip = -10.0 + results.history["tool.cone.displacement-y"][-1]
+    shoulder = tip + np.sqrt(3.0)
+    axes[0].fill([0.0, 1.0, 1.0, -1.0, -1.0], [tip, shoulder, 2.0, 2.0, shoulder], color=GREY)
+    axes[0].set(xlim=(-6.0, 6.0), ylim=(-25.0, 1.5), xlabel="radius", ylabel="height",
+                aspect="equal")  # fmt: skip
+    figure.colorbar(shown, ax=axes[0], label="plastic strain", shrink=0.8, extend="max")
+    for each, colour, name in ((coarse, RED, "2 cells"), (results, BLUE, "4 cells")):
+        history = each.history
+        way = -history["tool.cone.displacement-y"]
+        factor = np.convolve(history["tool.cone.force-y"] / np.pi, np.full(5, 0.2), "same")
+        axes[1].plot(way[2:-2], factor[2:-2], color=colour, lw=1.0, label=f"{name} to the radius")
+    for value, name in ((9.73, "Teh and Houlsby"), (10.77, "Lu et al.")):
+        axes[1].axhline(value, color="k", ls="--", lw=0.8)
+        axes[1].text(0.08, value + 0.1, name, fontsize=8)
+    axes[1].set(xlabel="way of the cone, in its radii", ylabel="force over c times area",
+                xlim=(0.0, 10.3), ylim=(0.0, 12.0))  # fmt: skip
+    axes[1].legend(loc="lower right")
+    save(figure, "cone")

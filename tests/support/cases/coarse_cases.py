@@ -65,6 +65,7 @@ COARSER = {
         "output.every=0.4",
     ],
     "cavity": ["grid.cell=[0.5,0.25]", "time.end=13.0", "output.every=13.0"],
+    "cone": ["grid.cell=[0.5,0.5]", "time.end=14.0", "output.every=14.0"],
     "tunnel": ["grid.cell=[0.5,0.5]"],
     "shaking": ["grid.cell=[1.0,2.0]", "grid.size=[4.0,22.0]", "time.end=8.0", "output.every=8.0"],
     "poiseuille": ["time.end=0.1", "output.every=0.05"],
