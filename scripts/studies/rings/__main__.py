@@ -7,6 +7,7 @@ import numpy as np
 from studies.harness import CASES, origin
 
 import pgimp
+from pgimp.physics.materials.registry import import_file
 
 #: Of the tube in cases/tube.yaml: pressure, Young's modulus, Poisson's ratio.
 PRESSURE, YOUNG, POISSON = 6.283185307e7, 1.661538461538e11, 0.03846153846154
@@ -46,6 +47,49 @@ def bar(space, volumetric):
     along = sim.particles["position"][:, 0 if space else 1] + sim.particles["radius"]
     work = sim.diagnostics()["plastic-work"] / energy
     return 1e3 * along.max(), sim.particles["plastic-strain"].max(), work, seconds
+
+
+def spinning_disk(cell):
+    """The disk's errors: displacement, and means of the hoop's stress over cells; seconds.
+
+    Each the root of the mean square and the greatest; of the stress over the greatest stress.
+    """
+    began = process_time()
+    changes = {"grid.cell": [cell, cell]}
+    sim = pgimp.Simulation(CASES / "own/spinning-disk.yaml", overrides=changes)
+    sim.advance()
+    seconds = process_time() - began
+    a, b, nu = 0.25, 0.05, 0.3
+    grown = sim.particles["displacement"][:, 0]
+    r = sim.particles["position"][:, 0] - grown
+    pull = (3.0 + nu) / 8.0 * 7850.0 * 500.0**2
+
+    def hoop(r):
+        square = (1.0 + 3.0 * nu) / (3.0 + nu) * r * r
+        return pull * (a * a + b * b + (a * b / r) ** 2 - square)
+
+    def means(values):
+        return np.bincount(number, values) / np.bincount(number)
+
+    radial = pull * (a * a + b * b - (a * b / r) ** 2 - r * r)
+    number = np.unique(np.round(4.0 * r / cell).astype(int), return_inverse=True)[1]
+    moved = means(grown / (r / 2.1e11 * (hoop(r) - nu * radial))) - 1.0
+    number = np.floor((r - b) / cell).astype(int)
+    stress = (means(sim.particles["stress"][:, 2]) - hoop(means(r))) / hoop(b)
+    return *(each for off in (moved, stress)
+             for each in (np.sqrt(np.mean(off**2)), np.abs(off).max())), seconds  # fmt: skip
+
+
+def cone(cell):
+    """The cone's factor on its way from 8 to 10 radii, and seconds."""
+    began = process_time()
+    sim = pgimp.Simulation(CASES / "cone.yaml", overrides={"grid.cell": [cell, cell]})
+    found = []
+    while not sim.finished:
+        sim.step(5)
+        if sim.time > 20.5:  # down by 8 radii
+            found.append(sim.diagnostics()["tool.cone.force-y"] / np.pi)
+    return np.mean(found), process_time() - began
 
 
 def block(geometry, shape, volumetric):
@@ -95,6 +139,18 @@ def main():
                 f"Taylor's bar, {volumetric}, {kind}: {length:.3f} mm, plastic strain "
                 f"{strain:.2f}, plastic work {work:.3f}, {seconds:.1f} s"
             )
+    import_file(str(CASES / "spin.py"))
+    for cell in (0.005, 0.0025):
+        *off, seconds = spinning_disk(cell)
+        print(
+            "spinning disk, cells of {} mm: displacement off by {:.3%} in the mean square, {:.3%} "
+            "at most, the hoop's stress by {:.3%}, {:.3%}; {:.1f} s".format(
+                1e3 * cell, *off, seconds
+            )
+        )
+    for cell in (0.5, 0.25):
+        factor, seconds = cone(cell)
+        print(f"cone in clay, cells of {cell} radii: {factor:.2f}; {seconds:.0f} s")
     for shape, volumetric in (
         ("gimp", "pointwise"),
         ("finite-gimp", "pointwise"),
