@@ -8,8 +8,8 @@ TRADES = {
     ),
     "Metals": ("taylor-bar", "taylor-axisymmetric", "plate-impact", "thick-tube"),
     "Soils": (
-        "excavation", "slope", "safety", "footing", "cavity", "tunnel", "shaking", "sand-column",
-        "graded",
+        "excavation", "slope", "safety", "footing", "cavity", "tunnel", "shaking", "shaken-slope",
+        "sand-column", "graded",
     ),
     "Fluids and grains": (
         "dam-break", "gate", "jet", "hopper", "channel", "poiseuille", "bagnold", "blast", "sod",
