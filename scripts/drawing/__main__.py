@@ -4,7 +4,16 @@ import argparse
 
 from column import compaction
 from cost import error_and_cost
-from curves import bagnold, cavity, own_spinning_disk, own_taylor_green, poiseuille, shaking, tunnel
+from curves import (
+    bagnold,
+    cavity,
+    own_spinning_disk,
+    own_taylor_green,
+    poiseuille,
+    shaken_slope,
+    shaking,
+    tunnel,
+)
 from exact import plane_waves, shock, spinning_block, vortex
 from flowing import (
     blast,
@@ -45,7 +54,7 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     upsetting, pile, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
     taylor_bar, taylor_axisymmetric, taylor_contours, thick_tube, tube, vortex, spinning_block,
     plane_waves, sod, channel, poiseuille, bagnold, sand_column, slope, graded, excavation, safety,
-    footing, cavity, cone, tunnel, shaking, dam_break, jet, hopper, gate, blast, nut,
+    footing, cavity, cone, tunnel, shaking, shaken_slope, dam_break, jet, hopper, gate, blast, nut,
     fluid_dam_break, own_swirl, own_taylor_green, own_spinning_disk, revolved_disk,
     hard_translation, hard_column, hard_shock, hard_spinning, hard_bending, hard_grazing,
     tutorial_footing, tutorial_impact, tutorial_dam_break, tutorial_own_material, error_and_cost,

@@ -1,4 +1,4 @@
-"""Cases against exact curves: a cavity, a tunnel, a layer that is shaken, flows without ends."""
+"""Cases against exact curves: a cavity, a tunnel, ground that is shaken, flows without ends."""
 
 import numpy as np
 from common import (
@@ -16,6 +16,7 @@ from common import (
     save,
     speed,
 )
+from studies.quiet import shaken
 
 
 def cavity(redraw):
@@ -103,6 +104,40 @@ def shaking(redraw):
     axes[1].set(xlabel="frequency [Hz]", ylabel="surface over base", xlim=(0, 5), ylim=(0, 18))
     axes[1].legend()
     save(figure, "shaking")
+
+
+def shaken_slope(redraw):
+    """The ground as the slope moves most, and velocities along the surface against elements'."""
+    shown = run("shaken-slope", redraw, overrides=["output.every=0.03125"], ranks=1)
+    w, solution = 2.0 * np.pi * shaken.FREQUENCY, shaken.Elements()
+    figure = plt.figure(figsize=(9, 5.2))
+    grid = figure.add_gridspec(2, 1, height_ratios=(0.6, 1.0))
+    above, below = (figure.add_subplot(grid[k]) for k in range(2))
+    late = [number for number, time in enumerate(shown.times) if time > 5.0 + 1e-9]
+    frames = [shown.frame(number) for number in late]
+    place = shown.frame(0)["position"][:, :2]
+    high = np.interp(place[:, 0], [shaken.TOE, shaken.CREST], [shaken.LOW, shaken.HIGH])
+    top = np.flatnonzero(place[:, 1] > high - 0.5)
+    top = top[np.argsort(place[top, 0])]
+    times = np.array([frame.time for frame in frames])
+    waves = np.stack([np.sin(w * times), np.cos(w * times)], axis=1)
+    x = np.linspace(0.0, shaken.LENGTH, 481)
+    exact = np.abs([solution.at(at) for at in x])
+    for k, (name, colour) in enumerate((("along x", BLUE), ("along y", ORANGE))):
+        moved = np.stack([frame["velocity"][top, k] for frame in frames]) / shaken.SIZE
+        found = np.hypot(*np.linalg.lstsq(waves, moved, rcond=None)[0])
+        below.plot(place[top, 0], found, ".", ms=4, color=colour, label=name)
+        below.plot(x, exact[:, k], "k--", lw=1.0, label="elements" if k else None)
+    for ends, height in (((0.0, 80.0), shaken.LOW), ((90.0, 240.0), shaken.HIGH)):
+        below.plot(ends, [abs(shaken.level(height))] * 2, color=GREY, lw=1.0)
+    below.set(xlabel="x [m]", ylabel="surface over base", xlim=(0.0, 240.0), ylim=(0.0, 3.4))
+    below.legend(loc="upper left")
+    most = max(frames, key=lambda frame: frame["velocity"][:, 0].max())
+    colours = boxes(above, most["position"], most["radius"], 1e3 * most["velocity"][:, 0], (0, 30))
+    above.set(xlim=(0.0, 240.0), ylim=(0.0, 24.0), ylabel="y [m]", aspect="equal")
+    label = "velocity along x [mm/s]"
+    figure.colorbar(colours, ax=above, label=label, location="top", shrink=0.5, aspect=40)
+    save(figure, "shaken-slope")
 
 
 def poiseuille(redraw):

@@ -9,7 +9,7 @@ TRADES = {
     "Metals": ("taylor-bar", "taylor-axisymmetric", "plate-impact", "thick-tube"),
     "Soils": (
         "excavation", "slope", "safety", "footing", "cavity", "cone", "tunnel", "shaking",
-        "sand-column", "graded",
+        "shaken-slope", "sand-column", "graded",
     ),
     "Fluids and grains": (
         "dam-break", "gate", "jet", "hopper", "channel", "poiseuille", "bagnold", "blast", "sod",

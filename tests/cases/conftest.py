@@ -10,7 +10,7 @@ from pgimp.cli import main
 ALONE = {
     "hertz", "hertz-line", "rolling-ball", "corner", "drum", "sod", "slope", "channel", "graded",
     "excavation", "safety", "footing", "thick-tube", "jet",
-    "hopper", "cavity", "cone", "tunnel", "shaking", "poiseuille", "bagnold",
+    "hopper", "cavity", "cone", "tunnel", "shaking", "shaken-slope", "poiseuille", "bagnold",
 }  # fmt: skip
 
 

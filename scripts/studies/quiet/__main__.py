@@ -1,12 +1,16 @@
 """Measures faces without ends and ground at rest; see scripts/quiet."""
 
 from studies.harness import options_of, origin, table
-from studies.quiet import ground, jet, long, oblique
+from studies.quiet import ground, jet, long, oblique, shaken
 
 
 def main():
     """Measure what is asked for, and write its tables."""
-    what = {"nargs": "*", "among": ("oblique", "ground", "jet", "long"), "metavar": "WHAT"}
+    what = {
+        "nargs": "*",
+        "among": ("oblique", "shaken", "ground", "jet", "long"),
+        "metavar": "WHAT",
+    }
     options = options_of("quiet", what=what, steps={"type": int, "default": 100_000})
     chosen = options.what or what["among"]
     measured = f"Measured by `scripts/quiet` on one core of {origin()}."
@@ -17,6 +21,12 @@ def main():
             found = {wave: oblique.returned(wave), f"{wave}, plane waves": oblique.plane(wave)}
             rows += [[name, *(f"{part:.2f}" for part in parts)] for name, parts in found.items()]
         print(table(titles, rows, measured))
+    if "shaken" in chosen:
+        titles = ["place", "by elements", "lag [rad]", "cells of 2 m", "cells of 1 m"]
+        print(table(titles, shaken.slope_rows(), measured))
+        away = [f"{distance} H away" for distance in shaken.AWAY]
+        titles = ["frequency over H's own", "level ground without sides", *away]
+        print(table(titles, shaken.side_rows(), measured))
     if "ground" in chosen:
         rows = [
             [name, "; ".join(f"{ground.unrest(case(), 1000):.0e}" for case in cases)]

@@ -68,6 +68,7 @@ COARSER = {
     "cone": ["grid.cell=[0.5,0.5]", "time.end=14.0", "output.every=14.0"],
     "tunnel": ["grid.cell=[0.5,0.5]"],
     "shaking": ["grid.cell=[1.0,2.0]", "grid.size=[4.0,22.0]", "time.end=8.0", "output.every=8.0"],
+    "shaken-slope": ["grid.cell=[2.0,2.0]", "output.every=6.0"],
     "poiseuille": ["time.end=0.1", "output.every=0.05"],
     "bagnold": ["time.end=2.0", "output.every=2.0"],
     "graded": ["grid.cell=[1.0]", "output.every=11.0", "history.every=1.0"],
