@@ -39,7 +39,8 @@ def units_of(run: Run, columns: Sequence[str]) -> dict[str, str]:
     # The columns' definitions need Numba, which reading results does not.
     from pgimp.utilities.plot.units import kind_of_column, unit
 
-    label, dimension = str(run.case.units), run.case.dimensions
+    rings = run.case.geometry == "axisymmetric"
+    label, dimension = str(run.case.units), 3 if rings else run.case.dimensions
     found = {}
     for name in columns:
         kind = kind_of_column(name)

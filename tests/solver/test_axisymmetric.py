@@ -148,6 +148,18 @@ def test_a_free_rigid_body_falls_along_the_axis(region, mass, middle, error):
     assert line["tool.disk.displacement-x"] == line["tool.disk.angle-z"] == 0.0
 
 
+@pytest.mark.parametrize(("left", "warned"), [(0.0, True), (-0.05, True), (-1.0, False)])
+def test_a_section_that_ends_on_the_axis_is_warned_of(left, warned):
+    plate = {"rigid": {}, "region": box([left, 1.0], [1.0, 1.5])}
+    sim = simulation(pgimp.load(
+        case(box([0.0, 0.0], [1.0, 0.5]), end=0.05, **{"contact": [{"bodies": "all"}]}),
+        {"bodies.plate": plate},
+    ))  # fmt: skip
+    said = [text for text in sim.warnings if "its section ends on the axis" in text]
+    assert len(said) == warned
+    assert all("bodies.plate.region" in text and "x = -1 to 1" in text for text in said)
+
+
 @pytest.mark.wide
 def test_a_rigid_disk_is_slowed_down_by_the_wave_that_it_sends():
     """A column between smooth walls: v = v0 exp(-rho c A t/m) all round, until the wave is back."""

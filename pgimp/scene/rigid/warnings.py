@@ -1,4 +1,4 @@
-"""Warnings of the motions of rigid bodies: fast, through a plane of symmetry, without a load."""
+"""Warnings of rigid bodies: fast, through a plane of symmetry, without a load, on an axis."""
 
 from __future__ import annotations
 
@@ -28,6 +28,9 @@ _FAST = 0.3
 #: speed that counts as rounding.
 _INSTANTS, _BEYOND, _WITHIN, _STILL = 100, 0.05, 1.0, 1e-9
 
+#: Distance of a section from the axis, in cells, from which it has a hole.
+_ON_AXIS = 0.25
+
 
 def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
     """Return warnings of rigid bodies that are too fast for the material, or miss a load.
@@ -37,10 +40,10 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
     scenes : sequence of Scene
         The scenes of all stages; in the first the rigid bodies are measured.
     """
-    found: list[str] = []
     scene = scenes[0]
     if not scene.interaction.rigid_bodies:
-        return found
+        return []
+    found = _edges_on_axis(scene)
     for key in ("body_force", "water"):
         if not scene.interaction.rigid_bodies.free:
             break
@@ -71,6 +74,22 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
                 "are the units of velocity, young and density one set?"
             )
     return found + _through_planes(scenes)
+
+
+def _edges_on_axis(scene: Scene) -> list[str]:
+    """Warnings of bodies whose section ends on the axis, or less than a cell beyond it."""
+    if not scene.case.axisymmetric:
+        return []
+    found, cell = [], scene.case.grid.cell[0]
+    for name, entry in scene.case.rigid_bodies.items():
+        (low, _), (high, _) = (end[:2] for end in entry.region.bounds())
+        if -cell < low < _ON_AXIS * cell:
+            found.append(
+                f"bodies.{name}.region: its section ends on the axis, where contact sees an edge; "
+                "let it reach across by a cell or more, as a plane of symmetry is crossed: a box "
+                f"from x = {-high:.6g} to {high:.6g}"
+            )
+    return found
 
 
 def _through_planes(scenes: Sequence[Scene]) -> list[str]:

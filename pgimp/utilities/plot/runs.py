@@ -87,8 +87,9 @@ class PlotRun:
         return str(self.case.get("units", ""))
 
     def unit(self, kind: str) -> str:
-        """Return the unit of a kind of quantity."""
-        return unit(kind, self.units, self.dimension)
+        """Return the unit of a kind of quantity; of rings totals are all round."""
+        rings = self.case.get("geometry") == "axisymmetric"
+        return unit(kind, self.units, 3 if rings else self.dimension)
 
     def label(self, text: str, kind: str) -> str:
         """Return the label of an axis for a kind of quantity, with its unit."""

@@ -41,7 +41,8 @@ def unit(kind: str, units: str, dimension: int) -> str:
     units : str
         The case's label: units of length, mass and time.
     dimension : int
-        1, 2 or 3; in 1D and 2D, totals are per section and per thickness.
+        1, 2 or 3; in 1D and 2D, totals are per section and per thickness. 3 also for rings, whose
+        totals are all round.
 
     Returns
     -------

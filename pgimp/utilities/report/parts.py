@@ -14,7 +14,6 @@ from pgimp.running.accuracy.rules import Indicator
 from pgimp.running.progress import duration
 from pgimp.schema.pages import page
 from pgimp.utilities.plot.runs import PlotRun
-from pgimp.utilities.plot.units import unit
 from pgimp.utilities.report.html import Markup, items, join, paragraph, table
 
 if TYPE_CHECKING:
@@ -108,7 +107,7 @@ def bar(distance: float) -> Markup:
 
 def energy_table(book: EnergyBook, shown: PlotRun) -> Markup:
     """Return the book of energy at the last line of the history."""
-    kind = unit("energy", shown.units, shown.dimension)
+    kind = shown.unit("energy")
     rows: list[tuple[object, ...]] = []
     for name, entries in (("given", book.given), ("there", book.stored), ("taken", book.taken)):
         for entry in entries:
@@ -143,7 +142,7 @@ def momentum_table(books: Sequence[MomentumBook], why: str, shown: PlotRun) -> M
     head = ("impulse on the material", *(book.axis for book in books))
     scale = max(book.scale for book in books)
     rest = max(abs(book.rest) for book in books) / scale if scale > 0.0 else 0.0
-    kind = unit("mass length/time", shown.units, shown.dimension)
+    kind = shown.unit("mass length/time")
     note = (
         f"Over the whole run{units(kind)}. What forces do not explain is {rest:.1e} of their "
         "impulses and the greatest momentum of the motion."
@@ -167,7 +166,7 @@ def force_table(history: np.ndarray, columns: Sequence[str], shown: PlotRun) -> 
         mean = float(values[late] @ weights / weights.sum()) if weights.sum() > 0.0 else values[-1]
         at = f"{times[most]:.4g}"
         rows.append((name, number(values[-1]), number(mean), number(values[most]), at))
-    kind = unit("force", shown.units, shown.dimension)
+    kind = shown.unit("force")
     head = ("force", "in the end", "mean of the last tenth", "greatest", "at t")
     note = (
         f"Of the face, constraint or rigid body, as in history.csv{units(kind)}: means since the "

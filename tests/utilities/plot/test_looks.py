@@ -13,6 +13,7 @@ from pgimp.utilities.plot.changes import Changes, axis_label, moving_mean
 from pgimp.utilities.plot.look import pieces
 from pgimp.utilities.plot.picture import columns_of
 from pgimp.utilities.plot.quantity import Quantity
+from pgimp.utilities.plot.runs import PlotRun
 from pgimp.utilities.plot.selection import Block, Selection
 from pgimp.utilities.plot.visible import draw, extent
 
@@ -122,7 +123,7 @@ def test_rings_are_drawn_as_pieces_about_their_axis():
 
 def test_a_body_of_revolution_is_drawn(plot, tmp_path):
     case = scene(2, box([1.0, 1.0], [3.0, 2.0]), cells=[5, 4], end=0.02, step=0.01)
-    case |= {"geometry": "axisymmetric"}
+    case |= {"geometry": "axisymmetric", "units": "m, kg, s"}
     case["output"] = {"every": 0.02, "fields": ["velocity", "deformation"]}
     pgimp.run(case, output=tmp_path / "disk.out", quiet=True)
     status, said, _ = plot(
@@ -140,6 +141,10 @@ def test_a_body_of_revolution_is_drawn(plot, tmp_path):
         assert status == 2 and message in said, said
     status, _, said = plot(str(tmp_path / "disk.out"), "--revolve", "5")
     assert status == 2 and "--revolve 5: a number from 10 to 360" in said
+    # Totals are all round, not per thickness.
+    assert PlotRun(tmp_path / "disk.out", "disk").unit("force") == "N"
+    units = pgimp.open(tmp_path / "disk.out").history.units
+    assert units["momentum-y"] == "kg m/s" and units["strain-energy"] == "J"
 
 
 @pytest.mark.parametrize("view", [None, "corner", "y-min"])
