@@ -5,7 +5,8 @@ centroid. So parts side by side cover a table without gaps, and the sum of their
 where the surface is straight, wherever the table is between the particles.
 
 In 2D a part covers what its area vector says, also where a body's end cuts it; rings likewise. In
-3D it is the particle's width along the surface.
+3D it is the particle's width along the surface, in the direction that covers most. A part on an
+edge has both of its faces at once: there the factor is right to a part of the particle's width.
 """
 
 from math import pi, sqrt
@@ -70,14 +71,18 @@ def _half_line(a, C, N):
 
 @inner_kernel
 def _half_box(a, C, N, h):
-    """Half of the length that a particle's box of half-widths h covers along `a`, on a surface."""
+    """Half of the length that a particle covers along `a` on a surface, with its row.
+
+    Of its directions this is the one that covers most. So the particles of a row cover all of it
+    once. `h` are the half-widths of the particle's box in the initial state.
+    """
     square = N[0] * N[0] + N[1] * N[1] + N[2] * N[2]
     inverse = 1.0 / square if square > 0.0 else 0.0
     half = 0.0
     for d in range(3):
         across = max(1.0 - N[d] * N[d] * inverse, 0.0)
         along = a[0] * C[d][0] + a[1] * C[d][1] + a[2] * C[d][2]
-        half += abs(along) * h[d] * sqrt(across)
+        half = max(half, abs(along) * h[d] * sqrt(across))
     return half
 
 
