@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
+from pgimp.physics.loads.controlled import Controlled
 from pgimp.schema.base import Model, Number, Positive, Vector
 from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.rows import row_problems
@@ -168,6 +169,17 @@ class ProfileEntry(Model):
         """Return the way of the coordinate's zero from time 0 to `t`: the velocity's integral."""
         v = self.velocity
         return v.integral(t) if isinstance(v, TimeFunction) else v * t
+
+    def controlled_since(self, before: ProfileEntry | None) -> bool:
+        """Whether a stage would need the way by a velocity that a program sets, see `Controlled`.
+
+        `before` is the profile of the stage before.
+        """
+        velocities = [self.velocity, *((before.velocity,) if before else ())]
+        if not any(isinstance(each, Controlled) for each in velocities):
+            return False
+        keys = [(each.direction, each.origin, each.velocity) for each in (self, before) if each]
+        return len(keys) == 1 or keys[0] != keys[1]
 
     def way_in_stage(self, before: ProfileEntry | None, shift: float, start: float) -> float:
         """Return the way to add in a stage that begins at time `start`.
