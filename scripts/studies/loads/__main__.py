@@ -1,7 +1,7 @@
 """Measures loads on surfaces; see scripts/loads."""
 
 from studies.harness import options_of, origin, table
-from studies.loads import moving, sea, tube
+from studies.loads import chuck, moving, sea, tube
 
 #: Pressures over Young's modulus: small strain, and a bore that grows by half.
 SMALL, LARGE = 1e-4, 0.15
@@ -27,7 +27,7 @@ def crossing(cells):
 
 def main():
     """Measure what is asked for, and print its tables."""
-    what = {"nargs": "*", "among": ("bore", "blown", "sea", "moving"), "metavar": "WHAT"}
+    what = {"nargs": "*", "among": ("bore", "blown", "sea", "moving", "chuck"), "metavar": "WHAT"}
     options = options_of("loads", what=what)
     chosen = options.what or what["among"]
     measured = f"Measured by `scripts/loads` on one core of {origin()}."
@@ -44,6 +44,11 @@ def main():
         titles = ["cells of the height", "deflection of the middle, root mean square", "greatest",
                   "greatest deflection", "energy less work", "steps", "time"]  # fmt: skip
         print(table(titles, [crossing(cells) for cells in (2, 4)], measured))
+    if "chuck" in chosen:
+        titles = ["block, after", "radii, held", "radii, free", "angular momentum", "energy",
+                  "work a turn", "steps", "time"]  # fmt: skip
+        rows = [*chuck.watched("initial"), *chuck.watched("current")]
+        print(table(titles, rows, measured))
 
 
 if __name__ == "__main__":

@@ -199,6 +199,15 @@ def test_a_profile_goes_on_in_stages_unless_it_begins_elsewhere():
     assert origin(cases[5], 5.0) == pytest.approx(1.0)  # anew
 
 
+def test_a_stage_cannot_change_a_velocity_that_a_program_sets():
+    first = {"along": [1.0, 0.0], "velocity": {"control": "pace"}, "table": TABLE}
+    same = first | {"table": [[0.0, 1.0], [1.0, 1.0]]}
+    assert len(staged(first, same)) == 2
+    for change in ({"velocity": 1.0}, {"from": [2.0, 0.0]}):
+        with pytest.raises(ValueError, match="is set by a program, or was"):
+            staged(first, same | change)
+
+
 def test_a_profile_that_stands_still_costs_no_step_and_comes_to_rest():
     """A load over the middle third, on a block that rests in a mould."""
     profile = {"along": [1.0, 0.0], "from": [4.5, 0.0], "table": [[-1.5, 1.0], [1.5, 1.0]]}
