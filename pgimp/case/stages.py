@@ -149,6 +149,8 @@ class Staged(NamedTuple):
         Displacements that constraints have prescribed in previous stages, to be added.
     angles : dict of str to float
         Likewise the angles of rotation.
+    ways : dict of str to float
+        Likewise the ways of the profiles of loads.
     rebonds : bool
         Whether a stage has given other entries of contact, which may bond bodies anew.
     settled : bool
@@ -175,6 +177,7 @@ class Staged(NamedTuple):
     awaited: Mapping[str, int] = {}
     stress: Any = None
     angles: Mapping[str, float] = {}
+    ways: Mapping[str, float] = {}
 
     @property
     def title(self) -> str:

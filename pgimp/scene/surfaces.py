@@ -11,7 +11,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
-from pgimp.physics.loads.surfaces import SurfaceLoad, surface_width
+from pgimp.physics.loads.surfaces import UNIFORM, Profile, SurfaceLoad, surface_width
 from pgimp.schema.tables import VectorFunction
 from pgimp.schema.time_functions import TimeFunction
 
@@ -60,7 +60,9 @@ class SurfaceLoads:
 
     @property
     def varies(self) -> bool:
-        """Whether the pressure of a liquid varies in time."""
+        """Whether the pressure of a liquid varies in time, or a profile moves."""
+        if any(entry.profile and entry.profile.velocity != 0.0 for entry in self.entries.values()):
+            return True
         liquids = [entry.hydrostatic for entry in self.entries.values() if entry.hydrostatic]
         levels = any(isinstance(liquid.level, TimeFunction) for liquid in liquids)
         return levels or (bool(liquids) and isinstance(self.case.gravity, VectorFunction))
@@ -72,12 +74,27 @@ class SurfaceLoads:
         each = zip(case.grid.cell, case.method.particles_per_cell, strict=True)
         part = 0.0 if case.method.chi == "point" else 0.5
         half = tuple(float(part * h / n) for h, n in each)
+        profiled = any(entry.profile for entry in self.entries.values())
         drifts = 1.0 if self.followed.any() else ()
-        loads = (
+        loads = [
             entry.surface_load(k * self.width, half, bool(self.follows.get(entry.body)), pull, t)
             for k, entry in enumerate(self.entries.values())
+        ]
+        if not profiled:
+            return tuple(load._replace(drifts=drifts) for load in loads)
+        return tuple(
+            load._replace(drifts=drifts, profile=self._profile(name, t))
+            for load, name in zip(loads, self.entries, strict=True)
         )
-        return tuple(load._replace(drifts=drifts) for load in loads)
+
+    def _profile(self, name: str, t: float) -> Profile:
+        """Return the profile of a load at time `t`."""
+        case, entry = self.case, self.entries[name].profile
+        if entry is None:
+            return UNIFORM
+        each = zip(case.grid.cell, case.method.particles_per_cell, strict=True)
+        half = [0.5 * h / n for h, n in each]
+        return entry.parameters(half, t, case.staged.ways.get(name, 0.0))
 
     def require(
         self, p: Particles, n: int, comm: Communicator, bodies: Container[str] | None = None

@@ -79,6 +79,7 @@ FRAGMENTS = (
     ("constraints:\n  press:", lambda: scene(2), ()),
     ("constraints:\n  chuck:", lambda: scene(3, bodies=("shaft", *"abc")), ()),
     ("tractions:\n  bore:", lambda: scene(2), ()),
+    ("tractions:\n  wheel:", lambda: scene(2), ()),
     ("inflow:\n  jet:", lambda: scene(2, ("water",)), ()),
     ("escape:\n  x-max:", lambda: scene(2), ()),
     ("bodies:                               # by functions", windy, ()),

@@ -66,6 +66,7 @@ GO_ON = {
         "lifts",
         "streams",
         "turned",
+        "passing",
     ),
 }
 #: Each dimension, both kinds of contact, walls, seams, stages, damping: other scenes are wide.
@@ -92,6 +93,7 @@ CORE = (
     "quaking",
     "plates_initial",
     "ring",
+    "passing",
 )
 
 

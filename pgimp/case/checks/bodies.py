@@ -14,6 +14,7 @@ from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.physics.loads.motion import check_rotation
 from pgimp.physics.loads.own_velocity import OwnVelocity
+from pgimp.physics.loads.surfaces import profile_problems
 from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.loads.turning import turning_problems
 from pgimp.physics.materials import MATERIALS
@@ -111,6 +112,8 @@ def _surface_problems(
     gravity: object,
 ) -> Problems:
     """Check a load on the part of a surface that lies in a region."""
+    if entry.profile is not None:
+        yield from profile_problems((*path, "profile"), dimensions, entry.profile)
     yield from check_region((*path, "region"), entry.region, dimensions)
     if entry.body in bodies and isinstance(bodies[entry.body].region, Points):
         text = f"'{entry.body}' is of particles from a file, whose surface is not known"

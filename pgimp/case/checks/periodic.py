@@ -95,6 +95,13 @@ def check_periodic_bodies(
             )
     for name, entry in tractions.items():
         if entry.face is None:
+            ahead = entry.profile.direction if entry.profile else (0.0, 0.0, 0.0)
+            if any(ahead[axis] for axis in axes):
+                yield Problem(
+                    ("tractions", name, "profile", "along"),
+                    f"{faces}, where this coordinate would jump; take a direction along these "
+                    "faces, or a longer domain without periodic faces",
+                )
             continue
         body, axis = bodies.get(entry.body), "xyz".index(entry.face[0])
         if axis in axes and body is not None and not isinstance(body.region, Points):

@@ -135,6 +135,13 @@ def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
         for key in ("body", "face", "region", "follower"):
             if getattr(entry, key) != getattr(before.tractions[name], key):
                 yield Problem(("tractions", name, key), "cannot change in a stage")
+        was = before.tractions[name].profile
+        if entry.profile not in (None, was) and entry.profile.controlled_since(was):
+            yield Problem(
+                ("tractions", name, "profile", "velocity"),
+                "is set by a program, or was: where the profile is then is not known before the "
+                "run; keep velocity, along and from as they are",
+            )
     for name, entry in now.constraints.items():
         if reselects(before, now, name) and any(r.FROM_FILE for r in entry.region.simple()):
             yield Problem(

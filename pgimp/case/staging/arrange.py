@@ -82,6 +82,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             {name: i for name, i in before.staged.awaited.items() if i > number + 1},
             before.staged.stress,
             _angles(before, now),
+            _ways(before, now),
         )
         found.append(now)
     return tuple(found), []
@@ -144,6 +145,16 @@ def _angles(before: Case, now: Case) -> dict[str, float]:
         if entry.rotation or turned:
             found[name] = turned - entry.angle(start)
     return found
+
+
+def _ways(before: Case, now: Case) -> dict[str, float]:
+    """Ways to add to the profiles of a stage, see `Staged`."""
+    start, had = float(before.time.end), before.staged.ways
+    return {
+        name: entry.profile.way_in_stage(before.tractions[name].profile, had.get(name, 0.0), start)
+        for name, entry in now.tractions.items()
+        if entry.profile
+    }
 
 
 def _relocated(item: Problem, stage: Stage, where: Path) -> Problem:

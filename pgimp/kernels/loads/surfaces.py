@@ -14,6 +14,7 @@ from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
 from pgimp.kernels.loads.following import followed
+from pgimp.kernels.loads.profiles import profiled
 from pgimp.kernels.loads.strips import strip_weights
 from pgimp.kernels.loads.tractions import columns, half_step, means
 from pgimp.kernels.transfer.first_vertex import (
@@ -222,6 +223,7 @@ def _part(load, frame, particles, p):
     N = _vector(particles.surface, p, load.column, D)
     c = _centroid(particles.surface, p, load.column, D, N)
     f = _surface_force(load, particles, p, F, D, N, c)
+    f = profiled(load.profile, frame, _position(particles, p, D), F, (c, N), f)
     return f, _moved(load, frame, F, (c, N))
 
 

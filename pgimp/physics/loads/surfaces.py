@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from math import hypot
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from pydantic import Field
+import numpy as np
+from pydantic import Field, model_validator
 
-from pgimp.schema.base import Model, Positive
+from pgimp.physics.loads.controlled import Controlled
+from pgimp.schema.base import Model, Number, Positive, Vector
+from pgimp.schema.problems import Problem, raise_problems
+from pgimp.schema.rows import row_problems
+from pgimp.schema.sizes import Problems, length
 from pgimp.schema.tables import Varying
 from pgimp.schema.time_functions import TimeFunction
 
@@ -16,6 +22,39 @@ from pgimp.schema.time_functions import TimeFunction
 def surface_width(dimensions: int) -> int:
     """Numbers of a particle's part of a surface: area, area vector, and its first moments."""
     return 1 + dimensions + dimensions**2
+
+
+class Profile(NamedTuple):
+    """The size of a load along a line, during one step.
+
+    Attributes
+    ----------
+    direction : tuple of 3 float
+        Unit vector of the line.
+    origin : float
+        Where the table's coordinate is zero, along the direction from the origin of coordinates.
+    rows : (n, 2) float64
+        Coordinates, which increase, and factors; without any the factor is one everywhere.
+    outside : tuple of 2 float
+        Factors before the first row and after the last one.
+    half : tuple of 3 float
+        Half-widths of the particles' boxes in the initial state; 0 in missing directions.
+    """
+
+    direction: tuple[float, float, float]
+    origin: float
+    rows: np.ndarray
+    outside: tuple[float, float]
+    half: tuple[float, float, float]
+
+    def factors(self, x: np.ndarray) -> np.ndarray:
+        """Return the factors at points, (n,), given their coordinates `x`, (n, D)."""
+        if not len(self.rows):
+            return np.ones(len(x))
+        along = np.full(len(x), -self.origin)
+        for d in range(x.shape[1]):
+            along += self.direction[d] * x[:, d]
+        return np.interp(along, self.rows[:, 0], self.rows[:, 1], *self.outside)
 
 
 class SurfaceLoad(NamedTuple):
@@ -40,6 +79,8 @@ class SurfaceLoad(NamedTuple):
     drifts : float or ()
         A number where areas and normals follow the particles' positions, not their F alone; alike
         for all loads of a scene.
+    profile : Profile or ()
+        Factor along a line; for all loads of a scene, if one has any.
     """
 
     column: int
@@ -50,6 +91,7 @@ class SurfaceLoad(NamedTuple):
     pressure: float
     gradient: tuple[float, float, float]
     drifts: float | tuple[()] = ()
+    profile: Profile | tuple[()] = ()
 
 
 class Hydrostatic(Model):
@@ -68,3 +110,123 @@ class Hydrostatic(Model):
         x, y, z = (*(self.density * g for g in gravity), 0.0, 0.0)[:3]
         level = self.level.value(t) if isinstance(self.level, TimeFunction) else self.level
         return hypot(x, y, z) * level, (x, y, z)
+
+
+class ProfileEntry(Model):
+    """The size of a load along a line, as a table in a coordinate that moves."""
+
+    along: Vector = Field(description="direction of the line, of any length")
+    origin: Vector | None = Field(
+        default=None,
+        alias="from",
+        description="a point where the coordinate is 0 at the start; in a stage with another "
+        "`from` or `along`, as the stage begins; null: the origin of coordinates [length]",
+    )
+    velocity: Varying = Field(
+        default=0.0, description="of the coordinate's zero along the line [length/time]"
+    )
+    table: tuple[tuple[Number, Number], ...] = Field(
+        description="rows [coordinate, factor], the coordinates increasing: what the load is "
+        "multiplied by, linear in between"
+    )
+    beyond: Literal["zero", "hold"] = Field(
+        default="zero",
+        description="beyond the ends of the table: no load, or the factors of the ends",
+    )
+
+    @model_validator(mode="after")
+    def _check_line(self) -> ProfileEntry:
+        found = []
+        if not hypot(*self.along) > 0.0:
+            found.append(Problem(("along",), "expected a direction, not a vector of length zero"))
+        if len(self.table) < 2:
+            text = "expected two rows [coordinate, factor] or more, with the part under load in "
+            found.append(Problem(("table",), f"{text}between; got {len(self.table) or 'none'}"))
+        for problem in row_problems([(s, (factor,)) for s, factor in self.table]):
+            text = problem.text.replace("the times", "the coordinates")
+            found.append(problem._replace(text=text))
+        raise_problems("profile", found)
+        return self
+
+    @cached_property
+    def direction(self) -> tuple[float, float, float]:
+        """Unit vector of the line."""
+        size = hypot(*self.along)
+        x, y, z = (*(each / size for each in self.along), 0.0, 0.0)[:3]
+        return x, y, z
+
+    @cached_property
+    def rows(self) -> np.ndarray:
+        """Rows of the table, (n, 2)."""
+        return np.array(self.table)
+
+    @property
+    def greatest(self) -> float:
+        """Greatest size of a factor."""
+        return max(abs(factor) for _, factor in self.table)
+
+    def way(self, t: float) -> float:
+        """Return the way of the coordinate's zero from time 0 to `t`: the velocity's integral."""
+        v = self.velocity
+        return v.integral(t) if isinstance(v, TimeFunction) else v * t
+
+    def controlled_since(self, before: ProfileEntry | None) -> bool:
+        """Whether a stage would need the way by a velocity that a program sets, see `Controlled`.
+
+        `before` is the profile of the stage before.
+        """
+        velocities = [self.velocity, *((before.velocity,) if before else ())]
+        if not any(isinstance(each, Controlled) for each in velocities):
+            return False
+        keys = [(each.direction, each.origin, each.velocity) for each in (self, before) if each]
+        return len(keys) == 1 or keys[0] != keys[1]
+
+    def way_in_stage(self, before: ProfileEntry | None, shift: float, start: float) -> float:
+        """Return the way to add in a stage that begins at time `start`.
+
+        Parameters
+        ----------
+        before : ProfileEntry or None
+            The profile of the stage before.
+        shift : float
+            The way that was to be added there.
+        start : float
+            When the stage begins.
+        """
+        if before is None or (before.direction, before.origin) != (self.direction, self.origin):
+            return -self.way(start)
+        if before.velocity == self.velocity:
+            return shift
+        return (before.way(start) + shift) - self.way(start)
+
+    def parameters(self, half: Sequence[float], t: float, shift: float) -> Profile:
+        """Return the parameters of the kernels.
+
+        Parameters
+        ----------
+        half : sequence of float
+            See `Profile`, (D,).
+        t : float
+            The time.
+        shift : float
+            Way to add to that since time 0, see `way_in_stage`.
+        """
+        pairs = zip(self.direction, self.origin or (), strict=False)
+        origin = sum(a * x for a, x in pairs) + (self.way(t) + shift)
+        ends = self.table[0][1], self.table[-1][1]
+        outside = ends if self.beyond == "hold" else (0.0, 0.0)
+        x, y, z = (*half, 0.0, 0.0)[:3]
+        return Profile(self.direction, float(origin), self.rows, outside, (x, y, z))
+
+
+#: Stands for none, where another load of the scene has a profile.
+UNIFORM = Profile((1.0, 0.0, 0.0), 0.0, np.zeros((0, 2)), (1.0, 1.0), (0.0, 0.0, 0.0))
+
+
+def profile_problems(
+    path: tuple[str | int, ...], dimensions: int, profile: ProfileEntry
+) -> Problems:
+    """Check that a profile fits the dimensions."""
+    yield from length((*path, "along"), profile.along, dimensions)
+    if profile.origin is not None:
+        yield from length((*path, "from"), profile.origin, dimensions)

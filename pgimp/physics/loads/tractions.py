@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from pgimp.geometry.regions.base import REGION
-from pgimp.physics.loads.surfaces import Hydrostatic, SurfaceLoad
+from pgimp.physics.loads.surfaces import Hydrostatic, ProfileEntry, SurfaceLoad
 from pgimp.schema.base import Model, Name
 from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import Problem, raise_problems
@@ -120,6 +120,11 @@ class TractionEntry(Model):
         description="with `region`: whether areas and normals are the current ones; false: the "
         "initial ones, so that the force keeps direction and size",
     )
+    profile: ProfileEntry | None = Field(
+        default=None,
+        description="with `region`: the size along a line, which may move; null: the same "
+        "everywhere",
+    )
 
     @model_validator(mode="after")
     def _check_kind(self) -> TractionEntry:
@@ -135,6 +140,12 @@ class TractionEntry(Model):
             if not self.follower:
                 text = "is for a load with a `region`; on a face loads follow the deformation"
                 found.append(Problem(("follower",), text))
+            if self.profile is not None:
+                text = "is for a load with a `region`: region: {box: ..} in place of face"
+                found.append(Problem(("profile",), text))
+        if self.hydrostatic is not None and self.profile is not None:
+            text = "the pressure of a liquid varies by itself; take `pressure` with a profile"
+            found.append(Problem(("profile",), text))
         if self.hydrostatic is not None and not self.follower:
             text = "the pressure of a liquid follows the surface: leave false out"
             found.append(Problem(("follower",), text))

@@ -38,6 +38,8 @@ def surcharge(
         g = np.array(one.gradient[:D])
         pressure = one.pressure + p.x[:count] @ g
         force = one.traction[axis] * area - pressure * N[:, axis] - (moments[:, :, axis] @ g)
+        if one.profile:
+            force *= one.profile.factors(p.x[:count])
         upward = N[:, axis] * pull < 0.0
         if g.any():  # none above the level of a liquid
             square = np.where(upward, (N * N).sum(axis=1), 1.0)

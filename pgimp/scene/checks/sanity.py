@@ -63,7 +63,11 @@ def strains(case: Case, body: BodyFacts) -> dict[str, float]:
     found["by stopping its velocity"] = body.top_speed / c
     pulls = [entry for entry in case.tractions.values() if entry.body == body.name]
     if pulls:
-        greatest = max(max(_greatest(one.traction), _greatest(one.pressure)) for one in pulls)
+        greatest = max(
+            max(_greatest(one.traction), _greatest(one.pressure))
+            * (one.profile.greatest if one.profile else 1.0)
+            for one in pulls
+        )
         found["by its tractions"] = greatest / modulus
     moved = [entry.along for entry in case.constraints.values() if entry.body == body.name]
     moved += [one.velocity for one in case.boundaries.values() if hasattr(one, "velocity")]

@@ -64,6 +64,8 @@ def _tractions(rank: Rank) -> float:
         if any(one.gradient):
             pressure = np.maximum(pressure, 0.0)
         pressure = np.abs(pressure) + float(np.sqrt(np.square(one.traction).sum()))
+        if one.profile:
+            pressure *= np.abs(one.profile.factors(p.x[rows]))
         np.add.at(sums, layer, pressure * p.surface[rows, one.column])
     return float(np.concatenate(rank.comm.allgather(sums)).sum())
 

@@ -205,3 +205,27 @@ def motion(rng, scene, corners):
     about = [number(rng, a, b) for a, b in zip(*corners, strict=True)]
     turn = number(rng, -rate, rate) if D == 2 else vector(rng, 3, rate)
     return {"rotation": {"about": about, "rate": turn}, "translation": velocity}
+
+
+#: Materials whose density is inertia and nothing else.
+INERTIA_ALONE = ("hooke", "neo-hookean", "linear-1d", "von-mises", "drucker-prager",
+                 "mohr-coulomb", "cam-clay")  # fmt: skip
+
+
+def mass_scaling(rng, scene):
+    """Inertia is larger, where nothing begins to move by itself."""
+    case, bodies = scene.case, scene.case["bodies"].values()
+    of = [case["materials"][body["material"]] for body in bodies if "rigid" not in body]
+    if (
+        {"exact", "inflow", "body_force"} & {*case}
+        or any("absorbing" in str(kind) for kind in case["boundaries"].values())
+        or any("absorbing" in str(stage) for stage in case["time"].get("stages", ()))
+        or any("density" in body.get("rigid", {}) for body in bodies)
+        or not all(entry["model"] in INERTIA_ALONE for entry in of)
+        or not all(isinstance(entry["density"], float) for entry in of)
+    ):
+        return False
+    for body in bodies:
+        body.pop("velocity", None)
+    case["time"]["mass-scaling"] = number(rng, 1.0, 30.0)
+    return True

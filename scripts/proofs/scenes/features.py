@@ -13,7 +13,7 @@ the table. A new kind of region goes into `bodies.REGIONS`, a material into `mat
 import random
 from typing import NamedTuple
 
-from proofs.scenes.bodies import add_bodies, number, vector
+from proofs.scenes.bodies import add_bodies, mass_scaling, number, vector
 from proofs.scenes.configurations import (
     along_the_axis,
     both,
@@ -31,8 +31,8 @@ from proofs.scenes.loads import (
     constraint,
     damping,
     gravity,
-    mass_scaling,
     over_time,
+    profile,
     rotation,
     traction,
     water,
@@ -269,6 +269,7 @@ FEATURES = (
     Feature("coefficients of one's own", own_coefficients, 0.12, compiled=True),
     Feature("water", water, 0.12, compiled=True),
     Feature("mass scaling", mass_scaling, 0.1),
+    Feature("moving load", profile, 0.5, compiled=True),
     Feature("frames", frames),
     Feature("grid frames", grid_frames, 0.4),
     Feature("precision and compression", small_files, 0.4),

@@ -5,10 +5,6 @@ import math
 from proofs.scenes.bodies import number, vector
 from proofs.scenes.materials import runs
 
-#: Materials whose density is inertia and nothing else.
-INERTIA_ALONE = ("hooke", "neo-hookean", "linear-1d", "von-mises", "drucker-prager",
-                 "mohr-coulomb", "cam-clay")  # fmt: skip
-
 
 def table(rng, scene, most, size=None):
     """A load or velocity over the time of the run, linear in between."""
@@ -129,25 +125,6 @@ def water(rng, scene):
     return True
 
 
-def mass_scaling(rng, scene):
-    """Inertia is larger, where nothing begins to move by itself."""
-    case, bodies = scene.case, scene.case["bodies"].values()
-    of = [case["materials"][body["material"]] for body in bodies if "rigid" not in body]
-    if (
-        {"exact", "inflow", "body_force"} & {*case}
-        or any("absorbing" in str(kind) for kind in case["boundaries"].values())
-        or any("absorbing" in str(stage) for stage in case["time"].get("stages", ()))
-        or any("density" in body.get("rigid", {}) for body in bodies)
-        or not all(entry["model"] in INERTIA_ALONE for entry in of)
-        or not all(isinstance(entry["density"], float) for entry in of)
-    ):
-        return False
-    for body in bodies:
-        body.pop("velocity", None)
-    case["time"]["mass-scaling"] = number(rng, 1.0, 30.0)
-    return True
-
-
 def damping(rng, scene):
     """Of one or two kinds; local damping knows no forces of contact, and a free body has none."""
     case, solid = scene.case, [b for b in scene.case["bodies"].values() if "rigid" not in b]
@@ -201,6 +178,41 @@ def traction(rng, scene):
         low, high = scene.corners[entry["body"]]
         entry["hydrostatic"] = {"level": number(rng, min(low), max(high)), "density": 1.0}
     scene.case["tractions"] = {"load": entry}
+
+
+def profile(rng, scene):
+    """Loads on surfaces have a size along a line, which moves; a stage may move it otherwise."""
+    case = scene.case
+    periodic = [face[0] for face, kind in case["boundaries"].items() if kind == "periodic"]
+    loads = {name: load for name, load in case.get("tractions", {}).items()
+             if "region" in load and "hydrostatic" not in load}  # fmt: skip
+    changed = False
+    for name, load in loads.items():
+        along = vector(rng, scene.dimension, 1.0)
+        along = [0.0 if "xyz"[d] in periodic else a for d, a in enumerate(along)]
+        if not any(along):
+            continue
+        low, high = scene.corners[load["body"]]
+        size = max(b - a for a, b in zip(low, high, strict=True))
+        rows = sorted({round(rng.uniform(-size, size), 4) for _ in range(rng.randint(2, 5))})
+        rows = rows if len(rows) > 1 else [-size, size]
+        most = 2.0 * size / scene.end
+        found = {
+            "along": along, "from": [number(rng, a, b) for a, b in zip(low, high, strict=True)],
+            "velocity": number(rng, -most, most), "beyond": rng.choice(("zero", "hold")),
+            "table": [[s, number(rng, -1.0, 1.0)] for s in rows],
+        }  # fmt: skip
+        if rng.random() < 0.5:
+            found["velocity"] = table(rng, scene, most)
+        load["profile"] = found
+        changed = True
+        for stage in case["time"].get("stages", ()):
+            if stage.get("tractions", {}).get(name) and rng.random() < 0.5:
+                other = {"velocity": number(rng, -most, most)}
+                if rng.random() < 0.3:
+                    other["from"] = low
+                stage["tractions"][name]["profile"] = found | other
+    return changed
 
 
 def _forced(rng, scene, entry):

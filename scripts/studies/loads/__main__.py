@@ -1,7 +1,7 @@
 """Measures loads on surfaces; see scripts/loads."""
 
 from studies.harness import options_of, origin, table
-from studies.loads import sea, tube
+from studies.loads import chuck, moving, sea, tube
 
 #: Pressures over Young's modulus: small strain, and a bore that grows by half.
 SMALL, LARGE = 1e-4, 0.15
@@ -18,9 +18,16 @@ def tubes(pressure, exact):
     return rows
 
 
+def crossing(cells):
+    """Row of a beam that a load crosses."""
+    mean, most, peak, lost, steps, took = moving.crossed(cells)
+    parts = f"{100 * mean:.1f} %", f"{100 * most:.1f} %", f"{100 * peak:+.1f} %", f"{lost:.0e}"
+    return [cells, *parts, steps, f"{took:.1f} s"]
+
+
 def main():
     """Measure what is asked for, and print its tables."""
-    what = {"nargs": "*", "among": ("bore", "blown", "sea"), "metavar": "WHAT"}
+    what = {"nargs": "*", "among": ("bore", "blown", "sea", "moving", "chuck"), "metavar": "WHAT"}
     options = options_of("loads", what=what)
     chosen = options.what or what["among"]
     measured = f"Measured by `scripts/loads` on one core of {origin()}."
@@ -33,6 +40,15 @@ def main():
     if "sea" in chosen:
         rows = [[name, f"{sea.error(*entry):.0e}"] for name, entry in sea.BODIES.items()]
         print(table(["body under water", "error of the force"], rows, measured))
+    if "moving" in chosen:
+        titles = ["cells of the height", "deflection of the middle, root mean square", "greatest",
+                  "greatest deflection", "energy less work", "steps", "time"]  # fmt: skip
+        print(table(titles, [crossing(cells) for cells in (2, 4)], measured))
+    if "chuck" in chosen:
+        titles = ["block, after", "radii, held", "radii, free", "angular momentum", "energy",
+                  "work a turn", "steps", "time"]  # fmt: skip
+        rows = [*chuck.watched("initial"), *chuck.watched("current")]
+        print(table(titles, rows, measured))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from rank_scenes.initial_bodies import both_configurations, initial, initial_con
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
 from rank_scenes.meetings import meeting, staged
+from rank_scenes.passing import passing
 from rank_scenes.periods import endless, layer, rigid_round, round_and_round
 from rank_scenes.plates import plates, plates_initial
 from rank_scenes.rings import rings, rings_free, rings_initial, rings_initial_contact
@@ -100,6 +101,7 @@ SCENES = (
             streams,
             pours,
             turned,
+            passing,
         )
     }
     | SIZED
