@@ -115,7 +115,7 @@ def report(case: Case, verbose: bool = False) -> None:
     tried = pilot(written, count, steps, costs, _thinnest(case, bodies)) if costs else None
     steps = report_steps(case, steps, tried, first)
     report_settling(case)
-    settles = [one for one in (case.start, *whole.time.stages) if one.settle is not None]
+    settles = bool(case.start.settle or any(stage.settle for stage in whole.time.stages))
     if whole.time.stages:
         # A pilot run does not settle.
         factor = 1.0 if case.start.settle else steps * dt / case.time.end
@@ -146,7 +146,7 @@ def report(case: Case, verbose: bool = False) -> None:
         short_step_warnings(scene, bodies, dt, rate),
         known.of_stages,
         pilot_warnings(case, dt * rate, tried),
-        *(body_warnings(case, body, duration, bool(settles)) for body in bodies),
+        *(body_warnings(case, body, duration, settles) for body in bodies),
         locking(case, poisson),
         overstress.foresee(scene, known.lattice, known.counts),
         case_warnings(case, known.found),
