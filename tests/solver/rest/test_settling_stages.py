@@ -189,6 +189,24 @@ def test_what_holds_a_removed_body_may_move():
             "constraints": case["constraints"], "start": {}})  # fmt: skip
 
 
+def test_a_grip_with_a_force_moves_until_the_material_bears_it():
+    """As a static plate test wants it: each load is a stage that settles."""
+    region = {"box": {"min": [0.0, 5.0], "max": [1.0, 6.0]}}
+    case = column({"name": "press", "constraints": {"grip": {"force": [None, -3.0]}}, "settle": {}})
+    case["constraints"] = {
+        "grip": {"body": "top", "velocity": [0.0, None], "force": [None, 0.0], "region": region}
+    }
+    sim = reached(case, 0)
+    before = sim.diagnostics()
+    finish(sim)
+    line = sim.diagnostics()
+    assert line["time"] == before["time"] == 0.3 and line["kinetic-energy"] == 0.0
+    assert line["reaction.y-min-y"] == pytest.approx(6.0 + 3.0, rel=3e-3)
+    sunk = before["displacement.grip-y"] - line["displacement.grip-y"]
+    # Between the floor and the grip, whose vertices reach up to a cell below its region.
+    assert 3.0 * 4.0 / STIFF < sunk < 3.0 * 5.0 / STIFF
+
+
 def test_rigid_bodies_that_move_freely_are_refused():
     case = column({"name": "rest", "settle": {}})
     del case["start"]
