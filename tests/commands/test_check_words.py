@@ -143,7 +143,7 @@ def test_what_makes_the_step_short_is_said_and_advice_knows_it(report):
     data["contact"] = [{"bodies": ["beam", "ball"]}]
     said = report(load(data))
     (text,) = (line for line in said if line.startswith("warning: time.step"))
-    mentions(text, "the rigid body 'ball' crosses 4e+03 cells", "bodies.ball", "velocity")
+    mentions(text, "the rigid body 'ball' crosses 4e+03 cells", "bodies.ball.velocity")
     assert "courant: 0.3" not in text
     (note,) = (line for line in said if "{courant: auto}" in line)
     assert float(note.split("begin with ")[1].split()[0]) < 1.0 / 4000.0
