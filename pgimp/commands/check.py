@@ -21,7 +21,7 @@ from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.later_constraints import idle_warnings
 from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.checks.quiet import unquiet
-from pgimp.scene.checks.sanity import body_warnings, case_warnings, small_step_warning
+from pgimp.scene.checks.sanity import body_warnings, case_warnings
 from pgimp.scene.mass_scaling import scaling_notes
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.solver.start.memory import size_text
@@ -37,7 +37,13 @@ from pgimp.utilities.check.bodies import (
 from pgimp.utilities.check.cost import measure, report_cost, report_memory
 from pgimp.utilities.check.prepare import prepare
 from pgimp.utilities.check.savings import ordered_advice
-from pgimp.utilities.check.steps import pilot_warnings, report_stages, report_steps
+from pgimp.utilities.check.steps import (
+    pilot_warnings,
+    report_settling,
+    report_stages,
+    report_steps,
+    short_step_warnings,
+)
 from pgimp.utilities.model.pilot import pilot
 
 
@@ -91,7 +97,7 @@ def report(case: Case, verbose: bool = False) -> None:
         f"{case.title or 'case'}: valid; {count:,} particles in {len(bodies)} "
         f"bod{'y' if len(bodies) == 1 else 'ies'}, {cells} cells, shape {case.method.shape}"
     )
-    duration = whole.time.last
+    duration, quick = whole.time.last, scene.interaction.rigid_bodies.first_rate
     shown = bodies if verbose else bodies[:MOST_BODIES]
     for body in shown:
         report_body(body, case, duration, verbose)
@@ -108,9 +114,11 @@ def report(case: Case, verbose: bool = False) -> None:
     costs, crossing = measure(scene, count, steps)
     tried = pilot(written, count, steps, costs, _thinnest(case, bodies)) if costs else None
     steps = report_steps(case, steps, tried, first)
+    report_settling(case)
+    settles = bool(case.start.settle or any(stage.settle for stage in whole.time.stages))
     if whole.time.stages:
-        settles = case.start.settle is not None  # whose steps take no time
-        factor = 1.0 if settles else steps * dt / case.time.end
+        # A pilot run does not settle.
+        factor = 1.0 if case.start.settle else steps * dt / case.time.end
         steps += report_stages(whole, known.scenes, factor, known.varied)
     number = forecast.frames(whole, steps)
     size = size_text(number * forecast.frame_size(case, scene.fields, count))
@@ -129,16 +137,16 @@ def report(case: Case, verbose: bool = False) -> None:
         *scaling_notes(case),
         *nearness.notes(case),
         *stripes(case, poisson),
-        *ordered_advice(case, bodies, known.crossing, dt),
+        *ordered_advice(case, bodies, known.crossing, dt, quick),
     ):
         print(f"note: {note}")
     # Bodies of one material have the same warnings about it.
     every = chain(
         filter(None, [] if case.watched else [stability_warning(dt, rate, stable_courant(case))]),
-        filter(None, [small_step_warning(dt, rate)]),
+        short_step_warnings(scene, bodies, dt, rate),
         known.of_stages,
         pilot_warnings(case, dt * rate, tried),
-        *(body_warnings(case, body, duration) for body in bodies),
+        *(body_warnings(case, body, duration, settles) for body in bodies),
         locking(case, poisson),
         overstress.foresee(scene, known.lattice, known.counts),
         case_warnings(case, known.found),

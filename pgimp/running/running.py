@@ -116,7 +116,7 @@ def advance(
     else:
         log.say(
             f"stopped {stop} at step {sim.step}, t = {sim.time:.6g}, with a checkpoint; the same "
-            "command with --resume goes on"
+            f"command with --resume{' in place of --overwrite' * directory.overwrite} goes on"
         )
     seconds = recorder.seconds
     timings = sim.comm.gather(dict(sim.rank.timings) | seconds)

@@ -14,8 +14,6 @@ from pydantic_core import ErrorDetails, ValidationError
 from pgimp.schema.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
 
 _NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*(\.\d*)?|\.\d+)([eEdD][-+]?\d+)?")
-# Numbers with an exponent in PyYAML, by YAML 1.1.
-_PYYAML = re.compile(r"[-+]?(\d+\.\d*|\.\d+)[eE][-+]\d+")
 _COMMA = re.compile(r"([-+]?\d+),(\d+([eE][-+]?\d+)?)")
 _DIGITS = re.compile(r"\d+([eE][-+]?\d+)?")
 _COLON = re.compile(r"([A-Za-z][A-Za-z0-9_-]*):(\S.*)")
@@ -74,15 +72,23 @@ def got(value: object) -> str:
     if isinstance(value, str):
         if _NUMBER_LIKE.fullmatch(value):
             plain = re.sub("[dD]", "e", value.replace("_", ""))
-            text += f"; write the number as {shorten(plain)}, without quotes"
-            if "e" in plain and not _PYYAML.fullmatch(plain):
-                text += " (PyYAML takes it for text: it wants a point and a sign, as in 1.0e+6)"
+            text += f"; write the number as {shorten(_exponent(plain))}, without quotes"
         elif match := _COMMA.fullmatch(value):
             text += f"; a decimal point, not a comma: {shorten(f'{match[1]}.{match[2]}')}"
         elif match := _COLON.fullmatch(value):
             parts = f"{shorten(match[1])}: {shorten(match[2])}"
             text += f"; a space is missing after the colon: '{parts}'"
     return text
+
+
+def _exponent(number: str) -> str:
+    """Return a number as all readers of YAML take it: PyYAML wants a point and a sign."""
+    mantissa, letter, exponent = re.split("([eE]|$)", number, maxsplit=1)
+    if not letter:
+        return number
+    point = "" if "." in mantissa else ".0"
+    sign = "" if exponent[0] in "+-" else "+"
+    return f"{mantissa}{point}{letter}{sign}{exponent}"
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:

@@ -27,7 +27,6 @@ from pgimp.scene.checks import nearness, overstress
 from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
 from pgimp.scene.checks.locking import locking, stripes
-from pgimp.scene.checks.own_functions import require_sound
 from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.mass_scaling import scaling_notes
@@ -43,6 +42,7 @@ from pgimp.solver.reduction import StepReduction
 from pgimp.solver.rest.settle import at_time_zero, begin_settling
 from pgimp.solver.start.creation import LIGHT, Creation
 from pgimp.solver.start.require_memory import require
+from pgimp.solver.start.sound import require_light, require_particles
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
 from pgimp.solver.start.warmup import warm_up
@@ -107,9 +107,7 @@ def begin(
             comm, lambda: creation.create(own, lattice, counts, layer), CaseError
         ),
     )
-    require_sound(scene, particles, count, comm)
-    scene.interaction.loads.require_all_hold(particles, count, comm)
-    scene.interaction.loads.surfaces.require(particles, count, comm)
+    require_particles(scene, particles, count, comm)
     if later := later_constraints([each.case for each in scenes]):
         mine = held(later, particles.body[:count], particles.x[:count])
         start.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
@@ -267,16 +265,9 @@ def put_in_order(
         float((mine / particles.V0[:count]).max(initial=0.0)) if scene.materials.variations else 0.0
     )
     masses = comm.allgather((float(mine.min(initial=np.inf)), float(mine.sum()), dense))
-    total = sum(mass for _, mass, _ in masses)
     if scene.materials.variations and scene.materials.densest is None:
         scene.materials.weigh(max(dense for _, _, dense in masses))
-    if total > 2.0 * scene.materials.most_mass:  # only particles from a file can
-        with located(start.case):
-            raise CaseError(
-                f"bodies: the particles weigh {total:.6g}, and the whole domain, filled with "
-                f"the densest material, {scene.materials.most_mass:.6g}; "
-                "look at the volumes of points"
-            )
+    require_light(scene, sum(mass for _, mass, _ in masses))
     start.rank = rank = Rank(scene, comm, slab, particles, count, layers)
     rank.mass_cutoff = LIGHT * min(least for least, _, _ in masses)
     start.balance.watch(count)

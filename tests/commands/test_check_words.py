@@ -1,10 +1,13 @@
 """What ``pgimp check`` says of materials, speeds and steps: each by its key, and only if true."""
 
 import pytest
-from checked import said
+from checked import PLATE, plate, said
+from mentioned import mentions
 from scenes import box, scene
 
 from pgimp.case.load import load
+from pgimp.case.reader import read_case
+from pgimp.commands import check
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.scene.checks import nearness
@@ -12,6 +15,8 @@ from pgimp.scene.checks.units import in_si
 from pgimp.scene.geometry import share
 from pgimp.solver.time.stability import stable_courant
 from pgimp.utilities.check.prepare import prepare
+from pgimp.utilities.model.costs import Costs
+from pgimp.utilities.model.pilot import pilot
 
 METAL = {
     "model": "johnson-cook", "young": 1.24e11, "poisson": 0.34, "density": 8960.0, "a": 9.0e7,
@@ -93,3 +98,54 @@ def test_particles_of_a_file_that_fill_the_cells_at_a_wall_touch_it(tmp_path):
     case = load(case)
     share(case, Serial())
     assert nearness.warnings(case) == []
+
+
+@pytest.fixture
+def report(capsys, monkeypatch):
+    """What check prints of a case, without what compiles and measures."""
+    monkeypatch.setattr(check, "measure", lambda *scene: (None, 0.0))
+
+    def lines(case):
+        check.report(case)
+        return capsys.readouterr().out.splitlines()
+
+    return lines
+
+
+SETTLING = "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {settle: {steps: 700}}\n"
+
+
+@pytest.mark.parametrize("later", ["", ", stages: [{name: weak, settle: {}}]"])
+def test_a_short_time_is_not_doubted_where_a_run_settles(report, later):
+    text = PLATE.replace(
+        "end: 1.0, step: {courant: 0.3}", f"end: 0.01, step: {{courant: 0.3}}{later}"
+    )
+    warned = [line for line in report(read_case(text, "x")) if "a wave crosses only" in line]
+    assert bool(warned) == (not later)
+    said = report(read_case(text + SETTLING, "x"))
+    assert not [line for line in said if "a wave crosses only" in line]
+    (line,) = (line for line in said if line.startswith("settling"))
+    mentions(line, "at most 700 steps", "not counted", "no pilot run")
+
+
+def test_a_pilot_run_does_not_count_steps_of_settling():
+    case = read_case(PLATE.replace("end: 1.0", "end: 0.1") + SETTLING, "x")
+    found = pilot(case, 128, 20.0, Costs(1e-5, ((200.0, 1e-6), (1e6, 1e-6)), 1e-9), 2.0)
+    assert found.done == 1.0 and found.steps == pytest.approx(20.0, rel=0.3)
+
+
+def test_what_makes_the_step_short_is_said_and_advice_knows_it(report):
+    """A rigid body at 60 times the speed of waves; the case follows the waves already."""
+    fast = {"rigid": {"density": 7800.0}, "velocity": [0.0, -2000.0],
+            "region": {"box": {"min": [3.0, 2.5], "max": [5.0, 3.5]}}}  # fmt: skip
+    data = plate().model_dump(by_alias=True)
+    data["bodies"]["ball"] = fast
+    data["contact"] = [{"bodies": ["beam", "ball"]}]
+    said = report(load(data))
+    (text,) = (line for line in said if line.startswith("warning: time.step"))
+    mentions(text, "the rigid body 'ball' crosses 4e+03 cells", "bodies.ball.velocity")
+    assert "courant: 0.3" not in text
+    (note,) = (line for line in said if "{courant: auto}" in line)
+    assert float(note.split("begin with ")[1].split()[0]) < 1.0 / 4000.0
+    slow = data | {"time": {"end": 1.0, "step": 1.0e-6}}
+    assert any("{courant: 0.3} takes" in line for line in report(load(slow)))

@@ -172,3 +172,14 @@ def test_a_checkpoint_under_another_name_is_not_used(run, whole, capsys):
     assert "step-000000160.h5 cannot be used: it is of step 120, which is not that of its" in said
     assert resumed.info["resumed_from"] == 120
     check_same(whole, resumed)
+
+
+@pytest.mark.parametrize(
+    ("overwrite", "words"), [(False, "--resume goes on"), (True, "--resume in place of --overw")]
+)
+def test_a_stopped_run_says_how_to_go_on(folder, tmp_path, capsys, overwrite, words):
+    """The command that replaces a run is refused with --resume."""
+    overrides = ["time.end=200000.0", "output={every: null}"]
+    pgimp.run(folder / "blocks.yaml", output=tmp_path / "run", overrides=overrides,
+              overwrite=overwrite, wall_time=1.2)  # fmt: skip
+    assert f"the same command with {words}" in " ".join(capsys.readouterr().out.split())

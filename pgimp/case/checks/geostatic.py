@@ -55,7 +55,8 @@ def check_geostatic(
             yield Problem(
                 STRESS,
                 f"the rigid body '{name}' moves freely, and its weight is not known to the ground "
-                "under it: give it a motion at first, or let the run settle without it",
+                "under it: prescribe its velocity, or make it a body of stiff material that a "
+                "constraint with a `force` moves",
             )
     if exact is not None:
         yield Problem(STRESS, "changes the initial state, which `exact` gives; leave one out")

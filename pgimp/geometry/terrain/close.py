@@ -27,9 +27,10 @@ def part_of(found: Heights, low: Sequence[float] | None, high: Sequence[float] |
     Raises
     ------
     CaseError
-        If they do not cover it.
+        If they do not cover it, or a node around an end of the part has no height.
     """
     axes, values = list(found.axes), found.values
+    around = []
     for d, places in enumerate(found.axes):
         begin = places[0] if low is None else low[d]
         end = places[-1] if high is None else high[d]
@@ -40,9 +41,15 @@ def part_of(found: Heights, low: Sequence[float] | None, high: Sequence[float] |
                 f"node), but the part goes from {begin:.10g} to {end:.10g}"
             )
         begin, end = max(begin, places[0]), min(end, places[-1])
+        first = int(np.searchsorted(places, begin, "right")) - 1
+        last = int(np.searchsorted(places, end, "left"))
+        around.append(slice(first, last + 1))
         inner = places[(places > begin + slack) & (places < end - slack)]
         axes[d] = np.concatenate([[begin], inner, [end]])
         values = _between(places, values, axes[d], d)
+    if not np.isfinite(values).all():  # named are nodes of the file, not ends between them
+        named = tuple(places[one] for places, one in zip(found.axes, around, strict=True))
+        _require_known(Heights(named, found.values[tuple(around)]))
     return Heights(tuple(axes), values)
 
 
@@ -72,18 +79,23 @@ def require_heights(found: Heights, bottom: float) -> None:
             f"has {found.values.size:,} nodes in this part, more than {MOST_NODES:,}; take a "
             "smaller part, or every other node"
         )
-    missing = ~np.isfinite(found.values)
-    if missing.any():
-        raise CaseError(
-            f"has no height at {int(missing.sum()):,} of {missing.size:,} nodes, first at "
-            f"{_place(found, missing)}: fill them, or take a part without them (part: {{min: .., "
-            "max: ..}})"
-        )
+    _require_known(found)
     low = found.values <= bottom
     if low.any():
         raise CaseError(
             f"is at or below the bottom, {bottom:.10g}, at {int(low.sum()):,} of {low.size:,} "
             f"nodes, first at {_place(found, low)}; the lowest is {found.values.min():.10g}"
+        )
+
+
+def _require_known(found: Heights) -> None:
+    """Refuse nodes without a height."""
+    missing = ~np.isfinite(found.values)
+    if missing.any():
+        raise CaseError(
+            f"has no height at {int(missing.sum()):,} of {missing.size:,} nodes, first at "
+            f"{_place(found, missing)}: fill them, or take a part without them (part: {{min: .., "
+            "max: ..})"
         )
 
 

@@ -80,7 +80,7 @@ class RunDirectory:
         resume: bool = False,
         probes: Collection[str] = (),
     ) -> None:
-        self.path = path
+        self.path, self.overwrite = path, overwrite
         self.comm = comm
         self._probes = probes
         self._lock = -1

@@ -18,6 +18,16 @@ from pgimp.scene.scene import Scene
 _SMALL = 1e-9
 
 
+def asks(scene: Scene) -> list[str]:
+    """Keys of the functions whose values at the particles are required."""
+    force, exact = scene.case.body_force, scene.case.exact
+    found = ["body_force"] if isinstance(force, OwnForce) else []
+    found += ["exact"] if isinstance(exact, OwnSolution) else []
+    fields = scene.interaction.loads.velocity_fields
+    entries = scene.case.constraints.items() if fields else ()
+    return found + [f"constraints.{name}.velocity" for name, entry in entries if entry.field]
+
+
 def require_sound(scene: Scene, particles: Particles, count: int, comm: Communicator) -> None:
     """Refuse a body force or a prescribed velocity that is no number, and wrong solutions.
 
@@ -30,9 +40,7 @@ def require_sound(scene: Scene, particles: Particles, count: int, comm: Communic
     CaseError
         On every rank, if there is one.
     """
-    force, exact = scene.case.body_force, scene.case.exact
-    own = isinstance(force, OwnForce) or isinstance(exact, OwnSolution)
-    if own or scene.interaction.loads.velocity_fields:
+    if asks(scene):
         with located(scene.case):
             all_or_none(comm, lambda: _require_all(scene, particles, count), CaseError)
 

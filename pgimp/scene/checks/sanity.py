@@ -27,7 +27,7 @@ _MOST_STRAIN = 0.5
 #: Durations of runs in wave transits: enough for waves to matter, few enough for explicit steps.
 _FEWEST_TRANSITS, _MOST_TRANSITS = 0.1, 1.0e6
 #: Courant number below which most steps are wasted.
-_LEAST_COURANT = 0.01
+LEAST_COURANT = 0.01
 #: Cells across a thin body, at most; cells between a wall and a face at the wall, at most.
 _THIN, _AT_WALL = 1.0 - 1e-9, 0.5
 #: Cells along a body's longest side below which `affine` adds a quarter of its energy or more
@@ -99,7 +99,9 @@ def _greatest(load: Any) -> float:
     return max(float(np.linalg.norm(value)) for value in values)
 
 
-def body_warnings(case: Case, body: BodyFacts, duration: float) -> Iterator[str]:
+def body_warnings(
+    case: Case, body: BodyFacts, duration: float, settles: bool = False
+) -> Iterator[str]:
     """Yield warnings about a body.
 
     Parameters
@@ -110,6 +112,8 @@ def body_warnings(case: Case, body: BodyFacts, duration: float) -> Iterator[str]
         One of its bodies.
     duration : float
         Duration of the run.
+    settles : bool
+        Whether the start or a stage comes to rest: then the time may be as short as one likes.
     """
     if max(strains(case, body).values()) > _MOST_STRAIN:
         yield (
@@ -120,7 +124,7 @@ def body_warnings(case: Case, body: BodyFacts, duration: float) -> Iterator[str]
     yield from unlikely(case, body)
     yield from _swallowed(case, body)
     transits = duration * body.wave_speed / body.extent
-    if transits < _FEWEST_TRANSITS:
+    if transits < _FEWEST_TRANSITS and not settles:
         yield (
             f"time.end: until then a wave crosses only {transits:.2g} of {body.name}; is it in the "
             "unit of time that belongs to young, density and grid?"
@@ -263,7 +267,7 @@ def small_step_warning(dt: float, rate: float) -> str:
     rate : float
         Largest (c_p + |v_p|)/L, 1/time.
     """
-    if dt * rate >= _LEAST_COURANT:
+    if dt * rate >= LEAST_COURANT:
         return ""
     return (
         f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}; step: {{courant: 0.3}} takes "

@@ -89,8 +89,10 @@ def require_rest(start: Start, part: float) -> None:
     steps = start.done.number - start.clock.before
     if steps >= settle.steps:
         key = f"time.stages.{staged.number - 1}.settle" if staged.number else "start.settle"
+        most = f" ({settle.steps} at most, looked at every {EVERY})"
+        looked = most if steps > settle.steps else ""
         raise NoRestError(
-            f"{key}: {NO_REST} {steps} steps: the unbalanced force is "
+            f"{key}: {NO_REST} {steps} steps{looked}: the unbalanced force is "
             f"{part:.3g} of the forces of stresses and tractions, not {settle.tolerance:.3g}\n"
             f"  try: more steps ({key}.steps), a larger tolerance, another damping; look "
             "for parts that nothing holds, and for loads that no rest can bear"

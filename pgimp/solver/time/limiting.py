@@ -67,8 +67,12 @@ def _of_rigid(scene: Scene) -> list[Limit]:
         for number, speed in rigid_bodies.speeds().items()
     }
     names = (rigid_bodies.names[number] for number in rigid_bodies.free)
-    free = zip(names, rigid_bodies.rates(rigid_bodies.first), strict=True)
+    free = dict(zip(names, rigid_bodies.rates(rigid_bodies.first), strict=True))
     return [
-        Limit(rate, f"bodies.{name}.rigid", f"the rigid body '{name}'")
-        for name, rate in {**speeds, **dict(free)}.items()
+        Limit(
+            rate,
+            f"bodies.{name}.{'velocity' if name in free else 'rigid'}",
+            f"the rigid body '{name}'",
+        )
+        for name, rate in {**speeds, **free}.items()
     ]

@@ -20,6 +20,7 @@ from pgimp.solver.start.memory import Estimate
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.validate_stages import look_ahead, require_stable_stages
 from pgimp.solver.time.stability import require_end, require_stable
+from pgimp.utilities.check.particles import look_at_particles
 
 
 class Prepared(NamedTuple):
@@ -30,7 +31,8 @@ class Prepared(NamedTuple):
     scenes : list of Scene
         Scenes of all stages.
     lattice, counts, notes
-        See `count_particles`; of the bodies that are there at the start.
+        See `count_particles`; of the bodies that are there at the start. A note more names what
+        was not looked at.
     memory : Estimate
         Memory of one rank.
     found : Findings
@@ -80,6 +82,7 @@ def prepare(whole: Case) -> Prepared:
     memory = require(scene, Serial(), most_at_once(case, counts, entering))
     found = examine(scene, lattice, counts, whole.stages)
     counts = present(scene, counts)
+    notes += look_at_particles(scene, lattice, counts)
     if scene.interaction.rigid_bodies:
         _look_at_rigid(scene, lattice, counts)
     varied = {body.name: body.rest_rate for body in found.bodies if body.varies}

@@ -15,15 +15,18 @@ _SAVES = {"method.shape: mpm": 1.0, "method.affine": 1.0, "bodies": 0.6, "method
 
 
 def ordered_advice(
-    case: Case, bodies: Sequence[BodyFacts], crossing: float, dt: float
+    case: Case, bodies: Sequence[BodyFacts], crossing: float, dt: float, quick: float = 0.0
 ) -> list[str]:
-    """Return advice on the case, the largest savings first."""
+    """Return advice on the case, the largest savings first.
+
+    `quick` has the cells that rigid bodies cross in a unit of time, which limits all steps.
+    """
     found = []
     for text in advice(case, bodies):
         part = next((part for key, part in _SAVES.items() if text.startswith(key)), 0.0)
         found.append((part, text))
     courant = AUTO * largest_courant(case)
-    longest = courant / pace_of(courant, bodies, crossing)
+    longest = courant / max(pace_of(courant, bodies, crossing), quick)
     if not case.watched and longest > 1.05 * dt:
         saved = 1.0 - dt / longest
         found.append(

@@ -5,8 +5,11 @@ from math import ceil
 
 from pgimp.case.schema import Case
 from pgimp.case.staging.arrange import changes_of, steps_in
+from pgimp.scene.checks.facts import BodyFacts
+from pgimp.scene.checks.sanity import LEAST_COURANT, small_step_warning
 from pgimp.scene.scene import Scene
 from pgimp.solver.start.validate_stages import stage_rate
+from pgimp.solver.time.limiting import limiting
 from pgimp.solver.time.stability import stable_courant
 from pgimp.utilities.model.pilot import Pilot
 
@@ -31,6 +34,15 @@ def report_steps(case: Case, steps: float, tried: Pilot | None, first: str) -> f
         return steps
     print(f"steps            {predicted(case, tried)}; {start} if no wave became faster; {first}")
     return tried.steps
+
+
+def report_settling(case: Case) -> None:
+    """Say that the steps in which the start comes to rest are not among those reported."""
+    if case.start.settle:
+        print(
+            f"settling         before, at t = 0, in at most {case.start.settle.steps:,} steps, "
+            "which are not counted here or in the time, and which no pilot run predicts"
+        )
 
 
 def report_stages(
@@ -64,6 +76,26 @@ def report_stages(
             f"{about}{steps:,} step{'' if steps == 1 else 's'}; changes {what}"
         )
     return total
+
+
+def short_step_warnings(
+    scene: Scene, bodies: Sequence[BodyFacts], dt: float, rate: float
+) -> Iterator[str]:
+    """Yield what makes the first step far shorter than waves need.
+
+    `rate` is the largest (c_p + |v_p|)/L of `bodies`, 1/time.
+    """
+    case, waves = scene.case, max(body.rest_rate for body in bodies)
+    quick = max(rate, scene.interaction.rigid_bodies.first_rate)
+    if case.courant is None or case.courant < LEAST_COURANT:
+        yield from filter(None, [small_step_warning(dt, quick)])
+    elif dt * waves < LEAST_COURANT and dt < case.time.end:
+        limit = limiting(scene, quick)
+        yield (
+            f"time.step: the first of {dt:.4g} is short because {limit.what} crosses "
+            f"{limit.rate:.3g} cells in a unit of time, where waves cross {waves:.3g}; look at its "
+            f"velocity ({limit.key}): is it in the units of young, density and grid?"
+        )
 
 
 def predicted(case: Case, tried: Pilot) -> str:

@@ -73,6 +73,8 @@ class Pilot(NamedTuple):
 def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> Pilot | None:
     """Run a case on a coarse grid, or unchanged if it is short; nothing is written.
 
+    It does not settle at the start.
+
     Parameters
     ----------
     case : Case
@@ -91,6 +93,9 @@ def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> 
     Pilot or None
         None if no pilot run is possible.
     """
+    if case.start.settle:  # its steps are not of the time
+        start = case.start.model_copy(update={"settle": None})
+        case = case.model_copy(update={"start": start})
     regions = [part for body in case.bodies.values() for part in body.region.simple()]
     fixed = sum(part.summary.number for part in regions if isinstance(part, Points))
     if fixed > _MOST_PARTICLES:

@@ -122,6 +122,20 @@ def refused(region, dimension=3):
     return str(error.value)
 
 
+def test_a_node_without_height_next_to_an_end_of_a_part_is_named_as_in_the_file(tmp_path):
+    """The end of the part lies between nodes, the second of which has none."""
+    z = np.array([2.0, np.nan, 1.0, 1.0, 1.0, np.nan])
+    np.save(tmp_path / "z.npy", z)
+    nodes = {"origin": [-1.0], "spacing": [0.4]}
+    text = refused(heights(tmp_path / "z.npy", nodes=nodes, part={"min": [-0.5], "max": [0.2]}), 2)
+    assert "no height at 1 of 3 nodes, first at x = -0.6: fill them, or " in text
+    assert text.endswith("take a part without them (part: {min: .., max: ..})")
+    text = refused(heights(tmp_path / "z.npy", nodes=nodes, part={"min": [-0.1], "max": [0.9]}), 2)
+    assert "no height at 1 of 4 nodes, first at x = 1:" in text
+    region = heights(tmp_path / "z.npy", nodes=nodes, part={"min": [-0.1], "max": [0.5]})
+    share(Case.model_validate(case(region, 2)), Serial())
+
+
 def test_what_heights_cannot_be(tmp_path):
     z = hills(5, 4)
     z[2, 1] = np.nan

@@ -269,7 +269,11 @@ STONE = {"rigid": {"density": 3.0}, "region": {"ball": {"center": [1.5, 6.0], "r
         ("hooke", {"start": {"stress": {"k0": "1-sin-phi"}}}, "needs the friction-angle"),
         ("hooke", {"start": {"stress": {"k0": 0.5, "ocr": 2.0}}}, "is of cam-clay"),
         ("neo-hookean", {"configuration": "initial"}, "initial begins undeformed"),
-        ("hooke", {"stone": STONE}, "'stone' moves freely"),
+        (
+            "hooke",
+            {"stone": STONE},
+            "'stone' moves freely.*: prescribe its velocity, or make it a body of stiff .* `force`",
+        ),
         ("hooke", {"water": WATER, "gravity": None, "start": {}}, r"water\s+needs gravity"),
         ("hooke", {"water": WATER, "gravity": [1.0, 1.0], "start": {}}, r"water\s+needs gravity"),
         ("hooke", {"water": WATER | {"density": 1.0}}, "above that of water, 1: take the sat"),
