@@ -130,8 +130,8 @@ def rests(
     assert study.bisect is not None
     outcome = Outcome(run)
     info = _last_start(output)
-    ended = DONE if _has_no_rest(info) else info.get("state")
-    outcome.reused = not again and _is_done(study, run, output, {**info, "state": ended})
+    state = DONE if _has_no_rest(info) else info.get("state")
+    outcome.reused = not again and _is_done(study, run, output, {**info, "state": state})
     if outcome.reused:
         outcome.reused = sliding.known(study.bisect, Run(output).case, info)
     why = "" if outcome.reused else _execute(study, run, output, check)
@@ -141,9 +141,13 @@ def rests(
         return outcome
     outcome.costs = costs(info["particles"], info["steps"], info["ranks"], info["seconds"])
     try:
-        sliding.judge(outcome, study.bisect, Run(output))
+        ended = Run(output)
+        outcome.moved = sliding.moved(study.bisect, ended)
+        outcome.slid = sliding.slid(study.bisect, ended, outcome.moved)
     except PgimpError as error:
         outcome.state, outcome.message = FAILED, str(error)
+        return outcome
+    outcome.state, outcome.value = DONE, float(info["state"] == DONE and outcome.slid is None)
     return outcome
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +13,6 @@ from pgimp.errors import RunError
 from pgimp.io.results.frame import Frame
 from pgimp.io.results.reader import Run
 from pgimp.utilities.study.bisect_entry import CELLS, Bisection
-
-if TYPE_CHECKING:
-    from pgimp.utilities.study.runs import Outcome
 
 #: State in run.json of a run that has reached its end; of an outcome, too.
 DONE = "done"
@@ -58,28 +55,10 @@ def known(entry: Bisection, case: Case, info: Mapping[str, Any]) -> bool:
     return all(number <= len(steps) and steps[number - 1] is not None for number in numbers)
 
 
-def judge(outcome: Outcome, entry: Bisection, run: Run) -> None:
-    """Decide whether a run that has ended is at rest, and has not slid.
-
-    Parameters
-    ----------
-    outcome : Outcome
-        With the run's `info`; receives the verdict.
-    entry : Bisection
-        Of the study.
-    run : Run
-        Its directory.
-
-    Raises
-    ------
-    PgimpError
-        If its frames cannot be read.
-    """
-    rest, most = run.state == DONE, limit(entry, run.case)
-    outcome.moved = moved(entry, run)
-    if rest and most is not None and (outcome.moved or 0.0) > most:
-        outcome.slid = most
-    outcome.state, outcome.value = DONE, float(rest and outcome.slid is None)
+def slid(entry: Bisection, run: Run, way: float | None) -> float | None:
+    """Return the limit that the displacement of a run at rest is above; None if it is not."""
+    most = limit(entry, run.case)
+    return most if run.state == DONE and most is not None and (way or 0.0) > most else None
 
 
 def moved(entry: Bisection, run: Run) -> float | None:
