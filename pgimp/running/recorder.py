@@ -183,7 +183,7 @@ class Recorder:
             on_root(self._sim.comm, self._sync)
             safe = self.frames.written, self.history.step, self.probes.records()
             if self.checkpoints.write(self._sim, *safe, self.history.count):
-                self._directory.note_checkpoint(self._sim.step)
+                self._directory.note(checkpoint=self._sim.step)
 
     def _sync(self) -> None:
         self.history.sync()

@@ -54,7 +54,7 @@ def advance(
     progress = Progress(log, sim, case.time.last, terminal_columns() if log.speaks else 0)
     began, first = perf_counter(), sim.step
     try:
-        stopped = False
+        stopped, stages = False, _begun(sim, directory)
         if sim.preparing:
             if about:
                 recorder.checkpoints.resume(sim.comm, sim.step, about)
@@ -67,6 +67,8 @@ def advance(
         while not (stopped or sim.finished):
             if sim.stage_done:
                 _next_stage(sim, recorder, log)
+                stages.append(sim.step)
+                directory.note(stages=stages)
             each = (perf_counter() - began) / (sim.step - first + 1)
             sim.request = _request(sim, recorder, stop, each)
             settling = sim.settling
@@ -132,6 +134,19 @@ def advance(
         figures(sim, timings, total),
     )
     return ended
+
+
+def _begun(sim: Simulation, directory: RunDirectory) -> list[int | None]:
+    """Steps after which the stages after the first began, also those before a resume; collective.
+
+    None for a stage of which the run directory does not tell.
+    """
+    before = directory.before or {}
+    known = before.get("stages")
+    stages = [*(known if isinstance(known, list) else []), *[None] * sim.stage][: sim.stage]
+    if stages:
+        directory.note(stages=stages)
+    return stages
 
 
 def _begin(recorder: Recorder, about: About | None, log: Log) -> None:

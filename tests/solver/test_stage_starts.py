@@ -56,7 +56,10 @@ def test_a_constraint_that_begins_and_holds_nothing_ends_the_run(tmp_path):
         pgimp.run(case, Serial(), tmp_path / "run", quiet=True)
     late["late"]["region"] = PULLED["region"] | {"box": {"min": [5.0], "max": [16.0]}}
     run = pgimp.run(case, Serial(), tmp_path / "run", resume=True, quiet=True)
-    assert run.info["state"] == "done"
+    assert run.info["state"] == "done" and run.info["stages"] == [run.info["resumed_from"]]
+    assert "stages" not in run.starts[0]  # a stage that could not begin
+    again = pgimp.run(case, Serial(), tmp_path / "run", resume=True, quiet=True)
+    assert again.info["stages"] == run.info["stages"]  # also where it is resumed in the stage
 
 
 def test_a_constraint_that_begins_and_keeps_nothing_ends_the_run():

@@ -265,8 +265,8 @@ class RunDirectory:
 
         on_root(self.comm, action)
 
-    def note_checkpoint(self, step: int) -> None:
-        """Record a checkpoint in run.json; collective.
+    def note(self, **entries: object) -> None:
+        """Record entries of this start in run.json; collective.
 
         Raises
         ------
@@ -276,7 +276,7 @@ class RunDirectory:
 
         def action() -> None:
             try:
-                runinfo.update(self.path / RUN, checkpoint=step)
+                runinfo.update(self.path / RUN, **entries)
             except OSError as error:
                 raise self._refusal("write to", error) from error
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
 from pgimp.schema.base import Model, Number, Positive
+from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import problem
+
+#: Greatest displacement at rest in cells' shortest edges, unless one is given.
+CELLS = 0.1
 
 
 def _two(value: tuple[float, ...]) -> tuple[float, ...]:
@@ -34,6 +38,15 @@ class Bisection(Model):
     )
     tolerance: Positive = Field(
         default=0.01, description="distance of the two values at which it ends"
+    )
+    slide: Annotated[
+        float | Literal["auto"] | None,
+        Either("a length, auto or null", {float: Positive, str: Literal["auto"], None: None}),
+    ] = Field(
+        default="auto",
+        description="greatest displacement of a particle in a stage with settle, of those that the "
+        "key changes, for the case to count as at rest: what moves farther has slid, though it "
+        "rests as a heap in the end. auto: a tenth of a cell's shortest edge; null: any [length]",
     )
     reference: Number | None = Field(
         default=None,

@@ -13,8 +13,15 @@ from pgimp.utilities.study.measures import number
 from pgimp.utilities.study.plan import Bisected
 from pgimp.utilities.study.runs import DONE, FAILED, Outcome, rests
 
-#: States of a trial: it has come to rest, or it has not.
-RESTS, MOVES = "at rest", "no rest"
+#: States of a trial: it has come to rest, it has not, or it has, but slid before.
+RESTS, MOVES, SLID = "at rest", "no rest", "slid"
+_FOUND = RESTS, MOVES, SLID
+
+#: Said where displacements are not looked at.
+UNSEEN = (
+    "displacements count in stages with settle that the key changes, not before time 0: what "
+    "slides there and rests as a heap is taken for at rest"
+)
 
 
 @dataclass
@@ -29,7 +36,17 @@ class Trial:
         """`RESTS`, `MOVES`, or the state of a run that has failed otherwise."""
         if self.outcome.state != DONE:
             return self.outcome.state
+        if self.outcome.slid is not None:
+            return SLID
         return RESTS if self.outcome.value else MOVES
+
+    @property
+    def way(self) -> str:
+        """The greatest displacement, and the limit that it is above; empty if it is not known."""
+        if self.outcome.moved is None:
+            return ""
+        over = "" if self.outcome.slid is None else f", over {number(self.outcome.slid)}"
+        return f"moved by {number(self.outcome.moved)}{over}"
 
 
 @dataclass
@@ -84,14 +101,10 @@ def bisect(bracket: Bracket, entry: Bisection, run: Callable[[float], Outcome]) 
     for value, expected in ((first, RESTS), (last, MOVES)):
         trial = _try(bracket, value, run)
         yield trial
-        if trial.state not in (RESTS, MOVES):
+        if trial.state not in _FOUND:
             return
-        if trial.state != expected:
-            how, which = ("does not come", "first") if expected == RESTS else ("comes", "second")
-            bracket.message = (
-                f"with the {which} value, {entry.key} = {number(value, 9)}, the case {how} to "
-                "rest: take another one"
-            )
+        if (trial.state == RESTS) != (expected == RESTS):
+            bracket.message = _misplaced(trial, entry)
             return
     while bracket.width > entry.tolerance:
         assert bracket.middle is not None
@@ -100,8 +113,21 @@ def bisect(bracket: Bracket, entry: Bisection, run: Callable[[float], Outcome]) 
             return
         trial = _try(bracket, middle, run)
         yield trial
-        if trial.state not in (RESTS, MOVES):
+        if trial.state not in _FOUND:
             return
+
+
+def _misplaced(trial: Trial, entry: Bisection) -> str:
+    """Say that the first trial is not at rest, or that the second is."""
+    which = "second" if trial.state == RESTS else "first"
+    text = f"with the {which} value, {entry.key} = {number(trial.value, 9)}, the case "
+    if trial.state == SLID:
+        return (
+            f"{text}slides before it rests ({trial.way}): take another one, or a longer "
+            "bisect.slide if it is soft, and only gives way"
+        )
+    how = "comes" if trial.state == RESTS else "does not come"
+    return f"{text}{how} to rest: take another one"
 
 
 def _try(bracket: Bracket, value: float, run: Callable[[float], Outcome]) -> Trial:
@@ -109,7 +135,7 @@ def _try(bracket: Bracket, value: float, run: Callable[[float], Outcome]) -> Tri
     bracket.trials.append(trial)
     if trial.state == RESTS:
         bracket.rests = value
-    elif trial.state == MOVES:
+    elif trial.state in (MOVES, SLID):
         bracket.moves = value
     else:
         bracket.message = f"ended by the run of {number(value, 9)}: {trial.outcome.message}"
@@ -154,8 +180,11 @@ def run_all(
             text = f"{trial.state}: {one.message}" if one.state == FAILED else trial.state
             if "wall" in one.costs:
                 text += f" after {one.info['steps']:,} steps in {duration(one.costs['wall'])}"
+            text += f", {trial.way}" if trial.way else ""
             log.say(f"{one.plan.name}: {text}{' (from before)' if one.reused else ''}")
         log.say(result(bracket, entry))
+    if any(bracket.variant.unseen for bracket in brackets):
+        log.say(f"note: {UNSEEN}")
 
 
 def result(bracket: Bracket, entry: Bisection) -> str:
@@ -165,8 +194,15 @@ def result(bracket: Bracket, entry: Bisection) -> str:
         return f"{name}{bracket.message or 'not ended'}"
     text = (
         f"{name}{entry.key} is {number(bracket.middle, 6)}: at rest with "
-        f"{number(bracket.rests, 9)}, not with {number(bracket.moves, 9)}"
+        f"{number(bracket.rests, 9)}{_way(bracket, bracket.rests)}, not with "
+        f"{number(bracket.moves, 9)}{_way(bracket, bracket.moves)}"
     )
     if (error := bracket.error(entry)) is not None:
         text += f"; {100.0 * error:.2g} % from {number(entry.reference, 6)}"
     return f"{text}; {bracket.message}" if bracket.message else text
+
+
+def _way(bracket: Bracket, value: float | None) -> str:
+    """Describe the displacement of the trial of a value, in parentheses."""
+    found = [trial for trial in bracket.trials if trial.value == value and trial.way]
+    return f" ({found[0].way})" if found else ""

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from pgimp.running.progress import duration
 from pgimp.utilities.study.bisect_entry import Bisection
-from pgimp.utilities.study.bisection import Bracket, result
+from pgimp.utilities.study.bisection import UNSEEN, Bracket, result
 from pgimp.utilities.study.measures import number
 from pgimp.utilities.study.plan import Plan
 from pgimp.utilities.study.tables import origin, row
@@ -20,14 +20,14 @@ def as_csv(plan: Plan, brackets: Sequence[Bracket], entry: Bisection) -> str:
     """Return study.csv: every run, in the order of the runs."""
     stream = io.StringIO()
     table = csv.writer(stream, lineterminator="\n")
-    head = ["run", "variant", f"x: {plan.study.plot.x}", entry.key, "state", *_COSTS, "wall"]
-    table.writerow([*head, "reused", "message"])
+    head = ["run", "variant", f"x: {plan.study.plot.x}", entry.key, "state", "moved"]
+    table.writerow([*head, *_COSTS, "wall", "reused", "message"])
     for bracket in brackets:
         for trial in bracket.trials:
             one = trial.outcome
             line = [one.plan.name, bracket.variant.name, bracket.variant.x, trial.value]
-            line += [trial.state, *(one.info.get(key) for key in _COSTS), one.costs.get("wall")]
-            table.writerow([*line, int(one.reused), one.message])
+            line += [trial.state, one.moved, *(one.info.get(key) for key in _COSTS)]
+            table.writerow([*line, one.costs.get("wall"), int(one.reused), one.message])
     return stream.getvalue()
 
 
@@ -46,12 +46,12 @@ def as_markdown(plan: Plan, brackets: Sequence[Bracket], entry: Bisection) -> st
         "",
         f"`{entry.key}` is the middle of the last values with which the case came to rest, and did "
         f"not. The error is that of the middle{known}. Steps and wall time are those of all runs "
-        "of a result, without set-up and output.",
+        f"of a result, without set-up and output. {_slide(brackets, entry)}",
         "",
         *(f"- {result(bracket, entry)}" for bracket in brackets),
         "",
-        row(["run", "state", "steps", "wall time"]),
-        "|---" * 4 + "|",
+        row(["run", "state", "greatest displacement", "steps", "wall time"]),
+        "|---" * 5 + "|",
     ]
     outcomes = []
     for trial in (trial for bracket in brackets for trial in bracket.trials):
@@ -59,8 +59,24 @@ def as_markdown(plan: Plan, brackets: Sequence[Bracket], entry: Bisection) -> st
         outcomes.append(one)
         wall = duration(one.costs["wall"]) if one.costs else ""
         steps = f"{one.info['steps']:,}" if one.costs else ""
-        lines.append(row([one.plan.name, trial.state, steps, wall]))
+        lines.append(row([one.plan.name, trial.state, number(one.moved), steps, wall]))
     return "\n".join([*lines, "", *(f"- {line}" for line in origin(outcomes))]) + "\n"
+
+
+def _slide(brackets: Sequence[Bracket], entry: Bisection) -> str:
+    """Say what has slid, and where that is not looked for."""
+    text = (
+        "The greatest displacement of a particle is that in a stage that settles, of those that "
+        "the key changes. "
+    )
+    if entry.slide is None:
+        text += "Any counts as rest."
+    else:
+        most = "a tenth of a cell's shortest edge" if entry.slide == "auto" else f"{entry.slide!r}"
+        text += f"Where it is above {most} the case has slid, which is not at rest."
+    if any(bracket.variant.unseen for bracket in brackets):
+        text += f" {UNSEEN[0].upper()}{UNSEEN[1:]}."
+    return text
 
 
 def _cells(bracket: Bracket, entry: Bisection) -> list[str]:

@@ -11,6 +11,7 @@ from pgimp.case.schema import Case
 from pgimp.case.writer import dump_case
 from pgimp.errors import CaseError, UsageError
 from pgimp.schema.document import read
+from pgimp.utilities.study import sliding
 from pgimp.utilities.study.cases import Cases, Planned
 from pgimp.utilities.study.schema import CASE, Study
 from pgimp.utilities.study.sweep import Change, Variant, short, variants
@@ -27,6 +28,8 @@ class Bisected:
     """Abscissa of the table."""
     planned: Callable[[float], Planned]
     """Makes the run of a value."""
+    unseen: bool = False
+    """Whether the case may slide where that is not looked for, see `sliding.unwatched`."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +118,7 @@ def _of_bisections(
             values = {item.key: short(item.value) for item in run.changes if item.path[0] != "set"}
             return Planned(run.name, file, options, values, dump_case(case), 0.0, one.name * swept)
 
-        x = 0.0
+        x, unseen = 0.0, False
         for value in entry.between:
             _, case = made.make(of(one, value))
             if case is None:
@@ -123,12 +126,16 @@ def _of_bisections(
             if not any(stage.start.settle for stage in case.stages):
                 text = "has nothing that comes to rest: no stage with settle, nor start.settle"
                 made.wrong[f"{made.label(('bisect',))}: the case {text}"].append(one.name)
+            elif isinstance(entry.slide, float) and not sliding.watched(entry, case):
+                text = "is for a stage with settle that the key changes; the case has none"
+                made.wrong[f"{made.label(('bisect', 'slide'))}: {text}"].append(one.name)
+            unseen = entry.slide is not None and sliding.unwatched(entry, case)
             if examine is not None:
                 try:
                     examine(case)
                 except CaseError as error:
                     made.wrong[str(error)].append(one.name)
             x = made.number(study.plot.x, case.model_dump(by_alias=True), one)
-        variants.append(Bisected(one.name if swept else "", study, x, planned))
+        variants.append(Bisected(one.name if swept else "", study, x, planned, unseen))
     made.raise_problems()
     return replace(plan, bisected=tuple(variants))

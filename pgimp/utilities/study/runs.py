@@ -19,18 +19,20 @@ from typing import Any
 
 from pgimp.errors import NO_REST, PgimpError
 from pgimp.io.results import history
+from pgimp.io.results.reader import Run
 from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.ownfiles import RUN
 from pgimp.jit.outside import unchanged
 from pgimp.physics.materials.registry import imported
 from pgimp.schema.document import LARGEST_FILE
 from pgimp.storage.plain import read_plain
+from pgimp.utilities.study import sliding
 from pgimp.utilities.study.cases import Planned
 from pgimp.utilities.study.measure_entry import LIMIT, measure_of
 from pgimp.utilities.study.measures import MeasureError, costs, measure
 from pgimp.utilities.study.schema import Study
 
-DONE, FAILED, ABSENT = "done", "failed", "not run"
+DONE, FAILED, ABSENT = sliding.DONE, "failed", "not run"
 
 # Signals that end a run, first with a checkpoint, then at once; with waiting times in seconds.
 _PATIENCE = (
@@ -59,6 +61,10 @@ class Outcome:
     error: float | None = None
     value: float | None = None
     """The column itself, where the error is its difference from a limit."""
+    moved: float | None = None
+    """Of a bisection: the greatest displacement in a stage that settles; None if there is none."""
+    slid: float | None = None
+    """The limit that `moved` is above, though the run has come to rest."""
     columns: dict[str, float] = field(default_factory=dict)
     costs: dict[str, float] = field(default_factory=dict)
     order: float | None = None
@@ -118,20 +124,30 @@ def rests(
     """Run a case that settles, unless the same run exists already.
 
     The parameters are those of `perform`. The outcome is done with the value 1 if it has come to
-    rest, with 0 if it has not; any other end is a failure.
+    rest without sliding, with 0 if it has not; any other end is a failure.
     """
     check()
+    assert study.bisect is not None
     outcome = Outcome(run)
     info = _last_start(output)
-    ended = DONE if _has_no_rest(info) else info.get("state")
-    outcome.reused = not again and _is_done(study, run, output, {**info, "state": ended})
+    state = DONE if _has_no_rest(info) else info.get("state")
+    outcome.reused = not again and _is_done(study, run, output, {**info, "state": state})
+    if outcome.reused:
+        outcome.reused = sliding.known(study.bisect, Run(output).case, info)
     why = "" if outcome.reused else _execute(study, run, output, check)
     outcome.info = info = _last_start(output)
     if why and not _has_no_rest(info):
         outcome.state, outcome.message = FAILED, why
         return outcome
-    outcome.state, outcome.value = DONE, float(info["state"] == DONE)
     outcome.costs = costs(info["particles"], info["steps"], info["ranks"], info["seconds"])
+    try:
+        ended = Run(output)
+        outcome.moved = sliding.moved(study.bisect, ended)
+        outcome.slid = sliding.slid(study.bisect, ended, outcome.moved)
+    except PgimpError as error:
+        outcome.state, outcome.message = FAILED, str(error)
+        return outcome
+    outcome.state, outcome.value = DONE, float(info["state"] == DONE and outcome.slid is None)
     return outcome
 
 

@@ -11,6 +11,7 @@ from pgimp.utilities.study.bisect_entry import Bisection
 from pgimp.utilities.study.bisection import Bracket, bisect
 from pgimp.utilities.study.plan import Bisected
 from pgimp.utilities.study.runs import DONE, Outcome
+from pgimp.utilities.study.sliding import greatest, limit
 
 #: Height of all slopes, weight of the soil, its stiffness, over which strength is about 1e-4.
 HEIGHT, WEIGHT, YOUNG = 1.0, 10.0, 1.0e5
@@ -95,6 +96,7 @@ def find(made, cell, between):
     """The bracket of a problem, its particles and steps, and the seconds of its runs."""
     count = steps = 0
     seconds = 0.0
+    entry = Bisection(key="time.stages.0.strength.factor", between=between, tolerance=CLOSE)
 
     def run(factor):
         nonlocal count, steps, seconds
@@ -102,18 +104,22 @@ def find(made, cell, between):
         entries["time"]["stages"][0]["strength"]["factor"] = factor
         began, rests = process_time(), True
         sim = pgimp.Simulation(entries)
+        sim.advance(entries["time"]["end"])
+        start = {name: sim.particles[name] for name in ("id", "position")}
         try:
             sim.advance()
         except NoRestError:
             rests = False
         seconds += process_time() - began
         count, steps = len(sim.particles["id"]), steps + sim.steps
-        return Outcome(None, DONE, value=float(rests))
+        moved, most = greatest(start, sim.particles, sim.case), limit(entry, sim.case)
+        slid = most if rests and moved > most else None
+        return Outcome(None, DONE, value=float(rests and slid is None), moved=moved, slid=slid)
 
     run(between[0])  # compiles
     steps, seconds = 0, 0.0
     bracket = Bracket(Bisected("", None, cell, None))
-    for _ in bisect(bracket, Bisection(key="factor", between=between, tolerance=CLOSE), run):
+    for _ in bisect(bracket, entry, run):
         pass
     return bracket, count, steps, seconds
 
