@@ -24,7 +24,12 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     key_of_vertex,
     reflection,
 )
-from pgimp.kernels.contact.lagrangian.reference_numbers import by_axis, by_direction
+from pgimp.kernels.contact.lagrangian.reference_numbers import (
+    WIDE,
+    add_particle,
+    by_axis,
+    by_direction,
+)
 from pgimp.kernels.contact.lagrangian.supports import from_centroid
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
@@ -32,9 +37,6 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 #: Least part of the squares of a row of B at free vertices. Below it the few free vertices would
 #: have to compensate for the prescribed ones at many times the speed.
 LEAST_FREE = 0.25
-
-#: Vertices of a box of rows' sums, along each axis.
-WIDE = 8
 
 
 class Coupling(NamedTuple):
@@ -119,27 +121,6 @@ def number_rows(contact_pairs, row_of, slots):
                     rows += 1
                 ends[k].rows[side] = row_of[s]
     return rows
-
-
-@inner_kernel
-def _add_particle(box, supports, i, low, part, way):
-    """Add a particle's share of a row at the vertices of a box, four along the last axis at once.
-
-    A vertex j gets S0_jp + grad S0_jp . way, times `part`. `low` is the first vertex of the box,
-    and `way` is the vector from the particle to the row's vertex, both by axis.
-    """
-    first, many, w, g = supports.first, supports.many, supports.w, supports.g
-    x, y, z = 3 * i, 3 * i + 1, 3 * i + 2
-    a, b, c = first[i, 0] - low[0], first[i, 1] - low[1], first[i, 2] - low[2]
-    weight = load_row(w, z, 0)
-    slope, weight = part * way[2] * load_row(g, z, 0), part * weight
-    for m in range(many[i, 0]):
-        wx, gx = w[x, m], way[0] * g[x, m]
-        for n in range(many[i, 1]):
-            wy = w[y, n]
-            flat, even = wx * wy + gx * wy + wx * way[1] * g[y, n], wx * wy
-            row = (a + m) * WIDE + b + n
-            store_row(box, row, c, load_row(box, row, c) + flat * weight + even * slope)
 
 
 @inner_kernel
@@ -282,7 +263,7 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
                 part = table[i].mass * reached.weight[k] * inverse
                 way = from_centroid(frame, table[i], _way(frame, motion[i], vertex))
                 way = by_axis(frame, way)
-                _add_particle(box, supports, i, low, part, way)
+                add_particle(box, supports, i, low, part, way)
                 begin = (
                     min(begin[0], supports.first[i, 0]),
                     min(begin[1], supports.first[i, 1]),
