@@ -18,9 +18,9 @@ from pgimp.jit.vectors.simd import lane, vector, where
 from pgimp.kernels.contact.lagrangian.hash_table import find
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     OF_INVERSE_MASS,
-    across,
     image_of,
     is_turned,
+    key_bits,
     key_of_vertex,
     reflection,
 )
@@ -140,20 +140,19 @@ def _keep_row(frame, references, mirrors, r, box, used, seen, coupling):
     on. `seen` has the last row of each reference vertex, and its entry there.
     """
     sums, low, begin, end = box
-    _, _, fields, field = references
-    column, entry, beyond = coupling.column, coupling.entry, coupling.beyond
-    ny_nz, j = across(frame), -2
+    _, _, bits, field = references
+    column, entry, beyond, j = coupling.column, coupling.entry, coupling.beyond, -2
     for a in range(begin[0] - low[0], end[0] - low[0]):
         for b in range(begin[1] - low[1], end[1] - low[1]):
             row = a * WIDE + b
             number = by_direction(frame, (low[0] + a, low[1] + b, low[2]))
-            line = key_of_vertex(ny_nz, number, fields, field)
+            line = key_of_vertex(bits, number, field)
             for c in range(begin[2] - low[2], end[2] - low[2]):
                 share = sums[row, c]
                 if share == 0.0:
                     continue
                 if len(mirrors) == 0:  # keys ascend along the last axis
-                    j = _number_after(references, line + c * fields, j)
+                    j = _number_after(references, line + (c << bits[2]), j)
                     if j >= 0 and seen[0, j] != r:
                         seen[0, j], seen[1, j], column[used], entry[used, 0] = r, used, j, share
                         used += 1
@@ -162,7 +161,7 @@ def _keep_row(frame, references, mirrors, r, box, used, seen, coupling):
                     continue
                 number = by_direction(frame, (low[0] + a, low[1] + b, low[2] + c))
                 image = image_of(mirrors, number)
-                j = _number_after(references, key_of_vertex(ny_nz, image, fields, field), j)
+                j = _number_after(references, key_of_vertex(bits, image, field), j)
                 if j < 0:
                     continue
                 if seen[0, j] != r:
@@ -225,7 +224,7 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
     (table, motion), supports = particles, initial[0]
     numbers, seen, left, box = scratch
     sums, reached, start = contact_vertices.sums, contact_vertices.reached, coupling.start
-    used, most = 0, WIDE**3
+    used, most, bits = 0, WIDE**3, key_bits(frame, initial[3])
     seen[0, :] = -1
     start[0] = 0
     for r in range(len(slots)):
@@ -236,7 +235,7 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
             left[waiting] = k
             waiting += 1
         some = table[reached.particle[head]]
-        references = (initial[1], initial[2], initial[3], some.field)
+        references = (initial[1], initial[2], bits, some.field)
         if some.lagrangian == 0:  # as the whole group: its own grid is the current one
             low, whole = by_axis(frame, vertex), 0.0
             for k in range(head, reached.end[s]):

@@ -8,7 +8,7 @@ from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.jit.vectors.simd import pack, vector, where
 from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, table_size
-from pgimp.kernels.contact.lagrangian.reference_grid import across, image_of, key_of_vertex
+from pgimp.kernels.contact.lagrangian.reference_grid import image_of, key_bits, key_of_vertex
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
@@ -125,12 +125,12 @@ def number_reference_vertices(frame, table, supports, mirrors, fields) -> Refere
     mirrors : (n,) FACE_PLANE
         The reflecting walls, see `Mirror`; a vertex beyond one has its image's sums.
     """
-    ny_nz, patches, many = across(frame), 0, len(supports.local)
+    bits, patches, many = key_bits(frame, fields), 0, len(supports.local)
     patch_of = np.empty(len(table), np.int64)
     known = np.full((table_size(len(table)), 2), -1, np.int64)
     for i in range(len(table)):
         first = supports.first[i]
-        key = key_of_vertex(ny_nz, (first[0], first[1], first[2]), fields, table[i].field)
+        key = key_of_vertex(bits, (first[0], first[1], first[2]), table[i].field)
         patch_of[i] = find_or_insert(known, key, patches)
         patches = max(patches, patch_of[i] + 1)
     number_in = np.full((patches, many), -1, np.int64)
@@ -142,7 +142,7 @@ def number_reference_vertices(frame, table, supports, mirrors, fields) -> Refere
         for q in range(many):
             if number_in[patch, q] < 0 and _has_weight(supports, i, q):
                 number = image_of(mirrors, vertex_at(supports, i, q))
-                key = key_of_vertex(ny_nz, number, fields, table[i].field)
+                key = key_of_vertex(bits, number, table[i].field)
                 n = find_or_insert(known, key, found)
                 if n == found:
                     keys[n], particle[n] = key, i
