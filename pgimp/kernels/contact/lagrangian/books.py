@@ -7,9 +7,10 @@ and constraints bear their share, as for all forces there.
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.kernels.contact.books import book, losses_of
 from pgimp.kernels.contact.lagrangian.gauss_seidel import impulse_of, load_pair
-from pgimp.kernels.contact.lagrangian.reference_grid import offset_of_key, turns
+from pgimp.kernels.contact.lagrangian.reference_grid import key_bits, offset_of_key, turns
 from pgimp.kernels.data.ledger import CONTACT_AREA, WALL_HEAT, WALL_LOSS
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
+from pgimp.kernels.data.velocity_fields import field_count
 from pgimp.kernels.grid.conditions import Holding, hold
 from pgimp.kernels.loads.prescribed import add_moment, place_of
 
@@ -162,11 +163,12 @@ def book_held(holding, field, changes, ledger):
         Impulses grow by the shares, and work by the shares times the velocities there.
     """
     G, forcing = field.G, holding.forcing
+    bits = key_bits(holding.frame, field_count(field.window))
     for n in range(len(changes.keys)):
         lost = (changes.held[n, 0], changes.held[n, 1], changes.held[n, 2])
         if lost[0] == 0.0 and lost[1] == 0.0 and lost[2] == 0.0:
             continue
-        r, number = offset_of_key(holding.frame, field, changes.keys[n])
+        r, number = offset_of_key(field, bits, changes.keys[n])
         i = number[0] - field.window.lower[0]
         if r < 0 or i >= field.owned or not G[r + MASS] > forcing.mass_cutoff:
             continue

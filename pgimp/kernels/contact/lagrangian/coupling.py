@@ -18,13 +18,18 @@ from pgimp.jit.vectors.simd import lane, vector, where
 from pgimp.kernels.contact.lagrangian.hash_table import find
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     OF_INVERSE_MASS,
-    across,
     image_of,
     is_turned,
+    key_bits,
     key_of_vertex,
     reflection,
 )
-from pgimp.kernels.contact.lagrangian.reference_numbers import by_axis, by_direction
+from pgimp.kernels.contact.lagrangian.reference_numbers import (
+    WIDE,
+    add_particle,
+    by_axis,
+    by_direction,
+)
 from pgimp.kernels.contact.lagrangian.supports import from_centroid
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
@@ -32,9 +37,6 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 #: Least part of the squares of a row of B at free vertices. Below it the few free vertices would
 #: have to compensate for the prescribed ones at many times the speed.
 LEAST_FREE = 0.25
-
-#: Vertices of a box of rows' sums, along each axis.
-WIDE = 8
 
 
 class Coupling(NamedTuple):
@@ -122,27 +124,6 @@ def number_rows(contact_pairs, row_of, slots):
 
 
 @inner_kernel
-def _add_particle(box, supports, i, low, part, way):
-    """Add a particle's share of a row at the vertices of a box, four along the last axis at once.
-
-    A vertex j gets S0_jp + grad S0_jp . way, times `part`. `low` is the first vertex of the box,
-    and `way` is the vector from the particle to the row's vertex, both by axis.
-    """
-    first, many, w, g = supports.first, supports.many, supports.w, supports.g
-    x, y, z = 3 * i, 3 * i + 1, 3 * i + 2
-    a, b, c = first[i, 0] - low[0], first[i, 1] - low[1], first[i, 2] - low[2]
-    weight = load_row(w, z, 0)
-    slope, weight = part * way[2] * load_row(g, z, 0), part * weight
-    for m in range(many[i, 0]):
-        wx, gx = w[x, m], way[0] * g[x, m]
-        for n in range(many[i, 1]):
-            wy = w[y, n]
-            flat, even = wx * wy + gx * wy + wx * way[1] * g[y, n], wx * wy
-            row = (a + m) * WIDE + b + n
-            store_row(box, row, c, load_row(box, row, c) + flat * weight + even * slope)
-
-
-@inner_kernel
 def _number_after(references, key, j):
     """Number of the reference vertex with a key, -1 without one; `j` is that of the key before."""
     hashes, keys = references[0], references[1]
@@ -159,20 +140,19 @@ def _keep_row(frame, references, mirrors, r, box, used, seen, coupling):
     on. `seen` has the last row of each reference vertex, and its entry there.
     """
     sums, low, begin, end = box
-    _, _, fields, field = references
-    column, entry, beyond = coupling.column, coupling.entry, coupling.beyond
-    ny_nz, j = across(frame), -2
+    _, _, bits, field = references
+    column, entry, beyond, j = coupling.column, coupling.entry, coupling.beyond, -2
     for a in range(begin[0] - low[0], end[0] - low[0]):
         for b in range(begin[1] - low[1], end[1] - low[1]):
             row = a * WIDE + b
             number = by_direction(frame, (low[0] + a, low[1] + b, low[2]))
-            line = key_of_vertex(ny_nz, number, fields, field)
+            line = key_of_vertex(bits, number, field)
             for c in range(begin[2] - low[2], end[2] - low[2]):
                 share = sums[row, c]
                 if share == 0.0:
                     continue
                 if len(mirrors) == 0:  # keys ascend along the last axis
-                    j = _number_after(references, line + c * fields, j)
+                    j = _number_after(references, line + (c << bits[2]), j)
                     if j >= 0 and seen[0, j] != r:
                         seen[0, j], seen[1, j], column[used], entry[used, 0] = r, used, j, share
                         used += 1
@@ -181,7 +161,7 @@ def _keep_row(frame, references, mirrors, r, box, used, seen, coupling):
                     continue
                 number = by_direction(frame, (low[0] + a, low[1] + b, low[2] + c))
                 image = image_of(mirrors, number)
-                j = _number_after(references, key_of_vertex(ny_nz, image, fields, field), j)
+                j = _number_after(references, key_of_vertex(bits, image, field), j)
                 if j < 0:
                     continue
                 if seen[0, j] != r:
@@ -244,7 +224,7 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
     (table, motion), supports = particles, initial[0]
     numbers, seen, left, box = scratch
     sums, reached, start = contact_vertices.sums, contact_vertices.reached, coupling.start
-    used, most = 0, WIDE**3
+    used, most, bits = 0, WIDE**3, key_bits(frame, initial[3])
     seen[0, :] = -1
     start[0] = 0
     for r in range(len(slots)):
@@ -255,7 +235,7 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
             left[waiting] = k
             waiting += 1
         some = table[reached.particle[head]]
-        references = (initial[1], initial[2], initial[3], some.field)
+        references = (initial[1], initial[2], bits, some.field)
         if some.lagrangian == 0:  # as the whole group: its own grid is the current one
             low, whole = by_axis(frame, vertex), 0.0
             for k in range(head, reached.end[s]):
@@ -282,7 +262,7 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
                 part = table[i].mass * reached.weight[k] * inverse
                 way = from_centroid(frame, table[i], _way(frame, motion[i], vertex))
                 way = by_axis(frame, way)
-                _add_particle(box, supports, i, low, part, way)
+                add_particle(box, supports, i, low, part, way)
                 begin = (
                     min(begin[0], supports.first[i, 0]),
                     min(begin[1], supports.first[i, 1]),

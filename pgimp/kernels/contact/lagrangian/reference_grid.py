@@ -1,7 +1,7 @@
 """Reference vertices: vertices of the reference grid near contact, in the initial configuration.
 
-The key of a vertex combines its number in the whole grid and the velocity field, equal on all
-ranks.
+The key of a vertex combines its numbers in the whole grid and the velocity field, equal on all
+ranks. Each has bits of its own: to read them by divisions takes several times as long.
 """
 
 from typing import NamedTuple
@@ -68,18 +68,23 @@ class Changes(NamedTuple):
 
 
 @inner_kernel
-def across(frame):
-    """Number of vertices along y and z."""
-    y, z, more = 1, 1, 1 + 2 * frame.ghost
-    for d in range(len(frame.cell)):
-        y, z = frame.cells[d] + more if d == 1 else y, frame.cells[d] + more if d == 2 else z
-    return y, z
+def key_bits(frame, fields):
+    """Bits of a key for a vertex's numbers along y and z, and for one of `fields` fields."""
+    y, z, f, more = 0, 0, 0, 1 + 2 * frame.ghost
+    D = len(frame.cell)
+    while D > 1 and 1 << y < frame.cells[min(1, D - 1)] + more:
+        y += 1
+    while D > 2 and 1 << z < frame.cells[min(2, D - 1)] + more:
+        z += 1
+    while 1 << f < fields:
+        f += 1
+    return y, z, f
 
 
 @inner_kernel
-def key_of_vertex(ny_nz, number, fields, field):
-    """Key of a vertex, given by its numbers, for one of `fields` velocity fields."""
-    return ((number[0] * ny_nz[0] + number[1]) * ny_nz[1] + number[2]) * fields + field
+def key_of_vertex(bits, number, field):
+    """Key of a vertex, given by its numbers, for a velocity field; `bits` are from `key_bits`."""
+    return ((((number[0] << bits[0]) + number[1]) << bits[1]) + number[2] << bits[2]) + field
 
 
 @inner_kernel
@@ -138,13 +143,13 @@ def read_reference_vertices(holding, field, keys, values):
         Set here.
     """
     frame, forcing, G = holding.frame, holding.forcing, field.G
-    D = len(frame.origin)
+    D, bits = len(frame.origin), key_bits(frame, field_count(field.window))
     for n in range(len(keys)):
         row = values[n]
         row.mass = row._ = row.__ = 0.0
         for d in range(3):
             row.velocity[d] = row.inverse_mass[d] = row.held_impulse[d] = 0.0
-        r, number = offset_of_key(frame, field, keys[n])
+        r, number = offset_of_key(field, bits, keys[n])
         if r < 0:  # rounding gives it weight, but no mass
             continue
         m, v = G[r + MASS], (G[r + VELOCITY], G[r + VELOCITY + 1], G[r + VELOCITY + 2])
@@ -163,13 +168,11 @@ def read_reference_vertices(holding, field, keys, values):
 
 
 @inner_kernel
-def offset_of_key(frame, field, key):
+def offset_of_key(field, bits, key):
     """Offset of a vertex's record on a rank, -1 without one, and the vertex's numbers."""
-    window = field.window
-    size, count = field_size(window), field_count(window)
-    ny, nz = across(frame)
-    rest, one = key // count, key % count
-    number = (rest // (nz * ny), rest // nz % ny, rest % nz)
+    window, rest = field.window, key >> bits[2]
+    size, one, line = field_size(window), key & (1 << bits[2]) - 1, rest >> bits[1]
+    number = (line >> bits[0], line & (1 << bits[0]) - 1, rest & (1 << bits[1]) - 1)
     x, y, z = number[0] - window.lower[0], number[1] - window.lower[1], number[2] - window.lower[2]
     if x < 0 or x >= len(field.active) or y < 0 or y >= window.extent[1]:
         return -1, number
@@ -192,8 +195,9 @@ def change_velocities(frame, field, changes, forcing, work):
         Grows by the changes' share of that work.
     """
     G, dt, gravity = field.G, forcing.dt, forcing.gravity
+    bits = key_bits(frame, field_count(field.window))
     for n in range(len(changes.keys)):
-        r, number = offset_of_key(frame, field, changes.keys[n])
+        r, number = offset_of_key(field, bits, changes.keys[n])
         if r < 0:
             continue
         power = 0.0

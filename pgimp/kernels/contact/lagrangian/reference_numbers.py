@@ -1,14 +1,19 @@
-"""Numbers of the reference vertices on which particles have weight."""
+"""The reference vertices on which particles have weight: their numbers, and sums there."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.jit.kernel import allocating_kernel, inner_kernel, kernel
+from pgimp.jit.vectors.rows import load_row, store_row
+from pgimp.jit.vectors.simd import pack, vector, where
 from pgimp.kernels.contact.lagrangian.hash_table import find_or_insert, table_size
-from pgimp.kernels.contact.lagrangian.reference_grid import across, image_of, key_of_vertex
+from pgimp.kernels.contact.lagrangian.reference_grid import image_of, key_bits, key_of_vertex
 from pgimp.kernels.contact.lagrangian.supports import vertex_at, weights_at
 from pgimp.kernels.data.particles import FloatArray, IntArray
+
+#: Vertices of a box of sums, along each axis.
+WIDE = 8
 
 
 class ReferenceSupports(NamedTuple):
@@ -20,8 +25,9 @@ class ReferenceSupports(NamedTuple):
     ----------
     first, many : (n, 3) int64
         The first vertex with weight, and how many there are, by axis.
-    w, g : (3 n, 4) float64
-        Weights and gradients times the cell, a row for each axis; 0 beyond the last vertex.
+    w, g : (3 n + 1, 4) float64
+        Weights and gradients times the cell, a row for each axis; 0 beyond the last vertex. The
+        last row is not set: `add_particle` reads past a row.
     """
 
     first: IntArray
@@ -33,7 +39,7 @@ class ReferenceSupports(NamedTuple):
     def empty(cls, count: int) -> "ReferenceSupports":
         """Allocate for so many particles."""
         first, many = np.empty((2, count, 3), np.int64)
-        w, g = np.empty((2, 3 * count, 4))
+        w, g = np.empty((2, 3 * count + 1, 4))
         return cls(first, many, w, g)
 
 
@@ -119,12 +125,12 @@ def number_reference_vertices(frame, table, supports, mirrors, fields) -> Refere
     mirrors : (n,) FACE_PLANE
         The reflecting walls, see `Mirror`; a vertex beyond one has its image's sums.
     """
-    ny_nz, patches, many = across(frame), 0, len(supports.local)
+    bits, patches, many = key_bits(frame, fields), 0, len(supports.local)
     patch_of = np.empty(len(table), np.int64)
     known = np.full((table_size(len(table)), 2), -1, np.int64)
     for i in range(len(table)):
         first = supports.first[i]
-        key = key_of_vertex(ny_nz, (first[0], first[1], first[2]), fields, table[i].field)
+        key = key_of_vertex(bits, (first[0], first[1], first[2]), table[i].field)
         patch_of[i] = find_or_insert(known, key, patches)
         patches = max(patches, patch_of[i] + 1)
     number_in = np.full((patches, many), -1, np.int64)
@@ -136,7 +142,7 @@ def number_reference_vertices(frame, table, supports, mirrors, fields) -> Refere
         for q in range(many):
             if number_in[patch, q] < 0 and _has_weight(supports, i, q):
                 number = image_of(mirrors, vertex_at(supports, i, q))
-                key = key_of_vertex(ny_nz, number, fields, table[i].field)
+                key = key_of_vertex(bits, number, table[i].field)
                 n = find_or_insert(known, key, found)
                 if n == found:
                     keys[n], particle[n] = key, i
@@ -150,3 +156,38 @@ def keep_numbers(keys, hashes):
     """Insert keys and their numbers, in this order, into an empty hash table."""
     for n in range(len(keys)):
         find_or_insert(hashes, keys[n], n)
+
+
+@inner_kernel
+def _moved_on(rows, row, c):
+    """A row of four numbers from column `c` of `WIDE` on, 0 to 4, in two vectors; 0 elsewhere."""
+    before, zero = pack(0.0, 1.0, 2.0, 3.0) < vector(float(c)), vector(0.0)
+    low, high = load_row(rows, row, -c), load_row(rows, row, 4 - c)
+    return where(before, zero, low), where(before, high, zero)
+
+
+@inner_kernel
+def add_particle(box, supports, i, low, part, way):
+    """Add a particle's share of a row at the vertices of a box, four along the last axis at once.
+
+    A vertex j gets S0_jp + grad S0_jp . way, times `part`. `low` is the first vertex of the box,
+    and `way` is the vector from the particle to the row's vertex, both by axis.
+
+    All particles read and write the box in the same vectors: a CPU waits where it reads numbers of
+    two recent stores.
+    """
+    first, many, w, g = supports.first, supports.many, supports.w, supports.g
+    x, y, z = 3 * i, 3 * i + 1, 3 * i + 2
+    a, b, c = first[i, 0] - low[0], first[i, 1] - low[1], first[i, 2] - low[2]
+    weights, slopes, steep = _moved_on(w, z, c), _moved_on(g, z, c), part * way[2]
+    weights = part * weights[0], part * weights[1]
+    slopes = steep * slopes[0], steep * slopes[1]
+    for m in range(many[i, 0]):
+        wx, gx = w[x, m], way[0] * g[x, m]
+        for n in range(many[i, 1]):
+            wy = w[y, n]
+            flat, even = wx * wy + gx * wy + wx * way[1] * g[y, n], wx * wy
+            row = (a + m) * WIDE + b + n
+            for half in range(2):
+                sums = load_row(box, row, 4 * half)
+                store_row(box, row, 4 * half, sums + flat * weights[half] + even * slopes[half])

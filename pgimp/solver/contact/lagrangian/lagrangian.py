@@ -14,10 +14,11 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_contacts, book_held, book_mirrored
 from pgimp.kernels.contact.lagrangian.broad_phase import grow_boxes
-from pgimp.kernels.contact.lagrangian.coupling import WIDE, Coupling, find_coupling, number_rows
+from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling, number_rows
 from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES, solve_impulses
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
 from pgimp.kernels.contact.lagrangian.reference_grid import Changes, change_velocities
+from pgimp.kernels.contact.lagrangian.reference_numbers import WIDE
 from pgimp.kernels.contact.lagrangian.rows import Solved, find_free
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices, sum_at_contact_vertices
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
