@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 import traceback
+from collections.abc import Iterable
+from itertools import takewhile
 from pathlib import Path
 
 from pgimp.errors import is_library, is_outside
@@ -49,18 +51,19 @@ def _loaded(filename: str) -> str:
     files = {file for one in (*sys.modules.values(),) if (file := getattr(one, "__file__", None))}
     if filename in files:
         return filename
-    parts = Path(filename).parts[::-1]
-    agree = {file: _common(parts, Path(file).parts[::-1]) for file in sorted(files)}
-    best = max(agree, key=lambda file: agree[file])
-    return best if agree[best] else filename
+    end = Path(filename).parts[::-1]
+    agree = {
+        file: sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], _pairs(end, file)))
+        for file in sorted(files)
+        if not is_library(file)
+    }
+    best = max(agree, key=lambda file: agree[file], default=filename)
+    return best if agree.get(best) else filename
 
 
-def _common(one: tuple[str, ...], other: tuple[str, ...]) -> int:
-    """Number of equal entries at the start of both."""
-    return next(
-        (i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b),
-        min(len(one), len(other)),
-    )
+def _pairs(end: tuple[str, ...], file: str) -> Iterable[tuple[str, str]]:
+    """Parts of two paths side by side, from their ends on."""
+    return zip(end, Path(file).parts[::-1], strict=False)
 
 
 def _has(function: Function, at: traceback.FrameSummary) -> bool:
