@@ -11,7 +11,7 @@ from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import FRAMES, MixedFrame
 from pgimp.kernels.data.particles import Carried, Particles
-from pgimp.kernels.lagrangian.cell_sums import MOST
+from pgimp.kernels.lagrangian.cell_derivatives import MOST
 from pgimp.kernels.loads.loads import Loads
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import EVERY

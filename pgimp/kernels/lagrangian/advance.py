@@ -8,15 +8,17 @@ from typing import Any, NamedTuple
 from pgimp.jit.algebra import determinant, inverse, multiply
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.tuples import plus_scaled, scaled
-from pgimp.jit.vectors.simd import bits, lane, load, stack, store, vector, where
+from pgimp.jit.vectors.lanes import of_lane, with_lanes
+from pgimp.jit.vectors.simd import bits, lane, load, vector, where
 from pgimp.kernels.data.motion import KEPT_MASS
-from pgimp.kernels.lagrangian.cell_sums import (
+from pgimp.kernels.lagrangian.cell_derivatives import (
     broadcast,
-    corner_displacements,
     deformations_of_four,
+    derivative_buffers,
+    derive_across,
     derive_slice,
-    sizes,
-    slice_buffers,
+    load_corners,
+    sizes_of,
 )
 from pgimp.kernels.lagrangian.cells import note_wrong, raise_rate
 from pgimp.kernels.lagrangian.stored_stress import averages, four_slots
@@ -57,8 +59,7 @@ def _advance(cells, field, particles, dt):
 
 @specialise(_advance)
 def _advance_of(cells, field, particles, dt):
-    D, slices, _, _, groups, _, first, second = sizes(cells.types[cells.fields.index("per_cell")])
-    identity = tuple(float(i == j) for i in range(D) for j in range(D))
+    D, slices, _, _, groups, _, first, second = sizes_of(cells)
 
     def advance(cells, field, particles, dt):
         setting, loads, window = cells.setting, cells.loads, field.window
@@ -67,24 +68,25 @@ def _advance_of(cells, field, particles, dt):
         h, fastest = 0.0, vector(0.0)
         for d in range(D):
             h = max(h, setting.frame.inverse[d])
-        u, buffers = stack(32), slice_buffers()
+        buffers = derivative_buffers()
         for layer in range(len(cells.start) - 1):
             for cell in range(cells.start[layer], cells.start[layer + 1]):
                 at, k = layer * strides[0] + cells.place[cell], cells.material[cell]
                 material = (k, k, k, k)
-                corner_displacements(cells.per_cell, field.motion.values, at, strides, u)
-                centre = _centre(loads, setting.frame, u)
+                load_corners(cells, field.motion.values, at, strides, buffers.u)
+                derive_across(cells, buffers)
+                centre = _centre(loads, setting.frame, buffers.u)
                 for q in range(slices):
-                    derive_slice(cells, u, q, buffers)
+                    derive_slice(cells, q, buffers)
                     for group in range(groups):
                         slot = 4 * ((cell * slices + q) * groups + group)
                         if cells.rows[slot] < 0:
                             continue
                         rows, V = four_slots(cells.rows, slot), load(cells.volumes, slot)
+                        F = deformations_of_four(cells, buffers, group)
                         present = bits(V > 0.0)
                         if present != 15:
-                            _repeat(buffers, group, present)
-                        F = deformations_of_four(identity, buffers, group)
+                            F = _repeated(F, present)
                         F = _swollen(centre, setting.frame, particles, rows, F)
                         before = deformations(setting.frame, particles, rows)
                         change = plus_scaled(-1.0, before, F)
@@ -112,21 +114,21 @@ def _advance_of(cells, field, particles, dt):
     return advance
 
 
-def _repeat(buffers, group, present):
-    """Give slots without a particle the derivatives of the first particle of the four."""
+def _repeated(F, present):
+    """Matrices of four particles with the first present one's in slots without a particle."""
 
 
-@specialise(_repeat)
-def _repeat_first(buffers, group, present):
-    def repeat(buffers, group, present):
-        grads, source = buffers[3], 0
+@specialise(_repeated)
+def _repeat_first(F, present):
+    def repeat(F, present):
+        source = 0
         while present >> source & 1 == 0:
             source += 1
+        first = of_lane(F, source)
         for j in range(4):
             if present >> j & 1 == 0:
-                for e in range(3):
-                    value = load(grads, 48 * group + 12 * source + 4 * e)
-                    store(grads, 48 * group + 12 * j + 4 * e, value)
+                F = with_lanes(F, j, first)
+        return F
 
     return repeat
 

@@ -22,18 +22,23 @@ from pgimp.jit.vectors.lanes import where_all
 from pgimp.jit.vectors.simd import bits, lane, load, stack, store, vector
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.lagrangian.cell_sums import (
-    add_slice,
+from pgimp.kernels.lagrangian.cell_derivatives import (
     broadcast,
-    corner_displacements,
     deformations_of_four,
+    derivative_buffers,
+    derive_across,
     derive_slice,
-    sizes,
-    slice_buffers,
-    stress_buffer,
+    load_corners,
+    sizes_of,
+)
+from pgimp.kernels.lagrangian.cell_forces import (
+    add_slice,
+    begin_stresses,
+    cell_forces,
+    keep_stresses,
+    stress_buffers,
 )
 from pgimp.kernels.lagrangian.stored_stress import add_mean_forces, keep_stored, mean_total
-from pgimp.kernels.update.piola import keep_columns
 from pgimp.kernels.update.speed import grid_speed
 from pgimp.physics.materials.parameters.evaluate import evaluate_four
 
@@ -64,8 +69,9 @@ class Cells(NamedTuple):
     rows : (cells * slots,) int64
         Rows of the particles with a memory; of four slots those without a particle repeat another
         one's, or are -1 if all are.
-    weights, gradients : (D * MOST * 2,) float64
-        S and its derivative of the particles along each direction, at the two vertices.
+    fractions, distances : (D * MOST,) float64
+        Distances of the particles from the lower vertex along each direction, over its cell's
+        length, and themselves.
     per_cell : tuple of D tuples
         As long as there are particles along each direction.
     controlled : bool
@@ -83,8 +89,8 @@ class Cells(NamedTuple):
     material: IntArray
     volumes: FloatArray
     rows: IntArray
-    weights: FloatArray
-    gradients: FloatArray
+    fractions: FloatArray
+    distances: FloatArray
     per_cell: tuple
     controlled: bool
     rate: FloatArray
@@ -127,7 +133,7 @@ def add_cells(cells, field, particles, layer, span):
 def _add_cells(cells, field, particles, layer, span):
     if not hasattr(cells, "instance_class"):  # ()
         return lambda cells, field, particles, layer, span: span
-    D, slices, _, _, _, planes, first, second = sizes(cells.types[cells.fields.index("per_cell")])
+    D, slices, _, _, _, planes, first, second = sizes_of(cells)
 
     def add(cells, field, particles, layer, span):
         scratch, window = field.scratch, field.window
@@ -135,20 +141,20 @@ def _add_cells(cells, field, particles, layer, span):
         inverse, fastest = 0.0, vector(0.0)
         for d in range(D):
             inverse = max(inverse, cells.setting.frame.inverse[d])
-        u, f, P, buffers = stack(32), stack(32), stress_buffer(), slice_buffers()
+        f, derivatives, stresses = stack(32), derivative_buffers(), stress_buffers()
         low, high = sa, -1
         for cell in range(cells.start[layer], cells.start[layer + 1]):
             at = cells.place[cell]
             low, high = min(low, at), max(high, at)
-            _begin_cell(cells, field.motion.values, layer * sa + at, (sa, sb, sc), u)
-            for a in range(4 * planes):
-                store(f, 4 * a, vector(0.0))
+            _begin_cell(cells, field.motion.values, layer * sa + at, (sa, sb, sc), derivatives)
+            begin_stresses(cells, stresses)
             total = mean_total(cells.loads)
             for q in range(slices):
                 fastest, total = _keep_slice(
-                    cells, particles, cell, q, (u, buffers, P), inverse, fastest, total
+                    cells, particles, cell, q, (derivatives, stresses), inverse, fastest, total
                 )
-                add_slice(cells, P, q, buffers, f)
+                add_slice(cells, q, stresses)
+            cell_forces(cells, stresses, f)
             add_mean_forces(cells, particles, cell, total, f)
             for a in range(planes):
                 for i in range(4):
@@ -170,40 +176,42 @@ def _elastic(cells):
     return not hasattr(cells.types[cells.fields.index("loads")], "instance_class")
 
 
-def _begin_cell(cells, motion, at, strides, u):
-    """Load the displacements of a cell's corners, of elastic materials."""
+def _begin_cell(cells, motion, at, strides, derivatives):
+    """Begin the derivatives of the displacements in a cell, of elastic materials."""
 
 
 @specialise(_begin_cell)
-def _begin_cell_of(cells, motion, at, strides, u):
+def _begin_cell_of(cells, motion, at, strides, derivatives):
+    def begin(cells, motion, at, strides, derivatives):
+        load_corners(cells, motion, at, strides, derivatives.u)
+        derive_across(cells, derivatives)
+
     if _elastic(cells):
-        return lambda cells, motion, at, strides, u: corner_displacements(
-            cells.per_cell, motion, at, strides, u
-        )
-    return lambda cells, motion, at, strides, u: None
+        return begin
+    return lambda cells, motion, at, strides, derivatives: None
 
 
 def _keep_slice(cells, particles, cell, q, buffers, inverse, fastest, total):
     """Store -V0 P of the particles of slice `q`; greatest speeds, and sums for mean dilatation.
 
-    `buffers` are the corners' displacements, those of `slice_buffers`, and `stress_buffer`.
+    `buffers` are `Derivatives` and `Stresses`.
     """
 
 
 @specialise(_keep_slice)
 def _keep_slice_of(cells, particles, cell, q, buffers, inverse, fastest, total):
-    D, slices, _, _, groups, _, _, _ = sizes(cells.types[cells.fields.index("per_cell")])
+    D, slices, _, _, groups, _, _, _ = sizes_of(cells)
     identity = tuple(float(i == j) for i in range(D) for j in range(D))
 
     def elastic(cells, particles, cell, q, buffers, inverse, fastest, total):
-        u, sums, P = buffers
+        derivatives, stresses = buffers
         setting, k = cells.setting, cells.material[cell]
         material = (k, k, k, k)
-        derive_slice(cells, u, q, sums)
+        derive_slice(cells, q, derivatives)
         for group in range(groups):
             slot = 4 * ((cell * slices + q) * groups + group)
             V = load(cells.volumes, slot)
-            F = deformations_of_four(identity, sums, group)
+            F = deformations_of_four(cells, derivatives, group)
             J = determinant(F)
             sound = bits((V > 0.0) & (J > 0.0))
             if sound != 15:
@@ -211,7 +219,7 @@ def _keep_slice_of(cells, particles, cell, q, buffers, inverse, fastest, total):
                 F = where_all((V > 0.0) & (J > 0.0), F, broadcast(identity))
                 J = determinant(F)
             stress = evaluate_four("piola", setting.materials, material, (F, J), (), F)
-            keep_columns(P, 48 * group, scaled(-V, stress))
+            keep_stresses(stresses, group, scaled(-V, stress))
             if cells.controlled:
                 c = grid_speed(setting, True, material, ((), F, J, ()), inverse, 0.0)
                 fastest = max(c * inverse, fastest)
@@ -220,7 +228,7 @@ def _keep_slice_of(cells, particles, cell, q, buffers, inverse, fastest, total):
     def stored(cells, particles, cell, q, buffers, inverse, fastest, total):
         for group in range(groups):
             slot = 4 * ((cell * slices + q) * groups + group)
-            total = keep_stored(cells, particles, slot, buffers[2], 48 * group, total)
+            total = keep_stored(cells, particles, slot, buffers[1], group, total)
         return fastest, total
 
     return elastic if _elastic(cells) else stored

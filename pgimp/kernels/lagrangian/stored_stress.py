@@ -8,9 +8,10 @@ from pgimp.jit.algebra import cofactor, full, multiply
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.simd import lane, load, pack, store, vector
-from pgimp.kernels.lagrangian.cell_sums import sizes
+from pgimp.kernels.lagrangian.cell_derivatives import sizes_of
+from pgimp.kernels.lagrangian.cell_forces import keep_stresses
 from pgimp.kernels.transfer.lane_io import deformations, take_row
-from pgimp.kernels.update.piola import keep_columns, less_pressure
+from pgimp.kernels.update.piola import less_pressure
 from pgimp.kernels.update.viscosity import trace
 
 
@@ -44,29 +45,29 @@ def _four_slots(rows, slot):
     return lambda rows, slot: (rows[slot], rows[slot + 1], rows[slot + 2], rows[slot + 3])
 
 
-def keep_stored(cells, particles, slot, buffer, at, total):
-    """Store -V0 P of four particles in a buffer, and add to the sum of `mean_total`."""
+def keep_stored(cells, particles, slot, stresses, group, total):
+    """Store -V0 P of four particles of a slice, and add to the sum of `mean_total`."""
 
 
 @specialise(keep_stored)
-def _keep_stored(cells, particles, slot, buffer, at, total):
-    D = sizes(cells.types[cells.fields.index("per_cell")]).dimension
+def _keep_stored(cells, particles, slot, stresses, group, total):
+    D = sizes_of(cells).dimension
     like, matrix, part = (0.0,) * (3, 4, 6)[D - 1], (0.0,) * D**2, 1.0 / D
 
-    def keep(cells, particles, slot, buffer, at, total):
+    def keep(cells, particles, slot, stresses, group, total):
         if cells.rows[slot] < 0:
-            keep_columns(buffer, at, scaled(vector(0.0), matrix))
+            keep_stresses(stresses, group, scaled(vector(0.0), matrix))
             return total
         rows = four_slots(cells.rows, slot)
         sigma = take_row(particles.sigma, rows, 0, like)
         sigma = less_pressure(cells.loads.viscosity, particles, rows, sigma)
         P = multiply(full(sigma), cofactor(deformations(cells.setting.frame, particles, rows)))
-        keep_columns(buffer, at, scaled(-load(cells.volumes, slot), P))
+        keep_stresses(stresses, group, scaled(-load(cells.volumes, slot), P))
         return total
 
-    def keep_both(cells, particles, slot, buffer, at, total):
+    def keep_both(cells, particles, slot, stresses, group, total):
         if cells.rows[slot] < 0:
-            keep_columns(buffer, at, scaled(vector(0.0), matrix))
+            keep_stresses(stresses, group, scaled(vector(0.0), matrix))
             return total
         rows = four_slots(cells.rows, slot)
         sigma = take_row(particles.sigma, rows, 0, like)
@@ -76,7 +77,7 @@ def _keep_stored(cells, particles, slot, buffer, at, total):
         rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
         ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -load(cells.volumes, slot)
         P = multiply(full(rest), cofactor(deformations(cells.setting.frame, particles, rows)))
-        keep_columns(buffer, at, scaled(V * ratio, P))
+        keep_stresses(stresses, group, scaled(V * ratio, P))
         return (total[0] + V * mean,)
 
     return keep_both if len(total) else keep
@@ -88,9 +89,7 @@ def add_mean_forces(cells, particles, cell, total, f):
 
 @specialise(add_mean_forces)
 def _add_mean_forces(cells, particles, cell, total, f):
-    D, slices, _, _, groups, planes, first, second = sizes(
-        cells.types[cells.fields.index("per_cell")]
-    )
+    D, slices, _, _, groups, planes, first, second = sizes_of(cells)
     if len(total) == 0:
         return lambda cells, particles, cell, total, f: None
     three, slots, matrix = D == 3, 4 * groups * slices, (0.0,) * D**2

@@ -8,7 +8,7 @@ import numpy as np
 
 from pgimp.decomposition.grid import aligned
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.lagrangian.cell_sums import MOST
+from pgimp.kernels.lagrangian.cell_derivatives import MOST
 from pgimp.kernels.lagrangian.cells import Cells
 from pgimp.kernels.lagrangian.keep import beyond_bounds
 from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE
@@ -166,17 +166,16 @@ def _faults(F: np.ndarray) -> np.ndarray:
 def _cells(
     scene: Scene, start: np.ndarray, place: np.ndarray, material: np.ndarray, slots: int
 ) -> Cells:
-    """Cells with the weights of the lattice; their volumes are zero."""
+    """Cells with the places of the lattice; their volumes are zero."""
     per_cell, D = scene.case.method.particles_per_cell, scene.dimension
-    weights, gradients = np.zeros((2, D, MOST, 2))
+    fractions = np.zeros((D, MOST))
     for d, count in enumerate(per_cell):
-        at = (np.arange(count) + 0.5) / count
-        weights[d, :count] = np.stack([1.0 - at, at], axis=1)
-        gradients[d, :count] = np.array([-1.0, 1.0]) * scene.domain.frame.inverse[d]
+        fractions[d, :count] = (np.arange(count) + 0.5) / count
+    distances = fractions / np.array(scene.domain.frame.inverse)[:, None]
     rows = np.full(slots if scene.cell_loads else 0, -1, np.int64)
     return Cells(
         scene.setting, scene.cell_loads, start.astype(np.int64), np.ascontiguousarray(place),
-        material, aligned(slots), rows, weights.reshape(-1), gradients.reshape(-1),
+        material, aligned(slots), rows, fractions.reshape(-1), distances.reshape(-1),
         tuple((0.0,) * count for count in per_cell), bool(scene.settings.controlled), np.zeros(1),
         np.zeros(_LISTED + 1, np.int64),
     )  # fmt: skip
