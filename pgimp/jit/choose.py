@@ -1,7 +1,7 @@
-"""A choice in place of a branch, for one particle and for four at once."""
+"""A choice in place of a branch, for one particle and for several at once."""
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.vectors.simd import mask4, where
+from pgimp.jit.vectors.simd import is_mask, where
 
 
 def choose(condition, a, b):
@@ -10,6 +10,6 @@ def choose(condition, a, b):
 
 @specialise(choose)
 def _choose(condition, a, b):
-    if condition == mask4:
+    if is_mask(condition):
         return lambda condition, a, b: where(condition, a, b)
     return lambda condition, a, b: a if condition else b

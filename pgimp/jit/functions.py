@@ -16,7 +16,7 @@ from numba.extending import intrinsic, overload
 import pgimp.jit.vectors.functions  # noqa: F401  so that abs, max and min are known of vectors
 from pgimp.jit.choose import choose
 from pgimp.jit.kernel import INLINE_OPTIONS, exact
-from pgimp.jit.vectors.simd import DOUBLES, splat, vec4
+from pgimp.jit.vectors.simd import common, floats, is_vector, llvm_type, widened
 
 # ln 2 in two parts, the first exact in products with exponents. Then the coefficients of the
 # minimax polynomial for (log(1+f) - f)/s, s = f/(2+f) (Sun Microsystems' fdlibm, e_log.c).
@@ -35,48 +35,39 @@ _LOWEST, _HIGHEST = -746.0, 710.0
 _HALF = 0x3FE6A09E667F3BCD
 
 
-def _shared(*kinds):
-    """The type of a result: a vector if any argument is one."""
-    return vec4 if vec4 in kinds else types.float64
-
-
-def _llvm(kind):
-    return DOUBLES if kind == vec4 else ir.DoubleType()
-
-
 def _bits(kind):
     """LLVM's type of the bits of a number or a vector, and a function for constants."""
-    whole = ir.VectorType(ir.IntType(64), 4) if kind == vec4 else ir.IntType(64)
-    return whole, lambda value: ir.Constant(whole, [value] * 4 if kind == vec4 else value)
+    if not is_vector(kind):
+        return ir.IntType(64), lambda value: ir.Constant(ir.IntType(64), value)
+    whole = ir.VectorType(ir.IntType(64), kind.lanes)
+    return whole, lambda value: ir.Constant(whole, [value] * kind.lanes)
 
 
 @intrinsic
 def fma(typing_context, a, b, c):
     """``a * b + c``, rounded once."""
-    kind = _shared(a, b, c)
-    kinds = [vec4 if each == vec4 else types.float64 for each in (a, b, c)]
+    kind = common((a, b, c))
 
     def generate(context, builder, sig, args):
-        if kind == vec4:
-            args = [splat(builder, *each) for each in zip(sig.args, args, strict=True)]
-        name = "llvm.fma.v4f64" if kind == vec4 else "llvm.fma.f64"
-        form = ir.FunctionType(_llvm(kind), [_llvm(kind)] * 3)
+        args, each = widened(builder, sig.args, args), llvm_type(kind)
+        name = f"llvm.fma.v{kind.lanes}f64" if is_vector(kind) else "llvm.fma.f64"
+        form = ir.FunctionType(each, [each] * 3)
         return builder.call(cgutils.get_or_insert_function(builder.module, form, name), args)
 
-    return kind(*kinds), generate
+    return kind(*floats((a, b, c))), generate
 
 
 @intrinsic
 def _split(typing_context, a):
     """Exponent e and significand s of positive normal numbers, a = s 2^e, s from sqrt(1/2) on."""
-    kind = _shared(a)
+    kind = common((a,))
 
     def generate(context, builder, sig, args):
         form, constant = _bits(kind)
         whole, shift = builder.bitcast(args[0], form), constant(52)
         exponent = builder.ashr(builder.sub(whole, constant(_HALF)), shift)
         moved = builder.sub(whole, builder.shl(exponent, shift))
-        parts = builder.sitofp(exponent, _llvm(kind)), builder.bitcast(moved, _llvm(kind))
+        parts = builder.sitofp(exponent, llvm_type(kind)), builder.bitcast(moved, llvm_type(kind))
         return context.make_tuple(builder, sig.return_type, parts)
 
     return types.UniTuple(kind, 2)(kind), generate
@@ -85,12 +76,12 @@ def _split(typing_context, a):
 @intrinsic
 def _two_to(typing_context, shifted):
     """2^k of ``_ROUND + k``, k an integer between -1022 and 1023."""
-    kind = _shared(shifted)
+    kind = common((shifted,))
 
     def generate(context, builder, sig, args):
         form, constant = _bits(kind)
         raised = builder.shl(builder.bitcast(args[0], form), constant(52))
-        return builder.bitcast(builder.add(raised, constant(1023 << 52)), _llvm(kind))
+        return builder.bitcast(builder.add(raised, constant(1023 << 52)), llvm_type(kind))
 
     return kind(kind), generate
 
@@ -212,14 +203,14 @@ def _cbrt(x):
 
 @overload(math.exp, jit_options=INLINE_OPTIONS)
 def _exp_of(x):
-    return (lambda x: exp(x)) if x == vec4 else None
+    return (lambda x: exp(x)) if is_vector(x) else None
 
 
 @overload(math.log, jit_options=INLINE_OPTIONS)
 def _log_of(x):
-    return (lambda x: log(x)) if x == vec4 else None
+    return (lambda x: log(x)) if is_vector(x) else None
 
 
 @overload(math.pow, jit_options=INLINE_OPTIONS)
 def _pow_of(x, y):
-    return (lambda x, y: power(x, y)) if vec4 in (x, y) else None
+    return (lambda x, y: power(x, y)) if is_vector(common((x, y))) else None

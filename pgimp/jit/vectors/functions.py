@@ -8,11 +8,11 @@ exp, log and pow are in `pgimp.jit.functions`.
 import math
 
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from pgimp.jit.kernel import INLINE_OPTIONS
-from pgimp.jit.vectors.simd import DOUBLES, splat, vec4
+from pgimp.jit.vectors.simd import common, floats, is_vector, llvm_type, widened
 
 
 def _unary(name):
@@ -21,15 +21,16 @@ def _unary(name):
     @intrinsic
     def function(typing_context, a):
         def generate(context, builder, sig, args):
-            kind = ir.FunctionType(DOUBLES, [DOUBLES])
-            return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), args)
+            form, whole = llvm_type(a), f"llvm.{name}.v{a.lanes}f64"
+            kind = ir.FunctionType(form, [form])
+            return builder.call(cgutils.get_or_insert_function(builder.module, kind, whole), args)
 
-        return vec4(vec4), generate
+        return a(a), generate
 
     return function
 
 
-_floor, _sqrt, _abs = map(_unary, ("llvm.floor.v4f64", "llvm.sqrt.v4f64", "llvm.fabs.v4f64"))
+_floor, _sqrt, _abs = map(_unary, ("floor", "sqrt", "fabs"))
 
 
 def _extreme(sign):
@@ -37,13 +38,11 @@ def _extreme(sign):
 
     @intrinsic
     def function(typing_context, a, b):
-        kinds = [vec4 if value == vec4 else types.float64 for value in (a, b)]
-
         def generate(context, builder, sig, args):
-            a, b = map(splat, (builder,) * 2, sig.args, args)
+            a, b = widened(builder, sig.args, args)
             return builder.select(builder.fcmp_ordered(sign, a, b), a, b)
 
-        return vec4(*kinds), generate
+        return common((a, b))(*floats((a, b))), generate
 
     return function
 
@@ -53,24 +52,24 @@ _larger, _smaller = _extreme(">"), _extreme("<")
 
 @overload(math.floor, jit_options=INLINE_OPTIONS)
 def _floor_of(x):
-    return (lambda x: _floor(x)) if x == vec4 else None
+    return (lambda x: _floor(x)) if is_vector(x) else None
 
 
 @overload(math.sqrt, jit_options=INLINE_OPTIONS)
 def _sqrt_of(x):
-    return (lambda x: _sqrt(x)) if x == vec4 else None
+    return (lambda x: _sqrt(x)) if is_vector(x) else None
 
 
 @overload(abs, jit_options=INLINE_OPTIONS)
 def _abs_of(x):
-    return (lambda x: _abs(x)) if x == vec4 else None
+    return (lambda x: _abs(x)) if is_vector(x) else None
 
 
 @overload(max, jit_options=INLINE_OPTIONS)
 def _max_of(a, b):
-    return (lambda a, b: _larger(a, b)) if vec4 in (a, b) else None
+    return (lambda a, b: _larger(a, b)) if is_vector(common((a, b))) else None
 
 
 @overload(min, jit_options=INLINE_OPTIONS)
 def _min_of(a, b):
-    return (lambda a, b: _smaller(a, b)) if vec4 in (a, b) else None
+    return (lambda a, b: _smaller(a, b)) if is_vector(common((a, b))) else None

@@ -5,7 +5,17 @@ from numba.core import types
 from pgimp.jit.kernel import specialise
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.own import named
-from pgimp.jit.vectors.simd import lane, number, vec4, vector, where, with_lane
+from pgimp.jit.vectors.simd import (
+    halves,
+    is_vector,
+    join,
+    lane,
+    number,
+    vector,
+    vector_as,
+    where,
+    with_lane,
+)
 
 
 def _is_tuple(kind):
@@ -14,7 +24,14 @@ def _is_tuple(kind):
 
 def has_vectors(kind: NumbaObject) -> bool:
     """Whether values of a Numba type are vectors, or tuples with vectors in them."""
-    return any(map(has_vectors, kind)) if _is_tuple(kind) else kind == vec4
+    return any(map(has_vectors, kind)) if _is_tuple(kind) else is_vector(kind)
+
+
+def lanes_of(kind: NumbaObject) -> int:
+    """Number of lanes of the vectors in a Numba type."""
+    if _is_tuple(kind):
+        return next(filter(None, map(lanes_of, kind)), 0)
+    return kind.lanes if is_vector(kind) else 0
 
 
 def vectors(values):
@@ -28,6 +45,45 @@ def _vectors(values):
     if len(values) == 1:
         return lambda values: (vector(values[0]),)
     return lambda values: (vector(values[0]), *vectors(values[1:]))
+
+
+def vectors_as(values, like):
+    """The values with vectors as long as `like` in place of numbers."""
+
+
+@specialise(vectors_as)
+def _vectors_as(values, like):
+    if not _is_tuple(values):
+        return lambda values, like: vector_as(values, like)
+    if len(values) == 1:
+        return lambda values, like: (vector_as(values[0], like),)
+    return lambda values, like: (vector_as(values[0], like), *vectors_as(values[1:], like))
+
+
+def joined_lanes(low, high):
+    """Vectors of eight particles from those of four and four."""
+
+
+@specialise(joined_lanes)
+def _joined_lanes(low, high):
+    if is_vector(low):
+        return lambda low, high: join(low, high)
+    if len(low) == 1:
+        return lambda low, high: (join(low[0], high[0]),)
+    return lambda low, high: (join(low[0], high[0]), *joined_lanes(low[1:], high[1:]))
+
+
+def half_of(values, i):
+    """Vectors of the first or second four of eight particles, `i` a literal 0 or 1."""
+
+
+@specialise(half_of)
+def _half_of(values, i):
+    if is_vector(values):
+        return lambda values, i: halves(values)[i]
+    if len(values) == 1:
+        return lambda values, i: (halves(values[0])[i],)
+    return lambda values, i: (halves(values[0])[i], *half_of(values[1:], i))
 
 
 def zeros(like):
@@ -61,7 +117,7 @@ def of_lane(values, j):
 
 @specialise(of_lane)
 def _of_lane(values, j):
-    if values == vec4:
+    if is_vector(values):
         return lambda values, j: lane(values, j)
     if not _is_tuple(values):
         return lambda values, j: values
@@ -89,7 +145,7 @@ def with_lanes(values, j, one):
 
 @specialise(with_lanes)
 def _with_lanes(values, j, one):
-    if values == vec4:
+    if is_vector(values):
         return lambda values, j, one: with_lane(values, j, one)
     if len(values) == 1:
         return lambda values, j, one: (with_lane(values[0], j, one[0]),)
@@ -105,7 +161,7 @@ def where_all(mask, a, b):
 
 @specialise(where_all)
 def _where_all(mask, a, b):
-    if a == vec4:
+    if is_vector(a):
         return lambda mask, a, b: where(mask, a, b)
     if len(a) == 1:
         return lambda mask, a, b: (where(mask, a[0], b[0]),)

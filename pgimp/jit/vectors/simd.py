@@ -1,4 +1,4 @@
-"""Four float64 in one register: a Numba type backed by LLVM's ``<4 x double>``.
+"""Four or eight float64 in one register: Numba types backed by LLVM's ``<4 x double>``.
 
 LLVM does not vectorise a transfer by itself, because it cannot prove that grid and particles do not
 alias. A vertex's record is two such vectors, (m, mv) and (-, f), so that the transfers become
@@ -6,9 +6,13 @@ vector multiply-adds. Preceding and following work is done for four particles at
 `pack`, `vector`, `lane`, `load`, `store`, arithmetic between vectors and with numbers, comparisons,
 which give a mask for `where` and `bits`. Functions are in `pgimp.jit.vectors.functions`. In kernels
 products and sums may contract to fused multiply-adds, as for numbers.
+
+Long chains of operations, as a material's, wait for results. Of two vectors joined to one of eight
+they wait once; processors without such registers take both halves in turn.
 """
 
 import operator
+from collections.abc import Iterable
 
 from llvmlite import ir
 from numba.core import cgutils, types
@@ -16,49 +20,86 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
 
+from pgimp.jit.outside import NumbaObject
+
 DOUBLES = ir.VectorType(ir.DoubleType(), 4)
-_BITS = ir.VectorType(ir.IntType(1), 4)
 _LANE = ir.IntType(32)
 
 
-class Vec4Type(types.Type):
-    """Numba's type of a vector of four float64."""
+class VectorType(types.Type):
+    """Numba's type of a vector of `lanes` float64."""
 
-    def __init__(self):
-        super().__init__(name="Vec4")
-
-
-class Mask4Type(types.Type):
-    """Numba's type of four truth values."""
-
-    def __init__(self):
-        super().__init__(name="Mask4")
+    def __init__(self, lanes: int) -> None:
+        self.lanes = lanes
+        super().__init__(name=f"Vec{lanes}")
 
 
-vec4 = Vec4Type()
-mask4 = Mask4Type()
+class MaskType(types.Type):
+    """Numba's type of `lanes` truth values."""
+
+    def __init__(self, lanes: int) -> None:
+        self.lanes = lanes
+        super().__init__(name=f"Mask{lanes}")
 
 
-@register_model(Vec4Type)
-class _Vec4Model(models.PrimitiveModel):
+vec4, vec8 = VectorType(4), VectorType(8)
+_MASKS = {kind: MaskType(kind.lanes) for kind in (vec4, vec8)}
+
+
+def is_vector(kind: NumbaObject) -> bool:
+    """Whether a Numba type is that of a vector."""
+    return isinstance(kind, VectorType)
+
+
+def is_mask(kind: NumbaObject) -> bool:
+    """Whether a Numba type is that of the truth values of a vector's elements."""
+    return isinstance(kind, MaskType)
+
+
+def common(kinds: Iterable[NumbaObject]) -> NumbaObject:
+    """The type of a result of vectors and numbers: the vectors', or float64."""
+    return next(filter(is_vector, kinds), types.float64)
+
+
+def llvm_type(kind: NumbaObject) -> ir.Type:
+    """LLVM's type of a vector or a number."""
+    return ir.VectorType(ir.DoubleType(), kind.lanes) if is_vector(kind) else ir.DoubleType()
+
+
+@register_model(VectorType)
+class _VectorModel(models.PrimitiveModel):
     def __init__(self, manager, fe_type):
-        super().__init__(manager, fe_type, DOUBLES)
+        super().__init__(manager, fe_type, llvm_type(fe_type))
 
 
-@register_model(Mask4Type)
-class _Mask4Model(models.PrimitiveModel):
+@register_model(MaskType)
+class _MaskModel(models.PrimitiveModel):
     def __init__(self, manager, fe_type):
-        super().__init__(manager, fe_type, _BITS)
+        super().__init__(manager, fe_type, ir.VectorType(ir.IntType(1), fe_type.lanes))
 
 
-def splat(builder, kind, value):
-    """The LLVM vector of a value, which is a vector or a number."""
-    if kind == vec4:
-        return value
-    undefined = ir.Constant(DOUBLES, ir.Undefined)
+def splat(builder, value, lanes):
+    """The LLVM vector of a number."""
+    undefined = ir.Constant(ir.VectorType(ir.DoubleType(), lanes), ir.Undefined)
     first = builder.insert_element(undefined, value, ir.Constant(_LANE, 0))
-    mask = ir.Constant(ir.VectorType(_LANE, 4), [0, 0, 0, 0])
+    mask = ir.Constant(ir.VectorType(_LANE, lanes), [0] * lanes)
     return builder.shuffle_vector(first, undefined, mask)
+
+
+def widened(builder, kinds, values):
+    """LLVM values of these types, numbers as vectors if any of them is a vector."""
+    kind = common(kinds)
+    if not is_vector(kind):
+        return list(values)
+    return [
+        value if is_vector(own) else splat(builder, value, kind.lanes)
+        for own, value in zip(kinds, values, strict=True)
+    ]
+
+
+def floats(kinds: Iterable[NumbaObject]) -> list[NumbaObject]:
+    """The types with float64 in place of those of other numbers."""
+    return [kind if is_vector(kind) else types.float64 for kind in kinds]
 
 
 def _address(context, builder, kind, array, index):
@@ -84,12 +125,48 @@ def pack(typing_context, a, b, c, d):
 @intrinsic
 def vector(typing_context, value):
     """Vector of four equal floats; a vector itself."""
-    kind = vec4 if value == vec4 else types.float64
+    kind = value if is_vector(value) else types.float64
 
     def generate(context, builder, sig, args):
-        return splat(builder, sig.args[0], args[0])
+        return args[0] if is_vector(sig.args[0]) else splat(builder, args[0], 4)
 
-    return vec4(kind), generate
+    return (value if is_vector(value) else vec4)(kind), generate
+
+
+@intrinsic
+def vector_as(typing_context, value, like):
+    """Vector of equal floats, as long as the vector `like`; a vector itself."""
+
+    def generate(context, builder, sig, args):
+        return args[0] if is_vector(sig.args[0]) else splat(builder, args[0], like.lanes)
+
+    return like(*floats((value, like))), generate
+
+
+@intrinsic
+def join(typing_context, low, high):
+    """Vector of eight from two of four."""
+
+    def generate(context, builder, sig, args):
+        mask = ir.Constant(ir.VectorType(_LANE, 8), list(range(8)))
+        return builder.shuffle_vector(*args, mask)
+
+    return vec8(vec4, vec4), generate
+
+
+@intrinsic
+def halves(typing_context, both):
+    """The two vectors of four of a vector of eight."""
+
+    def generate(context, builder, sig, args):
+        undefined, whole = ir.Constant(args[0].type, ir.Undefined), ir.VectorType(_LANE, 4)
+        parts = [
+            builder.shuffle_vector(args[0], undefined, ir.Constant(whole, list(range(i, i + 4))))
+            for i in (0, 4)
+        ]
+        return context.make_tuple(builder, sig.return_type, parts)
+
+    return types.UniTuple(vec4, 2)(vec8), generate
 
 
 @intrinsic(prefer_literal=True)
@@ -104,7 +181,7 @@ def lane(typing_context, vector, number):
         return builder.extract_element(args[0], position)
 
     kind = number if isinstance(number, types.IntegerLiteral) else types.int64
-    return types.float64(vec4, kind), generate
+    return types.float64(vector, kind), generate
 
 
 @intrinsic
@@ -114,7 +191,7 @@ def with_lane(typing_context, vector, number, value):
     def generate(context, builder, sig, args):
         return builder.insert_element(args[0], args[2], builder.trunc(args[1], _LANE))
 
-    return vec4(vec4, types.int64, types.float64), generate
+    return vector(vector, types.int64, types.float64), generate
 
 
 @intrinsic
@@ -168,30 +245,32 @@ def number(typing_context, buffer, index):
     return types.float64(buffer, types.int64), generate
 
 
-def _register(operation, result, instruction):
+def _register(operation, compares, instruction):
     """Compile an operation between vectors, or a vector and a number, to one instruction."""
     numbers = (types.Float, types.Integer, types.Boolean)
 
     @infer_global(operation)
     class _Template(AbstractTemplate):
         def generic(self, args, kws):
-            if len(args) != 2 or vec4 not in args:
+            kind = common(args)
+            if len(args) != 2 or not is_vector(kind):
                 return None
-            if not all(a == vec4 or isinstance(a, numbers) for a in args):
+            if not all(a == kind or isinstance(a, numbers) for a in args):
                 return None
-            return signature(result, *(vec4 if a == vec4 else types.float64 for a in args))
+            return signature(_MASKS[kind] if compares else kind, *floats(args))
 
-    for left, right in ((vec4, vec4), (vec4, types.float64), (types.float64, vec4)):
+    for kind in (vec4, vec8):
+        for left, right in ((kind, kind), (kind, types.float64), (types.float64, kind)):
 
-        @lower_builtin(operation, left, right)
-        def _lower(context, builder, sig, args):
-            return instruction(builder, *map(splat, (builder,) * 2, sig.args, args))
+            @lower_builtin(operation, left, right)
+            def _lower(context, builder, sig, args):
+                return instruction(builder, *widened(builder, sig.args, args))
 
 
-_register(operator.add, vec4, ir.IRBuilder.fadd)
-_register(operator.sub, vec4, ir.IRBuilder.fsub)
-_register(operator.mul, vec4, ir.IRBuilder.fmul)
-_register(operator.truediv, vec4, ir.IRBuilder.fdiv)
+_register(operator.add, False, ir.IRBuilder.fadd)
+_register(operator.sub, False, ir.IRBuilder.fsub)
+_register(operator.mul, False, ir.IRBuilder.fmul)
+_register(operator.truediv, False, ir.IRBuilder.fdiv)
 for _operation, _sign in (
     (operator.lt, "<"),
     (operator.le, "<="),
@@ -199,41 +278,46 @@ for _operation, _sign in (
     (operator.ge, ">="),
     (operator.eq, "=="),
 ):
-    _register(_operation, mask4, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b))
+    _register(_operation, True, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b))
 
 
 @infer_global(operator.neg)
 class _Negative(AbstractTemplate):
     def generic(self, args, kws):
-        return signature(vec4, vec4) if args == (vec4,) else None
-
-
-@lower_builtin(operator.neg, vec4)
-def _negate(context, builder, sig, args):
-    return builder.fneg(args[0])
+        return signature(args[0], args[0]) if is_vector(args[0]) else None
 
 
 @infer_global(operator.and_)
 class _Both(AbstractTemplate):
     def generic(self, args, kws):
-        return signature(mask4, mask4, mask4) if args == (mask4, mask4) else None
+        same = is_mask(args[0]) and args[1] == args[0]
+        return signature(args[0], *args) if same else None
 
 
-@lower_builtin(operator.and_, mask4, mask4)
-def _and(context, builder, sig, args):
-    return builder.and_(*args)
+for _kind, _mask in _MASKS.items():
+
+    @lower_builtin(operator.neg, _kind)
+    def _negate(context, builder, sig, args):
+        return builder.fneg(args[0])
+
+    @lower_builtin(operator.and_, _mask, _mask)
+    def _and(context, builder, sig, args):
+        return builder.and_(*args)
 
 
 @intrinsic
 def where(typing_context, mask, a, b):
     """Vector with the elements of `a` where the mask is true, else of `b`."""
-    kinds = [vec4 if value == vec4 else types.float64 for value in (a, b)]
+    (kind,) = (vector for vector, own in _MASKS.items() if own == mask)
 
     def generate(context, builder, sig, args):
-        a, b = map(splat, (builder,) * 2, sig.args[1:], args[1:])
-        return builder.select(args[0], a, b)
+        chosen = [
+            value if is_vector(own) else splat(builder, value, kind.lanes)
+            for own, value in zip(sig.args[1:], args[1:], strict=True)
+        ]
+        return builder.select(args[0], *chosen)
 
-    return vec4(mask4, *kinds), generate
+    return kind(mask, *floats((a, b))), generate
 
 
 @intrinsic
@@ -241,6 +325,7 @@ def bits(typing_context, mask):
     """The mask as a number: bit i for element i."""
 
     def generate(context, builder, sig, args):
-        return builder.zext(builder.bitcast(args[0], ir.IntType(4)), ir.IntType(64))
+        whole = builder.bitcast(args[0], ir.IntType(mask.lanes))
+        return builder.zext(whole, ir.IntType(64))
 
-    return types.int64(mask4), generate
+    return types.int64(mask), generate

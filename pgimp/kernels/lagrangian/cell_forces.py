@@ -20,7 +20,7 @@ class Stresses(NamedTuple):
     across : buffer
         Column of x summed over slices, as in `Derivatives.across`, in 3D.
     first, second : buffer
-        Columns of both directions of a slice, by particle.
+        Columns of both directions of a slice, by particle; of two slices.
     lines : buffer
         Forces of a slice at the four lines of the cell along x.
     sums : buffer
@@ -40,46 +40,42 @@ def stress_buffers():
 
 @specialise(stress_buffers)
 def _stress_buffers():
-    return lambda: Stresses(stack(48), stack(64), stack(64), stack(16), stack(32))
+    return lambda: Stresses(stack(48), stack(128), stack(128), stack(16), stack(32))
 
 
-def begin_stresses(cells, stresses):
-    """Set the sums over slices to zero."""
-
-
-@specialise(begin_stresses)
-def _begin_stresses(cells, stresses):
-    D, _, _, _, groups, _, _, _ = sizes_of(cells)
-    three = D == 3
-
-    def begin(cells, stresses):
-        for i in range(8):
-            store(stresses.sums, 4 * i, vector(0.0))
-        for i in range(3 * groups if three else 0):
-            store(stresses.across, 4 * i, vector(0.0))
-
-    return begin
-
-
-def keep_stresses(stresses, group, P):
-    """Store -V0 P of a group of four particles of a slice, row-major matrices of vectors."""
+def keep_stresses(stresses, q, group, P):
+    """Store -V0 P of a group of four particles of slice `q`, row-major matrices of vectors."""
 
 
 @specialise(keep_stresses)
-def _keep_stresses(stresses, group, P):
-    def plane(stresses, group, P):
+def _keep_stresses(stresses, q, group, P):
+    def plane(stresses, q, group, P):
         _keep(stresses.first, 16 * group, P[0], P[2], 0.0)
         _keep(stresses.second, 16 * group, P[1], P[3], 0.0)
 
-    def space(stresses, group, P):
-        X, at = stresses.across, 12 * group
-        store(X, at, load(X, at) + P[0])
-        store(X, at + 4, load(X, at + 4) + P[3])
-        store(X, at + 8, load(X, at + 8) + P[6])
-        _keep(stresses.first, 16 * group, P[1], P[4], P[7])
-        _keep(stresses.second, 16 * group, P[2], P[5], P[8])
+    def space(stresses, q, group, P):
+        at = 64 * (q % 2) + 16 * group
+        _sum(stresses.across, 12 * group, q, P[0])
+        _sum(stresses.across, 12 * group + 4, q, P[3])
+        _sum(stresses.across, 12 * group + 8, q, P[6])
+        _keep(stresses.first, at, P[1], P[4], P[7])
+        _keep(stresses.second, at, P[2], P[5], P[8])
 
     return plane if len(P) == 4 else space
+
+
+def _sum(buffer, at, q, value):
+    """Add a vector of slice `q` to a sum, which the first slice begins."""
+
+
+@specialise(_sum)
+def _sum_slices(buffer, at, q, value):
+    def add(buffer, at, q, value):
+        if q > 0:
+            value = load(buffer, at) + value
+        store(buffer, at, value)
+
+    return add
 
 
 def _keep(buffer, at, x, y, z):
@@ -108,36 +104,69 @@ def _add_slice(cells, q, stresses):
     three = D == 3
 
     def add(cells, q, stresses):
-        frame, sums = cells.setting.frame, stresses.sums
-        whole, high = vector(0.0), vector(0.0)
-        for s in range(columns):
-            along = load(stresses.first, 4 * s)
-            for r in range(1, rows):
-                along = along + load(stresses.first, 4 * (r * columns + s))
-            whole = whole + along
-            high = cells.fractions[second * MOST + s] * along + high
-        end, moment = vector(0.0), vector(0.0)
-        for r in range(rows):
-            along = load(stresses.second, 4 * r * columns)
-            for s in range(1, columns):
-                along = along + load(stresses.second, 4 * (r * columns + s))
-            end = end + along
-            moment = cells.distances[first * MOST + r] * along + moment
+        frame, lines, of = cells.setting.frame, stresses.lines, 64 * (q % 2)
+        fractions, distances = cells.fractions, cells.distances
+        whole = _along_first(cells, stresses, of, 0)
+        high = fractions[second * MOST] * whole
+        for s in range(1, columns):
+            force = _along_first(cells, stresses, of, s)
+            whole, high = whole + force, fractions[second * MOST + s] * force + high
+        end = _along_second(cells, stresses, of, 0)
+        moment = distances[first * MOST] * end
+        for r in range(1, rows):
+            force = _along_second(cells, stresses, of, r)
+            end, moment = end + force, distances[first * MOST + r] * force + moment
         inverse = frame.inverse[second]
         end, moment, inverse = inverse * end, inverse * moment, frame.inverse[first]
         low, high = inverse * ((whole - high) - moment), inverse * (high + moment)
-        lines = stresses.lines
         store(lines, 0, -low - end)
         store(lines, 4, end - high)
         store(lines, 8, low)
         store(lines, 12, high)
         for i in range(4):
-            f = load(lines, 4 * i)
-            store(sums, 4 * i, load(sums, 4 * i) + f)
+            force = load(lines, 4 * i)
+            _sum(stresses.sums, 4 * i, q, force)
             if three:
-                store(sums, 16 + 4 * i, cells.distances[q] * f + load(sums, 16 + 4 * i))
+                moment = distances[q] * force
+                if q > 0:
+                    moment = distances[q] * force + load(stresses.sums, 16 + 4 * i)
+                store(stresses.sums, 16 + 4 * i, moment)
 
     return add
+
+
+def _along_first(cells, stresses, of, s):
+    """Sum of the stresses on a line along the first direction, of column `s` of a slice."""
+
+
+@specialise(_along_first)
+def _along_first_of(cells, stresses, of, s):
+    _, _, rows, columns, _, _, _, _ = sizes_of(cells)
+
+    def along(cells, stresses, of, s):
+        force = load(stresses.first, of + 4 * s)
+        for r in range(1, rows):
+            force = force + load(stresses.first, of + 4 * (r * columns + s))
+        return force
+
+    return along
+
+
+def _along_second(cells, stresses, of, r):
+    """Sum of the stresses on a line along the second direction, of row `r` of a slice."""
+
+
+@specialise(_along_second)
+def _along_second_of(cells, stresses, of, r):
+    columns = sizes_of(cells).columns
+
+    def along(cells, stresses, of, r):
+        force = load(stresses.second, of + 4 * r * columns)
+        for s in range(1, columns):
+            force = force + load(stresses.second, of + 4 * (r * columns + s))
+        return force
+
+    return along
 
 
 def cell_forces(cells, stresses, f):
@@ -159,11 +188,11 @@ def _cell_forces(cells, stresses, f):
             _keep(at, 16 * group, load(X, i), load(X, i + 4), load(X, i + 8))
         f00, f01, f10, f11 = load(sums, 16), load(sums, 20), load(sums, 24), load(sums, 28)
         for r in range(rows):
-            whole, high = vector(0.0), vector(0.0)
-            for s in range(columns):
-                of = load(at, 4 * (r * columns + s))
-                whole = whole + of
-                high = fractions[2 * MOST + s] * of + high
+            whole = load(at, 4 * r * columns)
+            high = fractions[2 * MOST] * whole
+            for s in range(1, columns):
+                force = load(at, 4 * (r * columns + s))
+                whole, high = whole + force, fractions[2 * MOST + s] * force + high
             y, low = fractions[MOST + r], whole - high
             a, b = y * low, y * high
             f00, f01, f10, f11 = f00 + (low - a), f01 + (high - b), f10 + a, f11 + b

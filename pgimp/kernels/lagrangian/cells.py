@@ -18,12 +18,11 @@ from numpy.typing import NDArray
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.tuples import scaled
-from pgimp.jit.vectors.lanes import where_all
-from pgimp.jit.vectors.simd import bits, lane, load, stack, store, vector
+from pgimp.jit.vectors.lanes import half_of, joined_lanes, lanes_of, where_all
+from pgimp.jit.vectors.simd import bits, join, lane, load, stack, store, vector
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.lagrangian.cell_derivatives import (
-    broadcast,
     deformations_of_four,
     derivative_buffers,
     derive_across,
@@ -33,7 +32,6 @@ from pgimp.kernels.lagrangian.cell_derivatives import (
 )
 from pgimp.kernels.lagrangian.cell_forces import (
     add_slice,
-    begin_stresses,
     cell_forces,
     keep_stresses,
     stress_buffers,
@@ -114,9 +112,11 @@ def raise_rate(cells, fastest):
 
 @specialise(raise_rate)
 def _raise_rate(cells, fastest):
+    lanes = lanes_of(fastest)
+
     def raised(cells, fastest):
         if cells.controlled:
-            for j in range(4):
+            for j in range(lanes):
                 cells.rate[0] = max(cells.rate[0], lane(fastest, j))
 
     return raised
@@ -134,11 +134,12 @@ def _add_cells(cells, field, particles, layer, span):
     if not hasattr(cells, "instance_class"):  # ()
         return lambda cells, field, particles, layer, span: span
     D, slices, _, _, _, planes, first, second = sizes_of(cells)
+    step = 2 if _in_pairs(cells) else 1
 
     def add(cells, field, particles, layer, span):
         scratch, window = field.scratch, field.window
         sa, sb, sc = window.stride[0], window.stride[first], window.stride[second]
-        inverse, fastest = 0.0, vector(0.0)
+        inverse, fastest = 0.0, _no_rates(cells)
         for d in range(D):
             inverse = max(inverse, cells.setting.frame.inverse[d])
         f, derivatives, stresses = stack(32), derivative_buffers(), stress_buffers()
@@ -147,13 +148,11 @@ def _add_cells(cells, field, particles, layer, span):
             at = cells.place[cell]
             low, high = min(low, at), max(high, at)
             _begin_cell(cells, field.motion.values, layer * sa + at, (sa, sb, sc), derivatives)
-            begin_stresses(cells, stresses)
             total = mean_total(cells.loads)
-            for q in range(slices):
-                fastest, total = _keep_slice(
+            for q in range(0, slices, step):
+                fastest, total = _add_slices(
                     cells, particles, cell, q, (derivatives, stresses), inverse, fastest, total
                 )
-                add_slice(cells, q, stresses)
             cell_forces(cells, stresses, f)
             add_mean_forces(cells, particles, cell, total, f)
             for a in range(planes):
@@ -176,6 +175,22 @@ def _elastic(cells):
     return not hasattr(cells.types[cells.fields.index("loads")], "instance_class")
 
 
+def _in_pairs(cells):
+    """Whether cells of this Numba type have pairs of slices, whose stresses are found together."""
+    return _elastic(cells) and sizes_of(cells).slices % 2 == 0
+
+
+def _no_rates(cells):
+    """Rates of no particles, a vector as long as those of `_add_slices`."""
+
+
+@specialise(_no_rates)
+def _no_rates_of(cells):
+    if _in_pairs(cells):
+        return lambda cells: join(vector(0.0), vector(0.0))
+    return lambda cells: vector(0.0)
+
+
 def _begin_cell(cells, motion, at, strides, derivatives):
     """Begin the derivatives of the displacements in a cell, of elastic materials."""
 
@@ -191,44 +206,99 @@ def _begin_cell_of(cells, motion, at, strides, derivatives):
     return lambda cells, motion, at, strides, derivatives: None
 
 
-def _keep_slice(cells, particles, cell, q, buffers, inverse, fastest, total):
-    """Store -V0 P of the particles of slice `q`; greatest speeds, and sums for mean dilatation.
+def _add_slices(cells, particles, cell, q, buffers, inverse, fastest, total):
+    """Add the forces of slice `q`, or of a pair; greatest speeds, and sums for mean dilatation.
 
     `buffers` are `Derivatives` and `Stresses`.
     """
 
 
-@specialise(_keep_slice)
-def _keep_slice_of(cells, particles, cell, q, buffers, inverse, fastest, total):
-    D, slices, _, _, groups, _, _, _ = sizes_of(cells)
-    identity = tuple(float(i == j) for i in range(D) for j in range(D))
+@specialise(_add_slices)
+def _add_slices_of(cells, particles, cell, q, buffers, inverse, fastest, total):
+    _, slices, _, _, groups, _, _, _ = sizes_of(cells)
 
-    def elastic(cells, particles, cell, q, buffers, inverse, fastest, total):
+    def pair(cells, particles, cell, q, buffers, inverse, fastest, total):
         derivatives, stresses = buffers
-        setting, k = cells.setting, cells.material[cell]
-        material = (k, k, k, k)
+        derive_slice(cells, q, derivatives)
+        derive_slice(cells, q + 1, derivatives)
+        for group in range(groups):
+            slot = 4 * ((cell * slices + q) * groups + group)
+            V = join(load(cells.volumes, slot), load(cells.volumes, slot + 4 * groups))
+            F = joined_lanes(
+                deformations_of_four(cells, derivatives, q, group),
+                deformations_of_four(cells, derivatives, q + 1, group),
+            )
+            P, fastest = _elastic_stresses(cells, cell, slot, V, F, inverse, fastest)
+            keep_stresses(stresses, q, group, half_of(P, 0))
+            keep_stresses(stresses, q + 1, group, half_of(P, 1))
+        add_slice(cells, q, stresses)
+        add_slice(cells, q + 1, stresses)
+        return fastest, total
+
+    def one(cells, particles, cell, q, buffers, inverse, fastest, total):
+        derivatives, stresses = buffers
         derive_slice(cells, q, derivatives)
         for group in range(groups):
             slot = 4 * ((cell * slices + q) * groups + group)
-            V = load(cells.volumes, slot)
-            F = deformations_of_four(cells, derivatives, group)
-            J = determinant(F)
-            sound = bits((V > 0.0) & (J > 0.0))
-            if sound != 15:
-                note_wrong(cells, V, sound, slot)
-                F = where_all((V > 0.0) & (J > 0.0), F, broadcast(identity))
-                J = determinant(F)
-            stress = evaluate_four("piola", setting.materials, material, (F, J), (), F)
-            keep_stresses(stresses, group, scaled(-V, stress))
-            if cells.controlled:
-                c = grid_speed(setting, True, material, ((), F, J, ()), inverse, 0.0)
-                fastest = max(c * inverse, fastest)
+            V, F = load(cells.volumes, slot), deformations_of_four(cells, derivatives, q, group)
+            P, fastest = _elastic_stresses(cells, cell, slot, V, F, inverse, fastest)
+            keep_stresses(stresses, q, group, P)
+        add_slice(cells, q, stresses)
         return fastest, total
 
     def stored(cells, particles, cell, q, buffers, inverse, fastest, total):
         for group in range(groups):
             slot = 4 * ((cell * slices + q) * groups + group)
-            total = keep_stored(cells, particles, slot, buffers[1], group, total)
+            total = keep_stored(cells, particles, slot, buffers[1], q, group, total)
+        add_slice(cells, q, buffers[1])
         return fastest, total
 
-    return elastic if _elastic(cells) else stored
+    if not _elastic(cells):
+        return stored
+    return pair if _in_pairs(cells) else one
+
+
+def _elastic_stresses(cells, cell, slot, V, F, inverse, fastest):
+    """-V0 P of elastic particles with volumes `V`, from slot `slot` on; greatest speeds.
+
+    Those of a second slice are as many slots further as a slice has.
+    """
+
+
+@specialise(_elastic_stresses)
+def _elastic_stresses_of(cells, cell, slot, V, F, inverse, fastest):
+    D, every = sizes_of(cells).dimension, 2 ** lanes_of(V) - 1
+    identity = tuple(float(i == j) for i in range(D) for j in range(D))
+
+    def stresses(cells, cell, slot, V, F, inverse, fastest):
+        setting, k = cells.setting, cells.material[cell]
+        J = determinant(F)
+        sound = bits((V > 0.0) & (J > 0.0))
+        if sound != every:
+            _note_groups(cells, V, sound, slot)
+            F = where_all((V > 0.0) & (J > 0.0), F, identity)
+            J = determinant(F)
+        P = scaled(-V, evaluate_four("piola", setting.materials, k, (F, J), (), F))
+        if cells.controlled:
+            c = grid_speed(setting, True, k, ((), F, J, ()), inverse, 0.0)
+            fastest = max(c * inverse, fastest)
+        return P, fastest
+
+    return stresses
+
+
+def _note_groups(cells, V, sound, slot):
+    """As `note_wrong`, also of a group and the same of the next slice."""
+
+
+@specialise(_note_groups)
+def _note_each_group(cells, V, sound, slot):
+    behind = 4 * sizes_of(cells).groups
+
+    def both(cells, V, sound, slot):
+        note_wrong(cells, half_of(V, 0), sound & 15, slot)
+        note_wrong(cells, half_of(V, 1), sound >> 4, slot + behind)
+
+    if lanes_of(V) == 8:
+        return both
+    return lambda cells, V, sound, slot: note_wrong(cells, V, sound, slot)

@@ -45,29 +45,29 @@ def _four_slots(rows, slot):
     return lambda rows, slot: (rows[slot], rows[slot + 1], rows[slot + 2], rows[slot + 3])
 
 
-def keep_stored(cells, particles, slot, stresses, group, total):
+def keep_stored(cells, particles, slot, stresses, q, group, total):
     """Store -V0 P of four particles of a slice, and add to the sum of `mean_total`."""
 
 
 @specialise(keep_stored)
-def _keep_stored(cells, particles, slot, stresses, group, total):
+def _keep_stored(cells, particles, slot, stresses, q, group, total):
     D = sizes_of(cells).dimension
     like, matrix, part = (0.0,) * (3, 4, 6)[D - 1], (0.0,) * D**2, 1.0 / D
 
-    def keep(cells, particles, slot, stresses, group, total):
+    def keep(cells, particles, slot, stresses, q, group, total):
         if cells.rows[slot] < 0:
-            keep_stresses(stresses, group, scaled(vector(0.0), matrix))
+            keep_stresses(stresses, q, group, scaled(vector(0.0), matrix))
             return total
         rows = four_slots(cells.rows, slot)
         sigma = take_row(particles.sigma, rows, 0, like)
         sigma = less_pressure(cells.loads.viscosity, particles, rows, sigma)
         P = multiply(full(sigma), cofactor(deformations(cells.setting.frame, particles, rows)))
-        keep_stresses(stresses, group, scaled(-load(cells.volumes, slot), P))
+        keep_stresses(stresses, q, group, scaled(-load(cells.volumes, slot), P))
         return total
 
-    def keep_both(cells, particles, slot, stresses, group, total):
+    def keep_both(cells, particles, slot, stresses, q, group, total):
         if cells.rows[slot] < 0:
-            keep_stresses(stresses, group, scaled(vector(0.0), matrix))
+            keep_stresses(stresses, q, group, scaled(vector(0.0), matrix))
             return total
         rows = four_slots(cells.rows, slot)
         sigma = take_row(particles.sigma, rows, 0, like)
@@ -77,7 +77,7 @@ def _keep_stored(cells, particles, slot, stresses, group, total):
         rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
         ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -load(cells.volumes, slot)
         P = multiply(full(rest), cofactor(deformations(cells.setting.frame, particles, rows)))
-        keep_stresses(stresses, group, scaled(V * ratio, P))
+        keep_stresses(stresses, q, group, scaled(V * ratio, P))
         return (total[0] + V * mean,)
 
     return keep_both if len(total) else keep

@@ -5,7 +5,7 @@ from math import floor
 import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
 from pgimp.jit.kernel import exact, specialise
 from pgimp.jit.tuples import joined, read
-from pgimp.jit.vectors.simd import vec4, vector
+from pgimp.jit.vectors.simd import is_vector, vector
 from pgimp.kernels.data.frame import (
     AxialFrame,
     AxialInitialFrame,
@@ -103,7 +103,7 @@ def _box(shape, frame, F, x):
             half, most = size(shape, frame.cell, F)
             return (min(half[0], x[0] * frame.inverse[0]), vector(half[1])), most
 
-        return four_beside_axis if x[0] == vec4 else beside_axis
+        return four_beside_axis if is_vector(x[0]) else beside_axis
     return lambda shape, frame, F, x: size(shape, frame.cell, F)
 
 

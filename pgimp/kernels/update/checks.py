@@ -5,7 +5,7 @@ from math import isfinite
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.tuples import read, squared
 from pgimp.jit.vectors.lanes import of_lane
-from pgimp.jit.vectors.simd import bits, lane, vec4, vector
+from pgimp.jit.vectors.simd import bits, is_vector, lane, vector
 from pgimp.kernels.grid.position_limits import hold_inside
 from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_initial, off_axis
 from pgimp.kernels.update.turns import is_periodic
@@ -51,7 +51,7 @@ def and_positive(mask, margin):
 
 @specialise(and_positive)
 def _and_positive(mask, margin):
-    if margin == vec4:
+    if is_vector(margin):
         return lambda mask, margin: mask & (margin > 0.0)
     return lambda mask, margin: mask
 

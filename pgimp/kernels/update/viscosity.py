@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.vectors.simd import vec4, where
+from pgimp.jit.vectors.simd import is_vector, where
 from pgimp.kernels.transfer.lane_io import put_row, take
 from pgimp.kernels.update.stress import states, wave_speed
 
@@ -87,6 +87,6 @@ def effective_wave_speed(c, extra):
 
 @specialise(effective_wave_speed)
 def _effective_wave_speed(c, extra):
-    if extra != vec4:
+    if not is_vector(extra):
         return lambda c, extra: c
     return lambda c, extra: sqrt(c * c + extra * extra) + extra

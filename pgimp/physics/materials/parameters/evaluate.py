@@ -9,7 +9,14 @@ from numba.extending import overload
 
 from pgimp.jit.kernel import INLINE_OPTIONS
 from pgimp.jit.outside import NumbaObject, is_outside
-from pgimp.jit.vectors.lanes import has_vectors, of_lane, vectors, where_all, with_lanes
+from pgimp.jit.vectors.lanes import (
+    has_vectors,
+    lanes_of,
+    of_lane,
+    vectors_as,
+    where_all,
+    with_lanes,
+)
 from pgimp.jit.vectors.simd import bits, pack
 from pgimp.physics.materials.base import OPTIONAL, has, state_width, takes_viscous_pressure
 
@@ -71,8 +78,8 @@ def _evaluate(quantity, materials, k, args, state):
 
     def branch_of_vectors(quantity, materials, k, args, state):
         if k == 0:  # models may differ: one returns a number, another a vector
-            return vectors(_ask(name, materials[0], args, state))
-        return vectors(evaluate(name, materials[1:], k - 1, args, state))
+            return vectors_as(_ask(name, materials[0], args, state), args[0][0])
+        return vectors_as(evaluate(name, materials[1:], k - 1, args, state), args[0][0])
 
     return branch_of_vectors if has_vectors(args) else branch
 
@@ -139,13 +146,24 @@ def _takes_vectors(
     return True
 
 
+def _number_of(numbers, j):
+    """Number of the material of particle `j`, see `evaluate_four`."""
+
+
+@overload(_number_of, jit_options=INLINE_OPTIONS, strict=False)
+def _number_of_one(numbers, j):
+    if isinstance(numbers, types.Integer):
+        return lambda numbers, j: numbers
+    return lambda numbers, j: numbers[j]
+
+
 def evaluate_four(quantity, materials, numbers, args, state, like):
-    """As `evaluate`, for four particles.
+    """As `evaluate`, for four particles, or for eight.
 
     `args` and `state` are vectors or tuples of vectors. So is the result, with the structure of
-    `like`. `numbers` are the particles' materials, a tuple of four. A function with branches takes
-    no vectors and is called particle by particle. Parameters that vary in space are vectors as
-    well, see `pgimp.kernels.update.varying`.
+    `like`. `numbers` are the particles' materials: a tuple of four, or one number for all. A
+    function with branches takes no vectors and is called particle by particle. Parameters that vary
+    in space are vectors as well, see `pgimp.kernels.update.varying`.
     """
 
 
@@ -153,29 +171,33 @@ def evaluate_four(quantity, materials, numbers, args, state, like):
 def _evaluate_four(quantity, materials, numbers, args, state, like):
     if not isinstance(quantity, types.Literal):
         return None
-    name = quantity.literal_value
+    name, lanes = quantity.literal_value, lanes_of(like)
     if not all(_takes_vectors(material, name, args, state) for material in materials):
 
         def one_by_one(quantity, materials, numbers, args, state, like):
             values = like
-            for j in range(4):
-                one = evaluate(name, materials, numbers[j], of_lane(args, j), of_lane(state, j))
+            for j in range(lanes):
+                k = _number_of(numbers, j)
+                one = evaluate(name, materials, k, of_lane(args, j), of_lane(state, j))
                 values = with_lanes(values, j, one)
             return values
 
         def one_by_one_of_own(quantity, materials, numbers, args, state, like):
             values = like
-            for j in range(4):
+            for j in range(lanes):
                 own, given = of_lane(materials, j), of_lane(args, j)
-                values = with_lanes(
-                    values, j, evaluate(name, own, numbers[j], given, of_lane(state, j))
-                )
+                one = evaluate(name, own, _number_of(numbers, j), given, of_lane(state, j))
+                values = with_lanes(values, j, one)
             return values
 
         return one_by_one_of_own if has_vectors(materials) else one_by_one
     if len(materials) == 1:
-        return lambda quantity, materials, numbers, args, state, like: vectors(
-            evaluate(name, materials, 0, args, state)
+        return lambda quantity, materials, numbers, args, state, like: vectors_as(
+            evaluate(name, materials, 0, args, state), args[0][0]
+        )
+    if isinstance(numbers, types.Integer):
+        return lambda quantity, materials, numbers, args, state, like: vectors_as(
+            evaluate(name, materials, numbers, args, state), args[0][0]
         )
 
     def by_material(quantity, materials, numbers, args, state, like):
@@ -185,8 +207,8 @@ def _evaluate_four(quantity, materials, numbers, args, state, like):
         for j in range(4):
             if done >> j & 1 == 0:
                 mask = kinds == numbers[j]
-                found = vectors(evaluate(name, materials, numbers[j], args, state))
-                values = where_all(mask, found, values)
+                found = evaluate(name, materials, numbers[j], args, state)
+                values = where_all(mask, vectors_as(found, args[0][0]), values)
                 done |= bits(mask)
         return values
 
