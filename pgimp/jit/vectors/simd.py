@@ -229,7 +229,7 @@ def stack(typing_context, size):
 
     def generate(context, builder, sig, args):
         buffer = cgutils.alloca_once(builder, DOUBLES, vectors)
-        buffer.align = 32
+        buffer.align = 64  # a cache line
         return builder.bitcast(buffer, ir.DoubleType().as_pointer())
 
     return types.CPointer(types.float64)(size), generate

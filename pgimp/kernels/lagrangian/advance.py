@@ -83,7 +83,7 @@ def _advance_of(cells, field, particles, dt):
                         if cells.rows[slot] < 0:
                             continue
                         rows, V = four_slots(cells.rows, slot), load(cells.volumes, slot)
-                        F = deformations_of_four(cells, buffers, q, group)
+                        F = deformations_of_four(cells, buffers, group)
                         present = bits(V > 0.0)
                         if present != 15:
                             F = _repeated(F, present)

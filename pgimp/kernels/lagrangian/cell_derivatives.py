@@ -72,9 +72,9 @@ class Derivatives(NamedTuple):
     across : buffer
         Derivatives along x by group of four particles of a slice, component by component, in 3D.
     first : buffer
-        Derivatives along the first direction of a slice, by column; of two slices.
+        Derivatives along the first direction of a slice, by column.
     second : buffer
-        Derivatives along the second direction of a slice, by row; of two slices.
+        Derivatives along the second direction of a slice, by row.
     scratch : buffer
         Values in between.
     """
@@ -93,7 +93,7 @@ def derivative_buffers():
 
 @specialise(derivative_buffers)
 def _derivative_buffers():
-    return lambda: Derivatives(stack(32), stack(16), stack(48), stack(32), stack(32), stack(64))
+    return lambda: Derivatives(stack(32), stack(16), stack(48), stack(16), stack(16), stack(64))
 
 
 def load_corners(cells, motion, at, strides, u):
@@ -139,7 +139,7 @@ def _derive_across(cells, buffers):
                 store(places, 4 * (r * columns + s), fractions[2 * MOST + s] * change + left)
         for group in range(groups):
             a, b, c, d = _of_slice(cells, group)
-            found = _components(places, 0, a, b, c, d)
+            found = _components(places, a, b, c, d)
             for k in range(3):
                 store(buffers.across, 12 * group + 4 * k, found[k])
 
@@ -164,36 +164,35 @@ def _derive_slice(cells, q, buffers):
             store(values, 4 * i, value)
         low, high, inverse = load(values, 0), load(values, 4), frame.inverse[first]
         rise, higher = inverse * (load(values, 8) - low), inverse * (load(values, 12) - high)
-        change, inverse, of = higher - rise, frame.inverse[second], 16 * (q % 2)
+        change, inverse = higher - rise, frame.inverse[second]
         for s in range(columns):
-            store(buffers.first, of + 4 * s, cells.fractions[second * MOST + s] * change + rise)
+            store(buffers.first, 4 * s, cells.fractions[second * MOST + s] * change + rise)
         for r in range(rows):
             y = cells.distances[first * MOST + r]
-            store(buffers.second, of + 4 * r, inverse * ((y * higher + high) - (y * rise + low)))
+            store(buffers.second, 4 * r, inverse * ((y * higher + high) - (y * rise + low)))
 
     return derive
 
 
-def deformations_of_four(cells, buffers, q, group):
-    """Deformation gradients of four particles of slice `q`; beyond its last one, of that one."""
+def deformations_of_four(cells, buffers, group):
+    """Deformation gradients of four particles of a slice; beyond its last one, of that one."""
 
 
 @specialise(deformations_of_four)
-def _deformations_of_four(cells, buffers, q, group):
+def _deformations_of_four(cells, buffers, group):
     D, _, _, columns, _, _, _, _ = sizes_of(cells)
 
-    def plane(cells, buffers, q, group):
+    def plane(cells, buffers, group):
         a, b, c, d = _of_slice(cells, group)
-        X = _components(buffers.first, 0, a % columns, b % columns, c % columns, d % columns)
-        Y = _components(buffers.second, 0, a // columns, b // columns, c // columns, d // columns)
+        X = _components(buffers.first, a % columns, b % columns, c % columns, d % columns)
+        Y = _components(buffers.second, a // columns, b // columns, c // columns, d // columns)
         return 1.0 + X[0], Y[0], X[1], 1.0 + Y[1]
 
-    def space(cells, buffers, q, group):
-        of = 4 * (q % 2)
+    def space(cells, buffers, group):
         a, b, c, d = _of_slice(cells, group)
         X, at = buffers.across, 12 * group
-        Y = _components(buffers.first, of, a % columns, b % columns, c % columns, d % columns)
-        Z = _components(buffers.second, of, a // columns, b // columns, c // columns, d // columns)
+        Y = _components(buffers.first, a % columns, b % columns, c % columns, d % columns)
+        Z = _components(buffers.second, a // columns, b // columns, c // columns, d // columns)
         return (
             1.0 + load(X, at), Y[0], Z[0],
             load(X, at + 4), 1.0 + Y[1], Z[1],
@@ -218,17 +217,14 @@ def _numbers_of_slice(cells, group):
     )
 
 
-def _components(buffer, of, a, b, c, d):
-    """Components, each of four vectors of a buffer, from number `of` on."""
+def _components(buffer, a, b, c, d):
+    """Components, each of four vectors of a buffer."""
 
 
 @specialise(_components)
-def _components_of(buffer, of, a, b, c, d):
-    return lambda buffer, of, a, b, c, d: transpose(
-        load(buffer, 4 * (of + a)),
-        load(buffer, 4 * (of + b)),
-        load(buffer, 4 * (of + c)),
-        load(buffer, 4 * (of + d)),
+def _components_of(buffer, a, b, c, d):
+    return lambda buffer, a, b, c, d: transpose(
+        load(buffer, 4 * a), load(buffer, 4 * b), load(buffer, 4 * c), load(buffer, 4 * d)
     )[1:]
 
 

@@ -10,6 +10,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, stack, store, vector
 from pgimp.kernels.lagrangian.cell_derivatives import MOST, sizes_of
+from pgimp.kernels.lagrangian.cell_matrices import of_four
 
 
 class Stresses(NamedTuple):
@@ -20,7 +21,7 @@ class Stresses(NamedTuple):
     across : buffer
         Column of x summed over slices, as in `Derivatives.across`, in 3D.
     first, second : buffer
-        Columns of both directions of a slice, by particle; of two slices.
+        Columns of both directions of a slice, by particle.
     lines : buffer
         Forces of a slice at the four lines of the cell along x.
     sums : buffer
@@ -40,21 +41,21 @@ def stress_buffers():
 
 @specialise(stress_buffers)
 def _stress_buffers():
-    return lambda: Stresses(stack(48), stack(128), stack(128), stack(16), stack(32))
+    return lambda: Stresses(stack(48), stack(64), stack(64), stack(16), stack(32))
 
 
-def keep_stresses(stresses, q, group, P):
+def _keep_stresses(stresses, q, group, P):
     """Store -V0 P of a group of four particles of slice `q`, row-major matrices of vectors."""
 
 
-@specialise(keep_stresses)
-def _keep_stresses(stresses, q, group, P):
+@specialise(_keep_stresses)
+def _keep_stresses_of(stresses, q, group, P):
     def plane(stresses, q, group, P):
         _keep(stresses.first, 16 * group, P[0], P[2], 0.0)
         _keep(stresses.second, 16 * group, P[1], P[3], 0.0)
 
     def space(stresses, q, group, P):
-        at = 64 * (q % 2) + 16 * group
+        at = 16 * group
         _sum(stresses.across, 12 * group, q, P[0])
         _sum(stresses.across, 12 * group + 4, q, P[3])
         _sum(stresses.across, 12 * group + 8, q, P[6])
@@ -94,27 +95,27 @@ def _keep_transposed(buffer, at, x, y, z):
     return keep
 
 
-def add_slice(cells, q, stresses):
+def _add_slice(cells, q, stresses):
     """Add the forces of slice `q` along its directions to the sums at the lines along x."""
 
 
-@specialise(add_slice)
-def _add_slice(cells, q, stresses):
+@specialise(_add_slice)
+def _add_slice_of(cells, q, stresses):
     D, _, rows, columns, _, _, first, second = sizes_of(cells)
     three = D == 3
 
     def add(cells, q, stresses):
-        frame, lines, of = cells.setting.frame, stresses.lines, 64 * (q % 2)
+        frame, lines = cells.setting.frame, stresses.lines
         fractions, distances = cells.fractions, cells.distances
-        whole = _along_first(cells, stresses, of, 0)
+        whole = _along_first(cells, stresses, 0)
         high = fractions[second * MOST] * whole
         for s in range(1, columns):
-            force = _along_first(cells, stresses, of, s)
+            force = _along_first(cells, stresses, s)
             whole, high = whole + force, fractions[second * MOST + s] * force + high
-        end = _along_second(cells, stresses, of, 0)
+        end = _along_second(cells, stresses, 0)
         moment = distances[first * MOST] * end
         for r in range(1, rows):
-            force = _along_second(cells, stresses, of, r)
+            force = _along_second(cells, stresses, r)
             end, moment = end + force, distances[first * MOST + r] * force + moment
         inverse = frame.inverse[second]
         end, moment, inverse = inverse * end, inverse * moment, frame.inverse[first]
@@ -135,46 +136,67 @@ def _add_slice(cells, q, stresses):
     return add
 
 
-def _along_first(cells, stresses, of, s):
+def _along_first(cells, stresses, s):
     """Sum of the stresses on a line along the first direction, of column `s` of a slice."""
 
 
 @specialise(_along_first)
-def _along_first_of(cells, stresses, of, s):
+def _along_first_of(cells, stresses, s):
     _, _, rows, columns, _, _, _, _ = sizes_of(cells)
 
-    def along(cells, stresses, of, s):
-        force = load(stresses.first, of + 4 * s)
+    def along(cells, stresses, s):
+        force = load(stresses.first, 4 * s)
         for r in range(1, rows):
-            force = force + load(stresses.first, of + 4 * (r * columns + s))
+            force = force + load(stresses.first, 4 * (r * columns + s))
         return force
 
     return along
 
 
-def _along_second(cells, stresses, of, r):
+def _along_second(cells, stresses, r):
     """Sum of the stresses on a line along the second direction, of row `r` of a slice."""
 
 
 @specialise(_along_second)
-def _along_second_of(cells, stresses, of, r):
+def _along_second_of(cells, stresses, r):
     columns = sizes_of(cells).columns
 
-    def along(cells, stresses, of, r):
-        force = load(stresses.second, of + 4 * r * columns)
+    def along(cells, stresses, r):
+        force = load(stresses.second, 4 * r * columns)
         for s in range(1, columns):
-            force = force + load(stresses.second, of + 4 * (r * columns + s))
+            force = force + load(stresses.second, 4 * (r * columns + s))
         return force
 
     return along
 
 
-def cell_forces(cells, stresses, f):
-    """Forces at the corners of a cell, into the buffer `f`."""
+def cell_forces(cells, P, group, stresses, f):
+    """Forces at the corners of a cell, into the buffer `f`.
+
+    `P` has -V0 P, see `pgimp.kernels.lagrangian.cell_matrices`, from group number `group` on.
+    """
 
 
 @specialise(cell_forces)
-def _cell_forces(cells, stresses, f):
+def _cell_forces(cells, P, group, stresses, f):
+    _, slices, _, _, groups, _, _, _ = sizes_of(cells)
+
+    def forces(cells, P, group, stresses, f):
+        for q in range(slices):
+            for i in range(groups):
+                _keep_stresses(stresses, q, i, of_four(cells, P, group + q * groups + i))
+            _add_slice(cells, q, stresses)
+        _end_cell(cells, stresses, f)
+
+    return forces
+
+
+def _end_cell(cells, stresses, f):
+    """Forces at the corners of a cell from those at its lines along x."""
+
+
+@specialise(_end_cell)
+def _end_cell_of(cells, stresses, f):
     D, _, rows, columns, groups, _, _, _ = sizes_of(cells)
 
     def plane(cells, stresses, f):

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.tuples import scaled
-from pgimp.jit.vectors.lanes import half_of, joined_lanes, lanes_of, where_all
-from pgimp.jit.vectors.simd import bits, join, lane, load, stack, store, vector
+from pgimp.jit.vectors.lanes import half_of, lanes_of, where_all
+from pgimp.jit.vectors.simd import bits, join, lane, load, stack, store, vector, where
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.lagrangian.cell_derivatives import (
@@ -30,13 +30,16 @@ from pgimp.kernels.lagrangian.cell_derivatives import (
     load_corners,
     sizes_of,
 )
-from pgimp.kernels.lagrangian.cell_forces import (
-    add_slice,
-    cell_forces,
-    keep_stresses,
-    stress_buffers,
+from pgimp.kernels.lagrangian.cell_forces import cell_forces, stress_buffers
+from pgimp.kernels.lagrangian.cell_matrices import (
+    groups_of,
+    keep_eight,
+    keep_four,
+    matrices,
+    most_together,
+    of_eight,
 )
-from pgimp.kernels.lagrangian.stored_stress import add_mean_forces, keep_stored, mean_total
+from pgimp.kernels.lagrangian.stored_stress import add_mean_forces, mean_total, stored_stresses
 from pgimp.kernels.update.speed import grid_speed
 from pgimp.physics.materials.parameters.evaluate import evaluate_four
 
@@ -133,32 +136,32 @@ def add_cells(cells, field, particles, layer, span):
 def _add_cells(cells, field, particles, layer, span):
     if not hasattr(cells, "instance_class"):  # ()
         return lambda cells, field, particles, layer, span: span
-    D, slices, _, _, _, planes, first, second = sizes_of(cells)
-    step = 2 if _in_pairs(cells) else 1
+    D, _, _, _, _, planes, first, second = sizes_of(cells)
+    groups = groups_of(sizes_of(cells))
 
     def add(cells, field, particles, layer, span):
         scratch, window = field.scratch, field.window
-        sa, sb, sc = window.stride[0], window.stride[first], window.stride[second]
-        inverse, fastest = 0.0, _no_rates(cells)
-        for d in range(D):
-            inverse = max(inverse, cells.setting.frame.inverse[d])
-        f, derivatives, stresses = stack(32), derivative_buffers(), stress_buffers()
-        low, high = sa, -1
-        for cell in range(cells.start[layer], cells.start[layer + 1]):
-            at = cells.place[cell]
-            low, high = min(low, at), max(high, at)
-            _begin_cell(cells, field.motion.values, layer * sa + at, (sa, sb, sc), derivatives)
-            total = mean_total(cells.loads)
-            for q in range(0, slices, step):
-                fastest, total = _add_slices(
-                    cells, particles, cell, q, (derivatives, stresses), inverse, fastest, total
-                )
-            cell_forces(cells, stresses, f)
-            add_mean_forces(cells, particles, cell, total, f)
-            for a in range(planes):
-                for i in range(4):
-                    to = at + a * sa + (i // 2) * sb + (i % 2) * sc + _FORCES
-                    store(scratch, to, load(scratch, to) + load(f, 16 * a + 4 * i))
+        strides = window.stride[0], window.stride[first], window.stride[second]
+        fastest = join(vector(0.0), vector(0.0))
+        f, P, buffers = stack(32), matrices(cells), stress_buffers()
+        low, high = strides[0], -1
+        cell, end = cells.start[layer], cells.start[layer + 1]
+        while cell < end:
+            count = _together(cells, cell, end)
+            fastest, total = _find_stresses(
+                cells, field, particles, (layer, cell, count), strides, P, fastest
+            )
+            for k in range(count):
+                cell_forces(cells, P, k * groups, buffers, f)
+                add_mean_forces(cells, particles, cell + k, total, f)
+                at = cells.place[cell + k]
+                low, high = min(low, at), max(high, at)
+                for a in range(planes):
+                    for i in range(4):
+                        to = at + a * strides[0] + i // 2 * strides[1] + i % 2 * strides[2]
+                        to += _FORCES
+                        store(scratch, to, load(scratch, to) + load(f, 16 * a + 4 * i))
+            cell += count
         raise_rate(cells, fastest)
         if high < 0:
             return span
@@ -175,130 +178,108 @@ def _elastic(cells):
     return not hasattr(cells.types[cells.fields.index("loads")], "instance_class")
 
 
-def _in_pairs(cells):
-    """Whether cells of this Numba type have pairs of slices, whose stresses are found together."""
-    return _elastic(cells) and sizes_of(cells).slices % 2 == 0
+def _together(cells, cell, end):
+    """Number of cells from `cell` on, below `end`, whose stresses are found together."""
 
 
-def _no_rates(cells):
-    """Rates of no particles, a vector as long as those of `_add_slices`."""
+@specialise(_together)
+def _count_together(cells, cell, end):
+    most = most_together(sizes_of(cells))
+
+    def alike(cells, cell, end):
+        count, end = 1, min(cell + most, end)
+        while cell + count < end and cells.material[cell + count] == cells.material[cell]:
+            count += 1
+        return count
+
+    return alike if _elastic(cells) else lambda cells, cell, end: 1
 
 
-@specialise(_no_rates)
-def _no_rates_of(cells):
-    if _in_pairs(cells):
-        return lambda cells: join(vector(0.0), vector(0.0))
-    return lambda cells: vector(0.0)
+def _find_stresses(cells, field, particles, which, strides, P, fastest):
+    """Find -V0 P of the particles of some cells; greatest speeds, and sums for mean dilatation.
 
-
-def _begin_cell(cells, motion, at, strides, derivatives):
-    """Begin the derivatives of the displacements in a cell, of elastic materials."""
-
-
-@specialise(_begin_cell)
-def _begin_cell_of(cells, motion, at, strides, derivatives):
-    def begin(cells, motion, at, strides, derivatives):
-        load_corners(cells, motion, at, strides, derivatives.u)
-        derive_across(cells, derivatives)
-
-    if _elastic(cells):
-        return begin
-    return lambda cells, motion, at, strides, derivatives: None
-
-
-def _add_slices(cells, particles, cell, q, buffers, inverse, fastest, total):
-    """Add the forces of slice `q`, or of a pair; greatest speeds, and sums for mean dilatation.
-
-    `buffers` are `Derivatives` and `Stresses`.
+    `which` are their layer, the first cell, and how many they are.
     """
 
 
-@specialise(_add_slices)
-def _add_slices_of(cells, particles, cell, q, buffers, inverse, fastest, total):
+@specialise(_find_stresses)
+def _find_stresses_of(cells, field, particles, which, strides, P, fastest):
+    D = sizes_of(cells).dimension
+    groups = groups_of(sizes_of(cells))
+
+    def elastic(cells, field, particles, which, strides, P, fastest):
+        layer, cell, count = which
+        setting, material, inverse = cells.setting, cells.material[cell], 0.0
+        for d in range(D):
+            inverse = max(inverse, setting.frame.inverse[d])
+        buffers = derivative_buffers()
+        for k in range(count):
+            at = layer * strides[0] + cells.place[cell + k]
+            _derive_cell(cells, field.motion.values, at, strides, buffers, k * groups, P)
+        every = count * groups
+        for pair in range((every + 1) // 2):
+            slot = 4 * (cell * groups + 2 * pair)
+            low, high = load(cells.volumes, slot), vector(0.0)
+            if 2 * pair + 1 < every:
+                high = load(cells.volumes, slot + 4)
+            stress, fastest = _elastic_stresses(
+                cells, material, slot, join(low, high), of_eight(cells, P, pair), inverse, fastest
+            )
+            keep_eight(P, pair, stress)
+        return fastest, ()
+
+    def stored(cells, field, particles, which, strides, P, fastest):
+        total = mean_total(cells.loads)
+        for group in range(groups):
+            slot = 4 * (which[1] * groups + group)
+            stress, total = stored_stresses(cells, particles, slot, total)
+            keep_four(P, group, stress)
+        return fastest, total
+
+    return elastic if _elastic(cells) else stored
+
+
+def _derive_cell(cells, motion, at, strides, buffers, group, F):
+    """Deformation gradients of the particles of a cell, as groups of four from `group` on."""
+
+
+@specialise(_derive_cell)
+def _derive_cell_of(cells, motion, at, strides, buffers, group, F):
     _, slices, _, _, groups, _, _, _ = sizes_of(cells)
 
-    def pair(cells, particles, cell, q, buffers, inverse, fastest, total):
-        derivatives, stresses = buffers
-        derive_slice(cells, q, derivatives)
-        derive_slice(cells, q + 1, derivatives)
-        for group in range(groups):
-            slot = 4 * ((cell * slices + q) * groups + group)
-            V = join(load(cells.volumes, slot), load(cells.volumes, slot + 4 * groups))
-            F = joined_lanes(
-                deformations_of_four(cells, derivatives, q, group),
-                deformations_of_four(cells, derivatives, q + 1, group),
-            )
-            P, fastest = _elastic_stresses(cells, cell, slot, V, F, inverse, fastest)
-            keep_stresses(stresses, q, group, half_of(P, 0))
-            keep_stresses(stresses, q + 1, group, half_of(P, 1))
-        add_slice(cells, q, stresses)
-        add_slice(cells, q + 1, stresses)
-        return fastest, total
+    def derive(cells, motion, at, strides, buffers, group, F):
+        load_corners(cells, motion, at, strides, buffers.u)
+        derive_across(cells, buffers)
+        for q in range(slices):
+            derive_slice(cells, q, buffers)
+            for i in range(groups):
+                keep_four(F, group + q * groups + i, deformations_of_four(cells, buffers, i))
 
-    def one(cells, particles, cell, q, buffers, inverse, fastest, total):
-        derivatives, stresses = buffers
-        derive_slice(cells, q, derivatives)
-        for group in range(groups):
-            slot = 4 * ((cell * slices + q) * groups + group)
-            V, F = load(cells.volumes, slot), deformations_of_four(cells, derivatives, q, group)
-            P, fastest = _elastic_stresses(cells, cell, slot, V, F, inverse, fastest)
-            keep_stresses(stresses, q, group, P)
-        add_slice(cells, q, stresses)
-        return fastest, total
-
-    def stored(cells, particles, cell, q, buffers, inverse, fastest, total):
-        for group in range(groups):
-            slot = 4 * ((cell * slices + q) * groups + group)
-            total = keep_stored(cells, particles, slot, buffers[1], q, group, total)
-        add_slice(cells, q, buffers[1])
-        return fastest, total
-
-    if not _elastic(cells):
-        return stored
-    return pair if _in_pairs(cells) else one
+    return derive
 
 
-def _elastic_stresses(cells, cell, slot, V, F, inverse, fastest):
-    """-V0 P of elastic particles with volumes `V`, from slot `slot` on; greatest speeds.
-
-    Those of a second slice are as many slots further as a slice has.
-    """
+def _elastic_stresses(cells, material, slot, V, F, inverse, fastest):
+    """-V0 P of eight elastic particles with volumes `V`, from slot `slot` on; greatest speeds."""
 
 
 @specialise(_elastic_stresses)
-def _elastic_stresses_of(cells, cell, slot, V, F, inverse, fastest):
-    D, every = sizes_of(cells).dimension, 2 ** lanes_of(V) - 1
+def _elastic_stresses_of(cells, material, slot, V, F, inverse, fastest):
+    D = sizes_of(cells).dimension
     identity = tuple(float(i == j) for i in range(D) for j in range(D))
 
-    def stresses(cells, cell, slot, V, F, inverse, fastest):
-        setting, k = cells.setting, cells.material[cell]
+    def stresses(cells, material, slot, V, F, inverse, fastest):
         J = determinant(F)
-        sound = bits((V > 0.0) & (J > 0.0))
-        if sound != every:
-            _note_groups(cells, V, sound, slot)
-            F = where_all((V > 0.0) & (J > 0.0), F, identity)
+        sound = bits(J > 0.0)
+        if sound != 255:  # missing particles may have any F
+            note_wrong(cells, half_of(V, 0), sound & 15, slot)
+            note_wrong(cells, half_of(V, 1), sound >> 4, slot + 4)
+            F = where_all(J > 0.0, F, identity)
             J = determinant(F)
-        P = scaled(-V, evaluate_four("piola", setting.materials, k, (F, J), (), F))
+        setting = cells.setting
+        P = scaled(-V, evaluate_four("piola", setting.materials, material, (F, J), (), F))
         if cells.controlled:
-            c = grid_speed(setting, True, k, ((), F, J, ()), inverse, 0.0)
-            fastest = max(c * inverse, fastest)
+            c = grid_speed(setting, True, material, ((), F, J, ()), inverse, 0.0)
+            fastest = max(where(V > 0.0, c * inverse, 0.0), fastest)
         return P, fastest
 
     return stresses
-
-
-def _note_groups(cells, V, sound, slot):
-    """As `note_wrong`, also of a group and the same of the next slice."""
-
-
-@specialise(_note_groups)
-def _note_each_group(cells, V, sound, slot):
-    behind = 4 * sizes_of(cells).groups
-
-    def both(cells, V, sound, slot):
-        note_wrong(cells, half_of(V, 0), sound & 15, slot)
-        note_wrong(cells, half_of(V, 1), sound >> 4, slot + behind)
-
-    if lanes_of(V) == 8:
-        return both
-    return lambda cells, V, sound, slot: note_wrong(cells, V, sound, slot)

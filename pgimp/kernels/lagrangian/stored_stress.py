@@ -7,9 +7,9 @@ are its cell alone, whose G is the deformation gradient at its centre.
 from pgimp.jit.algebra import cofactor, full, multiply
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import read, scaled
+from pgimp.jit.vectors.lanes import vectors
 from pgimp.jit.vectors.simd import lane, load, pack, store, vector
 from pgimp.kernels.lagrangian.cell_derivatives import sizes_of
-from pgimp.kernels.lagrangian.cell_forces import keep_stresses
 from pgimp.kernels.transfer.lane_io import deformations, take_row
 from pgimp.kernels.update.piola import less_pressure
 from pgimp.kernels.update.viscosity import trace
@@ -45,30 +45,28 @@ def _four_slots(rows, slot):
     return lambda rows, slot: (rows[slot], rows[slot + 1], rows[slot + 2], rows[slot + 3])
 
 
-def keep_stored(cells, particles, slot, stresses, q, group, total):
-    """Store -V0 P of four particles of a slice, and add to the sum of `mean_total`."""
+def stored_stresses(cells, particles, slot, total):
+    """-V0 P of four particles, from slot `slot` on; the sum of `mean_total` with them."""
 
 
-@specialise(keep_stored)
-def _keep_stored(cells, particles, slot, stresses, q, group, total):
+@specialise(stored_stresses)
+def _stored_stresses(cells, particles, slot, total):
     D = sizes_of(cells).dimension
-    like, matrix, part = (0.0,) * (3, 4, 6)[D - 1], (0.0,) * D**2, 1.0 / D
+    like, part = (0.0,) * (3, 4, 6)[D - 1], 1.0 / D
+    nothing = (0.0,) * D**2
 
-    def keep(cells, particles, slot, stresses, q, group, total):
+    def pointwise(cells, particles, slot, total):
         if cells.rows[slot] < 0:
-            keep_stresses(stresses, q, group, scaled(vector(0.0), matrix))
-            return total
+            return vectors(nothing), total
         rows = four_slots(cells.rows, slot)
         sigma = take_row(particles.sigma, rows, 0, like)
         sigma = less_pressure(cells.loads.viscosity, particles, rows, sigma)
         P = multiply(full(sigma), cofactor(deformations(cells.setting.frame, particles, rows)))
-        keep_stresses(stresses, q, group, scaled(-load(cells.volumes, slot), P))
-        return total
+        return scaled(-load(cells.volumes, slot), P), total
 
-    def keep_both(cells, particles, slot, stresses, q, group, total):
+    def both(cells, particles, slot, total):
         if cells.rows[slot] < 0:
-            keep_stresses(stresses, q, group, scaled(vector(0.0), matrix))
-            return total
+            return vectors(nothing), total
         rows = four_slots(cells.rows, slot)
         sigma = take_row(particles.sigma, rows, 0, like)
         sigma = less_pressure(cells.loads.viscosity, particles, rows, sigma)
@@ -77,10 +75,9 @@ def _keep_stored(cells, particles, slot, stresses, q, group, total):
         rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
         ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -load(cells.volumes, slot)
         P = multiply(full(rest), cofactor(deformations(cells.setting.frame, particles, rows)))
-        keep_stresses(stresses, q, group, scaled(V * ratio, P))
-        return (total[0] + V * mean,)
+        return scaled(V * ratio, P), (total[0] + V * mean,)
 
-    return keep_both if len(total) else keep
+    return both if len(total) else pointwise
 
 
 def add_mean_forces(cells, particles, cell, total, f):

@@ -1,0 +1,129 @@
+"""Matrices of the particles of some lattice cells, for eight particles at a time.
+
+A material's stress is a long chain of operations, each of which waits for the one before. So the
+deformation gradients of several cells come first, then the stresses of all in their place, then the
+forces: a processor then works at the next particles while it waits.
+"""
+
+from pgimp.jit.kernel import specialise
+from pgimp.jit.vectors.simd import halves, join, load, stack, store
+from pgimp.kernels.lagrangian.cell_derivatives import CellSizes, sizes_of
+
+#: Groups of four particles that are worked at together, or those of two cells.
+_TOGETHER = 16
+
+
+def groups_of(sizes: CellSizes) -> int:
+    """Groups of four particles of a cell."""
+    return sizes.slices * sizes.groups
+
+
+def most_together(sizes: CellSizes) -> int:
+    """Greatest number of cells that are worked at together."""
+    return max(2, _TOGETHER // groups_of(sizes))
+
+
+def matrices(cells):
+    """Buffer for the matrices of the particles of `most_together` cells."""
+
+
+@specialise(matrices)
+def _matrices(cells):
+    sizes = sizes_of(cells)
+    size = 4 * sizes.dimension**2 * groups_of(sizes) * most_together(sizes)
+    return lambda cells: stack(size)
+
+
+def keep_four(buffer, group, F):
+    """Store the row-major matrices of group number `group`."""
+
+
+@specialise(keep_four)
+def _keep_four(buffer, group, F):
+    size = 8 * len(F)
+    return lambda buffer, group, F: _keep(buffer, group // 2 * size + 4 * (group % 2), F)
+
+
+def _keep(buffer, at, F):
+    """Store the vectors `F`, of four particles, in every other place from `at` on."""
+
+
+@specialise(_keep)
+def _keep_each(buffer, at, F):
+    def keep(buffer, at, F):
+        store(buffer, at, F[0])
+        _keep(buffer, at + 8, F[1:])
+
+    return keep if len(F) else lambda buffer, at, F: None
+
+
+def of_four(cells, buffer, group):
+    """The matrices of group number `group`."""
+
+
+@specialise(of_four)
+def _of_four(cells, buffer, group):
+    like = (0.0,) * sizes_of(cells).dimension ** 2
+    size = 8 * len(like)
+    return lambda cells, buffer, group: _take(buffer, group // 2 * size + 4 * (group % 2), like)
+
+
+def _take(buffer, at, like):
+    """The vectors of four particles in every other place from `at` on."""
+
+
+@specialise(_take)
+def _take_each(buffer, at, like):
+    if len(like) == 0:
+        return lambda buffer, at, like: ()
+    return lambda buffer, at, like: (load(buffer, at), *_take(buffer, at + 8, like[1:]))
+
+
+def of_eight(cells, buffer, pair):
+    """The matrices of groups 2 `pair` and the next."""
+
+
+@specialise(of_eight)
+def _of_eight(cells, buffer, pair):
+    like = (0.0,) * sizes_of(cells).dimension ** 2
+    size = 8 * len(like)
+    return lambda cells, buffer, pair: _take_both(buffer, size * pair, like)
+
+
+def _take_both(buffer, at, like):
+    """The vectors of eight particles from `at` on."""
+
+
+@specialise(_take_both)
+def _take_each_both(buffer, at, like):
+    if len(like) == 0:
+        return lambda buffer, at, like: ()
+    return lambda buffer, at, like: (
+        join(load(buffer, at), load(buffer, at + 4)),
+        *_take_both(buffer, at + 8, like[1:]),
+    )
+
+
+def keep_eight(buffer, pair, P):
+    """Store the matrices of groups 2 `pair` and the next."""
+
+
+@specialise(keep_eight)
+def _keep_eight(buffer, pair, P):
+    size = 8 * len(P)
+    return lambda buffer, pair, P: _keep_both(buffer, size * pair, P)
+
+
+def _keep_both(buffer, at, P):
+    """Store the vectors of eight particles from `at` on."""
+
+
+@specialise(_keep_both)
+def _keep_each_both(buffer, at, P):
+    def keep(buffer, at, P):
+        low, high = halves(P[0])
+        store(buffer, at, low)
+        store(buffer, at + 4, high)
+        _keep_both(buffer, at + 8, P[1:])
+
+    return keep if len(P) else lambda buffer, at, P: None
