@@ -1,7 +1,8 @@
 """A choice in place of a branch, for one particle and for several at once."""
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.vectors.simd import is_mask, where
+from pgimp.jit.vectors.kinds import is_mask
+from pgimp.jit.vectors.simd import where
 
 
 def choose(condition, a, b):

@@ -16,7 +16,7 @@ from numba.extending import intrinsic, overload
 import pgimp.jit.vectors.functions  # noqa: F401  so that abs, max and min are known of vectors
 from pgimp.jit.choose import choose
 from pgimp.jit.kernel import INLINE_OPTIONS, exact
-from pgimp.jit.vectors.simd import common, floats, is_vector, llvm_type, widened
+from pgimp.jit.vectors.kinds import common, floats, is_vector, llvm_type, widened
 
 # ln 2 in two parts, the first exact in products with exponents. Then the coefficients of the
 # minimax polynomial for (log(1+f) - f)/s, s = f/(2+f) (Sun Microsystems' fdlibm, e_log.c).

@@ -10,8 +10,20 @@ from hypothesis import strategies as st
 from material_driver import COMPONENTS, YOUNG, deformations, material, response, row
 
 from pgimp.jit.algebra import determinant
-from pgimp.jit.kernel import allocating_kernel, kernel
-from pgimp.jit.vectors.simd import bits, lane, number, pack, stack, store, vector, where
+from pgimp.jit.choose import choose
+from pgimp.jit.kernel import allocating_kernel, kernel, specialise
+from pgimp.jit.vectors.simd import (
+    bits,
+    halves,
+    join,
+    lane,
+    number,
+    pack,
+    stack,
+    store,
+    vector,
+    where,
+)
 from pgimp.kernels.transfer.lane_io import put_row, take, take_row
 from pgimp.physics.materials.parameters.evaluate import evaluate, evaluate_four
 
@@ -46,6 +58,42 @@ def test_functions(a, b):
     ]  # fmt: skip
     # 2 y is exact, so that a fused multiply-add rounds as the two operations do.
     np.testing.assert_array_equal(functions(a, b), expected)
+
+
+@kernel
+def of_eight_and_four(a, b, eight, four):
+    """Results of two vectors joined, and of each: rows of eight."""
+    x = pack(a[0], a[1], a[2], a[3]), pack(a[4], a[5], a[6], a[7])
+    y = pack(b[0], b[1], b[2], b[3]), pack(b[4], b[5], b[6], b[7])
+    found = several(join(x[0], x[1]), join(y[0], y[1]))
+    low, high = several(x[0], y[0]), several(x[1], y[1])
+    for i in range(len(low)):
+        halfs = halves(found[i])
+        for j in range(4):
+            eight[i, j], eight[i, 4 + j] = lane(halfs[0], j), lane(halfs[1], j)
+            four[i, j], four[i, 4 + j] = lane(low[i], j), lane(high[i], j)
+
+
+def several(x, y):
+    """Results of vectors of any length."""
+
+
+@specialise(several)
+def _several(x, y):
+    return lambda x, y: (
+        max(x, y), min(x, 0.5), abs(x), math.sqrt(abs(y)), -x, where(x > y, x, 1.0),
+        x / 4.0 - 3.0 * y, math.log(abs(y)), math.exp(1e-4 * x), math.pow(abs(x), 0.3),
+        choose((x > 0.0) & (y > 0.0), x * y, y),
+    )  # fmt: skip
+
+
+@given(a=st.tuples(*[NUMBERS] * 8), b=st.tuples(*[NUMBERS] * 8))
+@settings(max_examples=50, deadline=None)
+def test_vectors_of_eight_are_two_of_four(a, b):
+    """To the bit: each element is computed by itself."""
+    eight, four = np.zeros((2, 11, 8))
+    of_eight_and_four(a, b, eight, four)
+    assert eight.tobytes() == four.tobytes()
 
 
 @kernel
@@ -163,6 +211,62 @@ def test_materials_of_four_are_those_of_each(materials):
             results.append((stress, speed))
         for one, four in zip(*results, strict=True):
             np.testing.assert_allclose(four, one, rtol=1e-13, atol=1e-13)
+
+
+@kernel
+def of_eight(materials, number, F, P, like):
+    low, high = take_row(F, (0, 1, 2, 3), 0, like), take_row(F, (4, 5, 6, 7), 0, like)
+    A = join(low[0], high[0]), join(low[1], high[1]), join(low[2], high[2]), join(low[3], high[3])
+    J = determinant(A)
+    found = evaluate_four("piola", materials, number, (A, J), (), A)
+    speed = evaluate_four("speed", materials, number, (A, J), (), J)
+    for i in range(2):
+        rows = (4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3)
+        put_row(P, rows, 0, (
+            halves(found[0])[i], halves(found[1])[i], halves(found[2])[i], halves(found[3])[i],
+            halves(speed)[i],
+        ))  # fmt: skip
+
+
+@kernel
+def alone(materials, number, F, P):
+    for p in range(8):
+        A = (F[p, 0], F[p, 1], F[p, 2], F[p, 3])
+        found = evaluate("piola", materials, number, (A, determinant(A)), ())
+        for i in range(4):
+            P[p, i] = found[i]
+        P[p, 4] = evaluate("speed", materials, number, (A, determinant(A)), ())
+
+
+class Stiffening(NamedTuple):
+    """An elastic material that no vector can pass through."""
+
+    stiffness: float
+
+    @staticmethod
+    def piola(material, F, J):
+        p = material.stiffness * (J - 1.0)
+        if J > 1.0:
+            p *= 0.5
+        return p * F[3], -p * F[2], -p * F[1], p * F[0]
+
+    @staticmethod
+    def speed(material, F, J):
+        return 3.0
+
+
+@pytest.mark.parametrize(
+    "materials", [(NEO,), (NEO, NEO), (Stiffening(2.0), NEO)], ids=["one", "alike", "branches"]
+)
+def test_one_material_of_eight_is_that_of_each(materials):
+    """Contraction may differ in the last place."""
+    F = np.array([row(A) for A in list(deformations(2, 8))])
+    for k in range(len(materials)):
+        together, one = np.zeros((2, 8, 5))
+        of_eight(materials, k, F, together, (0.0,) * 4)
+        alone(materials, k, F, one)
+        assert one.any()
+        np.testing.assert_allclose(together, one, rtol=1e-13, atol=1e-13)
 
 
 @kernel

@@ -12,7 +12,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from pgimp.jit.kernel import INLINE_OPTIONS
-from pgimp.jit.vectors.simd import common, floats, is_vector, llvm_type, widened
+from pgimp.jit.vectors.kinds import common, floats, is_vector, llvm_type, widened
 
 
 def _unary(name):

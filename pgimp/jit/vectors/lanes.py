@@ -5,17 +5,8 @@ from numba.core import types
 from pgimp.jit.kernel import specialise
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.own import named
-from pgimp.jit.vectors.simd import (
-    halves,
-    is_vector,
-    join,
-    lane,
-    number,
-    vector,
-    vector_as,
-    where,
-    with_lane,
-)
+from pgimp.jit.vectors.kinds import is_vector
+from pgimp.jit.vectors.simd import halves, lane, number, vector, vector_as, where, with_lane
 
 
 def _is_tuple(kind):
@@ -58,19 +49,6 @@ def _vectors_as(values, like):
     if len(values) == 1:
         return lambda values, like: (vector_as(values[0], like),)
     return lambda values, like: (vector_as(values[0], like), *vectors_as(values[1:], like))
-
-
-def joined_lanes(low, high):
-    """Vectors of eight particles from those of four and four."""
-
-
-@specialise(joined_lanes)
-def _joined_lanes(low, high):
-    if is_vector(low):
-        return lambda low, high: join(low, high)
-    if len(low) == 1:
-        return lambda low, high: (join(low[0], high[0]),)
-    return lambda low, high: (join(low[0], high[0]), *joined_lanes(low[1:], high[1:]))
 
 
 def half_of(values, i):

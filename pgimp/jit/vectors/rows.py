@@ -4,7 +4,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
-from pgimp.jit.vectors.simd import DOUBLES, vec4
+from pgimp.jit.vectors.kinds import DOUBLES, vec4
 
 
 def _shuffle(builder, u, v, *places):

@@ -12,94 +12,26 @@ they wait once; processors without such registers take both halves in turn.
 """
 
 import operator
-from collections.abc import Iterable
 
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, models, register_model
+from numba.extending import intrinsic
 
-from pgimp.jit.outside import NumbaObject
-
-DOUBLES = ir.VectorType(ir.DoubleType(), 4)
-_LANE = ir.IntType(32)
-
-
-class VectorType(types.Type):
-    """Numba's type of a vector of `lanes` float64."""
-
-    def __init__(self, lanes: int) -> None:
-        self.lanes = lanes
-        super().__init__(name=f"Vec{lanes}")
-
-
-class MaskType(types.Type):
-    """Numba's type of `lanes` truth values."""
-
-    def __init__(self, lanes: int) -> None:
-        self.lanes = lanes
-        super().__init__(name=f"Mask{lanes}")
-
-
-vec4, vec8 = VectorType(4), VectorType(8)
-_MASKS = {kind: MaskType(kind.lanes) for kind in (vec4, vec8)}
-
-
-def is_vector(kind: NumbaObject) -> bool:
-    """Whether a Numba type is that of a vector."""
-    return isinstance(kind, VectorType)
-
-
-def is_mask(kind: NumbaObject) -> bool:
-    """Whether a Numba type is that of the truth values of a vector's elements."""
-    return isinstance(kind, MaskType)
-
-
-def common(kinds: Iterable[NumbaObject]) -> NumbaObject:
-    """The type of a result of vectors and numbers: the vectors', or float64."""
-    return next(filter(is_vector, kinds), types.float64)
-
-
-def llvm_type(kind: NumbaObject) -> ir.Type:
-    """LLVM's type of a vector or a number."""
-    return ir.VectorType(ir.DoubleType(), kind.lanes) if is_vector(kind) else ir.DoubleType()
-
-
-@register_model(VectorType)
-class _VectorModel(models.PrimitiveModel):
-    def __init__(self, manager, fe_type):
-        super().__init__(manager, fe_type, llvm_type(fe_type))
-
-
-@register_model(MaskType)
-class _MaskModel(models.PrimitiveModel):
-    def __init__(self, manager, fe_type):
-        super().__init__(manager, fe_type, ir.VectorType(ir.IntType(1), fe_type.lanes))
-
-
-def splat(builder, value, lanes):
-    """The LLVM vector of a number."""
-    undefined = ir.Constant(ir.VectorType(ir.DoubleType(), lanes), ir.Undefined)
-    first = builder.insert_element(undefined, value, ir.Constant(_LANE, 0))
-    mask = ir.Constant(ir.VectorType(_LANE, lanes), [0] * lanes)
-    return builder.shuffle_vector(first, undefined, mask)
-
-
-def widened(builder, kinds, values):
-    """LLVM values of these types, numbers as vectors if any of them is a vector."""
-    kind = common(kinds)
-    if not is_vector(kind):
-        return list(values)
-    return [
-        value if is_vector(own) else splat(builder, value, kind.lanes)
-        for own, value in zip(kinds, values, strict=True)
-    ]
-
-
-def floats(kinds: Iterable[NumbaObject]) -> list[NumbaObject]:
-    """The types with float64 in place of those of other numbers."""
-    return [kind if is_vector(kind) else types.float64 for kind in kinds]
+from pgimp.jit.vectors.kinds import (
+    DOUBLES,
+    LANE,
+    MASKS,
+    common,
+    floats,
+    is_mask,
+    is_vector,
+    splat,
+    vec4,
+    vec8,
+    widened,
+)
 
 
 def _address(context, builder, kind, array, index):
@@ -116,7 +48,7 @@ def pack(typing_context, a, b, c, d):
     def generate(context, builder, sig, args):
         vector = ir.Constant(DOUBLES, ir.Undefined)
         for number, value in enumerate(args):
-            vector = builder.insert_element(vector, value, ir.Constant(_LANE, number))
+            vector = builder.insert_element(vector, value, ir.Constant(LANE, number))
         return vector
 
     return vec4(types.float64, types.float64, types.float64, types.float64), generate
@@ -148,7 +80,7 @@ def join(typing_context, low, high):
     """Vector of eight from two of four."""
 
     def generate(context, builder, sig, args):
-        mask = ir.Constant(ir.VectorType(_LANE, 8), list(range(8)))
+        mask = ir.Constant(ir.VectorType(LANE, 8), list(range(8)))
         return builder.shuffle_vector(*args, mask)
 
     return vec8(vec4, vec4), generate
@@ -159,7 +91,7 @@ def halves(typing_context, both):
     """The two vectors of four of a vector of eight."""
 
     def generate(context, builder, sig, args):
-        undefined, whole = ir.Constant(args[0].type, ir.Undefined), ir.VectorType(_LANE, 4)
+        undefined, whole = ir.Constant(args[0].type, ir.Undefined), ir.VectorType(LANE, 4)
         parts = [
             builder.shuffle_vector(args[0], undefined, ir.Constant(whole, list(range(i, i + 4))))
             for i in (0, 4)
@@ -175,9 +107,9 @@ def lane(typing_context, vector, number):
 
     def generate(context, builder, sig, args):
         if isinstance(number, types.IntegerLiteral):
-            position = ir.Constant(_LANE, number.literal_value)
+            position = ir.Constant(LANE, number.literal_value)
         else:
-            position = builder.trunc(args[1], _LANE)
+            position = builder.trunc(args[1], LANE)
         return builder.extract_element(args[0], position)
 
     kind = number if isinstance(number, types.IntegerLiteral) else types.int64
@@ -189,7 +121,7 @@ def with_lane(typing_context, vector, number, value):
     """The vector with `value` as its element `number`."""
 
     def generate(context, builder, sig, args):
-        return builder.insert_element(args[0], args[2], builder.trunc(args[1], _LANE))
+        return builder.insert_element(args[0], args[2], builder.trunc(args[1], LANE))
 
     return vector(vector, types.int64, types.float64), generate
 
@@ -257,7 +189,7 @@ def _register(operation, compares, instruction):
                 return None
             if not all(a == kind or isinstance(a, numbers) for a in args):
                 return None
-            return signature(_MASKS[kind] if compares else kind, *floats(args))
+            return signature(MASKS[kind] if compares else kind, *floats(args))
 
     for kind in (vec4, vec8):
         for left, right in ((kind, kind), (kind, types.float64), (types.float64, kind)):
@@ -294,7 +226,7 @@ class _Both(AbstractTemplate):
         return signature(args[0], *args) if same else None
 
 
-for _kind, _mask in _MASKS.items():
+for _kind, _mask in MASKS.items():
 
     @lower_builtin(operator.neg, _kind)
     def _negate(context, builder, sig, args):
@@ -308,7 +240,7 @@ for _kind, _mask in _MASKS.items():
 @intrinsic
 def where(typing_context, mask, a, b):
     """Vector with the elements of `a` where the mask is true, else of `b`."""
-    (kind,) = (vector for vector, own in _MASKS.items() if own == mask)
+    (kind,) = (vector for vector, own in MASKS.items() if own == mask)
 
     def generate(context, builder, sig, args):
         chosen = [

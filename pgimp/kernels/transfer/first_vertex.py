@@ -5,7 +5,8 @@ from math import floor
 import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
 from pgimp.jit.kernel import exact, specialise
 from pgimp.jit.tuples import joined, read
-from pgimp.jit.vectors.simd import is_vector, vector
+from pgimp.jit.vectors.kinds import is_vector
+from pgimp.jit.vectors.simd import vector
 from pgimp.kernels.data.frame import (
     AxialFrame,
     AxialInitialFrame,

@@ -4,8 +4,9 @@ from math import isfinite
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.tuples import read, squared
+from pgimp.jit.vectors.kinds import is_vector
 from pgimp.jit.vectors.lanes import of_lane
-from pgimp.jit.vectors.simd import bits, is_vector, lane, vector
+from pgimp.jit.vectors.simd import bits, lane, vector
 from pgimp.kernels.grid.position_limits import hold_inside
 from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_initial, off_axis
 from pgimp.kernels.update.turns import is_periodic

@@ -14,7 +14,7 @@ from math import sqrt
 from pgimp.jit.algebra import inverse, largest_stretch_squared, left_cauchy_green
 from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import squared
-from pgimp.jit.vectors.simd import is_vector
+from pgimp.jit.vectors.kinds import is_vector
 from pgimp.kernels.transfer.first_vertex import is_initial
 from pgimp.kernels.update.pace import pace
 from pgimp.kernels.update.stress import diffusion_speed, wave_speed

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.vectors.simd import is_vector, where
+from pgimp.jit.vectors.kinds import is_vector
+from pgimp.jit.vectors.simd import where
 from pgimp.kernels.transfer.lane_io import put_row, take
 from pgimp.kernels.update.stress import states, wave_speed
 

@@ -20,7 +20,7 @@ from pgimp.jit.compiled.cache import Store
 from pgimp.jit.kernel import FOLDER
 from pgimp.jit.outside import NumbaObject, part_of
 from pgimp.jit.results import INTEGER_HINT, described, is_integer, is_tuple, why
-from pgimp.jit.vectors.simd import vec4
+from pgimp.jit.vectors.kinds import vec4
 from pgimp.physics.materials.base import (
     LOSSES,
     OPTIONAL,
