@@ -104,8 +104,18 @@ def finish_sums(rank: RankState, marked: bool = False) -> None:
     """Add the neighbours' sums, and set the masses of vertices that keep them; collective."""
     rank.halo.finish(rank.grid)
     if rank.scene.by_cells:
-        rank.call(recall_masses, rank.grid.field)
+        _recall_masses(rank)
     join_seams(rank, marked)
+
+
+def _recall_masses(rank: RankState) -> None:
+    """Set the masses of vertices that keep them, where sums have not begun with them."""
+    slab, field, known = rank.slab, rank.grid.field, (0, 0)
+    if not len(rank.lattice.others.rows) and isinstance(field.used, tuple):
+        if not slab.neighbours:
+            return
+        known = (rank.grid.shared_lower, slab.layers)
+    rank.call(recall_masses, field, known)
 
 
 def join_seams(rank: RankState, marked: bool) -> None:

@@ -34,7 +34,7 @@ def _clear_plane(field, i):
                 field.G[first + begin * window.stride[1] : first + end * window.stride[1]] = 0.0
             field.used[i, f] = 0
 
-    return clear if _is_single(field) else clear_used
+    return clear if is_single(field) else clear_used
 
 
 @kernel
@@ -44,7 +44,7 @@ def clear_planes(field):
         clear_plane(field, i)
 
 
-def _is_single(field):
+def is_single(field):
     """Whether scenes with such a `Field` always have one field."""
     return hasattr(field.types[field.fields.index("used")], "count")  # ()
 
@@ -55,7 +55,7 @@ def used_rows(field, i, f):
 
 @specialise(used_rows)
 def _used_rows(field, i, f):
-    if _is_single(field):
+    if is_single(field):
         return lambda field, i, f: 1
 
     def rows(field, i, f):
@@ -73,7 +73,7 @@ def next_rows(field, left):
 
 @specialise(next_rows)
 def _next_rows(field, left):
-    if _is_single(field):
+    if is_single(field):
         return lambda field, left: (0, field.window.extent[1], 0)
 
     def run(field, left):
@@ -92,7 +92,7 @@ def next_bit(field, left):
 
 @specialise(next_bit)
 def _next_bit(field, left):
-    if _is_single(field):
+    if is_single(field):
         return lambda field, left: (0, field.window.extent[1], 1, 0)
 
     def one(field, left):
@@ -143,7 +143,7 @@ def use(field, i, low, high):
 
 @specialise(use)
 def _use(field, i, low, high):
-    if _is_single(field):
+    if is_single(field):
         return lambda field, i, low, high: None
     return lambda field, i, low, high: note_range(field.window, field.used[i], low, high)
 
@@ -164,7 +164,7 @@ def use_layer(field, low, high):
 
 @specialise(use_layer)
 def _use_layer(field, low, high):
-    if _is_single(field):
+    if is_single(field):
         return lambda field, low, high: None
 
     def note(field, low, high):
@@ -180,7 +180,7 @@ def layer_marks(field, vertices, D):
 
 @specialise(layer_marks)
 def _layer_marks(field, vertices, D):
-    if _is_single(field):
+    if is_single(field):
         return lambda field, vertices, D: ()
 
     def marks(field, vertices, D):
@@ -244,7 +244,7 @@ def _add_layer(field, source, target, low, high):
                     first + end * window.stride[1],
                 )
 
-    return add_range if _is_single(field) else add_rows
+    return add_range if is_single(field) else add_rows
 
 
 @inner_kernel
@@ -262,7 +262,7 @@ def end_layer(field):
 
 @specialise(end_layer)
 def _end_layer(field):
-    if _is_single(field):
+    if is_single(field):
         return lambda field: None
 
     def forget(field):

@@ -43,6 +43,9 @@ from pgimp.kernels.lagrangian.stored_stress import add_mean_forces, mean_total, 
 from pgimp.kernels.update.speed import grid_speed
 from pgimp.physics.materials.parameters.evaluate import evaluate_four
 
+#: Vertices of a cell along a direction.
+CELL_VERTICES = 2
+
 #: Offset of the vector with the forces in a record of the sums. Displacements are in the first
 #: vector of a record of the motion.
 _FORCES = 4

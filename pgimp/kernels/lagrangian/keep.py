@@ -1,20 +1,33 @@
 """Velocity and displacement of vertices after a step; see `pgimp.kernels.data.motion`."""
 
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.vectors.simd import pack, store, vector
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import MASS, RECORD, VELOCITY
 from pgimp.kernels.data.used_rows import is_used, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 
 
+@inner_kernel
+def begin_with_masses(field, i):
+    """Set plane `i` to its vertices' own masses, without momentum and force."""
+    G, plane, values, zero = field.G, field.window.stride[0], field.motion.values, vector(0.0)
+    for r in range(i * plane, (i + 1) * plane, RECORD):
+        store(G, r, pack(values[r + KEPT_MASS], 0.0, 0.0, 0.0))
+        store(G, r + 4, zero)
+
+
 @kernel
-def recall_masses(field):
-    """Set the masses of vertices that keep their motion, in place of sums of particles' masses."""
+def recall_masses(field, between):
+    """Set the masses of vertices that keep their motion, in place of sums of particles' masses.
+
+    Planes from ``between[0]`` up to ``between[1]`` have them, see `begin_with_masses`.
+    """
     G, window = field.G, field.window
     values, fields = field.motion
     plane, size = window.stride[0], field_size(window)
     for i in range(len(field.active)):
-        if field.active[i] == 0:
+        if field.active[i] == 0 or between[0] <= i < between[1]:
             continue
         for f in range(field_count(window)):
             if fields[f] and is_used(field, i, f):

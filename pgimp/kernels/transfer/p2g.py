@@ -13,8 +13,16 @@ from typing import NamedTuple
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
 from pgimp.jit.vectors.simd import load, pack, store
 from pgimp.kernels.data.arguments import KernelScene, Order
-from pgimp.kernels.data.used_rows import add_layer, clear_plane, end_layer, use, use_layer
-from pgimp.kernels.lagrangian.cells import Cells, add_cells
+from pgimp.kernels.data.used_rows import (
+    add_layer,
+    clear_plane,
+    end_layer,
+    is_single,
+    use,
+    use_layer,
+)
+from pgimp.kernels.lagrangian.cells import CELL_VERTICES, Cells, add_cells
+from pgimp.kernels.lagrangian.keep import begin_with_masses
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.transfer.sum_layer import sum_layer
 
@@ -65,6 +73,37 @@ def _sum_others_too(others, field, particles, layer, span):
     return widen
 
 
+def _begin_plane(others, field, alone, i):
+    """Begin the sums of plane `i`: from zero, but from known masses where no particle adds any.
+
+    `alone` says whether cells of the lattice have all of the rank's particles.
+    """
+
+
+@specialise(_begin_plane)
+def _begin_plane_with(others, field, alone, i):
+    def begin(others, field, alone, i):
+        if alone:
+            begin_with_masses(field, i)
+        else:
+            clear_plane(field, i)
+
+    if is_single(field) and getattr(others, "instance_class", None) is Cells:
+        return begin
+    return lambda others, field, alone, i: clear_plane(field, i)
+
+
+def _reach(others, vertices):
+    """Number of planes that the other particles of a layer reach, of shapes with so many."""
+
+
+@specialise(_reach)
+def _reach_of(others, vertices):
+    if getattr(others, "instance_class", None) is Cells:
+        return lambda others, vertices: CELL_VERTICES
+    return lambda others, vertices: vertices
+
+
 @kernel
 def particles_to_grid(setting, field, particles, loads, order, runs, others):
     """Sum the particles of some layers of a rank into its planes.
@@ -89,8 +128,9 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
     kept = shared_lower * (shared_lower + 1) // 2  # first deferred sum of the last layers
     for run in range(len(runs)):
         for layer in range(runs[run, 0], runs[run, 1]):
-            low, high = 0, 0
+            low, high, reach = 0, 0, _reach(others, vertices)
             if start[layer] < start[layer + 1]:
+                reach = vertices
                 low, high = sum_layer(
                     setting, field, particles, loads, order.rows,
                     (start[layer], start[layer + 1]), layer + window.lower[0],
@@ -104,12 +144,13 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
                     continue
                 if high > 0 and active[target] == 0:
                     active[target] = 1
-                    clear_plane(field, target)
+                    _begin_plane(others, field, start[layers] == 0, target)
                 if runs[run, 2] != 0 and target < layers:
                     slot = kept + _slot(layer - layers + shared, shared) + i
                     _defer(scratch, i * plane, deferred, slot * plane, low, high, plane)
                     continue
-                add_layer(field, i * plane, target, low, high)
+                if i < reach:
+                    add_layer(field, i * plane, target, low, high)
             end_layer(field)
 
 
