@@ -7,8 +7,9 @@ gradients
     F_p = 1 + sum_v u_v grad0 S_vp
 
 follow by sums along one direction after the other, and the forces -V0 P grad0 S by their adjoint.
-Four particles are computed in lanes. Elastic materials need no data of particles but V0. Others
-keep F, stress and state in the particles' columns, see `pgimp.kernels.lagrangian.advance`.
+Stresses are computed for eight particles at once, of several cells. Elastic materials need no data
+of particles but V0. Others keep F, stress and state in the particles' columns, see
+`pgimp.kernels.lagrangian.advance`.
 """
 
 from typing import Any, NamedTuple
