@@ -16,7 +16,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import DAMPED, Ledger
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.lagrangian.displace import displace_particles
+from pgimp.kernels.lagrangian.displace import displace_particles, place_particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
@@ -118,6 +118,7 @@ class Rank:
         self.absorbing, self.inflow = absorbing_of(scene), inflow_of(scene)
         self.grips = grips_of(scene, comm)
         self._lattice: LatticeCells | None = None
+        self._near: tuple[tuple, Order] | None = None
         self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
         self.moved = False
@@ -168,18 +169,32 @@ class Rank:
         self.moved, self._lattice = False, None
 
     def displace(self, near: np.ndarray | None = None) -> None:
-        """Update lattice particles from the vertices' motion, all or those `near`, by offsets."""
-        order, setting = self.lattice.inside, self.scene.setting
+        """Update lattice particles from the vertices' motion.
+
+        Of those `near`, by offsets, only positions and deformation gradients: for a search, while
+        all columns stay outdated.
+        """
+        order, setting, kernel = self.lattice.inside, self.scene.setting, displace_particles
         if self.scene.cell_loads:  # F and stress are those of the step
             setting = setting.without_materials()
+        elif near is not None:
+            kernel = place_particles
         if near is not None:
-            rows = self.population.order[near]
-            inside = self.lattice.is_inside[rows]
-            order = Order(rows[inside], np.searchsorted(near[inside], self.population.start))
+            order = self._near_order(near)
         self.call(
-            displace_particles, setting, self.scene.domain.frame, self.grid.motion_field,
+            kernel, setting, self.scene.domain.frame, self.grid.motion_field,
             self.population.stored, order,
         )  # fmt: skip
+
+    def _near_order(self, near: np.ndarray) -> Order:
+        """Lattice particles among those `near`; kept while these and the lattice do not change."""
+        of = near, self.population.order, self.lattice
+        if self._near is None or any(a is not b for a, b in zip(of, self._near[0], strict=True)):
+            rows = self.population.order[near]
+            inside = self.lattice.is_inside[rows]
+            start = np.searchsorted(near[inside], self.population.start)
+            self._near = of, Order(rows[inside], start)
+        return self._near[1]
 
     @property
     def call(self) -> Bound:
