@@ -3,6 +3,7 @@
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy import uint64  # of offsets: numbers below 0 would be looked for
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel
@@ -93,10 +94,11 @@ def velocity_at(r, coupling, solved):
     if entry.shape[1] == 1:
         a, b, c = vector(0.0), vector(0.0), vector(0.0)
         while k + 4 <= end:  # four sums: none waits for another
-            v = entry[k, 0] * load_row(velocity, column[k], 0) + v
-            a = entry[k + 1, 0] * load_row(velocity, column[k + 1], 0) + a
-            b = entry[k + 2, 0] * load_row(velocity, column[k + 2], 0) + b
-            c = entry[k + 3, 0] * load_row(velocity, column[k + 3], 0) + c
+            m, n, o, p = uint64(k), uint64(k + 1), uint64(k + 2), uint64(k + 3)
+            v = entry[m, 0] * load_row(velocity, column[m], 0) + v
+            a = entry[n, 0] * load_row(velocity, column[n], 0) + a
+            b = entry[o, 0] * load_row(velocity, column[o], 0) + b
+            c = entry[p, 0] * load_row(velocity, column[p], 0) + c
             k += 4
         v = (v + a) + (b + c)
         while k < end:
@@ -145,8 +147,9 @@ def give(r, J, sign, coupling, solved):
     if solved.free[r]:
         every = sign * every
         for k in range(start[r], start[r + 1]):
-            j = column[k]
-            store_row(velocity, j, 0, solved.moved[k] * every + load_row(velocity, j, 0))
+            n = uint64(k)
+            j = column[n]
+            store_row(velocity, j, 0, solved.moved[n] * every + load_row(velocity, j, 0))
         return
     stiff = pack(answer[r, 0], answer[r, 1], answer[r, 2], 1.0) == 0.0
     if bits(stiff) != 0:
