@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import is_not
 
 import numpy as np
 
@@ -171,29 +172,23 @@ class Rank:
     def displace(self, near: np.ndarray | None = None) -> None:
         """Update lattice particles from the vertices' motion.
 
-        Of those `near`, by offsets, only positions and deformation gradients: for a search, while
-        all columns stay outdated.
+        Of those `near`, by offsets, only positions and F: all columns stay outdated.
         """
         order, setting, kernel = self.lattice.inside, self.scene.setting, displace_particles
-        if self.scene.cell_loads:  # F and stress are those of the step
-            setting = setting.without_materials()
-        elif near is not None:
-            kernel = place_particles
         if near is not None:
-            order = self._near_order(near)
-        self.call(
-            kernel, setting, self.scene.domain.frame, self.grid.motion_field,
-            self.population.stored, order,
-        )  # fmt: skip
+            order, kernel = self._near_order(near), place_particles
+        if self.scene.cell_loads:  # F and stress are those of the step
+            setting, kernel = setting.without_materials(), displace_particles
+        frame, field = self.scene.domain.frame, self.grid.motion_field
+        self.call(kernel, setting, frame, field, self.population.stored, order)
 
     def _near_order(self, near: np.ndarray) -> Order:
         """Lattice particles among those `near`; kept while these and the lattice do not change."""
         of = near, self.population.order, self.lattice
-        if self._near is None or any(a is not b for a, b in zip(of, self._near[0], strict=True)):
-            rows = self.population.order[near]
+        if self._near is None or any(map(is_not, of, self._near[0])):
+            rows, start = of[1][near], self.population.start
             inside = self.lattice.is_inside[rows]
-            start = np.searchsorted(near[inside], self.population.start)
-            self._near = of, Order(rows[inside], start)
+            self._near = of, Order(rows[inside], np.searchsorted(near[inside], start))
         return self._near[1]
 
     @property
