@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import is_not
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import DAMPED, Ledger
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.lagrangian.displace import displace_particles
+from pgimp.kernels.lagrangian.displace import displace_particles, place_particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
@@ -118,6 +119,7 @@ class Rank:
         self.absorbing, self.inflow = absorbing_of(scene), inflow_of(scene)
         self.grips = grips_of(scene, comm)
         self._lattice: LatticeCells | None = None
+        self._near: tuple[tuple, Order] | None = None
         self.population.update = self.displace
         #: Whether the layers have changed since rows were last sorted.
         self.moved = False
@@ -168,18 +170,26 @@ class Rank:
         self.moved, self._lattice = False, None
 
     def displace(self, near: np.ndarray | None = None) -> None:
-        """Update lattice particles from the vertices' motion, all or those `near`, by offsets."""
-        order, setting = self.lattice.inside, self.scene.setting
-        if self.scene.cell_loads:  # F and stress are those of the step
-            setting = setting.without_materials()
+        """Update lattice particles from the vertices' motion.
+
+        Of those `near`, by offsets, only positions and F: all columns stay outdated.
+        """
+        order, setting, kernel = self.lattice.inside, self.scene.setting, displace_particles
         if near is not None:
-            rows = self.population.order[near]
+            order, kernel = self._near_order(near), place_particles
+        if self.scene.cell_loads:  # F and stress are those of the step
+            setting, kernel = setting.without_materials(), displace_particles
+        frame, field = self.scene.domain.frame, self.grid.motion_field
+        self.call(kernel, setting, frame, field, self.population.stored, order)
+
+    def _near_order(self, near: np.ndarray) -> Order:
+        """Lattice particles among those `near`; kept while these and the lattice do not change."""
+        of = near, self.population.order, self.lattice
+        if self._near is None or any(map(is_not, of, self._near[0])):
+            rows, start = of[1][near], self.population.start
             inside = self.lattice.is_inside[rows]
-            order = Order(rows[inside], np.searchsorted(near[inside], self.population.start))
-        self.call(
-            displace_particles, setting, self.scene.domain.frame, self.grid.motion_field,
-            self.population.stored, order,
-        )  # fmt: skip
+            self._near = of, Order(rows[inside], np.searchsorted(near[inside], start))
+        return self._near[1]
 
     @property
     def call(self) -> Bound:

@@ -49,6 +49,23 @@ def displace_particles(setting, plain, field, particles, order):
             _put_elastic(setting, particles, rows, grad)
 
 
+@kernel
+def place_particles(setting, plain, field, particles, order):
+    """Set only positions and deformation gradients, as `displace_particles` does."""
+    shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
+    buffer, sums = stack(SUPPORT_SIZE), stack(SUMS)
+    for layer in range(len(start) - 1):
+        number = layer + window.lower[0]
+        for k in range(start[layer], start[layer + 1], LANES):
+            rows = four_rows(order.rows, k, start[layer + 1])
+            four = FourParticles(rows, min(LANES, start[layer + 1] - k), k, layer, number)
+            supports(shape, frame, window, particles, rows, number, buffer, ())
+            u, _, grad, _, hoop = take_from_grid((shape, plain), field, (), four, buffer, sums)
+            u = ring_motion(frame, particles, four, hoop, u)
+            put_row(particles.x, rows, 0, plus_scaled(1.0, u, coordinates(frame, particles, rows)))
+            put_row(particles.F, rows, 0, one_plus(1.0, grad))
+
+
 def _put_elastic(setting, particles, rows, grad):
     """Set F, V and stress of four elastic particles; nothing without materials.
 

@@ -60,19 +60,19 @@ class Reach(NamedTuple):
         Offsets of all these particles in their table, ascending.
     start : (m + 1,) int64
         First item of each entry in `particle`.
-    particle : (k,) int64
+    particle : (k,) uint32
         Offsets in `rows`, ascending for each entry.
     """
 
     rows: IntArray
     start: IntArray
-    particle: IntArray
+    particle: NDArray[np.uint32]
 
     @classmethod
     def empty(cls) -> "Reach":
         """No entries."""
         none = np.empty(0, np.int64)
-        return cls(none, np.zeros(1, np.int64), none)
+        return cls(none, np.zeros(1, np.int64), np.empty(0, np.uint32))
 
 
 @inner_kernel
@@ -249,7 +249,7 @@ def find_reach(frame, table, motion, slack, vertices, patches, rank, entries) ->
     some, start = patches.some, np.zeros(entries + 1, np.int64)
     kept = np.empty(len(table), np.int64)
     rows = np.empty(len(table), np.int64)
-    particle = np.empty(0, np.int64)
+    particle = np.empty(0, np.uint32)
     filled = start
     for fill in range(2):
         count = 0
@@ -279,5 +279,5 @@ def find_reach(frame, table, motion, slack, vertices, patches, rank, entries) ->
             rows = rows[:count].copy()
             for e in range(entries):
                 start[e + 1] += start[e]
-            particle, filled = np.empty(start[entries], np.int64), start.copy()
+            particle, filled = np.empty(start[entries], np.uint32), start.copy()
     return Reach(rows, start, particle)

@@ -3,12 +3,14 @@
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy import uint64  # of offsets: numbers below 0 would be looked for
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.jit.vectors.simd import bits, pack, vector, where
 from pgimp.kernels.contact.lagrangian.coupling import Coupling
+from pgimp.kernels.contact.lagrangian.reference_grid import OF_INVERSE_MASS
 from pgimp.kernels.data.particles import FloatArray
 
 
@@ -32,28 +34,56 @@ class Solved(NamedTuple):
     free: NDArray
 
     @classmethod
-    def of(cls, values: np.ndarray, coupling: Coupling) -> Self:
-        """Copy vertices, (m,) REFERENCE_VERTEX; the others are for `find_free`."""
-        parts = np.zeros((3, len(values), 4))
-        for part, name in zip(parts, ("velocity", "inverse_mass", "held_impulse"), strict=True):
-            part[:, :3] = values[name]
+    def empty(cls, vertices: int, coupling: Coupling) -> Self:
+        """Allocate for so many vertices, for `begin_solution`."""
         entries, rows = len(coupling.column), len(coupling.answer)
+        parts = np.empty((3, vertices, 4))
         return cls(*parts, np.empty(entries), np.empty(rows, np.bool_))
 
 
+@inner_kernel
+def _uniform(frame, inverse_mass, j):
+    """Inverse mass of a vertex that is free and has one for all components; else -1."""
+    mobility = inverse_mass[j, 0]
+    for d in range(len(frame.cell)):
+        if not 0.0 != inverse_mass[j, d] == mobility:
+            return -1.0
+    return mobility
+
+
 @kernel
-def find_free(frame, coupling, solved):
-    """Find the rows whose vertices are free, and how an impulse moves these."""
+def begin_solution(frame, values, coupling, solved):
+    """Copy the vertices; find the rows whose vertices are free, and how an impulse moves these.
+
+    Parameters
+    ----------
+    values : (m, NUMBERS) float64
+        The records of `ReferenceVertices`.
+    """
     start, column, entry = coupling.start, coupling.column, coupling.entry
-    inverse_mass, D = solved.inverse_mass, len(frame.cell)
+    inverse_mass, zero = solved.inverse_mass, vector(0.0)
+    for j in range(len(values)):
+        store_row(solved.velocity, j, 0, load_row(values, j, 0))
+        store_row(inverse_mass, j, 0, load_row(values, j, OF_INVERSE_MASS))
+        # Until the rows are found, the last one of the four, which nothing reads.
+        store_row(solved.held_impulse, j, 0, zero)
+        solved.held_impulse[j, 3] = _uniform(frame, inverse_mass, j)
     for r in range(len(solved.free)):
         free = entry.shape[1] == 1
         for k in range(start[r], start[r + 1]):
-            mobility = inverse_mass[column[k], 0]
-            for d in range(D):
-                free = free and 0.0 != inverse_mass[column[k], d] == mobility
+            mobility = solved.held_impulse[column[k], 3]
+            free = free and mobility >= 0.0
             solved.moved[k] = entry[k, 0] * mobility
         solved.free[r] = free
+
+
+@kernel
+def find_changes(values, solved, changes):
+    """Find what the impulses have changed at the vertices, see `Changes`."""
+    for j in range(len(values)):
+        for d in range(3):
+            changes.velocities[j, d] = solved.velocity[j, d] - values[j, d]
+            changes.held[j, d] = solved.held_impulse[j, d]
 
 
 @inner_kernel
@@ -64,10 +94,11 @@ def velocity_at(r, coupling, solved):
     if entry.shape[1] == 1:
         a, b, c = vector(0.0), vector(0.0), vector(0.0)
         while k + 4 <= end:  # four sums: none waits for another
-            v = entry[k, 0] * load_row(velocity, column[k], 0) + v
-            a = entry[k + 1, 0] * load_row(velocity, column[k + 1], 0) + a
-            b = entry[k + 2, 0] * load_row(velocity, column[k + 2], 0) + b
-            c = entry[k + 3, 0] * load_row(velocity, column[k + 3], 0) + c
+            m, n, o, p = uint64(k), uint64(k + 1), uint64(k + 2), uint64(k + 3)
+            v = entry[m, 0] * load_row(velocity, column[m], 0) + v
+            a = entry[n, 0] * load_row(velocity, column[n], 0) + a
+            b = entry[o, 0] * load_row(velocity, column[o], 0) + b
+            c = entry[p, 0] * load_row(velocity, column[p], 0) + c
             k += 4
         v = (v + a) + (b + c)
         while k < end:
@@ -116,8 +147,9 @@ def give(r, J, sign, coupling, solved):
     if solved.free[r]:
         every = sign * every
         for k in range(start[r], start[r + 1]):
-            j = column[k]
-            store_row(velocity, j, 0, solved.moved[k] * every + load_row(velocity, j, 0))
+            n = uint64(k)
+            j = column[n]
+            store_row(velocity, j, 0, solved.moved[n] * every + load_row(velocity, j, 0))
         return
     stiff = pack(answer[r, 0], answer[r, 1], answer[r, 2], 1.0) == 0.0
     if bits(stiff) != 0:

@@ -140,7 +140,7 @@ def find_supports(shape, frame, half, x, supports):
 
     Parameters
     ----------
-    half, x : (n, D) float64
+    half, x : (n, D or more) float64
         Half-widths of the particles in cells, and their positions.
     supports : Supports
         Set here.

@@ -71,20 +71,20 @@ class Reached(NamedTuple):
     ----------
     end : (m,) int64
         End of those of each entry, which begin where the particles within its reach do.
-    particle : (k,) int64
-        Their offsets, in canonical order.
+    particle : (k,) uint32
+        Their offsets, in canonical order: without signs, as indices below 0 would be looked for.
     weight : (k,) float64
         S of the particle there.
     """
 
     end: IntArray
-    particle: IntArray
+    particle: NDArray[np.uint32]
     weight: FloatArray
 
     @classmethod
     def empty(cls, entries: int, count: int) -> "Reached":
         """Allocate for so many entries and particles within reach of them."""
-        return cls(np.empty(entries, np.int64), np.empty(count, np.int64), np.empty(count))
+        return cls(np.empty(entries, np.int64), np.empty(count, np.uint32), np.empty(count))
 
 
 class ContactVertices(NamedTuple):
@@ -100,7 +100,7 @@ class ContactVertices(NamedTuple):
         Keys of the entries, ascending: in the order x, y, z, group.
     start : (m + 1,) int64
         First item of each entry in `particle`.
-    particle : (k,) int64
+    particle : (k,) uint32
         Offsets of the particles within reach of each entry, in canonical order.
     reached : Reached
         Those with weight in this step.
@@ -117,7 +117,7 @@ class ContactVertices(NamedTuple):
     groups: int
     keys: IntArray
     start: IntArray
-    particle: IntArray
+    particle: NDArray[np.uint32]
     reached: Reached
     sums: NDArray
     fills: NDArray

@@ -19,7 +19,7 @@ from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES, solve_impuls
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
 from pgimp.kernels.contact.lagrangian.reference_grid import Changes, change_velocities
 from pgimp.kernels.contact.lagrangian.reference_numbers import WIDE
-from pgimp.kernels.contact.lagrangian.rows import Solved, find_free
+from pgimp.kernels.contact.lagrangian.rows import Solved, begin_solution, find_changes
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices, sum_at_contact_vertices
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.conditions import Holding
@@ -220,15 +220,14 @@ class LagrangianContact(NoContact):
         """Solve for the impulses of pairs, and book them."""
         contact, call, mirrors = self._contact, self.call, self._selector.mirrors
         pairs, coupling, (keys, values) = joint
-        solved = Solved.of(values, coupling)
+        vertices, solved = flat(values), Solved.empty(len(values), coupling)
         scratch = np.empty((2, len(pairs.ends), IMPULSES))
-        call(find_free, free.frame, coupling, solved)
+        call(begin_solution, free.frame, vertices, coupling, solved)
         self._warm_start.begin(contact, free.frame, pairs, coupling, solved, self._dt)
         call(solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy)
         self._warm_start.keep(pairs, self._dt)
-        changes = Changes(
-            keys, solved.velocity[:, :3] - values["velocity"], solved.held_impulse[:, :3].copy()
-        )
+        changes = Changes(keys, *np.empty((2, len(keys), 3)))
+        call(find_changes, vertices, solved, changes)
         if len(mirrors):
             call(book_mirrored, pairs, coupling, mirrors, ledger)
         call(book_contacts, contact, free, pairs, coupling, solved, self._walls, ledger)

@@ -26,6 +26,9 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.messages import swap
 from pgimp.solver.contact.lagrangian.selected import Selection, flat, plain
 
+#: Numbers in a `NEAR_MOTION`.
+MOTION = NEAR_MOTION.itemsize // 8
+
 
 class Near(NamedTuple):
     """A rank's data in a step for its share of the vertices.
@@ -65,7 +68,6 @@ class NearParticles:
         self.scene, self.comm, self.call, self._local = scene, comm, Bound(), local
         self._plain = plain(scene)
         self._kept: dict[str, np.ndarray] = {}
-        self._x = np.empty((0, 3))
         self._place = b""
         self._supports: dict[str, Supports] = {}
 
@@ -104,17 +106,9 @@ class NearParticles:
     def supports(self, selection: Selection, motion: np.ndarray) -> Supports:
         """Supports of particles at their current positions; they hold until the next ones."""
         supports = self._room(len(motion), "current")
-        # An empty view would count as contiguous, against `Bound`.
-        x = self._positions(len(motion))
-        x[:] = motion["position"]
-        self.call(
-            find_supports,
-            self.scene.settings.shape,
-            self.scene.domain.frame,
-            selection.half_width,
-            x,
-            supports,
-        )
+        x = motion.view(np.float64).reshape(len(motion), MOTION)  # begins with the position
+        shape, frame = self.scene.settings.shape, self.scene.domain.frame
+        self.call(find_supports, shape, frame, selection.half_width, x, supports)
         return supports
 
     def left(self, near: Near) -> tuple[Supports, float]:
@@ -144,12 +138,6 @@ class NearParticles:
         if place != self._place:
             near.selection.contact_vertices.fills["state"] = UNKNOWN
             self._place = place
-
-    def _positions(self, count: int) -> np.ndarray:
-        """Storage for the positions of so many particles, kept from step to step."""
-        if len(self._x) < count:
-            self._x = np.empty((count + count // 8, 3))
-        return self._x[:count]
 
     def _storage(self, name: str, count: int, kind: np.dtype) -> np.ndarray:
         """Storage for so many records, kept from step to step."""

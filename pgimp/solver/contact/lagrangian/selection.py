@@ -221,8 +221,8 @@ class Selector:
             low = first.min(axis=0).astype(np.int64)
             extent = last.max(axis=0).astype(np.int64) - low + 1
         contact_vertices = ContactVertices(
-            low, extent, groups, none, none, none, Reached.empty(0, 0), np.empty(0, VERTEX_SUMS),
-            np.empty((0, bodies), RIGID_FILL), none,
+            low, extent, groups, none, none, none.astype(np.uint32), Reached.empty(0, 0),
+            np.empty(0, VERTEX_SUMS), np.empty((0, bodies), RIGID_FILL), none,
         )  # fmt: skip
         within, boxes = self._shares.within(self.comm.rank), self._wall_boxes()
         patches = call(
