@@ -16,7 +16,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import DAMPED, Ledger
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.lagrangian.displace import displace_particles
+from pgimp.kernels.lagrangian.displace import Displaced, displace_particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
@@ -162,6 +162,11 @@ class Rank:
             self._lattice = find_cells(self)
         return self._lattice
 
+    @property
+    def by_cells_alone(self) -> bool:
+        """Whether all particles are elastic and in cells: what they have follows from vertices."""
+        return not self.scene.cell_loads and not len(self.lattice.others.rows)
+
     def sort(self) -> None:
         """Sort the particles' rows."""
         self.population.sort()
@@ -169,16 +174,22 @@ class Rank:
 
     def displace(self, near: np.ndarray | None = None) -> None:
         """Update lattice particles from the vertices' motion, all or those `near`, by offsets."""
-        order, setting = self.lattice.inside, self.scene.setting
-        if self.scene.cell_loads:  # F and stress are those of the step
-            setting = setting.without_materials()
+        order = self.lattice.inside
         if near is not None:
             rows = self.population.order[near]
             inside = self.lattice.is_inside[rows]
             order = Order(rows[inside], np.searchsorted(near[inside], self.population.start))
+        stored = self.population.stored
+        self.place(order, Displaced(*(getattr(stored, name) for name in Displaced._fields)))
+
+    def place(self, order: Order, displaced: Displaced, to: np.ndarray | None = None) -> None:
+        """Set what lattice particles have by the vertices' motion, in rows `to` or their own."""
+        setting = self.scene.setting
+        if self.scene.cell_loads:  # F and stress are those of the step
+            setting = setting.without_materials()
         self.call(
             displace_particles, setting, self.scene.domain.frame, self.grid.motion_field,
-            self.population.stored, order,
+            self.population.stored, order, displaced, order.rows if to is None else to,
         )  # fmt: skip
 
     @property

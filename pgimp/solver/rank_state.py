@@ -54,5 +54,9 @@ class RankState(Protocol):
         """The cells of lattice particles."""
 
     @property
+    def by_cells_alone(self) -> bool:
+        """Whether all particles are elastic and in cells."""
+
+    @property
     def particles(self) -> Particles:
         """The particles."""

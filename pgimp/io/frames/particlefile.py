@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -12,8 +12,6 @@ import numpy as np
 
 from pgimp.io.frames.particlevalues import CONNECTIVITY, Values
 from pgimp.io.frames.vtkhdf import add_group
-from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.sums.energies import strain_energies
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import Source
@@ -26,12 +24,13 @@ from pgimp.storage.rows import Rows
 from pgimp.storage.unfinished import Unfinished, explained_errors, removed_on_error
 
 Array = np.ndarray
+At = Callable[[Array], Source]
 
 FORMAT_VERSION = 1
 # Placeholders of time and step in the common header of all frames, with characters that no case's
 # text has.
 _TIME, _STEP = b"\x01time\x02\x03\x04", b"\x01step\x02\x03\x04"
-# Fields are written together if a rank has at most this number of bytes of them in total.
+# Fields are sent together if a rank has at most this number of bytes of them in total.
 _TOGETHER = 4 << 20
 
 
@@ -106,7 +105,7 @@ class ParticleFile:
     def write(
         self,
         path: Path,
-        particles: Particles,
+        at: At,
         rows: Rows,
         state: tuple[float, int],
         what: str,
@@ -118,8 +117,8 @@ class ParticleFile:
         ----------
         path : Path
             The file; renamed to this at the end, when it is completely on the disk.
-        particles : Particles
-            This rank's particles.
+        at : callable
+            Takes rows of this rank's particles; returns the data for their fields.
         rows : Rows
             Rows of the particles to write, with the writing ranks.
         state : (float, int)
@@ -141,17 +140,12 @@ class ParticleFile:
             On every rank, if the disk is full, or the file cannot be created; it then does not
             exist. Other errors are raised at the end.
         """
-        comm, part, scene = rows.comm, temporary(path), self._scene
+        comm, part = rows.comm, temporary(path)
         attributes = {"time": state[0], "step": np.int64(state[1])} | self._attributes
         with removed_on_error(part, comm):
             # HDF5 cannot chunk an empty dataset.
             way = self._in_chunks if self._compressed and rows.count else self._in_place
-            materials = tuple(scene.materials.body_material)
-            source = Source(
-                particles, rows.storage, scene.dimension, materials, comm.rank, scene.domain.ends,
-                scene.carried.plate, partial(strain_energies, scene.setting),
-            )  # fmt: skip
-            values = Values(self.types, self.kinds, source, instead)
+            values = Values(self.types, self.kinds, at, rows.storage, instead)
             file = way(part, rows, attributes, values, what)
             file.error = file.error or values.error
             return Unfinished(part, path, file, comm, what)
@@ -236,6 +230,9 @@ class ParticleFile:
 
     def _groups(self, rows: Rows) -> Iterator[list[Dataset]]:
         """Yield datasets whose values are moved together; the same on every rank."""
+        if rows.comm.size == 1 and not self._compressed:  # then nothing is kept of a block
+            yield self._datasets
+            return
         group, size = [CONNECTIVITY], 0  # available on every rank
         each = -(-rows.count // rows.comm.size)
         for dataset in self._datasets[1:]:

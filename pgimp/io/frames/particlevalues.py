@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
 from pgimp.physics.fields import Field, Source
 from pgimp.storage.datasets import Dataset
+from pgimp.storage.framefile import blocks
 from pgimp.storage.rows import Rows
 
 Array = np.ndarray
@@ -26,8 +27,10 @@ class Values:
         Type of each field in the file.
     kinds : dict of str to Field
         Definition of each field.
-    source : Source
-        This rank's particles.
+    at : callable
+        Takes rows of this rank's particles; returns the data for their fields.
+    storage : (n,) int64
+        Those rows, in storage order.
     instead : mapping of str to ndarray
         See `pgimp.io.frames.particlefile.ParticleFile.write`.
 
@@ -41,23 +44,31 @@ class Values:
         self,
         types: Mapping[str, str],
         kinds: Mapping[str, Field],
-        source: Source,
+        at: Callable[[Array], Source],
+        storage: Array,
         instead: Mapping[str, Array],
     ) -> None:
-        self._types, self._fields, self._source, self._instead = types, kinds, source, instead
+        self._types, self._fields, self._instead = types, kinds, instead
+        self._at, self._storage = at, storage
         self.error: str | None = None
 
     def collect(
         self, rows: Rows, group: list[Dataset], size: int | None = None
     ) -> Iterator[tuple[int, list[Array]]]:
         """Yield this rank's rows block by block: first row, and columns; collective."""
+        if rows.comm.size == 1:  # nothing moves
+            for begin, end in blocks(rows.count, size):
+                source = self._at(self._storage[begin:end])
+                yield begin, [self._column(one, source, begin, end) for one in group]
+            return
         moved = [one for one in group if one is not CONNECTIVITY]
         record = np.dtype([(one.name, one.dtype, one.tail) for one in moved])
 
         def fill(begin: int, end: int) -> Array:
             block = np.empty(end - begin, record)
+            source = self._at(self._storage[begin:end])
             for name in record.names or ():
-                block[name] = self._of(name, begin, end)
+                block[name] = self._of(name, source, begin, end)
             return block
 
         for row, block in rows.collect(fill, record, size):
@@ -70,11 +81,16 @@ class Values:
                 ],
             )
 
-    def _of(self, name: str, begin: int, end: int) -> Array:
+    def _column(self, one: Dataset, source: Source, begin: int, end: int) -> Array:
+        """Values of a dataset in a range of rows, in C order."""
+        if one is CONNECTIVITY:
+            return np.arange(begin, end, dtype=one.dtype)
+        return np.ascontiguousarray(self._of(one.name, source, begin, end))
+
+    def _of(self, name: str, source: Source, begin: int, end: int) -> Array:
         """Values of a field in a range of storage rows."""
         if name in self._instead:
             return self._instead[name][begin:end]
-        source = self._source._replace(rows=self._source.rows[begin:end])
         values = self._fields[name].values(source)
         try:
             with np.errstate(over="raise", under="ignore"):
