@@ -196,7 +196,7 @@ class Checkpoints:
             "state": state,
         }
         self.size += checkpointwriter.write(
-            path, sim.comm, about, rows.columns, whole, rows.order, spread
+            path, sim.comm, about, rows.columns, whole, rows.order, spread, rows.at
         )
         self.latest, self._stands_for = sim.step, stands_for
         on_root(sim.comm, self._delete_older)

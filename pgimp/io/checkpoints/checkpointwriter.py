@@ -7,7 +7,7 @@ verified before the file is renamed and when the checkpoint is read.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import accumulate, chain
 from pathlib import Path
 from types import MappingProxyType
@@ -43,6 +43,7 @@ def write(
     whole: Mapping[str, Array],
     order: Array | None = None,
     spread: Mapping[str, Array] = _NONE,
+    at: Callable[[Array], Mapping[str, Array]] | None = None,
 ) -> int:
     """Write a checkpoint; collective.
 
@@ -64,6 +65,9 @@ def write(
     spread : mapping of str to ndarray, shape (m, ...)
         This rank's block of further datasets of one length, which differs from the rows'. They are
         read like `whole`; a mapping without rows on any rank leaves them out.
+    at : callable, optional
+        Takes some of `order`; returns columns there in place of those of `rows`, until its next
+        call.
 
     Returns
     -------
@@ -98,19 +102,22 @@ def write(
         try:
             offsets = on_root(comm, lambda: plan.create(whole, apart, mores[-1], what))
             file = FrameFile(part, comm, plan.most)
-            for name, (dtype, tail) in shapes.items():
-                array = rows[name]
-                place = offsets[name] + first * Dataset(name, dtype, tail).row_bytes
-                buffer = None
-                for begin, end in blocks(count):
-                    block = array[begin:end]
-                    if order is not None:
+            places = {
+                name: offsets[name] + first * Dataset(name, dtype, tail).row_bytes
+                for name, (dtype, tail) in shapes.items()
+            }
+            arrays, buffers = {name: rows[name] for name in shapes}, dict[str, Array]()
+            for begin, end in blocks(count):
+                instead = at(order[begin:end]) if at and order is not None else _NONE
+                for name, (dtype, _) in shapes.items():
+                    block = instead[name] if name in instead else arrays[name][begin:end]
+                    if order is not None and name not in instead:
                         # Reused memory: new pages would cost as much as the rest.
-                        buffer = np.empty_like(block) if buffer is None else buffer[: end - begin]
+                        buffer = buffers.setdefault(name, np.empty_like(block))[: end - begin]
                         # Without "clip" NumPy would not use this buffer.
-                        block = array.take(order[begin:end], 0, buffer, "clip")
-                    file.write(place, np.asarray(block, dtype, order="C"))
-                    place += block.nbytes
+                        block = arrays[name].take(order[begin:end], 0, buffer, "clip")
+                    file.write(places[name], np.asarray(block, dtype, order="C"))
+                    places[name] += block.nbytes
             for dataset in apart:
                 place = offsets[dataset.name] + mores[comm.rank] * dataset.row_bytes
                 for begin, end in blocks(more):

@@ -48,24 +48,25 @@ def by_layers(rank: Rank, order: Order, *sums: Callable[[Particles, Order], obje
         for add in sums:
             add(rank.particles, order)
         return
-    for first, last in _runs(order.start):
-        parts = [(first + begin, first + end) for begin, end in blocks(last - first, _MOST)]
+    for run in runs(order.start):
+        ends = blocks(run.stop - run.start, _MOST)
+        parts = [(run.start + begin, run.start + end) for begin, end in ends]
         pieces = [_of_order(rank, order, *parts[0])] if len(parts) == 1 else []
         for add in sums:
             for piece in pieces or (_of_order(rank, order, *part) for part in parts):
                 add(*piece)
 
 
-def _runs(start: np.ndarray) -> Iterator[tuple[int, int]]:
-    """First and last offset (exclusive) of whole layers: of one, or of several with few."""
+def runs(start: np.ndarray) -> Iterator[slice]:
+    """Offsets of whole layers, given their beginnings: of one, or of several with few particles."""
     first = last = 0
     for end in start[1:].tolist():
         if end - first > _FEW and last > first:
-            yield first, last
+            yield slice(first, last)
             first = last
         last = end
     if last > first:
-        yield first, last
+        yield slice(first, last)
 
 
 def _of_order(rank: Rank, order: Order, begin: int, end: int) -> tuple[Particles, Order]:

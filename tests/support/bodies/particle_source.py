@@ -65,6 +65,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         carried=SimpleNamespace(plate=False),
         setting=None,
     )
+    population = SimpleNamespace(stored=particles, particles=particles, released=False)
     sim = SimpleNamespace(
         comm=comm,
         count=count,
@@ -74,6 +75,8 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         finished=False,
         scene=scene,
         particles=particles,
+        population=population,
+        rank=SimpleNamespace(scene=scene, comm=comm, population=population),
         live=lambda: storage,
     )
     return sim, {name: np.delete(of_all, gone, axis=0) for name, of_all in values.items()}
