@@ -164,8 +164,8 @@ class Rank:
 
     @property
     def by_cells_alone(self) -> bool:
-        """Whether all particles are elastic and in cells: what they have follows from vertices."""
-        return not self.scene.cell_loads and not len(self.lattice.others.rows)
+        """Whether all particles are in cells and have no state of their own."""
+        return self.scene.stateless and not len(self.lattice.others.rows)
 
     def sort(self) -> None:
         """Sort the particles' rows."""

@@ -55,7 +55,7 @@ class RankState(Protocol):
 
     @property
     def by_cells_alone(self) -> bool:
-        """Whether all particles are elastic and in cells."""
+        """Whether all particles are in cells and have no state of their own."""
 
     @property
     def particles(self) -> Particles:

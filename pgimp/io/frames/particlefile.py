@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -30,7 +31,7 @@ FORMAT_VERSION = 1
 # Placeholders of time and step in the common header of all frames, with characters that no case's
 # text has.
 _TIME, _STEP = b"\x01time\x02\x03\x04", b"\x01step\x02\x03\x04"
-# Fields are sent together if a rank has at most this number of bytes of them in total.
+# Fields go together if a rank has at most this number of bytes of them in total.
 _TOGETHER = 4 << 20
 
 
@@ -100,7 +101,7 @@ class ParticleFile:
     ) -> Rows:
         """Rows of such a file; collective. See `Rows`."""
         unit = chunks.ROWS if self._compressed else 1
-        return Rows(comm, ids, storage, count, complete, unit)
+        return Rows(comm, ids, storage, count, complete, unit, self._scene.stateless)
 
     def write(
         self,
@@ -174,9 +175,10 @@ class ParticleFile:
         file = FrameFile(part, rows.comm)
         for where, data in says.items():
             file.write(where, data)
-        for group in self._groups(rows):
-            for row, columns in values.collect(rows, group):
-                for dataset, column in zip(group, columns, strict=True):
+        groups = list(self._groups(rows))
+        for some in [groups] if rows.short else [[group] for group in groups]:
+            for row, columns in values.collect(rows, some):
+                for dataset, column in zip(chain(*some), columns, strict=True):
                     file.write(offsets[dataset.name] + row * dataset.row_bytes, column)
         return file
 
@@ -208,7 +210,7 @@ class ParticleFile:
         try:
             for group in self._groups(rows):
                 packed: list[list[bytes]] = [[] for _ in group]
-                for _, columns in values.collect(rows, group, length):
+                for _, columns in values.collect(rows, [group], length):
                     for column, own in zip(columns, packed, strict=True):
                         own.append(chunks.compress(column, length))
                 sizes = [np.array([len(data) for data in own], np.int64) for own in packed]
@@ -230,9 +232,6 @@ class ParticleFile:
 
     def _groups(self, rows: Rows) -> Iterator[list[Dataset]]:
         """Yield datasets whose values are moved together; the same on every rank."""
-        if rows.comm.size == 1 and not self._compressed:  # then nothing is kept of a block
-            yield self._datasets
-            return
         group, size = [CONNECTIVITY], 0  # available on every rank
         each = -(-rows.count // rows.comm.size)
         for dataset in self._datasets[1:]:

@@ -8,7 +8,6 @@ import numpy as np
 
 from pgimp.physics.fields import Field, Source
 from pgimp.storage.datasets import Dataset
-from pgimp.storage.framefile import blocks
 from pgimp.storage.rows import Rows
 
 Array = np.ndarray
@@ -53,39 +52,34 @@ class Values:
         self.error: str | None = None
 
     def collect(
-        self, rows: Rows, group: list[Dataset], size: int | None = None
+        self, rows: Rows, groups: list[list[Dataset]], size: int | None = None
     ) -> Iterator[tuple[int, list[Array]]]:
-        """Yield this rank's rows block by block: first row, and columns; collective."""
-        if rows.comm.size == 1:  # nothing moves
-            for begin, end in blocks(rows.count, size):
-                source = self._at(self._storage[begin:end])
-                yield begin, [self._column(one, source, begin, end) for one in group]
-            return
-        moved = [one for one in group if one is not CONNECTIVITY]
-        record = np.dtype([(one.name, one.dtype, one.tail) for one in moved])
+        """Yield this rank's rows block by block: first row, and columns; collective.
 
-        def fill(begin: int, end: int) -> Array:
-            block = np.empty(end - begin, record)
-            source = self._at(self._storage[begin:end])
-            for name in record.names or ():
-                block[name] = self._of(name, source, begin, end)
-            return block
+        Those of a group of datasets go in the same messages. A single rank has none.
+        """
+        sent = [[one for one in group if one is not CONNECTIVITY] for group in groups]
+        if rows.comm.size == 1:
+            sent = [[one] for group in sent for one in group]
+        types = [np.dtype([(one.name, one.dtype, one.tail) for one in group]) for group in sent]
 
-        for row, block in rows.collect(fill, record, size):
-            numbers = np.arange(row, row + len(block), dtype=CONNECTIVITY.dtype)
+        def fill(begin: int, end: int) -> list[Array]:
+            source, found = self._at(self._storage[begin:end]), []
+            for record in types:
+                block = np.empty(end - begin, record)
+                for name in record.names or ():
+                    block[name] = self._of(name, source, begin, end)
+                found.append(block)
+            return found
+
+        for row, found in rows.collect(fill, types, size):
+            count = len(found[0]) if found else 0
+            columns = {name: block[name] for block in found for name in block.dtype.names or ()}
+            columns[CONNECTIVITY.name] = np.arange(row, row + count, dtype=CONNECTIVITY.dtype)
             yield (
                 row,
-                [
-                    numbers if one is CONNECTIVITY else np.ascontiguousarray(block[one.name])
-                    for one in group
-                ],
+                [np.ascontiguousarray(columns[one.name]) for group in groups for one in group],
             )
-
-    def _column(self, one: Dataset, source: Source, begin: int, end: int) -> Array:
-        """Values of a dataset in a range of rows, in C order."""
-        if one is CONNECTIVITY:
-            return np.arange(begin, end, dtype=one.dtype)
-        return np.ascontiguousarray(self._of(one.name, source, begin, end))
 
     def _of(self, name: str, source: Source, begin: int, end: int) -> Array:
         """Values of a field in a range of storage rows."""

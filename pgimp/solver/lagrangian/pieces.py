@@ -6,7 +6,7 @@ stand, all particles are one piece.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from math import prod
 from typing import TYPE_CHECKING
@@ -85,18 +85,44 @@ def _of_order(rank: Rank, order: Order, begin: int, end: int) -> tuple[Particles
 
 def source_at(rank: Rank, rows: np.ndarray) -> Source:
     """Data for the fields of a rank's particles in some rows, up to date, until the next piece."""
-    scene, population, displaced = rank.scene, rank.population, dict[str, np.ndarray]()
+    scene, population = rank.scene, rank.population
     particles = population.stored if population.released else population.particles
-    if population.released:
-        layer = particles.layer[rows] - population.first
-        to = np.argsort(layer, kind="stable").astype(np.int32)
-        start = np.searchsorted(layer[to], np.arange(population.layers + 1))
-        order = Order(rows[to].astype(np.int32), start)
-        displaced = _displaced(rank, order, to)._asdict()
+    displaced = _AtRows(rank, rows) if population.released else dict[str, np.ndarray]()
     return Source(
         particles, rows, scene.dimension, tuple(scene.materials.body_material), rank.comm.rank,
         scene.domain.ends, scene.carried.plate, partial(strain_energies, scene.setting), displaced,
     )  # fmt: skip
+
+
+class _AtRows(Mapping[str, np.ndarray]):
+    """Columns of particles in some rows, up to date: found when the first one is asked for."""
+
+    def __init__(self, rank: Rank, rows: np.ndarray) -> None:
+        self._rank, self._rows = rank, rows
+        self._found: dict[str, np.ndarray] = {}
+
+    def __contains__(self, name: object) -> bool:
+        """Whether a column is one of these."""
+        return name in Displaced._fields
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return a column, (n, ...)."""
+        if not self._found:
+            population = self._rank.population
+            layer = population.stored.layer[self._rows] - population.first
+            to = np.argsort(layer, kind="stable").astype(np.int32)
+            start = np.searchsorted(layer[to], np.arange(population.layers + 1))
+            order = Order(self._rows[to].astype(np.int32), start)
+            self._found = _displaced(self._rank, order, to)._asdict()
+        return self._found[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Go through the names of the columns."""
+        return iter(Displaced._fields)
+
+    def __len__(self) -> int:
+        """Return the number of columns."""
+        return len(Displaced._fields)
 
 
 def _displaced(rank: Rank, order: Order, to: np.ndarray) -> Displaced:

@@ -64,6 +64,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         domain=SimpleNamespace(ends=()),
         carried=SimpleNamespace(plate=False),
         setting=None,
+        stateless=False,
     )
     population = SimpleNamespace(stored=particles, particles=particles, released=False)
     sim = SimpleNamespace(
