@@ -196,8 +196,9 @@ class Checkpoints:
             "state": state,
         }
         self.size += checkpointwriter.write(
-            path, sim.comm, about, rows.columns, whole, rows.order, spread, rows.at
-        )
+            path, sim.comm, about, rows.columns, whole, rows.order, spread,
+            rows.at if sim.population.released else None,
+        )  # fmt: skip
         self.latest, self._stands_for = sim.step, stands_for
         on_root(sim.comm, self._delete_older)
         now = monotonic()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Mapping
-from itertools import accumulate, chain
+from itertools import accumulate, chain, product
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -107,17 +107,23 @@ def write(
                 for name, (dtype, tail) in shapes.items()
             }
             arrays, buffers = {name: rows[name] for name in shapes}, dict[str, Array]()
-            for begin, end in blocks(count):
+            # Columns that `at` finds are found together, others one after the other.
+            together = [list(shapes)] if at else [[name] for name in shapes]
+            for names, (begin, end) in product(together, list(blocks(count))):
                 instead = at(order[begin:end]) if at and order is not None else _NONE
-                for name, (dtype, _) in shapes.items():
+                for name in names:
                     block = instead[name] if name in instead else arrays[name][begin:end]
                     if order is not None and name not in instead:
                         # Reused memory: new pages would cost as much as the rest.
-                        buffer = buffers.setdefault(name, np.empty_like(block))[: end - begin]
+                        if name not in buffers:
+                            buffers[name] = np.empty_like(block)
                         # Without "clip" NumPy would not use this buffer.
+                        buffer = buffers[name][: end - begin]
                         block = arrays[name].take(order[begin:end], 0, buffer, "clip")
-                    file.write(places[name], np.asarray(block, dtype, order="C"))
+                    file.write(places[name], np.asarray(block, shapes[name][0], order="C"))
                     places[name] += block.nbytes
+                if not at and end == count:
+                    buffers.clear()
             for dataset in apart:
                 place = offsets[dataset.name] + mores[comm.rank] * dataset.row_bytes
                 for begin, end in blocks(more):
