@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from math import prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,10 +17,8 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.lagrangian.displace import Displaced
 from pgimp.kernels.sums.energies import strain_energies
 from pgimp.physics.source import Source
+from pgimp.solver.rank_state import RankState
 from pgimp.storage.framefile import blocks
-
-if TYPE_CHECKING:
-    from pgimp.solver.rank import Rank
 
 #: Particles of several layers that are summed as one piece: their columns fit into the cache.
 _FEW = 1 << 13
@@ -30,14 +27,14 @@ _FEW = 1 << 13
 _MOST = 1 << 18
 
 
-def by_layers(rank: Rank, order: Order, *sums: Callable[[Particles, Order], object]) -> None:
+def by_layers(rank: RankState, order: Order, *sums: Callable[[Particles, Order], object]) -> None:
     """Call functions that sum particles by layer, one after the other in each layer.
 
     A sum takes the same particles in the same order as if each function were called for all.
 
     Parameters
     ----------
-    rank : Rank
+    rank : RankState
         The rank.
     order : Order
         The particles, by layer.
@@ -69,7 +66,7 @@ def runs(start: np.ndarray) -> Iterator[slice]:
         yield slice(first, last)
 
 
-def _of_order(rank: Rank, order: Order, begin: int, end: int) -> tuple[Particles, Order]:
+def _of_order(rank: RankState, order: Order, begin: int, end: int) -> tuple[Particles, Order]:
     """A piece of an order, from one offset to another, until the next piece."""
     rows, n = order.rows[begin:end], end - begin
     start = np.clip(order.start, begin, end) - begin
@@ -83,7 +80,7 @@ def _of_order(rank: Rank, order: Order, begin: int, end: int) -> tuple[Particles
     return Particles(*columns), piece
 
 
-def source_at(rank: Rank, rows: np.ndarray) -> Source:
+def source_at(rank: RankState, rows: np.ndarray) -> Source:
     """Data for the fields of a rank's particles in some rows, up to date, until the next piece."""
     scene, population = rank.scene, rank.population
     particles = population.stored if population.released else population.particles
@@ -97,7 +94,7 @@ def source_at(rank: Rank, rows: np.ndarray) -> Source:
 class _AtRows(Mapping[str, np.ndarray]):
     """Columns of particles in some rows, up to date: found when the first one is asked for."""
 
-    def __init__(self, rank: Rank, rows: np.ndarray) -> None:
+    def __init__(self, rank: RankState, rows: np.ndarray) -> None:
         self._rank, self._rows = rank, rows
         self._found: dict[str, np.ndarray] = {}
 
@@ -125,7 +122,7 @@ class _AtRows(Mapping[str, np.ndarray]):
         return len(Displaced._fields)
 
 
-def _displaced(rank: Rank, order: Order, to: np.ndarray) -> Displaced:
+def _displaced(rank: RankState, order: Order, to: np.ndarray) -> Displaced:
     """Columns of particles up to date, in rows `to` of memory that is used again."""
     n, stored, used = len(to), rank.population.stored, 0
     shapes = [getattr(stored, name).shape[1:] for name in Displaced._fields]

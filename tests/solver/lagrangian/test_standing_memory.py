@@ -5,7 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
-from processes import PROGRAMS, clean_env
+from processes import clean_env
 from rank_scenes import SCENES
 from run_files import digests
 from scenes import box, finish, scene, start, write_case
@@ -20,6 +20,52 @@ pytestmark = pytest.mark.slow(60)
 
 CASE = SCENES["initial_lattice"]
 DISPLACED = ("x", "v", "F", "sigma", "V")
+
+#: ``python -c PROGRAM CASE FOLDER``: anonymous bytes after some steps (`standing`), then the most in
+#: a step, in a line of the history, a frame and a checkpoint.
+PROGRAM = """
+import json
+import sys
+from pathlib import Path
+
+from pgimp.case.load import load
+from pgimp.mpi.comm import Serial
+from pgimp.running.checkpoints import Checkpoints
+from pgimp.running.frames import Frames
+from pgimp.solver.simulation import Simulation
+
+
+def memory(name):
+    status = dict(line.split(":", 1) for line in open("/proc/self/status"))
+    return int(status[name].split()[0]) * 1024
+
+
+def most(do):
+    Path("/proc/self/clear_refs").write_text("5")  # the peak begins anew
+    do()
+    return memory("VmHWM") - memory("RssFile")
+
+
+case, folder = load(sys.argv[1]), Path(sys.argv[2])
+sim = Simulation(case, Serial())
+for _ in range(20):
+    sim.advance()
+for name in ("frames", "checkpoints"):
+    (folder / name).mkdir(exist_ok=True)
+frames, checkpoints = Frames(folder, case, sim), Checkpoints(folder, case, sim)
+grid = sim.rank.grid
+found = {
+    "particles": sim.rank.count,
+    "grid": grid.G.nbytes + grid.motion.values.nbytes,
+    "standing": memory("RssAnon"),
+    "steps": most(sim.advance),
+    "lines": most(sim.diagnostics),
+    "frames": most(lambda: frames.write(sim)),
+    "checkpoints": most(lambda: checkpoints.write(sim, 1, 0)),
+}
+frames.finish()
+(folder / "found.json").write_text(json.dumps(found))
+"""
 
 
 def block(cells, **parts):
@@ -41,7 +87,7 @@ def test_a_particle_takes_a_hundred_bytes(tmp_path, python):
         write_case(folder / "case.yaml", block(n))
         shutil.rmtree(folder / "frames", ignore_errors=True)
         run = python(
-            [PROGRAMS / "standing_memory.py", folder / "case.yaml", folder],
+            ["-c", PROGRAM, folder / "case.yaml", folder],
             env=clean_env() | {"MALLOC_MMAP_THRESHOLD_": "131072"},
         )
         assert run.returncode == 0, run.stderr
