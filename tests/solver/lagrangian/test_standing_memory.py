@@ -21,8 +21,8 @@ pytestmark = pytest.mark.slow(60)
 CASE = SCENES["initial_lattice"]
 DISPLACED = ("x", "v", "F", "sigma", "V")
 
-#: ``python -c PROGRAM CASE FOLDER``: anonymous bytes after some steps (`standing`), then the most in
-#: a step, in a line of the history, a frame and a checkpoint.
+#: ``python -c PROGRAM CASE FOLDER``: anonymous bytes after some steps (`standing`), then the most
+#: in a step, a line of the history, a frame and a checkpoint.
 PROGRAM = """
 import json
 import sys
