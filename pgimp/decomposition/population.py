@@ -4,9 +4,11 @@ from math import prod
 
 import numpy as np
 
+from pgimp.decomposition.pages import give_back
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Columns, IntArray, Particles
+from pgimp.kernels.lagrangian.displace import Displaced
 from pgimp.kernels.order.layer_changes import sort_rows
 from pgimp.kernels.order.order import grow_vertex_bounds, locate, merge
 
@@ -57,6 +59,8 @@ class Population:
         self.stored = particles
         #: Whether columns lag behind the vertices' motion, and the function that updates them.
         self.outdated, self.update = False, _nothing
+        #: Whether these columns have no memory meanwhile, see `outdate`.
+        self.released = False
         self.shape = shape
         self.frame = frame
         self.first, self.layers = slab.first, slab.layers
@@ -80,13 +84,31 @@ class Population:
     def particles(self) -> Particles:
         """The particles; `stored` are their columns, which may be out of date."""
         if self.outdated:
-            self.outdated = False
+            self.outdated = self.released = False
             self.update()
         return self.stored
 
     @particles.setter
     def particles(self, particles: Particles) -> None:
-        self.stored = particles
+        self.stored, self.released = particles, False
+
+    def outdate(self, all_displaced: bool) -> None:
+        """Note that the vertices have moved in a step, so that columns lag behind.
+
+        Columns for which nothing has asked since the step before give their memory back, until
+        something asks for `particles`. So scenes that ask in each step keep them.
+
+        Parameters
+        ----------
+        all_displaced : bool
+            Whether `update` sets the columns of `Displaced` of all particles: the old values are of
+            no use.
+        """
+        if self.outdated and all_displaced and not self.released:
+            self.released, self._scratch = True, np.empty(0)
+            for name in Displaced._fields:
+                give_back(getattr(self.stored, name))
+        self.outdated = True
 
     @property
     def changed(self) -> np.ndarray:
@@ -117,18 +139,21 @@ class Population:
         edges = np.arange(self.first, self.first + self.layers + 1)
         self.start[:] = np.searchsorted(p.layer[: len(rows)], edges)
         self._used, self._holes_count, self._left_count = len(rows), 0, 0
+        self.released = False
 
     def _permute(self, array: np.ndarray, rows: np.ndarray) -> None:
-        """Move the given rows of an array to its beginning, in their order.
-
-        The scratch is kept: fresh memory would cost more time than the rest.
-        """
+        """Move the given rows of an array to its beginning, in their order."""
         size = len(rows) * prod(array.shape[1:])
-        if len(self._scratch) < size:
-            self._scratch = np.empty(max(array.size for array in self.stored))
-        taken = self._scratch.view(array.dtype)[:size].reshape(len(rows), *array.shape[1:])
+        scratch = self.scratch(size, max(each.size for each in self.stored))
+        taken = scratch.view(array.dtype)[:size].reshape(len(rows), *array.shape[1:])
         np.take(array, rows, axis=0, out=taken, mode="clip")
         array[: len(rows)] = taken
+
+    def scratch(self, size: int, most: int = 0) -> np.ndarray:
+        """Return memory for so many numbers, with room for `most`: kept, as pages cost time."""
+        if len(self._scratch) < size:
+            self._scratch = np.empty(max(size, most))
+        return self._scratch
 
     @staticmethod
     def _sorting(cell: IntArray, number: IntArray) -> IntArray:
@@ -195,7 +220,7 @@ class Population:
         for i, array in enumerate(arrays):
             arrays[i] = np.zeros((len(array) + rows, *array.shape[1:]), array.dtype)
             arrays[i][: len(array)] = array
-        self.stored = Particles._make(arrays)
+        self.particles = Particles._make(arrays)
 
     def restore_order(self, left: np.ndarray, arrivals: np.ndarray) -> None:
         """Restore the canonical order.

@@ -189,8 +189,7 @@ def equivalent_strain(source: Source) -> Array:
 
 def strain_energy(source: Source) -> Array:
     """Return the strain energy per initial volume."""
-    assert source.energy is not None
-    return source.energy(source.particles, source.rows)
+    return source.energies()
 
 
 def kinetic_energy(source: Source) -> Array:

@@ -104,7 +104,7 @@ class Checkpoints:
         self._schedule.skip(sim.time, sim.step, sim.dt)
         self._pause = every.wall if isinstance(every, WallTime) else math.inf
         self._next = monotonic() + self._pause
-        row = sum(array[0].nbytes for array in sim.particles)
+        row = sum(array[0].nbytes for array in sim.population.stored)
         self.seconds = sim.count * row / _SLOW
         self._measured = False
         self._stands_for: tuple[int, int, Mapping[str, Record]] = (-1, -1, {})
@@ -196,8 +196,9 @@ class Checkpoints:
             "state": state,
         }
         self.size += checkpointwriter.write(
-            path, sim.comm, about, rows.columns, whole, rows.order, spread
-        )
+            path, sim.comm, about, rows.columns, whole, rows.order, spread,
+            rows.at if sim.population.released else None,
+        )  # fmt: skip
         self.latest, self._stands_for = sim.step, stands_for
         on_root(sim.comm, self._delete_older)
         now = monotonic()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,6 +22,7 @@ from pgimp.mpi.collective import on_root
 from pgimp.physics.derived import DERIVED
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
 from pgimp.solver.configurations import fastest
+from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.solver.start.particle_errors import Failure, explanation
 from pgimp.solver.time.stability import stable_courant
 from pgimp.storage.atomic import write as write_file
@@ -128,7 +130,7 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
         write_file(folder / "report.txt", "\n\n".join(parts) + "\n")
 
     state, instead = (failure.time, failure.step), _drawable(sim, found, shown.storage)
-    file.write(path, sim.particles, shown, state, what, instead).end(end)
+    file.write(path, partial(source_at, sim.rank), shown, state, what, instead).end(end)
 
 
 def _clear(folder: Path) -> None:

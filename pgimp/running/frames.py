@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from pgimp.io.frames.xdmf import Collection, particles
 from pgimp.io.results.reader import Frame
 from pgimp.io.rundir.ownfiles import FRAME
 from pgimp.physics.fields import ALWAYS
+from pgimp.solver.lagrangian.pieces import source_at
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
@@ -59,11 +61,12 @@ class Frames(Series):
         path = self.folder / f"particles-{self.written:06d}.h5"
         storage = sim.live()
         rows = self._file.rows(
-            self.comm, sim.particles.id[storage], storage, sim.count, not sim.scene.settings.loses
-        )
+            self.comm, sim.population.stored.id[storage], storage, sim.count,
+            not sim.scene.settings.loses,
+        )  # fmt: skip
         time, step = float(sim.time), int(sim.step)
         what = f"write the frame {path} at step {step}"
-        file = self._file.write(path, sim.particles, rows, (time, step), what)
+        file = self._file.write(path, partial(source_at, sim.rank), rows, (time, step), what)
         types, kinds = self._file.types, self._file.kinds
         fields = {name: (kinds[name].columns, dtype) for name, dtype in types.items()}
         mesh = Mesh(path, time, rows.count, rows.count, 1, fields)

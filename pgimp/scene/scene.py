@@ -55,6 +55,8 @@ class Scene:
         Whether lattice particles are summed by `pgimp.kernels.lagrangian.cells`.
     cell_loads : Loads or ()
         The loads on them; () if they are elastic, so that their columns are only for output.
+    stateless : bool
+        Whether particles in cells have no state of their own: all follows from the vertices.
     ends : int
         Least number of layers of the first rank and of the last rank.
     """
@@ -102,6 +104,7 @@ class Scene:
             self.order_frame = MixedFrame(*domain.frame, settings.lagrangian)
         self.by_cells = self._by_cells()
         self.cell_loads = self._cell_loads()
+        self.stateless = self.by_cells and not self.cell_loads
         self.ends = self._ends()
 
     def _by_cells(self) -> bool:

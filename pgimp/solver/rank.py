@@ -17,7 +17,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import DAMPED, Ledger
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.lagrangian.displace import displace_particles, place_particles
+from pgimp.kernels.lagrangian.displace import Displaced, displace_particles, place_particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
@@ -164,6 +164,11 @@ class Rank:
             self._lattice = find_cells(self)
         return self._lattice
 
+    @property
+    def by_cells_alone(self) -> bool:
+        """Whether all particles are in cells and have no state of their own."""
+        return self.scene.stateless and not len(self.lattice.others.rows)
+
     def sort(self) -> None:
         """Sort the particles' rows."""
         self.population.sort()
@@ -172,15 +177,26 @@ class Rank:
     def displace(self, near: np.ndarray | None = None) -> None:
         """Update lattice particles from the vertices' motion.
 
-        Of those `near`, by offsets, only positions and F: all columns stay outdated.
+        Of elastic ones among those `near`, by offsets, only positions and F: all columns stay
+        outdated.
         """
-        order, setting, kernel = self.lattice.inside, self.scene.setting, displace_particles
-        if near is not None:
-            order, kernel = self._near_order(near), place_particles
-        if self.scene.cell_loads:  # F and stress are those of the step
-            setting, kernel = setting.without_materials(), displace_particles
+        stored = self.population.stored
+        order = self.lattice.inside if near is None else self._near_order(near)
+        if near is None or self.scene.cell_loads:
+            self.place(order, Displaced(*(getattr(stored, name) for name in Displaced._fields)))
+            return
         frame, field = self.scene.domain.frame, self.grid.motion_field
-        self.call(kernel, setting, frame, field, self.population.stored, order)
+        self.call(place_particles, self.scene.setting, frame, field, stored, order)
+
+    def place(self, order: Order, displaced: Displaced, to: np.ndarray | None = None) -> None:
+        """Set what lattice particles have by the vertices' motion, in rows `to` or their own."""
+        setting = self.scene.setting
+        if self.scene.cell_loads:  # F and stress are those of the step
+            setting = setting.without_materials()
+        self.call(
+            displace_particles, setting, self.scene.domain.frame, self.grid.motion_field,
+            self.population.stored, order, displaced, order.rows if to is None else to,
+        )  # fmt: skip
 
     def _near_order(self, near: np.ndarray) -> Order:
         """Lattice particles among those `near`; kept while these and the lattice do not change."""

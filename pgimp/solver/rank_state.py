@@ -11,8 +11,10 @@ from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
 from pgimp.jit.bound import Bound
+from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.lagrangian.displace import Displaced
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.clearances import Clearances
@@ -52,6 +54,13 @@ class RankState(Protocol):
     @property
     def lattice(self) -> Any:
         """The cells of lattice particles."""
+
+    @property
+    def by_cells_alone(self) -> bool:
+        """Whether all particles are in cells and have no state of their own."""
+
+    def place(self, order: Order, displaced: Displaced, to: np.ndarray | None = None) -> None:
+        """Set what lattice particles have by the vertices' motion."""
 
     @property
     def particles(self) -> Particles:

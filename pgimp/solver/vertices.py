@@ -128,7 +128,8 @@ def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:
     """Move the vertices that keep their motion, in the initial configuration."""
     if rank.grid.motion:
         rank.call(keep_motion, rank.grid.field, update.t.dt)
-        rank.population.outdated = rank.scene.by_cells
+        if rank.scene.by_cells:
+            rank.population.outdate(rank.by_cells_alone)
 
 
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:

@@ -76,6 +76,7 @@ class FrameFile:
         self.path = path
         self.error: str | None = None
         self.written: list[Written] = []
+        self._ends: dict[int, int] = {}  # by where a piece ends its number
         self._comm = comm
         self._most = most
         # Checksums of this rank's data, for another rank; later, checksums to verify here.
@@ -147,12 +148,15 @@ class FrameFile:
                 self.error = explain(error)
 
     def _note(self, place: int, data: memoryview, most: int) -> None:
-        start, size, checksum = place, 0, 0
-        if self.written:
-            before = self.written[-1]
-            if before.start + before.size == place and before.size + len(data) <= most:
-                start, size, checksum = self.written.pop()
-        self.written.append(Written(start, size + len(data), zlib.crc32(data, checksum)))
+        piece, number = Written(place, 0, 0), self._ends.pop(place, len(self.written))
+        if number < len(self.written) and self.written[number].size + len(data) <= most:
+            piece = self.written[number]
+        else:
+            number = len(self.written)
+            self.written.append(piece)
+        checksum = zlib.crc32(data, piece.checksum)
+        self.written[number] = Written(piece.start, piece.size + len(data), checksum)
+        self._ends[place + len(data)] = number
 
     def flush(self) -> None:
         """Write the partial blocks, each on one rank; collective, after all calls of `write`."""

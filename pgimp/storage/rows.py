@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,8 @@ Array = np.ndarray
 
 _WHAT = "order the particles"
 _WRONG = "an id is missing or there twice"
+# Rows of each rank in a round of messages; whole chunks of compressed files.
+_ROUND = 1 << 16
 
 
 class Rows:
@@ -39,9 +41,13 @@ class Rows:
         Whether all ids must exist.
     unit : int
         The rows of a rank begin at a multiple of this number.
+    rounds : bool
+        Whether messages go in rounds, each with a run of rows: slower, in little memory.
 
     Attributes
     ----------
+    short : bool
+        Whether values are few at a time, so that those of all fields may be found together.
     count : int
         Number of rows of all ranks.
     first, last : int
@@ -63,9 +69,10 @@ class Rows:
         count: int,
         complete: bool = True,
         unit: int = 1,
+        rounds: bool = False,
     ) -> None:
         self.comm = comm
-        self._buffers: tuple[Array, ...] = (np.empty(0, np.uint8), np.empty(0, np.uint8))
+        self._buffers: tuple[list[Array], list[Array]] = ([], [])
         known = bool(((ids >= 0) & (ids < count)).all())
         lengths = comm.allgather(len(ids) if known else -1)
         self.count = sum(lengths)
@@ -75,7 +82,8 @@ class Rows:
         share = _share(self.count, comm.size, unit)
         self.first = min(comm.rank * share, self.count)
         self.last = min(self.first + share, self.count)
-        self._exchange = _Exchange(comm, rows, share)
+        self.short = rounds or comm.size == 1
+        self._exchange = _Exchange(comm, rows, share, _ROUND if rounds else share)
         arrived = self._exchange.forth(rows[self._exchange.order])
         self._source = np.full(self.last - self.first, -1, np.int64)
         self._source[arrived - self.first] = np.arange(len(arrived))
@@ -86,7 +94,7 @@ class Rows:
     def _number(self, ids: Array, count: int) -> Array:
         """Rows of ids if some are missing: the number of smaller ids."""
         comm, share = self.comm, _share(count, self.comm.size, 1)
-        exchange = _Exchange(comm, ids, share)
+        exchange = _Exchange(comm, ids, share, share)
         arrived = exchange.forth(ids[exchange.order]) - comm.rank * share
         there = np.zeros(share, bool)
         there[arrived] = True
@@ -97,44 +105,64 @@ class Rows:
         rows[exchange.order] = exchange.back(before + number[arrived] - 1)
         return rows
 
+    def _room(self, types: Sequence[np.dtype]) -> tuple[list[Array], list[Array]]:
+        """Bytes for the values of each type that leave and arrive; used again by later calls.
+
+        New pages would cost more than the work.
+        """
+        for buffers, most in zip(self._buffers, self._exchange.most, strict=True):
+            buffers += [np.empty(0, np.uint8)] * (len(types) - len(buffers))
+            for i, each in enumerate(types):
+                if len(buffers[i]) < most * each.itemsize:
+                    buffers[i] = np.empty(most * each.itemsize, np.uint8)
+        leaving, arrived = (buffers[: len(types)] for buffers in self._buffers)
+        return leaving, arrived
+
     def collect(
-        self, fill: Callable[[int, int], Array], dtype: np.dtype, size: int | None = None
-    ) -> Iterator[tuple[int, Array]]:
+        self,
+        fill: Callable[[int, int], Sequence[Array]],
+        types: Sequence[np.dtype],
+        size: int | None = None,
+    ) -> Iterator[tuple[int, Sequence[Array]]]:
         """Send values to the ranks of their rows; collective.
 
         Parameters
         ----------
         fill : callable
             ``fill(begin, end)`` returns the values of this rank's particles in
-            ``storage[begin:end]``, one of `dtype` each.
-        dtype : dtype
-            Type of a particle's values, all together.
+            ``storage[begin:end]``: an array of each of the `types`.
+        types : sequence of dtype
+            Types of a particle's values: those of a type go in the same messages.
         size : int, optional
             Rows of a block.
 
         Yields
         ------
-        int, ndarray
+        int, sequence of ndarray
             This rank's rows block by block: number of the first row, and the values.
         """
         if self.comm.size == 1:
             for begin, end in blocks(self.count, size):
                 yield begin, fill(begin, end)
             return
-        # Reused memory: new pages would cost more than the work.
-        lengths = (len(self.storage), self.last - self.first)
-        needed = [n * dtype.itemsize for n in lengths]
-        if any(len(buffer) < n for buffer, n in zip(self._buffers, needed, strict=True)):
-            self._buffers = tuple(np.empty(n * dtype.itemsize, np.uint8) for n in lengths)
+        most = self._exchange.most
         leaving, arrived = (
-            buffer[: n * dtype.itemsize].view(dtype)
-            for buffer, n in zip(self._buffers, lengths, strict=True)
+            [
+                buffers[: n * each.itemsize].view(each)
+                for each, buffers in zip(types, found, strict=True)
+            ]
+            for n, found in zip(most, self._room(types), strict=True)
         )
-        for begin, end in blocks(lengths[0]):
-            leaving[begin:end] = fill(begin, end)
-        self._exchange.forth(leaving, arrived)
-        for begin, end in blocks(lengths[1], size):
-            yield self.first + begin, np.take(arrived, self._source[begin:end])
+        for number, (out, into) in enumerate(self._exchange.spans):
+            for begin, end in blocks(out.stop - out.start):
+                values = fill(out.start + begin, out.start + end)
+                for to, some in zip(leaving, values, strict=True):
+                    to[begin:end] = some
+            for sent, received in zip(leaving, arrived, strict=True):
+                self._exchange.move(number, sent, received)
+            for begin, end in blocks(into.stop - into.start, size):
+                source = self._source[into.start + begin : into.start + end] - into.start
+                yield self.first + into.start + begin, [np.take(each, source) for each in arrived]
 
 
 def _share(count: int, ranks: int, unit: int) -> int:
@@ -146,6 +174,8 @@ def _share(count: int, ranks: int, unit: int) -> int:
 class _Exchange:
     """Exchange of values, one per particle, with the ranks of their rows, and back.
 
+    It goes in rounds, each with a run of rows of each rank, so that messages stay short.
+
     Parameters
     ----------
     comm : communicator
@@ -154,42 +184,62 @@ class _Exchange:
         Rows of this rank's particles.
     share : int
         Number of rows of each rank.
+    length : int
+        Rows of each rank in a round.
 
     Attributes
     ----------
     order : ndarray of int64 or slice
-        Order in which values are sent: by rank, else unchanged.
+        Order in which values are sent: by round, then by rank, else unchanged.
+    spans : list of (slice, slice)
+        For each round the values sent, and those received.
+    most : (int, int)
+        Most values sent, and received, in a round.
     """
 
-    def __init__(self, comm: Communicator, rows: Array, share: int) -> None:
+    def __init__(self, comm: Communicator, rows: Array, share: int, length: int) -> None:
         self.order: Any = slice(None)
         self._comm = comm
         if comm.size == 1:
             return
-        owner = rows // max(share, 1)
-        self._sent = np.bincount(owner, minlength=comm.size)
+        owner, rounds = rows // max(share, 1), max(1, -(-share // max(length, 1)))
+        key = (rows - owner * share) // max(length, 1) * comm.size + owner
+        self._sent = np.bincount(key, minlength=rounds * comm.size).reshape(rounds, comm.size)
         # NumPy sorts short integers in a time proportional to their number.
-        self.order = np.argsort(
-            owner.astype(np.uint16 if comm.size < 1 << 16 else int), kind="stable"
-        )
-        self._received = np.empty_like(self._sent)
-        comm.Alltoall(self._sent, self._received)
+        short = self._sent.size < 1 << 16
+        self.order = np.argsort(key.astype(np.uint16 if short else int), kind="stable")
+        found = np.empty((comm.size, rounds), self._sent.dtype)
+        comm.Alltoall(np.ascontiguousarray(self._sent.T), found)
+        self._received = np.ascontiguousarray(found.T)
+        edges = [
+            np.concatenate([[0], np.cumsum(counts.sum(axis=1))]).tolist()
+            for counts in (self._sent, self._received)
+        ]
+        self.spans = [
+            (slice(edges[0][n], edges[0][n + 1]), slice(edges[1][n], edges[1][n + 1]))
+            for n in range(rounds)
+        ]
+        self.most = tuple(int(each.sum(axis=1).max()) for each in (self._sent, self._received))
 
-    def forth(self, values: Array, arrived: Array | None = None) -> Array:
-        """Send values, (n,) in `order`; return the received values, in the order of the ranks."""
+    def forth(self, values: Array) -> Array:
+        """Send values, (n,) in `order`; return those received, by round and in order of ranks."""
         if self._comm.size == 1:
             return values
-        if arrived is None:
-            arrived = np.empty(int(self._received.sum()), values.dtype)
-        self._move(values, self._sent, arrived, self._received)
+        arrived = np.empty(int(self._received.sum()), values.dtype)
+        for number, (out, into) in enumerate(self.spans):
+            self.move(number, values[out], arrived[into])
         return arrived
 
+    def move(self, number: int, values: Array, arrived: Array) -> None:
+        """Send and receive the values of a round, at the beginning of the arrays."""
+        self._move(values, self._sent[number], arrived, self._received[number])
+
     def back(self, values: Array) -> Array:
-        """Send values, (n,) in the order received, back to their ranks."""
+        """Send values, (n,) in the order received in one round, back to their ranks."""
         if self._comm.size == 1:
             return values
         returned = np.empty(int(self._sent.sum()), values.dtype)
-        self._move(values, self._received, returned, self._sent)
+        self._move(values, self._received[0], returned, self._sent[0])
         return returned
 
     def _move(self, values: Array, sent: Array, arrived: Array, received: Array) -> None:

@@ -7,8 +7,8 @@ verified before the file is renamed and when the checkpoint is read.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping
-from itertools import accumulate, chain
+from collections.abc import Callable, Mapping
+from itertools import accumulate, chain, product
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -43,6 +43,7 @@ def write(
     whole: Mapping[str, Array],
     order: Array | None = None,
     spread: Mapping[str, Array] = _NONE,
+    at: Callable[[Array], Mapping[str, Array]] | None = None,
 ) -> int:
     """Write a checkpoint; collective.
 
@@ -64,6 +65,9 @@ def write(
     spread : mapping of str to ndarray, shape (m, ...)
         This rank's block of further datasets of one length, which differs from the rows'. They are
         read like `whole`; a mapping without rows on any rank leaves them out.
+    at : callable, optional
+        Takes some of `order`; returns columns there in place of those of `rows`, until its next
+        call.
 
     Returns
     -------
@@ -98,19 +102,28 @@ def write(
         try:
             offsets = on_root(comm, lambda: plan.create(whole, apart, mores[-1], what))
             file = FrameFile(part, comm, plan.most)
-            for name, (dtype, tail) in shapes.items():
-                array = rows[name]
-                place = offsets[name] + first * Dataset(name, dtype, tail).row_bytes
-                buffer = None
-                for begin, end in blocks(count):
-                    block = array[begin:end]
-                    if order is not None:
+            places = {
+                name: offsets[name] + first * Dataset(name, dtype, tail).row_bytes
+                for name, (dtype, tail) in shapes.items()
+            }
+            arrays, buffers = {name: rows[name] for name in shapes}, dict[str, Array]()
+            # Columns that `at` finds are found together, others one after the other.
+            together = [list(shapes)] if at else [[name] for name in shapes]
+            for names, (begin, end) in product(together, list(blocks(count))):
+                instead = at(order[begin:end]) if at and order is not None else _NONE
+                for name in names:
+                    block = instead[name] if name in instead else arrays[name][begin:end]
+                    if order is not None and name not in instead:
                         # Reused memory: new pages would cost as much as the rest.
-                        buffer = np.empty_like(block) if buffer is None else buffer[: end - begin]
+                        if name not in buffers:
+                            buffers[name] = np.empty_like(block)
                         # Without "clip" NumPy would not use this buffer.
-                        block = array.take(order[begin:end], 0, buffer, "clip")
-                    file.write(place, np.asarray(block, dtype, order="C"))
-                    place += block.nbytes
+                        buffer = buffers[name][: end - begin]
+                        block = arrays[name].take(order[begin:end], 0, buffer, "clip")
+                    file.write(places[name], np.asarray(block, shapes[name][0], order="C"))
+                    places[name] += block.nbytes
+                if not at and end == count:
+                    buffers.clear()
             for dataset in apart:
                 place = offsets[dataset.name] + mores[comm.rank] * dataset.row_bytes
                 for begin, end in blocks(more):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -12,8 +13,6 @@ import numpy as np
 
 from pgimp.io.frames.particlevalues import CONNECTIVITY, Values
 from pgimp.io.frames.vtkhdf import add_group
-from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.sums.energies import strain_energies
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import Source
@@ -26,12 +25,13 @@ from pgimp.storage.rows import Rows
 from pgimp.storage.unfinished import Unfinished, explained_errors, removed_on_error
 
 Array = np.ndarray
+At = Callable[[Array], Source]
 
 FORMAT_VERSION = 1
 # Placeholders of time and step in the common header of all frames, with characters that no case's
 # text has.
 _TIME, _STEP = b"\x01time\x02\x03\x04", b"\x01step\x02\x03\x04"
-# Fields are written together if a rank has at most this number of bytes of them in total.
+# Fields go together if a rank has at most this number of bytes of them in total.
 _TOGETHER = 4 << 20
 
 
@@ -101,12 +101,12 @@ class ParticleFile:
     ) -> Rows:
         """Rows of such a file; collective. See `Rows`."""
         unit = chunks.ROWS if self._compressed else 1
-        return Rows(comm, ids, storage, count, complete, unit)
+        return Rows(comm, ids, storage, count, complete, unit, self._scene.stateless)
 
     def write(
         self,
         path: Path,
-        particles: Particles,
+        at: At,
         rows: Rows,
         state: tuple[float, int],
         what: str,
@@ -118,8 +118,8 @@ class ParticleFile:
         ----------
         path : Path
             The file; renamed to this at the end, when it is completely on the disk.
-        particles : Particles
-            This rank's particles.
+        at : callable
+            Takes rows of this rank's particles; returns the data for their fields.
         rows : Rows
             Rows of the particles to write, with the writing ranks.
         state : (float, int)
@@ -141,17 +141,12 @@ class ParticleFile:
             On every rank, if the disk is full, or the file cannot be created; it then does not
             exist. Other errors are raised at the end.
         """
-        comm, part, scene = rows.comm, temporary(path), self._scene
+        comm, part = rows.comm, temporary(path)
         attributes = {"time": state[0], "step": np.int64(state[1])} | self._attributes
         with removed_on_error(part, comm):
             # HDF5 cannot chunk an empty dataset.
             way = self._in_chunks if self._compressed and rows.count else self._in_place
-            materials = tuple(scene.materials.body_material)
-            source = Source(
-                particles, rows.storage, scene.dimension, materials, comm.rank, scene.domain.ends,
-                scene.carried.plate, partial(strain_energies, scene.setting),
-            )  # fmt: skip
-            values = Values(self.types, self.kinds, source, instead)
+            values = Values(self.types, self.kinds, at, rows.storage, instead)
             file = way(part, rows, attributes, values, what)
             file.error = file.error or values.error
             return Unfinished(part, path, file, comm, what)
@@ -180,9 +175,10 @@ class ParticleFile:
         file = FrameFile(part, rows.comm)
         for where, data in says.items():
             file.write(where, data)
-        for group in self._groups(rows):
-            for row, columns in values.collect(rows, group):
-                for dataset, column in zip(group, columns, strict=True):
+        groups = list(self._groups(rows))
+        for some in [groups] if rows.short else [[group] for group in groups]:
+            for row, columns in values.collect(rows, some):
+                for dataset, column in zip(chain(*some), columns, strict=True):
                     file.write(offsets[dataset.name] + row * dataset.row_bytes, column)
         return file
 
@@ -214,7 +210,7 @@ class ParticleFile:
         try:
             for group in self._groups(rows):
                 packed: list[list[bytes]] = [[] for _ in group]
-                for _, columns in values.collect(rows, group, length):
+                for _, columns in values.collect(rows, [group], length):
                     for column, own in zip(columns, packed, strict=True):
                         own.append(chunks.compress(column, length))
                 sizes = [np.array([len(data) for data in own], np.int64) for own in packed]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -26,8 +26,10 @@ class Values:
         Type of each field in the file.
     kinds : dict of str to Field
         Definition of each field.
-    source : Source
-        This rank's particles.
+    at : callable
+        Takes rows of this rank's particles; returns the data for their fields.
+    storage : (n,) int64
+        Those rows, in storage order.
     instead : mapping of str to ndarray
         See `pgimp.io.frames.particlefile.ParticleFile.write`.
 
@@ -41,40 +43,48 @@ class Values:
         self,
         types: Mapping[str, str],
         kinds: Mapping[str, Field],
-        source: Source,
+        at: Callable[[Array], Source],
+        storage: Array,
         instead: Mapping[str, Array],
     ) -> None:
-        self._types, self._fields, self._source, self._instead = types, kinds, source, instead
+        self._types, self._fields, self._instead = types, kinds, instead
+        self._at, self._storage = at, storage
         self.error: str | None = None
 
     def collect(
-        self, rows: Rows, group: list[Dataset], size: int | None = None
+        self, rows: Rows, groups: list[list[Dataset]], size: int | None = None
     ) -> Iterator[tuple[int, list[Array]]]:
-        """Yield this rank's rows block by block: first row, and columns; collective."""
-        moved = [one for one in group if one is not CONNECTIVITY]
-        record = np.dtype([(one.name, one.dtype, one.tail) for one in moved])
+        """Yield this rank's rows block by block: first row, and columns; collective.
 
-        def fill(begin: int, end: int) -> Array:
-            block = np.empty(end - begin, record)
-            for name in record.names or ():
-                block[name] = self._of(name, begin, end)
-            return block
+        Those of a group of datasets go in the same messages. A single rank has none.
+        """
+        sent = [[one for one in group if one is not CONNECTIVITY] for group in groups]
+        if rows.comm.size == 1:
+            sent = [[one] for group in sent for one in group]
+        types = [np.dtype([(one.name, one.dtype, one.tail) for one in group]) for group in sent]
 
-        for row, block in rows.collect(fill, record, size):
-            numbers = np.arange(row, row + len(block), dtype=CONNECTIVITY.dtype)
+        def fill(begin: int, end: int) -> list[Array]:
+            source, found = self._at(self._storage[begin:end]), []
+            for record in types:
+                block = np.empty(end - begin, record)
+                for name in record.names or ():
+                    block[name] = self._of(name, source, begin, end)
+                found.append(block)
+            return found
+
+        for row, found in rows.collect(fill, types, size):
+            count = len(found[0]) if found else 0
+            columns = {name: block[name] for block in found for name in block.dtype.names or ()}
+            columns[CONNECTIVITY.name] = np.arange(row, row + count, dtype=CONNECTIVITY.dtype)
             yield (
                 row,
-                [
-                    numbers if one is CONNECTIVITY else np.ascontiguousarray(block[one.name])
-                    for one in group
-                ],
+                [np.ascontiguousarray(columns[one.name]) for group in groups for one in group],
             )
 
-    def _of(self, name: str, begin: int, end: int) -> Array:
+    def _of(self, name: str, source: Source, begin: int, end: int) -> Array:
         """Values of a field in a range of storage rows."""
         if name in self._instead:
             return self._instead[name][begin:end]
-        source = self._source._replace(rows=self._source.rows[begin:end])
         values = self._fields[name].values(source)
         try:
             with np.errstate(over="raise", under="ignore"):

@@ -5,12 +5,15 @@ stress of a hyperelastic material. Each particle is gathered by itself, so that 
 depend on the others of the four.
 """
 
+from typing import NamedTuple
+
 from pgimp.jit.algebra import determinant, one_plus, symmetric
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.lanes import vectors
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.arguments import FourParticles
+from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.transfer.g2p import materials_of
 from pgimp.kernels.transfer.gather_shared import take_from_grid
 from pgimp.kernels.transfer.lane_io import LANES, coordinates, four_rows, put, put_row, take
@@ -20,8 +23,18 @@ from pgimp.kernels.transfer.transpose import SUMS
 from pgimp.physics.materials.parameters.evaluate import evaluate_four
 
 
+class Displaced(NamedTuple):
+    """The columns that `displace_particles` sets, see `Particles`: the particles' or others."""
+
+    x: FloatArray
+    v: FloatArray
+    F: FloatArray
+    sigma: FloatArray
+    V: FloatArray
+
+
 @kernel
-def displace_particles(setting, plain, field, particles, order):
+def displace_particles(setting, plain, field, particles, order, displaced, to):
     """Set position, velocity, deformation gradient, volume and stress of particles.
 
     Parameters
@@ -33,6 +46,10 @@ def displace_particles(setting, plain, field, particles, order):
         The frame of the current configuration.
     field : Field
         With the records of the vertices' motion in place of `G`.
+    displaced : Displaced
+        Set.
+    to : (n,) int32
+        The rows there of the particles in their order.
     """
     shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
     buffer, sums = stack(SUPPORT_SIZE), stack(SUMS)
@@ -44,9 +61,11 @@ def displace_particles(setting, plain, field, particles, order):
             supports(shape, frame, window, particles, rows, number, buffer, ())
             u, v, grad, _, hoop = take_from_grid((shape, plain), field, (), four, buffer, sums)
             u = ring_motion(frame, particles, four, hoop, u)
-            put_row(particles.x, rows, 0, plus_scaled(1.0, u, coordinates(frame, particles, rows)))
-            put_row(particles.v, rows, 0, v)
-            _put_elastic(setting, particles, rows, grad)
+            x = plus_scaled(1.0, u, coordinates(frame, particles, rows))
+            places = four_rows(to, k, start[layer + 1])
+            put_row(displaced.x, places, 0, x)
+            put_row(displaced.v, places, 0, v)
+            _put_elastic(setting, particles, rows, grad, displaced, places)
 
 
 @kernel
@@ -66,7 +85,7 @@ def place_particles(setting, plain, field, particles, order):
             put_row(particles.F, rows, 0, one_plus(1.0, grad))
 
 
-def _put_elastic(setting, particles, rows, grad):
+def _put_elastic(setting, particles, rows, grad, displaced, places):
     """Set F, V and stress of four elastic particles; nothing without materials.
 
     `grad` is their displacement gradients.
@@ -74,19 +93,19 @@ def _put_elastic(setting, particles, rows, grad):
 
 
 @specialise(_put_elastic)
-def _put_elastic_of(setting, particles, rows, grad):
+def _put_elastic_of(setting, particles, rows, grad, displaced, places):
     if len(setting.types[setting.fields.index("materials")]) == 0:
-        return lambda setting, particles, rows, grad: None
+        return lambda setting, particles, rows, grad, displaced, places: None
 
-    def put_all(setting, particles, rows, grad):
+    def put_all(setting, particles, rows, grad, displaced, places):
         F = one_plus(1.0, grad)
         J = determinant(F)
         m = materials_of(setting.material_of, particles.body, rows)
         unused = vectors(symmetric(grad))
         sigma = evaluate_four("stress", setting.materials, m, (F, J, unused, grad, 0.0), (), unused)
-        put_row(particles.F, rows, 0, F)
-        put_row(particles.sigma, rows, 0, sigma)
+        put_row(displaced.F, places, 0, F)
+        put_row(displaced.sigma, places, 0, sigma)
         if setting.tracked:
-            put(particles.V, rows, J * take(particles.V0, rows))
+            put(displaced.V, places, J * take(particles.V0, rows))
 
     return put_all

@@ -20,14 +20,15 @@ from pgimp.kernels.data.ledger import (
     Ledger,
 )
 from pgimp.kernels.sums.errors import ERRORS, layer_errors
-from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses, layer_sums
+from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.contact.keeping import QUARTER
 from pgimp.solver.history.columns import line_of
 from pgimp.solver.history.gauge_means import Means
 from pgimp.solver.history.gauges import measure
 from pgimp.solver.history.totals import Totals
-from pgimp.solver.lagrangian.motion import complete_sums
+from pgimp.solver.lagrangian.motion import sum_layers
+from pgimp.solver.lagrangian.pieces import by_layers
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import START, Step
 
@@ -46,13 +47,11 @@ def _mass(sums: np.ndarray, unit: float) -> float:
 
 def _own_sums(rank: Rank, scene: Scene, order: Order) -> tuple[np.ndarray, np.ndarray, float]:
     """Sums by layer and body of some particles of a rank, their masses, and the masses' unit."""
-    particles = rank.particles
     sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))
-    layer_sums(scene.setting.without_shape(), particles, order, sums)
-    complete_sums(rank, scene, order, sums)
+    sum_layers(rank, scene, order, sums)
     masses = np.zeros((len(scene.body_names), 2), np.int64)
     unit = 2.0 ** (HIGH - 2 - frexp(scene.materials.most_mass)[1])  # see `put_in_order`
-    exact_masses(particles, order.rows, unit, masses)
+    exact_masses(rank.population.stored, order.rows, unit, masses)
     return sums, masses, unit
 
 
@@ -176,8 +175,8 @@ class Diagnostics:
         impulse = _impulses(own)
         errors = self._own_errors(rank, done.end)
         gauges = measure(rank, done.end) if scene.case.gauges else {}
-        rows = rank.population.ordered.rows
-        inside = rank.keeping.inside(rank.particles, rows, done.end, QUARTER)
+        particles = rank.particles if scene.interaction.rigid_bodies else rank.population.stored
+        inside = rank.keeping.inside(particles, rank.population.order, done.end, QUARTER)
         booked = (
             impulse, own.outside_mass, own.contact, own.rigid_bodies, own.wall_energy, own.filled,
             own.damping,
@@ -261,13 +260,14 @@ class Diagnostics:
     @staticmethod
     def _own_errors(rank: Rank, time: float) -> tuple[np.ndarray, ...]:
         """Sums and maxima of the errors by layer, of this rank's particles; () without any."""
-        scene, population = rank.scene, rank.population
+        scene = rank.scene
         if not scene.settings.exact:
             return ()
         sums, most = np.zeros((2, rank.slab.layers, ERRORS))
-        layer_errors(
-            scene.settings.exact, time, scene.settings.follows, scene.setting, population.particles,
-            population.ordered, sums, most,
+        what = scene.settings.exact, time, scene.settings.follows, scene.setting
+        by_layers(
+            rank, rank.population.ordered,
+            lambda particles, order: layer_errors(*what, particles, order, sums, most),
         )  # fmt: skip
         return sums, most
 

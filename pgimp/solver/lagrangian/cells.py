@@ -13,6 +13,7 @@ from pgimp.kernels.lagrangian.cells import Cells
 from pgimp.kernels.lagrangian.keep import beyond_bounds
 from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE
 from pgimp.scene.scene import Scene
+from pgimp.solver.lagrangian.pieces import runs
 from pgimp.solver.rank_state import RankState
 
 #: Distance from the lattice, in cells, up to which a particle lies on it.
@@ -29,7 +30,7 @@ class LatticeCells(NamedTuple):
     ----------
     cells : Cells
         The cells.
-    rows : (slots,) int64
+    rows : (slots,) int32
         Row of the particle in each slot, or -1.
     others, inside : Order
         The particles that are in no cell: off the lattice, or with a traction; and those in cells.
@@ -57,19 +58,60 @@ def cleared(cells: Cells) -> Cells:
 
 
 def find_cells(rank: RankState) -> LatticeCells:
-    """Find the cells of a rank's particles on the lattice."""
-    scene, population, window = rank.scene, rank.population, rank.grid.window
-    p, order, D = population.stored, population.ordered, scene.dimension
-    rows = order.rows.astype(np.int64)
-    per_cell = np.array(scene.case.method.particles_per_cell)
-    xi = (p.origin[rows] - np.array(scene.domain.frame.origin)) * np.array(
-        scene.domain.frame.inverse
+    """Find the cells of a rank's particles on the lattice, some layers after the other."""
+    scene, population = rank.scene, rank.population
+    p, order = population.stored, population.ordered
+    fits = np.zeros(len(order.rows), bool)
+    # At the end none, for a rank without particles.
+    parts = [_find(rank, run, fits[run]) for run in (*runs(order.start), slice(0))]
+    layer, place, bodies = np.concatenate([found for found, _, _ in parts], axis=1)
+    start = np.searchsorted(layer, np.arange(rank.slab.layers + 1))
+    rows = np.concatenate([part for _, part, _ in parts])
+    cells = _cells(scene, start, place, scene.setting.material_of[bodies], len(rows))
+    np.concatenate([part for _, _, part in parts], out=cells.volumes)
+    if scene.cell_loads:
+        cells.rows[:] = repeated(rows)
+    others, inside = (
+        Order(order.rows[mask], np.concatenate([[0], np.cumsum(mask)])[order.start])
+        for mask in (~fits, fits)
     )
+    is_inside = np.zeros(p.capacity, bool)
+    is_inside[inside.rows] = True
+    return LatticeCells(cells, rows, others, inside, is_inside)
+
+
+def _find(
+    rank: RankState, run: slice, fits: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cells of the particles of whole layers.
+
+    Parameters
+    ----------
+    rank : RankState
+        The rank.
+    run : slice
+        Their offsets in the order.
+    fits : (n,) bool
+        Set: whether they are in a cell.
+
+    Returns
+    -------
+    (3, cells) int64
+        Layer in the rank, offset in the plane, and body of each cell, ascending.
+    (slots,) int32
+        Row of the particle in each slot, or -1.
+    (slots,) float64
+        Initial volumes by slot.
+    """
+    scene, population, window = rank.scene, rank.population, rank.grid.window
+    p, D, rows = population.stored, scene.dimension, population.order[run]
+    frame, per_cell = scene.domain.frame, np.array(scene.case.method.particles_per_cell)
+    xi = (p.origin[rows] - np.array(frame.origin)) * np.array(frame.inverse)
     number = np.floor(xi).astype(np.int64)
     within = (xi - number) * per_cell - 0.5
     place = np.rint(within).astype(np.int64)
-    number += scene.domain.frame.ghost
-    fits = (np.abs(within - place) < _NEAR * per_cell).all(axis=1)
+    number += frame.ghost
+    fits[:] = (np.abs(within - place) < _NEAR * per_cell).all(axis=1)
     fits &= (number[:, 0] == p.layer[rows]) & ((0 <= place) & (place < per_cell)).all(axis=1)
     fits &= ~p.patch[rows].any(axis=1)  # tractions are forces on particles
     fits &= ~p.surface[rows].any(axis=1)
@@ -83,27 +125,16 @@ def find_cells(rank: RankState) -> LatticeCells:
     layer = number[mine, 0] - window.lower[0]
     keys = np.stack([layer, offset, bodies])
     found, cell = np.unique(keys, axis=1, return_inverse=True)
-    start = np.searchsorted(found[0], np.arange(rank.slab.layers + 1))
     slices = per_cell[0] if D == 3 else 1
     size = 4 * -(-int(per_cell[-2:].prod()) // 4)
     slot = place[mine, -2] * per_cell[-1] + place[mine, -1]
     if D == 3:
         slot += place[mine, 0] * size
     slot += cell.reshape(-1) * (size * slices)
-    material = scene.setting.material_of[found[2]]
-    cells = _cells(scene, start, found[1], material, len(found[1]) * size * slices)
-    taken = np.full(len(cells.volumes), -1, np.int64)
-    taken[slot] = rows[mine]
-    if scene.cell_loads:
-        cells.rows[:] = repeated(taken)
-    cells.volumes[slot] = p.V0[rows[mine]]
-    is_inside = np.zeros(p.capacity, bool)
-    is_inside[rows[mine]] = True
-    others, inside = (
-        Order(order.rows[mask], np.concatenate([[0], np.cumsum(mask)])[order.start])
-        for mask in (~fits, fits)
-    )
-    return LatticeCells(cells, taken, others, inside, is_inside)
+    taken = np.full(found.shape[1] * size * slices, -1, np.int32)
+    volumes = np.zeros(len(taken))
+    taken[slot], volumes[slot] = rows[mine], p.V0[rows[mine]]
+    return found, taken, volumes
 
 
 def repeated(rows: np.ndarray) -> np.ndarray:

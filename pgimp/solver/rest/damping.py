@@ -119,7 +119,7 @@ def _of_all_planes(rank: RankState) -> np.ndarray:
 
 def bring_to_rest(rank: RankState) -> None:
     """Set the velocities of all particles and vertices to zero, and book what they had."""
-    population, particles, grid = rank.population, rank.population.stored, rank.grid
+    population, particles, grid = rank.population, rank.population.particles, rank.grid
     if rank.grips:
         rank.grips.rest()
     rows, start = population.order, population.start

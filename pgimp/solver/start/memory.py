@@ -85,7 +85,7 @@ def bytes_each(scene: Scene, ranks: int) -> tuple[int, int, int]:
     # Scratch for the widest column, order and spare order; arrivals from other ranks.
     kept = columns * (1.0 if ranks == 1 else 1.125) + widest + 8
     # Volume, row and order of particles in cells; gradients from which vertices start.
-    kept += 25 * scene.by_cells
+    kept += 17 * scene.by_cells
     start = 8 * scene.dimension * (scene.dimension + 3) * bool(scene.settings.lagrangian.any())
     return columns, int(kept), int(kept + max(frame, start))
 

@@ -8,17 +8,16 @@ history.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from math import floor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pgimp.decomposition.population import Population
-from pgimp.kernels.sums.energies import strain_energies
 from pgimp.physics.columns import FOLLOWED, PLACE, Around
 from pgimp.physics.derived import OF_STRESS
-from pgimp.physics.fields import FIELDS, TENSOR, Source
+from pgimp.physics.fields import FIELDS, TENSOR
+from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.storage.framefile import blocks
 
 if TYPE_CHECKING:
@@ -62,7 +61,7 @@ class Point:
 
     def known(self, population: Population) -> bool:
         """Return whether the particle is on this rank, in its last row."""
-        p, row, self._row = population.particles, self._row, -1
+        p, row, self._row = population.stored, self._row, -1
         if 0 <= row < p.capacity and p.id[row] == self.number:
             layer = int(p.layer[row]) - population.first
             if 0 <= layer < population.layers:
@@ -76,7 +75,7 @@ class Point:
         self._row = -1
         for begin, end in blocks(len(population.order), _BLOCK):
             rows = population.order[begin:end]
-            there = np.flatnonzero(population.particles.id[rows] == self.number)
+            there = np.flatnonzero(population.stored.id[rows] == self.number)
             if len(there):
                 self._row = int(rows[there[0]])
         return self._row >= 0
@@ -86,15 +85,7 @@ class Point:
         if self._row < 0:
             return None
         scene = sim.scene
-        source = Source(
-            sim.particles,
-            np.array([self._row]),
-            scene.dimension,
-            tuple(scene.materials.body_material),
-            periods=scene.domain.ends,
-            plate=scene.carried.plate,
-            energy=partial(strain_energies, scene.setting),
-        )
+        source = source_at(sim.rank, np.array([self._row]))
         place = "unwrapped" if scene.domain.ends else "position"
         found = []
         for name, components in _followed(scene, self.fields):
@@ -151,7 +142,7 @@ class Place:
     def own(self, sim: Simulation) -> list[np.ndarray]:
         """Sums of the layers of this rank whose particles may reach the position, in order."""
         population, frame, sums = sim.population, sim.scene.domain.frame, []
-        p, periods = population.particles, sim.scene.domain.periods
+        periods = sim.scene.domain.periods
         cell = floor((self.place[0] - frame.origin[0]) * frame.inverse[0]) + frame.ghost
         # A particle is up to two cells beyond the first vertex of its support, now or initially.
         near = range(cell - 3, cell + 3)
@@ -162,20 +153,22 @@ class Place:
             if not 0 <= layer < population.layers:
                 continue
             rows = population.order[population.start[layer] : population.start[layer + 1]]
-            weight = np.ones(len(rows))
+            source, weight = source_at(sim.rank, rows), np.ones(len(rows))
+            x = source.take("x")
             for d, at in enumerate(self.place):
-                distance = _apart(p.x[rows, d] - at, periods[d]) * frame.inverse[d]
+                distance = _apart(x[:, d] - at, periods[d]) * frame.inverse[d]
                 weight *= np.maximum(0.0, 1.0 - distance)
-            rows, weight = rows[weight > 0.0], weight[weight > 0.0]
-            if len(rows):
-                mass, volume = (weight * p.m[rows])[:, None], (weight * p.V[rows])[:, None]
-                terms = np.hstack([volume, mass, mass * p.v[rows], volume * p.sigma[rows]])
+            there = weight > 0.0
+            if there.any():
+                m, V, v, sigma = (source.take(name)[there] for name in ("m", "V", "v", "sigma"))
+                mass, volume = (weight[there] * m)[:, None], (weight[there] * V)[:, None]
+                terms = np.hstack([volume, mass, mass * v, volume * sigma])
                 sums.append(np.add.reduce(terms, axis=0))
         return sums
 
     def line(self, sim: Simulation, parts: list[list[np.ndarray]]) -> Line:
         """A line on rank 0, from the sums of each rank."""
-        D, S = sim.scene.dimension, sim.particles.sigma.shape[1]
+        D, S = sim.scene.dimension, sim.population.stored.sigma.shape[1]
         ends = {"AXIS": AXES[:D], "COMPONENT": TENSOR.split()[:S]}
         names = []
         for name in PLACE:

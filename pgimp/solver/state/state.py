@@ -16,6 +16,7 @@ from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, stored_motion
+from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.contact import FIELDS, FORCES
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
@@ -81,7 +82,7 @@ class State(BaseModel):
 
 
 class Ordered(Mapping[str, np.ndarray]):
-    """A rank's particles in canonical order; a column is copied when it is asked for.
+    """A rank's particles in canonical order, up to date; a column is copied when it is asked for.
 
     Parameters
     ----------
@@ -91,22 +92,29 @@ class Ordered(Mapping[str, np.ndarray]):
     Attributes
     ----------
     columns : dict of str to ndarray
-        The stored columns, in another order and with holes.
+        The stored columns, in another order and with holes; but see `at`.
     order : ndarray of int64, shape (n,)
         Rows of the particles in the columns.
     """
 
     def __init__(self, rank: Rank) -> None:
-        self.order = rank.live()
+        self._rank, self.order = rank, rank.live()
+        population = rank.population
+        particles = population.stored if population.released else population.particles
         self.columns = {
             name: array
-            for name, array in rank.particles._asdict().items()
+            for name, array in particles._asdict().items()
             if array.size or not array.shape[1:]
         }
 
+    def at(self, rows: np.ndarray) -> Mapping[str, np.ndarray]:
+        """Columns at some rows in place of those stored, until the next call."""
+        return source_at(self._rank, rows).instead
+
     def __getitem__(self, name: str) -> np.ndarray:
         """Return a column, (n, ...)."""
-        return self.columns[name][self.order]
+        instead = self.at(self.order)
+        return instead[name].copy() if name in instead else self.columns[name][self.order]
 
     def __iter__(self) -> Iterator[str]:
         """Go through the names of the columns."""

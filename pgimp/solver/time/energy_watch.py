@@ -27,8 +27,8 @@ import numpy as np
 
 from pgimp.errors import EndlessError
 from pgimp.kernels.data.ledger import DAMPED_ENERGY
-from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, layer_sums
-from pgimp.solver.lagrangian.motion import complete_sums
+from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN
+from pgimp.solver.lagrangian.motion import sum_layers
 from pgimp.solver.time.clock import CourantClock, FixedClock
 
 if TYPE_CHECKING:
@@ -179,11 +179,9 @@ class EnergyWatch:
     @staticmethod
     def _sums(rank: Rank) -> tuple[float, float, float, float]:
         """Kinetic energy, strain energy, external work and mass, with particles that have left."""
-        scene, population, own = rank.scene, rank.population, rank.booked()
+        scene, own = rank.scene, rank.booked()
         sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))
-        setting = scene.setting.without_shape()
-        layer_sums(setting, population.particles, population.ordered, sums)
-        complete_sums(rank, scene, population.ordered, sums)
+        sum_layers(rank, scene, rank.population.ordered, sums)
         escaped = (
             own.escaped
             if scene.settings.escapes

@@ -64,7 +64,9 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         domain=SimpleNamespace(ends=()),
         carried=SimpleNamespace(plate=False),
         setting=None,
+        stateless=False,
     )
+    population = SimpleNamespace(stored=particles, particles=particles, released=False)
     sim = SimpleNamespace(
         comm=comm,
         count=count,
@@ -74,6 +76,8 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         finished=False,
         scene=scene,
         particles=particles,
+        population=population,
+        rank=SimpleNamespace(scene=scene, comm=comm, population=population),
         live=lambda: storage,
     )
     return sim, {name: np.delete(of_all, gone, axis=0) for name, of_all in values.items()}

@@ -18,7 +18,13 @@ from rank_scenes.flights import (
     space_mpm,
 )
 from rank_scenes.gauged import GAUGED, gauged
-from rank_scenes.initial_bodies import both_configurations, initial, initial_contact, initial_stages
+from rank_scenes.initial_bodies import (
+    both_configurations,
+    initial,
+    initial_contact,
+    initial_lattice,
+    initial_stages,
+)
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
 from rank_scenes.meetings import meeting, staged
@@ -75,6 +81,7 @@ SCENES = (
             initial,
             initial_stages,
             initial_contact,
+            initial_lattice,
             both_configurations,
             damped,
             settled,

@@ -1,6 +1,6 @@
 """Bodies in the initial configuration."""
 
-from scenes import box, scene
+from scenes import SOFT, box, scene
 
 from rank_scenes.entries import EVERYTHING, GRID, PAIR, turning
 
@@ -154,3 +154,33 @@ def both_configurations():
         history={"every": {"steps": 10}},
         probes={"tip": {"body": "plate", "at": [16.0, 3.0]}, "jet": {"place": [15.0, 4.0]}},
     ) | {"method": {"shape": "finite-gimp", "particles_per_cell": [2, 2], "volumetric": "mean"}}
+
+
+def initial_lattice():
+    """Elastic bodies on the grid's lines, in the initial configuration: no particle has a state.
+
+    A bar falls from a wall, a rotor turns across the slabs, a rod waits to be hit. Steps as long as
+    they may be, compressed frames, a probe in every third step.
+    """
+    bodies = {
+        "bar": box([0.0, 1.0], [7.0, 3.0], [0.0, 0.3]),
+        "rotor": turning(box([9.0, 4.0], [15.0, 6.0]), [12.0, 5.0], 1.0, [1.0, 0.0]),
+        "rod": box([8.0, 0.0], [12.0, 1.0], material="stiff"),
+    }
+    return scene(
+        2,
+        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        cells=[20, 8],
+        shape="gimp",
+        end=3.0,
+        step={"courant": "auto"},
+        materials={"soft": SOFT, "stiff": SOFT | {"young": 300.0, "density": 2.0}},
+        gravity=[0.0, -0.1],
+        boundaries={"x-min": "fixed"},
+        output={"every": 0.5, "fields": EVERYTHING, "grid": GRID, "compression": "gzip"},
+        history={"every": {"steps": 10}},
+        probes={
+            "tip": {"body": "rotor", "at": [15.0, 5.5], "every": {"steps": 3}},
+            "gate": {"place": [10.0, 5.0], "every": {"steps": 7}},
+        },
+    )
