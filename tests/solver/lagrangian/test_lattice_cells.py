@@ -111,6 +111,32 @@ def test_cells_have_what_particles_have_one_by_one(name, monkeypatch):
         assert one[key] == pytest.approx(other[key], rel=1e-8, abs=1e-10), key
 
 
+@pytest.mark.wide
+@pytest.mark.parametrize("per_cell", [[2, 2, 2], [2, 2, 3], [3, 3, 3], [4, 3, 2]])
+def test_cut_balls_of_two_materials(per_cell, monkeypatch):
+    """Cells with missing particles, of both materials; groups in pairs, and left over."""
+    ball = {
+        "region": {"ball": {"centre": [2.1, 2.2, 2.0], "radius": 1.3}},
+        "material": "soft",
+        "velocity": {"rotation": {"about": [2.0, 2.0, 2.0], "rate": [0.3, 0.1, 0.4]}},
+    }
+    case = scene(
+        3, {"a": initial(ball), "b": initial(box([2.1, 2.2, 3.4], [3.3, 3.4, 4.2])
+                                             | {"material": "hard", "velocity": [0.2, 0.0, 0.0]})},
+        cells=[9, 9, 11], cell=0.5, per_cell=per_cell, end=0.3, step=0.005,
+        materials={"soft": SOFT, "hard": SOFT | {"young": 300.0, "density": 2.0}},
+    )  # fmt: skip
+    cells = finish(start(case))
+    assert cells.rank.by_cells_alone and (cells.rank.lattice.cells.volumes == 0.0).any()
+    monkeypatch.setattr(Scene, "_by_cells", lambda scene: False)
+    single = finish(start(case))
+    assert cells.step == single.step > 20
+    for column in COLUMNS:
+        mine, theirs = (getattr(sim.particles, column)[sim.live()] for sim in (cells, single))
+        size = 300.0 if column == "sigma" else 1.0
+        np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-9 * size, err_msg=column)
+
+
 @pytest.mark.parametrize("name", ["contact", "metal"])
 def test_asking_for_particles_changes_nothing(name):
     """Frames, history and probes update what they show; the next step has the same bits."""
