@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from operator import is_not
 
 import numpy as np
 
@@ -14,10 +13,8 @@ from pgimp.decomposition.population import Population
 from pgimp.decomposition.redistribute import redistribute
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.jit.bound import Bound
-from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import DAMPED, Ledger
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.lagrangian.displace import Displaced, displace_particles, place_particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
@@ -29,6 +26,7 @@ from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
+from pgimp.solver.lagrangian.displacement import Displacement
 from pgimp.solver.loads.following import following_of
 from pgimp.solver.loads.grips import grips_of
 from pgimp.solver.rest.absorbing import absorbing_of
@@ -73,6 +71,8 @@ class Rank:
         Sums booked by plane.
     contact : NoContact
         The contact of bodies, or one of its kinds.
+    displacement : Displacement
+        Updates of lattice particles, in the initial configuration.
     flows, damping, absorbing, inflow, sinks, grips, following : Flows, .., or None
         Filling of vertices, damping, absorbing faces, inflow, sinks, grips, followed surfaces.
     calls : tuple of Bound
@@ -119,8 +119,8 @@ class Rank:
         self.absorbing, self.inflow = absorbing_of(scene), inflow_of(scene)
         self.grips = grips_of(scene, comm)
         self._lattice: LatticeCells | None = None
-        self._near: tuple[tuple, Order] | None = None
-        self.population.update = self.displace
+        self.displacement = Displacement(self)
+        self.population.update = self.displacement.update
         #: Whether the layers have changed since rows were last sorted.
         self.moved = False
         self._allocate(slab)
@@ -173,39 +173,6 @@ class Rank:
         """Sort the particles' rows."""
         self.population.sort()
         self.moved, self._lattice = False, None
-
-    def displace(self, near: np.ndarray | None = None) -> None:
-        """Update lattice particles from the vertices' motion.
-
-        Of elastic ones among those `near`, by offsets, only positions and F: all columns stay
-        outdated.
-        """
-        stored = self.population.stored
-        order = self.lattice.inside if near is None else self._near_order(near)
-        if near is None or self.scene.cell_loads:
-            self.place(order, Displaced(*(getattr(stored, name) for name in Displaced._fields)))
-            return
-        frame, field = self.scene.domain.frame, self.grid.motion_field
-        self.call(place_particles, self.scene.setting, frame, field, stored, order)
-
-    def place(self, order: Order, displaced: Displaced, to: np.ndarray | None = None) -> None:
-        """Set what lattice particles have by the vertices' motion, in rows `to` or their own."""
-        setting = self.scene.setting
-        if self.scene.cell_loads:  # F and stress are those of the step
-            setting = setting.without_materials()
-        self.call(
-            displace_particles, setting, self.scene.domain.frame, self.grid.motion_field,
-            self.population.stored, order, displaced, order.rows if to is None else to,
-        )  # fmt: skip
-
-    def _near_order(self, near: np.ndarray) -> Order:
-        """Lattice particles among those `near`; kept while these and the lattice do not change."""
-        of = near, self.population.order, self.lattice
-        if self._near is None or any(map(is_not, of, self._near[0])):
-            rows, start = of[1][near], self.population.start
-            inside = self.lattice.is_inside[rows]
-            self._near = of, Order(rows[inside], np.searchsorted(near[inside], start))
-        return self._near[1]
 
     @property
     def call(self) -> Bound:

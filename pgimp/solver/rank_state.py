@@ -11,10 +11,8 @@ from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
 from pgimp.jit.bound import Bound
-from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.lagrangian.displace import Displaced
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.clearances import Clearances
@@ -46,6 +44,7 @@ class RankState(Protocol):
     sinks: Any
     grips: Any
     keeping: Keeping
+    displacement: Any
 
     @property
     def call(self) -> Bound:
@@ -58,9 +57,6 @@ class RankState(Protocol):
     @property
     def by_cells_alone(self) -> bool:
         """Whether all particles are in cells and have no state of their own."""
-
-    def place(self, order: Order, displaced: Displaced, to: np.ndarray | None = None) -> None:
-        """Set what lattice particles have by the vertices' motion."""
 
     @property
     def particles(self) -> Particles:

@@ -203,7 +203,7 @@ def _regroup(rank: Rank, bodies: list[int], before: Grid, was: np.ndarray, now: 
 def rehearse_motion(rank: Rank) -> None:
     """Call the kernels that only particles that are asked for need."""
     if rank.scene.by_cells:
-        rank.displace()
+        rank.displacement.update()
         find_beyond(rank)
 
 

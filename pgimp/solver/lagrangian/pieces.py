@@ -130,5 +130,5 @@ def _displaced(rank: RankState, order: Order, to: np.ndarray) -> Displaced:
     for shape in shapes:
         columns.append(scratch[used : used + n * prod(shape)].reshape(n, *shape))
         used += columns[-1].size
-    rank.place(order, displaced := Displaced(*columns), to)
+    rank.displacement.place(order, displaced := Displaced(*columns), to)
     return displaced
