@@ -110,11 +110,9 @@ def finish_sums(rank: RankState, marked: bool = False) -> None:
 
 def _recall_masses(rank: RankState) -> None:
     """Set the masses of vertices that keep them, where sums have not begun with them."""
-    slab, field, known = rank.slab, rank.grid.field, (0, 0)
+    field, known = rank.grid.field, (0, 0)
     if not len(rank.lattice.others.rows) and isinstance(field.used, tuple):
-        if not slab.neighbours:
-            return
-        known = (rank.grid.shared_lower, slab.layers)
+        known = (rank.grid.shared_lower, rank.slab.layers)
     rank.call(recall_masses, field, known)
 
 
