@@ -30,7 +30,8 @@ def matrices(cells):
 @specialise(matrices)
 def _matrices(cells):
     sizes = sizes_of(cells)
-    size = 4 * sizes.dimension**2 * groups_of(sizes) * most_together(sizes)
+    pairs = (groups_of(sizes) * most_together(sizes) + 1) // 2  # the last may be half empty
+    size = 8 * sizes.dimension**2 * pairs
     return lambda cells: stack(size)
 
 
