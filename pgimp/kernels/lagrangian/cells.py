@@ -273,11 +273,11 @@ def _elastic_stresses_of(cells, material, slot, V, F, inverse, fastest):
 
     def stresses(cells, material, slot, V, F, inverse, fastest):
         J = determinant(F)
-        sound = bits(J > 0.0)
-        if sound != 255:  # missing particles may have any F
-            note_wrong(cells, half_of(V, 0), sound & 15, slot)
-            note_wrong(cells, half_of(V, 1), sound >> 4, slot + 4)
-            F = where_all(J > 0.0, F, identity)
+        sound = (V > 0.0) & (J > 0.0)
+        if bits(sound) != 255:  # materials must not see any F that missing particles may have
+            note_wrong(cells, half_of(V, 0), bits(sound) & 15, slot)
+            note_wrong(cells, half_of(V, 1), bits(sound) >> 4, slot + 4)
+            F = where_all(sound, F, identity)
             J = determinant(F)
         setting = cells.setting
         P = scaled(-V, evaluate_four("piola", setting.materials, material, (F, J), (), F))
