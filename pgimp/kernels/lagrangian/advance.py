@@ -8,11 +8,10 @@ from typing import Any, NamedTuple
 from pgimp.jit.algebra import determinant, inverse, multiply
 from pgimp.jit.kernel import kernel, specialise
 from pgimp.jit.tuples import plus_scaled, scaled
-from pgimp.jit.vectors.lanes import of_lane, with_lanes
+from pgimp.jit.vectors.lanes import of_lane, vectors, with_lanes
 from pgimp.jit.vectors.simd import bits, lane, load, vector, where
 from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.kernels.lagrangian.cell_derivatives import (
-    broadcast,
     deformations_of_four,
     derivative_buffers,
     derive_across,
@@ -188,7 +187,7 @@ def _swollen_of(centre, frame, particles, rows, F):
 
     def swollen(centre, frame, particles, rows, F):
         mass, G = centre
-        put_row(particles.around, rows, 0, broadcast(G))
+        put_row(particles.around, rows, 0, vectors(G))
         held = mass * take(particles.V0, rows)
         for d in range(D):
             held = held * frame.inverse[d]

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from pgimp.jit.kernel import specialise
 from pgimp.jit.vectors.rows import transpose
-from pgimp.jit.vectors.simd import load, stack, store, vector
+from pgimp.jit.vectors.simd import load, stack, store
 
 #: Most particles of a cell along a direction.
 MOST = 4
@@ -226,14 +226,3 @@ def _components_of(buffer, a, b, c, d):
     return lambda buffer, a, b, c, d: transpose(
         load(buffer, 4 * a), load(buffer, 4 * b), load(buffer, 4 * c), load(buffer, 4 * d)
     )[1:]
-
-
-def broadcast(numbers):
-    """Vectors of numbers."""
-
-
-@specialise(broadcast)
-def _broadcast(numbers):
-    if len(numbers) == 1:
-        return lambda numbers: (vector(numbers[0]),)
-    return lambda numbers: (vector(numbers[0]), *broadcast(numbers[1:]))

@@ -7,10 +7,10 @@ over the line first; see `pgimp.kernels.lagrangian.cell_derivatives`.
 from typing import Any, NamedTuple
 
 from pgimp.jit.kernel import specialise
-from pgimp.jit.vectors.rows import transpose
-from pgimp.jit.vectors.simd import load, stack, store, vector
+from pgimp.jit.vectors.simd import load, stack, store
 from pgimp.kernels.lagrangian.cell_derivatives import MOST, sizes_of
 from pgimp.kernels.lagrangian.cell_matrices import of_four
+from pgimp.kernels.update.piola import keep_vectors
 
 
 class Stresses(NamedTuple):
@@ -51,16 +51,16 @@ def _keep_stresses(stresses, q, group, P):
 @specialise(_keep_stresses)
 def _keep_stresses_of(stresses, q, group, P):
     def plane(stresses, q, group, P):
-        _keep(stresses.first, 16 * group, P[0], P[2], 0.0)
-        _keep(stresses.second, 16 * group, P[1], P[3], 0.0)
+        keep_vectors(stresses.first, 16 * group, P[0], P[2], 0.0)
+        keep_vectors(stresses.second, 16 * group, P[1], P[3], 0.0)
 
     def space(stresses, q, group, P):
         at = 16 * group
         _sum(stresses.across, 12 * group, q, P[0])
         _sum(stresses.across, 12 * group + 4, q, P[3])
         _sum(stresses.across, 12 * group + 8, q, P[6])
-        _keep(stresses.first, at, P[1], P[4], P[7])
-        _keep(stresses.second, at, P[2], P[5], P[8])
+        keep_vectors(stresses.first, at, P[1], P[4], P[7])
+        keep_vectors(stresses.second, at, P[2], P[5], P[8])
 
     return plane if len(P) == 4 else space
 
@@ -77,22 +77,6 @@ def _sum_slices(buffer, at, q, value):
         store(buffer, at, value)
 
     return add
-
-
-def _keep(buffer, at, x, y, z):
-    """Store the vectors (0, x, y, z) of four particles."""
-
-
-@specialise(_keep)
-def _keep_transposed(buffer, at, x, y, z):
-    def keep(buffer, at, x, y, z):
-        of = transpose(vector(0.0), vector(x), vector(y), vector(z))
-        store(buffer, at, of[0])
-        store(buffer, at + 4, of[1])
-        store(buffer, at + 8, of[2])
-        store(buffer, at + 12, of[3])
-
-    return keep
 
 
 def _add_slice(cells, q, stresses):
@@ -207,7 +191,7 @@ def _end_cell_of(cells, stresses, f):
         fractions, sums, at = cells.fractions, stresses.sums, stresses.first
         for group in range(groups):
             X, i = stresses.across, 12 * group
-            _keep(at, 16 * group, load(X, i), load(X, i + 4), load(X, i + 8))
+            keep_vectors(at, 16 * group, load(X, i), load(X, i + 4), load(X, i + 8))
         f00, f01, f10, f11 = load(sums, 16), load(sums, 20), load(sums, 24), load(sums, 28)
         for r in range(rows):
             whole = load(at, 4 * r * columns)

@@ -41,11 +41,11 @@ def _less_viscous_pressure(viscosity, particles, rows, sigma):
     return less
 
 
-def _keep(buffer, at, first, second, third):
+def keep_vectors(buffer, at, first, second, third):
     """Store the vectors (0, first, second, third) of four particles in the buffer."""
 
 
-@specialise(_keep)
+@specialise(keep_vectors)
 def _keep_transposed(buffer, at, first, second, third):
     def keep(buffer, at, first, second, third):
         V = transpose(vector(0.0), vector(first), vector(second), vector(third))
@@ -64,20 +64,20 @@ def keep_columns(buffer, at, P):
 @specialise(keep_columns)
 def _keep_all_columns(buffer, at, P):
     def keep1(buffer, at, P):
-        _keep(buffer, at, P[0], 0.0, 0.0)
+        keep_vectors(buffer, at, P[0], 0.0, 0.0)
 
     def keep2(buffer, at, P):
-        _keep(buffer, at, P[0], P[2], 0.0)
-        _keep(buffer, at + 16, P[1], P[3], 0.0)
+        keep_vectors(buffer, at, P[0], P[2], 0.0)
+        keep_vectors(buffer, at + 16, P[1], P[3], 0.0)
 
     def keep3(buffer, at, P):
-        _keep(buffer, at, P[0], P[3], P[6])
-        _keep(buffer, at + 16, P[1], P[4], P[7])
-        _keep(buffer, at + 32, P[2], P[5], P[8])
+        keep_vectors(buffer, at, P[0], P[3], P[6])
+        keep_vectors(buffer, at + 16, P[1], P[4], P[7])
+        keep_vectors(buffer, at + 32, P[2], P[5], P[8])
 
     def keep_rings(buffer, at, P):
-        _keep(buffer, at, P[0], P[2], 0.0)
-        _keep(buffer, at + 16, P[1], P[3], 0.0)
+        keep_vectors(buffer, at, P[0], P[2], 0.0)
+        keep_vectors(buffer, at + 16, P[1], P[3], 0.0)
         store(buffer, at + _HOOP, P[4])
 
     return {1: keep1, 4: keep2, 5: keep_rings, 9: keep3}[len(P)]
