@@ -13,7 +13,7 @@ from unittest.mock import patch
 import pytest
 from costs import Costs
 from hypothesis import settings
-from processes import clean_env, run
+from processes import clean_env, interruptible, run
 
 from pgimp.physics.functions.registry import FUNCTIONS
 
@@ -39,7 +39,8 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    """List what files of tests cost, at the end."""
+    """List what files of tests cost, at the end; tests of Ctrl-C run in the background, too."""
+    interruptible()
     config.pluginmanager.register(Costs(config.cache), "costs")
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from processes import clean_env
+from processes import clean_env, interruptible
 from two_blocks import CASE
 
 from pgimp import cli, commands, signals
@@ -64,6 +64,19 @@ def test_signals_are_noted_for_runs_alone_and_ignored_at_the_end(python, words, 
     done = python(["-c", STATE.format(words=words, interrupt=interrupt)])
     ignored = [1, 1, 1] if any(noted) else noted
     assert done.stdout == f"{noted}\n7 {ignored}\n", done.stderr
+
+
+def test_tests_in_a_job_scripts_background_can_be_interrupted():
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        interruptible()
+        child = subprocess.Popen(["sleep", "60"])
+        child.send_signal(signal.SIGINT)
+        assert child.wait(10) == -signal.SIGINT
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, usual)
 
 
 def test_every_command_is_known_before_it_is_imported():

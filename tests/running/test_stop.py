@@ -23,8 +23,8 @@ pytestmark = pytest.mark.slow(30)
 
 @pytest.fixture(autouse=True)
 def usual(monkeypatch):
-    """A program with no handlers of its own, outside of any batch job."""
-    defaults = {number: signal.SIG_DFL for number in signals.STOPPING}
+    """A program with no handlers of its own, outside of any batch job and of nohup."""
+    defaults = {number: signal.SIG_DFL for number in (*signals.STOPPING, signal.SIGHUP)}
     defaults[signal.SIGINT] = signal.default_int_handler
     before = {number: signal.signal(number, usual) for number, usual in defaults.items()}
     for name in os.environ:

@@ -229,6 +229,8 @@ def _wait(
 def _end(process: subprocess.Popen[bytes]) -> None:
     """End a run with all its children, by force after a while."""
     for number, seconds in _PATIENCE:
+        if signal.getsignal(number) == signal.SIG_IGN:
+            continue  # the run inherits that, for example from a job script's ``&``
         with suppress(ProcessLookupError):
             os.killpg(process.pid, number)
         with suppress(subprocess.TimeoutExpired, KeyboardInterrupt):

@@ -20,6 +20,15 @@ HERE = {
 LAUNCHER_VARIABLES = ("OMPI_", "PMIX_", "PMI_", "PALS_", "MPI_LOCAL", "SLURM_")
 
 
+def interruptible() -> None:
+    """Let Ctrl-C have its default effect, also on processes that are started later.
+
+    Shells without job control, as in job scripts, ignore it for what they start with ``&``.
+    """
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 def clean_env(more: Mapping[str, str] | None = None) -> dict[str, str]:
     """Environment of a process that no launcher started, in which root may use mpirun.
 

@@ -211,6 +211,18 @@ def test_interruption_ends_the_run_and_leaves_tables(tmp_path, number):
     assert "0.1 | not run" in (tmp_path / "results" / "study.md").read_text()
 
 
+def test_a_run_in_a_job_scripts_background_ends_without_waiting_for_ctrl_c():
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        process = subprocess.Popen(["sleep", "60"], start_new_session=True)
+        began = time.monotonic()
+        runs._end(process)
+    finally:
+        signal.signal(signal.SIGINT, usual)
+    assert time.monotonic() - began < 5.0
+    assert process.returncode == -signal.SIGTERM
+
+
 def test_a_launcher_around_the_study_is_refused(alone, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "1")
     monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "0")
