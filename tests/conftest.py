@@ -22,8 +22,12 @@ from pgimp.physics.functions.registry import FUNCTIONS
 settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
 
-#: Parameters of tests that choose kernels: all of their combinations are run with --all alone.
+#: Parameters that choose kernels: of a test over several lists each value, and of all tests of a
+#: file each of `ANYWHERE`, is in some test that always runs; with --all all combinations are.
 VARIANTS = {"D", "dimension", "dimensions", "shape", "configuration", "name", "model", "law"}
+ANYWHERE = {"D", "dimension", "dimensions", "shape", "configuration"}
+#: Values whose kernels many tests have.
+USUAL = {2, "gimp", "current"}
 
 #: Fixtures of what is started, as is in no test of the fast tier.
 STARTED = {"display", "mpirun", "pvpython"}
@@ -36,12 +40,15 @@ def pytest_addoption(parser):
     group.addoption("--fast", action="store_true", help=words)
     words = "also wide tests, and all combinations of dimensions, shapes and configurations"
     group.addoption("--all", action="store_true", help=words)
+    words = "append what tests cost to a table: CPU seconds, those of compiling, kernels, test"
+    group.addoption("--costs", metavar="FILE", help=words)
 
 
 def pytest_configure(config):
     """List what files of tests cost, at the end; tests of Ctrl-C run in the background, too."""
     interruptible()
-    config.pluginmanager.register(Costs(config.cache), "costs")
+    table = None if hasattr(config, "workerinput") else config.option.costs
+    config.pluginmanager.register(Costs(config.cache, table), "costs")
 
 
 def seconds(item):
@@ -51,35 +58,60 @@ def seconds(item):
 
 
 def choices(item):
-    """Values of a test, one for each list that it is parametrized with; none without variants."""
+    """Values of a test that have to be in some test, with the test's name unless any test will do.
+
+    None without variants, or if its only list is of other ones than `ANYWHERE`.
+    """
+    test, found = item.nodeid.partition("[")[0], set()
     marks = [mark.args[0] for mark in item.iter_markers("parametrize")]
-    lists = [names.replace(" ", "").split(",") if isinstance(names, str) else names
+    lists = [names.replace(" ", "").split(",") if isinstance(names, str) else list(names)
              for names in marks]  # fmt: skip
-    if len(lists) < 2 or not VARIANTS & {name for names in lists for name in names}:
-        return frozenset()
-    return frozenset((*names, repr([item.callspec.params[n] for n in names])) for names in lists)
+    if not VARIANTS & {name for names in lists for name in names}:
+        return set()
+    for names in lists:
+        anywhere = len(names) == 1 and names[0] in ANYWHERE and seconds(item) > 0
+        if not anywhere and len(lists) == 1:
+            return set()
+        values = [item.callspec.params[name] for name in names]
+        found.add((*names, repr(values)) if anywhere else (test, *names, repr(values)))
+    return found | {test}
 
 
 def beyond_each_choice(items):
-    """Of tests over several lists of variants, those whose values are all in others' that stay.
+    """Of each file's tests over variants, those whose values are all in others' that stay.
 
-    Every value of every parameter stays in some test, beside values that few others have.
+    Every value stays in some test, and every test with some values: first those that few have
+    together, then such as have been chosen before, so that kernels are shared.
     """
-    crosses: dict[str, dict] = {}
+    files: dict[str, dict] = {}
     for item in items:
         if found := choices(item):
-            crosses.setdefault(item.nodeid.partition("[")[0], {})[item] = found
-    for values in crosses.values():
-        missing, used = set().union(*values.values()), Counter()
+            files.setdefault(item.nodeid.partition("::")[0], {})[item] = found
+    for values in files.values():
+        missing, used, together = set().union(*values.values()), Counter(), set()
         while missing:
-            chosen = max(
-                values,
-                key=lambda it: (len(values[it] & missing), -sum(used[v] for v in values[it])),
-            )
+
+            def worth(item):
+                params = item.callspec.params.values()
+                return (
+                    len(values[item] & missing),
+                    kind(item) in together,
+                    sum(isinstance(value, int | str) and value in USUAL for value in params),
+                    -sum(used[value] for value in values[item]),
+                )
+
+            chosen = max(values, key=worth)
+            together.add(kind(chosen))
             found = values.pop(chosen)
             missing -= found
             used.update(found)
         yield from values
+
+
+def kind(item):
+    """The variants of a test, whatever it tests."""
+    params = item.callspec.params
+    return tuple((name, repr(params[name])) for name in sorted(VARIANTS & {*params}))
 
 
 def pytest_collection_modifyitems(config, items):

@@ -1,10 +1,13 @@
 """What each file of tests costs: CPU time, also of the processes it starts, and compiled kernels.
 
 A plugin of pytest, for `tests/conftest.py`. The dearest files are listed at the end of a run; what
-each test took is in ``.pytest_cache/v/pgimp/costs``.
+each test took is in ``.pytest_cache/v/pgimp/costs``. With ``--costs FILE`` it is also appended to a
+table as tests end: CPU seconds, those of compiling in the test's own process, kernels, test.
 """
 
+import csv
 import resource
+import time
 from collections import Counter
 
 import pytest
@@ -15,19 +18,24 @@ LISTED, LONG = 12, 60.0
 
 
 class _Compiled(event.Listener):
-    """Counts the kernels that this process has compiled, but not what they call."""
+    """Counts the kernels that this process has compiled, but not what they call; CPU seconds."""
 
     def __init__(self):
         self.count = self._depth = 0
+        self.seconds = self._began = 0.0
 
     def on_start(self, event):
         """Begin to compile a function."""
-        self.count += self._depth == 0
+        if self._depth == 0:
+            self.count += 1
+            self._began = time.process_time()
         self._depth += 1
 
     def on_end(self, event):
         """End that."""
         self._depth -= 1
+        if self._depth == 0:
+            self.seconds += time.process_time() - self._began
 
 
 def cpu():
@@ -41,18 +49,17 @@ def cpu():
 class Costs:
     """Measures tests in the workers, and adds up files where these report to."""
 
-    def __init__(self, cache):
-        self._compiled, self._cache = _Compiled(), cache
+    def __init__(self, cache, table):
+        self._compiled, self._cache, self._table = _Compiled(), cache, table
         event.register("numba:compile", self._compiled)
-        self._tests: dict[str, tuple[float, int]] = {}
+        self._tests: dict[str, tuple[float, float, int]] = {}
         self._seconds, self._kernels = Counter(), Counter()
         self._marked: set[str] = set()
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item):
         """Measure a test with its fixtures."""
-        begin, compiled = cpu(), self._compiled.count
-        item.user_properties.append(("before", (begin, compiled)))
+        item.user_properties.append(("before", self._now()))
         return (yield)
 
     @pytest.hookimpl(wrapper=True)
@@ -60,10 +67,13 @@ class Costs:
         """Note what a test has cost so far."""
         report = yield
         if call.when == "teardown":
-            (begin, compiled) = dict(item.user_properties)["before"]
-            cost = cpu() - begin, self._compiled.count - compiled
+            before = dict(item.user_properties)["before"]
+            cost = tuple(now - then for now, then in zip(self._now(), before, strict=True))
             report.user_properties.append(("cost", cost))
         return report
+
+    def _now(self):
+        return cpu(), self._compiled.seconds, self._compiled.count
 
     def pytest_runtest_logreport(self, report):
         """Add up a file's costs."""
@@ -71,9 +81,13 @@ class Costs:
         if "slow" in report.keywords:
             self._marked.add(file)
         if cost := dict(report.user_properties).get("cost"):
-            self._tests[report.nodeid] = cost
-            self._seconds[file] += cost[0]
-            self._kernels[file] += cost[1]
+            seconds, compiling, kernels = self._tests[report.nodeid] = cost
+            self._seconds[file] += seconds
+            self._kernels[file] += kernels
+            if self._table:
+                with open(self._table, "a", encoding="utf-8") as stream:
+                    row = f"{seconds:.2f}", f"{compiling:.2f}", kernels, report.nodeid
+                    csv.writer(stream).writerow(row)
 
     def pytest_terminal_summary(self, terminalreporter):
         """List the dearest files, and keep what tests took."""
