@@ -22,9 +22,11 @@ from pgimp.physics.functions.registry import FUNCTIONS
 settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
 
-#: Parameters that choose kernels: of a test over several lists each value, and of all tests of a
-#: file each of `ANYWHERE`, is in some test that always runs; with --all all combinations are.
-VARIANTS = {"D", "dimension", "dimensions", "shape", "configuration", "name", "model", "law"}
+#: Parameters that choose kernels. Of a test over several lists, one of them of these, each value of
+#: each list is in some test that always runs, and all combinations with --all.
+VARIANTS = {"D", "dimension", "dimensions", "shape", "configuration", "name", "model", "law",
+            "transfer", "method", "damping", "material", "walls", "face", "floor"}  # fmt: skip
+#: Those of which each value is in some test of a file, and not in each.
 ANYWHERE = {"D", "dimension", "dimensions", "shape", "configuration"}
 #: Values whose kernels many tests have.
 USUAL = {2, "gimp", "current"}
@@ -60,21 +62,20 @@ def seconds(item):
 def choices(item):
     """Values of a test that have to be in some test, with the test's name unless any test will do.
 
-    None without variants, or if its only list is of other ones than `ANYWHERE`.
+    None of a test all of whose values are needed.
     """
     test, found = item.nodeid.partition("[")[0], set()
     marks = [mark.args[0] for mark in item.iter_markers("parametrize")]
     lists = [names.replace(" ", "").split(",") if isinstance(names, str) else list(names)
              for names in marks]  # fmt: skip
-    if not VARIANTS & {name for names in lists for name in names}:
-        return set()
+    several = len(lists) > 1 and VARIANTS & {name for names in lists for name in names}
     for names in lists:
-        anywhere = len(names) == 1 and names[0] in ANYWHERE and seconds(item) > 0
-        if not anywhere and len(lists) == 1:
+        anywhere = len(names) == 1 and names[0] in ANYWHERE
+        if not anywhere and not several:
             return set()
         values = [item.callspec.params[name] for name in names]
         found.add((*names, repr(values)) if anywhere else (test, *names, repr(values)))
-    return found | {test}
+    return found and found | {test}
 
 
 def beyond_each_choice(items):

@@ -12,11 +12,14 @@ ALONE = {
     "excavation", "safety", "footing", "thick-tube", "jet",
     "hopper", "cavity", "cone", "tunnel", "shaking", "shaken-slope", "poiseuille", "bagnold",
 }  # fmt: skip
+#: Of the others those that always run on two, one of each dimension, with contact, and of a flow.
+TOGETHER = {"compaction", "disks", "block3d", "sand-column"}
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory, mpirun):
+def runs(tmp_path_factory, mpirun, request):
     """``runs(name)`` is a case's run on one rank, from Python; on two most give the same bits."""
+    together = COARSER.keys() - ALONE if request.config.option.all else TOGETHER
     folder = tmp_path_factory.mktemp("cases")
     results = {}
 
@@ -29,7 +32,7 @@ def runs(tmp_path_factory, mpirun):
             path = folder / path.name
             path.write_text(text[: text.index("  g031:")], encoding="utf-8")
         found = pgimp.run(path, output=one, overrides=COARSER[name], quiet=True)
-        if name in ALONE:
+        if name not in together:
             results[name] = found
             return found
         words = ["-m", "pgimp", path, "-o", two, "--quiet"]

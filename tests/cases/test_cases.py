@@ -66,8 +66,8 @@ def test_bar_vibrates_at_its_frequency(runs):
         ("compaction", None, 0.02),
         ("shock", 0.11, 0.1),
         ("vortex", 0.6, 0.05),
-        ("spinning-block", 0.2, 0.12),
-        ("plane-waves", 0.1, 0.001),
+        pytest.param("spinning-block", 0.2, 0.12, marks=pytest.mark.wide),
+        pytest.param("plane-waves", 0.1, 0.001, marks=pytest.mark.wide),
     ],
 )
 def test_errors_against_the_exact_solution_are_small(runs, name, most, displacement):
@@ -77,6 +77,7 @@ def test_errors_against_the_exact_solution_are_small(runs, name, most, displacem
     assert 0.0 < history["error.displacement-l2"].max() < displacement
 
 
+@pytest.mark.wide
 def test_plates_meet(runs):
     """Cells twice as large: plateau to 1 %, what the precursor bears to 5 %, momentum."""
     run = runs("plate-impact")
@@ -104,6 +105,7 @@ def test_a_cylinder_becomes_a_mushroom(runs):
     assert (np.abs(lost) < 0.1 * energy).all()
 
 
+@pytest.mark.wide
 def test_a_bar_of_rings_is_the_same_mushroom(runs):
     """Four cells to the radius: length and plastic strain, and energies of the whole bar."""
     run = runs("taylor-axisymmetric")

@@ -45,6 +45,7 @@ def test_disks_collide_and_part(runs):
     assert along[frame["body"] == 0].max() < along[frame["body"] == 1].min()
 
 
+@pytest.mark.wide
 def test_cylinder_slides_and_rolls(runs):
     """A radius of four cells: a third of the velocity goes, and a third of the energy is heat."""
     history = runs("rolling").history
@@ -163,6 +164,7 @@ def test_cylinders_are_pressed_on_each_other(runs):
     assert middle == pytest.approx(0.5 * plane * wide / radius, rel=0.1)
 
 
+@pytest.mark.wide
 def test_bodies_lie_in_a_corner(runs):
     """Blocks of six cells, with more vibrations: statics to 5 %, momentum to rounding."""
     history = runs("corner").history

@@ -31,7 +31,11 @@ def lines(sim, every=5):
     return found
 
 
-@pytest.mark.parametrize("shape", ["gimp", "finite-gimp", "mpm", "fuzzy-nearest", "fuzzy-constant"])
+@pytest.mark.parametrize(
+    "shape",
+    ["gimp", "mpm", *(pytest.param(one, marks=pytest.mark.wide)
+                      for one in ("finite-gimp", "fuzzy-nearest", "fuzzy-constant"))],
+)  # fmt: skip
 def test_a_fluid_stays_in_its_box(shape):
     """All particles to the end; what walls do to those that pass them is in the books."""
     sim = pgimp.Simulation(coarse(shape))

@@ -28,6 +28,7 @@ def test_oil_begins_to_flow_between_plates(runs):
     assert run.frame(-1)["velocity"][:, 0].max() > 0.4
 
 
+@pytest.mark.wide
 def test_grains_find_bagnolds_profile(runs):
     """After half of the time: velocity to 3 % of the greatest, pressure to 0.5 %."""
     frame = runs("bagnold").frame(-1)
@@ -44,6 +45,7 @@ def test_grains_find_bagnolds_profile(runs):
     assert np.median(frame["stress"][:, 3] / frame["pressure"]) == pytest.approx(t, rel=0.01)
 
 
+@pytest.mark.wide
 def test_vortices_decay(tmp_path):
     """Cells twice as large: the kinetic energy to 3 %, and the pattern."""
     registry.import_file(str(CASES / "vortices.py"))

@@ -49,6 +49,7 @@ def test_sand_column_falls_to_a_heap(runs):
     assert 0.5 < history["plastic-work"][-1] / history["external-work"][-1] < 1.0
 
 
+@pytest.mark.wide
 def test_a_bank_of_clay_slides(runs):
     frame = runs("slope").frame(-1)
     down = -frame["displacement"][:, 1]
@@ -70,6 +71,7 @@ def test_clay_bears_a_strip_as_prandtl_says(runs):
     assert history["plastic-work"][-1] > 0.9 * history["tool.strip.work"][-1]
 
 
+@pytest.mark.wide
 def test_a_cut_in_clay_stands_until_the_clay_is_weak(runs):
     """Cells twice as large; what is dug out and what softens is in the books."""
     found = runs("excavation")
@@ -111,6 +113,7 @@ def test_water_runs_to_the_far_wall(runs):
     assert history["mass"] == pytest.approx(np.full(len(history), history["mass"][0]), rel=1e-12)
 
 
+@pytest.mark.wide
 def test_a_plate_bears_the_momentum_of_a_jet(runs):
     """Rho A v^2 to 2 % on cells twice as large, two to the half jet; nothing is lost."""
     history = runs("jet").history
@@ -140,6 +143,7 @@ def test_a_hopper_empties_as_beverloo_says(runs):
     assert history["mass"][late[-1]] < 0.6 * history["mass"][late[0]]  # the level sinks meanwhile
 
 
+@pytest.mark.wide
 def test_graded_ground_settles(runs):
     """Gibson's soil: the settlement of the surface, on cells twice as large."""
     frame = runs("graded").frame(-1)

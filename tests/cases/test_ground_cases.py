@@ -7,6 +7,7 @@ from studies.quiet import shaken
 pytestmark = pytest.mark.slow(60)
 
 
+@pytest.mark.wide
 def test_a_cavity_takes_the_pressure_of_clay_that_yields(runs):
     """Cells of half the first radius: the pressure to 1 % in the mean, to 3 % always."""
     history = runs("cavity").history
@@ -20,6 +21,7 @@ def test_a_cavity_takes_the_pressure_of_clay_that_yields(runs):
     assert np.abs(part - 1.0).max() < 0.03  # waves swing it by 1 %
 
 
+@pytest.mark.wide
 def test_clay_resists_a_cone_as_published(runs):
     """Cells of half a radius, where waves of the shoulder swing the force by a tenth.
 
@@ -71,6 +73,7 @@ def test_a_layer_swings_more_than_its_base(runs):
     assert np.arctan2(size[1], size[0]) == pytest.approx(np.angle(exact), abs=0.02)
 
 
+@pytest.mark.wide
 def test_a_shaken_slope_swings_as_elements_do(runs):
     """Ten cells to the high ground: velocities to 1 %, twice what they are off by, and phases.
 

@@ -191,6 +191,7 @@ print(*list(last)[:6])
 """
 
 
+@pytest.mark.wide
 def test_load_and_output(source):
     """Speed falls by 1 - rate dt a step; the new columns are what NumPy says of the particles."""
     lines = [line.split() for line in python(source, "-c", FLYING).splitlines()]

@@ -219,6 +219,7 @@ def test_python_example_runs(folder):
     assert len(errors) == 3 and errors == sorted(errors, reverse=True)  # finer is better
 
 
+@pytest.mark.wide
 def test_ground_at_rest_stays_at_rest(folder):
     program = block_of("import numpy as np\n\nimport pgimp\n\nground")
     done = run([sys.executable, "-c", program], cwd=folder, env=ENVIRONMENT)

@@ -144,7 +144,14 @@ def test_a_violent_wall_turns_the_particle_next_to_it_inside_out():
     assert (match["id"], match["step"]) == ("0", "51") and "inside out" in match["what"]
 
 
-@pytest.mark.parametrize("kind", ["one rank", "every rank", 26, 40, 48, 50])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "one rank",
+        26,
+        *(pytest.param(kind, marks=pytest.mark.wide) for kind in ("every rank", 40, 48, 50)),
+    ],
+)
 def test_all_ranks_end_together_with_one_message(tmp_path, mpirun, kind):
     """Also if a frame, a re-sort or the end is due with the step, or nothing."""
     if kind == "every rank":  # a bar that leaves sideways leaves on all ranks in the same step

@@ -19,7 +19,7 @@ from pgimp.storage import framefile
 COUNTS = (0, 1, 2, 777)
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.wide), 3])
 def test_what_ranks_write_any_number_of_them_reads(tmp_path, mpirun, ranks):
     job = mpirun(ranks, [__file__, tmp_path], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr

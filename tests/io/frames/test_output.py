@@ -131,7 +131,7 @@ def test_field_values_do_not_depend_on_the_neighbours(name, dimension):
 WAYS = ("at-once", "in-small-blocks")
 
 
-@pytest.mark.parametrize("ranks", [2, 3, 4])
+@pytest.mark.parametrize("ranks", [3, *(pytest.param(n, marks=pytest.mark.wide) for n in (2, 4))])
 def test_every_number_of_ranks_writes_the_same_file(tmp_path, mpirun, ranks):
     job = mpirun(ranks, [__file__, tmp_path], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr

@@ -58,7 +58,7 @@ def test_a_frame_holds_the_same_but_for_rounding(tmp_path, form, dimension):
     np.testing.assert_array_equal(frame.rows("id", 499, 501), [499, 500])
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.wide), 3])
 def test_every_number_of_ranks_writes_the_same_file(tmp_path, mpirun, ranks):
     job = mpirun(ranks, [__file__, tmp_path], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr

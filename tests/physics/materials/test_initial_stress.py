@@ -85,7 +85,14 @@ def resting(path, **parts):
 
 @pytest.mark.parametrize(
     "how",
-    [{}, {"affine": True}, {"volumetric": "mean"}, {"shape": "cpdi"}, {"configuration": "initial"}],
+    [
+        {},
+        {"configuration": "initial"},
+        *(
+            pytest.param(how, marks=pytest.mark.wide)
+            for how in ({"affine": True}, {"volumetric": "mean"}, {"shape": "cpdi"})
+        ),
+    ],
     ids=lambda how: next(iter(how), "plain"),
 )
 def test_soil_under_pressure_between_walls_stays_as_it_is(tmp_path, how):

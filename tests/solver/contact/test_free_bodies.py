@@ -65,6 +65,7 @@ def test_a_stage_goes_on_with_the_motion(configuration):
         assert line[name] == pytest.approx(whole[name], rel=1e-4)  # impulses are known to 1e-5
 
 
+@pytest.mark.wide
 @pytest.mark.parametrize("configuration", ["current", "initial"])
 def test_a_heavy_body_is_a_tool(configuration):
     """What it meets is deformed as by one that moves as prescribed."""
@@ -182,6 +183,7 @@ def test_mass_and_inertia(D):
         assert found.centre[:D] == pytest.approx(centre[:D], rel=1e-9)
 
 
+@pytest.mark.wide
 @pytest.mark.parametrize("configuration", ["current", "initial"])
 def test_a_rigid_cylinder_rolls_down(configuration):
     """On a bed that is hardly deformed it gains 2/3 g sin, and spins as it rolls."""
