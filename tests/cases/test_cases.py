@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from coarse_cases import CASES, COARSER
+from tiers import wide
 
 pytestmark = pytest.mark.slow(90)
 
@@ -66,8 +67,8 @@ def test_bar_vibrates_at_its_frequency(runs):
         ("compaction", None, 0.02),
         ("shock", 0.11, 0.1),
         ("vortex", 0.6, 0.05),
-        pytest.param("spinning-block", 0.2, 0.12, marks=pytest.mark.wide),
-        pytest.param("plane-waves", 0.1, 0.001, marks=pytest.mark.wide),
+        wide("spinning-block", 0.2, 0.12),
+        wide("plane-waves", 0.1, 0.001),
     ],
 )
 def test_errors_against_the_exact_solution_are_small(runs, name, most, displacement):

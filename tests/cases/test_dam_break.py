@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tiers import wide
 
 import pgimp
 from pgimp.cli import main
@@ -33,7 +34,7 @@ def lines(sim, every=5):
 
 @pytest.mark.parametrize(
     "shape",
-    ["gimp", "mpm", *(pytest.param(one, marks=pytest.mark.wide)
+    ["gimp", "mpm", *(wide(one)
                       for one in ("finite-gimp", "fuzzy-nearest", "fuzzy-constant"))],
 )  # fmt: skip
 def test_a_fluid_stays_in_its_box(shape):

@@ -45,7 +45,6 @@ def test_grains_find_bagnolds_profile(runs):
     assert np.median(frame["stress"][:, 3] / frame["pressure"]) == pytest.approx(t, rel=0.01)
 
 
-@pytest.mark.wide
 def test_vortices_decay(tmp_path):
     """Cells twice as large: the kinetic energy to 3 %, and the pattern."""
     registry.import_file(str(CASES / "vortices.py"))

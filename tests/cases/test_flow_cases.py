@@ -49,7 +49,6 @@ def test_sand_column_falls_to_a_heap(runs):
     assert 0.5 < history["plastic-work"][-1] / history["external-work"][-1] < 1.0
 
 
-@pytest.mark.wide
 def test_a_bank_of_clay_slides(runs):
     frame = runs("slope").frame(-1)
     down = -frame["displacement"][:, 1]
@@ -59,6 +58,7 @@ def test_a_bank_of_clay_slides(runs):
     assert down[far].max() < 0.4 * down.max()
 
 
+@pytest.mark.wide
 def test_clay_bears_a_strip_as_prandtl_says(runs):
     """Cells twice as large, five and a half to half of the strip: 2 + pi to 4 %, and constant."""
     history = runs("footing").history
@@ -71,7 +71,6 @@ def test_clay_bears_a_strip_as_prandtl_says(runs):
     assert history["plastic-work"][-1] > 0.9 * history["tool.strip.work"][-1]
 
 
-@pytest.mark.wide
 def test_a_cut_in_clay_stands_until_the_clay_is_weak(runs):
     """Cells twice as large; what is dug out and what softens is in the books."""
     found = runs("excavation")

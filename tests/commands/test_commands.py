@@ -4,6 +4,7 @@ import json
 import re
 
 import pytest
+from tiers import wide
 
 pytestmark = pytest.mark.slow(30)
 
@@ -63,7 +64,7 @@ def test_check_finds_what_a_run_would_meet(column, python, change, status, messa
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.wide), 2])
+@pytest.mark.parametrize("ranks", [wide(1), 2])
 def test_bench_reports_speed_and_error(mpirun, ranks):
     done = mpirun(ranks, ["-m", "pgimp", "bench", "--cells", "6", "--repeats", "1", "--json"])
     assert done.returncode == 0, done.stderr

@@ -8,6 +8,7 @@ from loaded_block import loaded
 from overlap_probe import LAST, WARM
 from processes import PROGRAMS
 from scenes import box, scene, write_case
+from tiers import wide
 
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.slabs import Slab
@@ -56,7 +57,7 @@ def test_overlap_does_not_change_a_bit(mpirun, python, tmp_path):
             assert digests(tmp_path / "3" / how / name) == expected, (how, name)
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.wide), 2])
+@pytest.mark.parametrize("ranks", [wide(1), 2])
 def test_a_step_allocates_nothing(mpirun, python, tmp_path, ranks):
     """Particles come and go all the time: little objects, no arrays, and none of them stay."""
     body = box([2.0, 1.0], [22.0, 7.0], [4.0, 0.0])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from particle_source import Lines, fill_up, make_case, make_sim, small_disk, write_frames
 from processes import HERE
+from tiers import wide
 
 from pgimp.errors import RunError
 from pgimp.io.results.history import History
@@ -35,7 +36,7 @@ def check_full_disk(directory, before):
     assert items == {f"frames/{name}" for name in names}
 
 
-@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.wide), 3])
+@pytest.mark.parametrize("ranks", [1, wide(2), 3])
 def test_a_full_disk_stops_the_run_and_spoils_nothing(disk, mpirun, ranks):
     # A frame takes about 315 bytes a particle, so that the fourth does not fit.
     job = mpirun(ranks, [__file__, disk, 860], env=HERE)

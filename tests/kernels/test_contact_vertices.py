@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scenes import box, scene, start
+from tiers import wide
 
 from pgimp.decomposition.grid import Grid
 from pgimp.jit.kernel import kernel
@@ -71,7 +72,7 @@ def test_unused_rows_are_zero(monkeypatch, D):
     assert np.mean(parts) < 0.7
 
 
-@pytest.mark.parametrize("D", [2, 3])
+@pytest.mark.parametrize("D", [2, wide(3)])
 def test_vertices_of_tied_bodies_are_those_of_a_plain_loop(monkeypatch, D):
     """Each pair of fields with mass acts there, whatever the gap."""
     most = []

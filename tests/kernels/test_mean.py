@@ -6,6 +6,7 @@ from kernel_driver import SEED, Rank, entry, make_frame, random_particles, rando
 from rank_scenes import SCENES
 from reference import Reference
 from scenes import box, field, finish, scene, start, stir
+from tiers import wide
 from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, PER_CELL, close, copied, setting
 
 from pgimp.kernels.data.record import FORCE, MASS, RECORD, VELOCITY
@@ -13,7 +14,7 @@ from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.transfers import sum_particles
 
 #: Boxes that reach three and four vertices, in each number of directions where it is not the same.
-KINDS = pytest.mark.parametrize(("name", "D"), [("gimp", 2), ("finite-gimp", 3), ("cpdi", 2)])
+KINDS = pytest.mark.parametrize(("name", "D"), [("gimp", 2), wide("finite-gimp", 3), ("cpdi", 2)])
 
 
 class MeanRank(Rank):

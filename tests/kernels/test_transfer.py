@@ -5,6 +5,7 @@ import copy
 import numpy as np
 import pytest
 from kernel_driver import KINDS, SEED, Rank, entry, follows, make_frame
+from tiers import wide
 from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, ORIGIN, close, copied, faces_of, setting
 
 from pgimp.kernels.data.particles import Carried, Particles
@@ -15,7 +16,7 @@ pytestmark = pytest.mark.slow(225)
 EVERY = pytest.mark.parametrize(
     ("name", "D"),
     [
-        pytest.param(name, D, marks=[] if D == 2 or name in ("mpm", "gimp") else [pytest.mark.wide])
+        (name, D) if D == 2 or (name, D) == ("gimp", 3) else wide(name, D)
         for name in KINDS
         for D in (1, 2, 3)
     ],

@@ -5,6 +5,7 @@ from math import ceil, log2, sqrt
 import numpy as np
 import pytest
 from scenes import box, energy, field, finish, scene, start, stir
+from tiers import wide
 
 pytestmark = pytest.mark.slow(60)
 
@@ -127,9 +128,9 @@ def wave(dimension, n, model, along, swing, drift=(), **parts):
     ("words", "configuration"),
     [
         ((1, "linear-1d", "x", "x"), "current"),
-        ((2, "neo-hookean", "x", "x"), "current"),
+        wide((2, "neo-hookean", "x", "x"), "current"),
         ((2, "neo-hookean", "x", "y"), "current"),
-        ((2, "neo-hookean", "y", "x"), "current"),
+        wide((2, "neo-hookean", "y", "x"), "current"),
         ((2, "neo-hookean", "y", "x"), "initial"),
     ],
     ids=lambda each: each if isinstance(each, str) else "-".join(map(str, each)),
@@ -147,6 +148,7 @@ def test_waves_are_back_after_a_period(words, configuration):
     assert log2(errors[0] / errors[1]) > 1.8
 
 
+@pytest.mark.wide
 def test_a_wave_drifts_through_the_seam():
     """Once round in x and half in y meanwhile."""
     errors = []

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scenes import SOFT, box, field, scene, start
+from tiers import wide
 
 pytestmark = pytest.mark.slow(30)
 
@@ -81,15 +82,15 @@ def exact(end):
 @pytest.mark.parametrize(
     ("shape", "per_cell"),
     [
-        ("gimp", 1),
+        wide("gimp", 1),
         ("gimp", 2),
         ("mpm", 2),
         ("finite-gimp", 2),
         ("cpdi", 2),
         ("bspline-quadratic", 2),
-        ("bspline-cubic", 2),
-        ("fuzzy-nearest", 2),
-        ("fuzzy-constant", 1),
+        wide("bspline-cubic", 2),
+        wide("fuzzy-nearest", 2),
+        wide("fuzzy-constant", 1),
         ("fuzzy-constant", 2),
     ],
 )

@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pytest
 from processes import clean_env
+from tiers import wide
 from two_blocks import CASE
 
 import pgimp
@@ -136,7 +137,7 @@ def test_the_frame_before_steps_become_too_short_is_kept(tmp_path, monkeypatch):
     assert not list((tmp_path / "out").rglob("*.part"))
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.wide), 3])
+@pytest.mark.parametrize("ranks", [wide(2), 3])
 def test_other_numbers_of_ranks_leave_the_same(done, start, ranks):
     job = start(ranks, "blocks.yaml", "-o", f"ranks-{ranks}", "--quiet")
     assert (job.returncode, job.stdout, job.stderr) == (0, "", "")
@@ -165,7 +166,7 @@ EVERY = ["--set", "output.at=[]"]
 FAST = ["--set", "bodies.right.velocity=[9.0, 0.0]", "--set", "boundaries={}"]
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.wide), 3])
+@pytest.mark.parametrize("ranks", [wide(1), 3])
 def test_a_failed_run_says_why_and_keeps_what_it_has(start, folder, ranks):
     name = f"fails-{ranks}"
     job = start(ranks, "blocks.yaml", "-o", name, *FAST)
@@ -180,7 +181,7 @@ def test_a_failed_run_says_why_and_keeps_what_it_has(start, folder, ranks):
     assert list(run.history["step"]) == [0, 30]
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.wide), 2])
+@pytest.mark.parametrize("ranks", [wide(1), 2])
 def test_a_run_is_replaced_only_on_request(done, start, ranks):
     before = (done[0] / "run.json").read_bytes()
     job = start(ranks, "blocks.yaml")
@@ -189,7 +190,7 @@ def test_a_run_is_replaced_only_on_request(done, start, ranks):
     assert (done[0] / "run.json").read_bytes() == before
 
 
-@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.wide)])
+@pytest.mark.parametrize("ranks", [1, wide(2)])
 def test_a_wrong_case_leaves_no_directory(start, folder, ranks):
     job = start(ranks, "blocks.yaml", "-o", "wrong", "--set", "time={end: 10.0, step: 1.0}", *EVERY)
     assert job.returncode == 2 and "Courant number" in job.stderr

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from particle_source import small_disk
 from processes import clean_env
+from tiers import wide
 from two_blocks import CASE
 
 import pgimp
@@ -51,7 +52,7 @@ def whole(tmp_path_factory):
 
 
 @pytest.mark.parametrize("kind", FILLED_BY)
-@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.wide), 3])
+@pytest.mark.parametrize("ranks", [wide(1), 3])
 def test_a_full_disk_ends_the_run_and_room_lets_it_go_on(
     tmp_path, mpirun, python, whole, kind, ranks
 ):
@@ -123,7 +124,7 @@ def test_a_folder_without_permission_is_named(tmp_path_factory, whole, python, w
     assert {path: path.read_bytes() for path in output.rglob("*") if path.is_file()} == before
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.wide), 2])
+@pytest.mark.parametrize("ranks", [wide(1), 2])
 def test_a_run_directory_deleted_under_way_ends_the_run(tmp_path, ranks):
     (tmp_path / "blocks.yaml").write_text(CASE)
     settings = ["time.end=200000.0", "output={every: {steps: 200}}"]

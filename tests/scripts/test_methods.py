@@ -6,6 +6,7 @@ from math import cos, cosh, sin, sinh, sqrt
 import numpy as np
 import pytest
 from studies.method import measures, table, timoshenko
+from tiers import wide
 
 pytestmark = pytest.mark.slow(30)
 
@@ -34,7 +35,7 @@ def printed(method):
     return dict(zip(titles.split(" | "), line.split(" | "), strict=True))
 
 
-@pytest.mark.parametrize("affine", [False, True])
+@pytest.mark.parametrize("affine", [False, wide(True)])
 def test_the_page_has_what_is_measured(affine):
     """In 2D, to the digits printed; what rounds otherwise on another CPU is far smaller."""
     cells = printed(f"gimp{', affine' * affine}, 2 a cell")

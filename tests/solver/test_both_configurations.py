@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 from scenes import SOFT, box, energy, field, finish, scene, start
+from tiers import wide
 
 from pgimp.kernels.data.ledger import IMPULSE
 
@@ -111,7 +112,7 @@ def test_disks_meet_alike_in_any_configuration():
         assert mine[2] == pytest.approx(turned, rel=0.12)
 
 
-@pytest.mark.parametrize("slides", ["initial", "current"])
+@pytest.mark.parametrize("slides", ["initial", wide("current")])
 def test_a_block_slides_on_a_bed_of_the_other_configuration(slides):
     """g (sin - mu cos): mu 0.3 at 24 degrees."""
     g, slope = (np.sin(np.radians(24.0)), np.cos(np.radians(24.0))), 0.3

@@ -5,6 +5,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from scenes import start
+from tiers import wide
 
 from pgimp.solver.flows import CALM, EVERY
 
@@ -104,7 +105,7 @@ def test_velocities_relax_to_those_of_the_vertices(material):
     assert (m[:, None] * v * found).sum() < -0.1 * part * (m[:, None] * v * v).sum()
 
 
-@pytest.mark.parametrize("shape", ["gimp", "cpdi", "bspline-quadratic", "mpm"])
+@pytest.mark.parametrize("shape", ["gimp", "cpdi", wide("bspline-quadratic"), wide("mpm")])
 def test_what_moves_as_a_whole_is_left_as_it_is(shape):
     """A translation everywhere; a turn in the inside."""
     wide = {"bodies": {"sand": block([2, 2], [10, 10])}, "grid": {"size": [12, 12], "cell": [1, 1]}}

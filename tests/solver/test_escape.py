@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from rank_scenes import SCENES
 from scenes import box, finish, scene, start
+from tiers import wide
 
 import pgimp
 from pgimp.case.schema import Case
@@ -47,7 +48,7 @@ def sums_of(p, rows, dimension):
     return sums | {"kinetic-energy": 0.5 * m @ (v**2).sum(axis=1), "strain-energy": V0 @ W}
 
 
-@pytest.mark.parametrize("dimension", [1, 2, 3])
+@pytest.mark.parametrize("dimension", [1, 2, wide(3)])
 def test_the_ledger_is_the_sum_of_what_left(dimension):
     faces = [f"{axis}-max" for axis in AXES[:dimension]]
     sim = leaving(dimension, dict.fromkeys(faces, "remove"))

@@ -5,6 +5,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from scenes import start
+from tiers import wide
 
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.filling import EXCESS, FIELD
@@ -121,7 +122,7 @@ def test_gravity_works_on_what_is_shifted():
     assert found == pytest.approx(-way, rel=1e-9)
 
 
-@pytest.mark.parametrize("shape", ["gimp", "cpdi-corners"])
+@pytest.mark.parametrize("shape", ["gimp", wide("cpdi-corners")])
 def test_a_heap_of_sand_far_away_changes_nothing(shape):
     """Crowded water is shifted as if it were alone, though J then has a field more."""
     grains = {"young": 1.0, "poisson": 0.3, "density": 1.0}
@@ -189,7 +190,7 @@ def test_liquids_that_pass_through_each_other_are_not_shifted():
     assert sim.particles.x[last] == pytest.approx(expected + sim.time * v, abs=1e-10)
 
 
-@pytest.mark.parametrize("method", [{}, {"affine": True, "volumetric": "mean"}])
+@pytest.mark.parametrize("method", [{}, wide({"affine": True, "volumetric": "mean"})])
 def test_calm_water_stays(method):
     """After 40 sqrt(depth/g) its centre is where compression has it, 0.67 % down, to 0.5 %."""
     sim = tank(method=method)
@@ -242,7 +243,7 @@ def test_what_has_left_fills_nothing():
     assert sim.diagnostics()["volume.water"] == 0.0
 
 
-@pytest.mark.parametrize("model", ["drucker-prager", "mohr-coulomb"])
+@pytest.mark.parametrize("model", ["drucker-prager", wide("mohr-coulomb")])
 def test_gaps_of_loose_soil_close_where_space_is_full(model):
     """Exponentially, at the rate eps c/h, with J, and without a stress; not at the free surface."""
     law = {

@@ -7,6 +7,7 @@ import pytest
 from mentioned import mentions
 from processes import PROGRAMS
 from scenes import box, finish, scene, start, wall, write_case
+from tiers import wide
 
 import pgimp
 from pgimp.errors import RunError
@@ -145,12 +146,7 @@ def test_a_violent_wall_turns_the_particle_next_to_it_inside_out():
 
 
 @pytest.mark.parametrize(
-    "kind",
-    [
-        "one rank",
-        26,
-        *(pytest.param(kind, marks=pytest.mark.wide) for kind in ("every rank", 40, 48, 50)),
-    ],
+    "kind", ["one rank", 26, *(wide(kind) for kind in ("every rank", 40, 48, 50))]
 )
 def test_all_ranks_end_together_with_one_message(tmp_path, mpirun, kind):
     """Also if a frame, a re-sort or the end is due with the step, or nothing."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tiers import wide
 
 import pgimp
 from pgimp.case.schema import Case
@@ -41,9 +42,9 @@ def loaded(along, across):
 @pytest.mark.parametrize(
     ("law", "method"),
     [
-        ("hooke", {"affine": True}),
+        wide("hooke", {"affine": True}),
         ("neo-hookean", {}),
-        ("neo-hookean", {"shape": "cpdi"}),
+        wide("neo-hookean", {"shape": "cpdi"}),
         ("von-mises", {"shape": "finite-gimp"}),
     ],
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tiers import wide
 
 import pgimp
 
@@ -35,7 +36,7 @@ def braked(shape, cell):
     return (speeds[0] - speeds[1]) / (0.3 * G)
 
 
-@pytest.mark.parametrize("shape", ["gimp", "bspline-quadratic"])
+@pytest.mark.parametrize("shape", ["gimp", wide("bspline-quadratic")])
 def test_a_fixed_floor_brakes_sand_by_its_own_friction(shape):
     """Sand shears in the cells at the floor, under the weight of what is above their middle.
 

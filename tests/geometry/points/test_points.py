@@ -253,6 +253,7 @@ def test_no_part_of_another_region(tmp_path):
         start(case({"union": [box, points(tmp_path / "p.csv")]}, dimension=2))
 
 
+@pytest.mark.wide
 def test_same_bits_on_ranks(tmp_path, mpirun, python):
     """Particles at any place of a cell: their layers are not those of the lattice's points.
 

@@ -15,6 +15,7 @@ from checkpoint_source import ABOUT, check_content, content, write_on
 from mentioned import mentions
 from particle_source import fill_up, small_disk
 from processes import HERE
+from tiers import wide
 
 from pgimp.errors import RunError
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile, DamagedError, write
@@ -43,7 +44,7 @@ def test_any_amount_of_free_space_is_handled(disk):
     check_content(path, 400, seed=6)
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.wide), 3])
+@pytest.mark.parametrize("ranks", [wide(2), 3])
 def test_ranks_agree_on_what_goes_wrong(disk, mpirun, ranks):
     """A full disk, and failures of one rank alone; the older file stays, and nothing else."""
     job = mpirun(ranks, [__file__, "fail", disk], env=HERE)

@@ -10,6 +10,7 @@ from checkpoint_source import check_content, write_on
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from processes import HERE
+from tiers import wide
 
 from pgimp.io.checkpoints import checkpointwriter
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile, DamagedError
@@ -19,7 +20,7 @@ from pgimp.storage import framefile
 COUNTS = (0, 1, 2, 777)
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.wide), 3])
+@pytest.mark.parametrize("ranks", [wide(2), 3])
 def test_what_ranks_write_any_number_of_them_reads(tmp_path, mpirun, ranks):
     job = mpirun(ranks, [__file__, tmp_path], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr

@@ -13,6 +13,7 @@ import pytest
 from frame_sets import COUNTS, GONE, frame_digests
 from particle_source import SAME, Lines, expected, make_case, make_sim, write_frames
 from processes import HERE
+from tiers import wide
 
 from pgimp.errors import RunError
 from pgimp.io.frames import particlefile
@@ -131,7 +132,7 @@ def test_field_values_do_not_depend_on_the_neighbours(name, dimension):
 WAYS = ("at-once", "in-small-blocks")
 
 
-@pytest.mark.parametrize("ranks", [3, *(pytest.param(n, marks=pytest.mark.wide) for n in (2, 4))])
+@pytest.mark.parametrize("ranks", [3, *(wide(n) for n in (2, 4))])
 def test_every_number_of_ranks_writes_the_same_file(tmp_path, mpirun, ranks):
     job = mpirun(ranks, [__file__, tmp_path], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr

@@ -9,6 +9,7 @@ import pytest
 from frame_sets import COUNTS, GONE, frame_digests
 from particle_source import fill_up, make_case, make_sim, small_disk, write_frames
 from processes import HERE
+from tiers import wide
 
 from pgimp.errors import RunError
 from pgimp.io.results.reader import Frame
@@ -58,7 +59,7 @@ def test_a_frame_holds_the_same_but_for_rounding(tmp_path, form, dimension):
     np.testing.assert_array_equal(frame.rows("id", 499, 501), [499, 500])
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.wide), 3])
+@pytest.mark.parametrize("ranks", [wide(2), 3])
 def test_every_number_of_ranks_writes_the_same_file(tmp_path, mpirun, ranks):
     job = mpirun(ranks, [__file__, tmp_path], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 from scenes import box, field, finish, scene, start, tracked
+from tiers import wide
 
 from pgimp.physics.boundaries.separating import SeparatingParameters
 
@@ -36,7 +37,9 @@ def test_a_face_is_felt_when_it_is_reached(data):
     assert abs(0.02 * touch - gap) <= 0.05
 
 
-@pytest.mark.parametrize("shape", ["mpm", "finite-gimp", "fuzzy-nearest", "fuzzy-constant"])
+@pytest.mark.parametrize(
+    "shape", ["finite-gimp", *map(wide, ("mpm", "fuzzy-nearest", "fuzzy-constant"))]
+)
 def test_other_shapes(shape):
     """Boxes know the gap, tents to less than a cell; points are felt from a cell on."""
     case, name = falling(2, 1, -1, 1.5, shape, end=2.0, step=0.02)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from exact_cases import BAR, CASES, LENGTH, SPEED, Exact, bar, block, ramp, ring
 from scenes import field, finish, scene, start, write_case
+from tiers import wide
 
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
@@ -63,7 +64,7 @@ def test_columns_in_one_dimension(shape):
     assert [column.name for column in HISTORY[-1].columns] == ["error", *NAMES]
 
 
-@pytest.mark.parametrize("make", [ring, lambda cell: block(2, cell)], ids=["ring", "block"])
+@pytest.mark.parametrize("make", [ring, wide(lambda cell: block(2, cell))], ids=["ring", "block"])
 def test_columns_in_the_plane(make):
     """They refer to mu k at the mean radius, and to E times the greatest stretch."""
     case = make(0.25) | {"time": {"end": 0.1, "step": 0.01}}
@@ -114,7 +115,7 @@ FIXED, GRAVITY = {"x-min": "fixed"}, ramp((0.0, 0.0), (1.0, -6.0))
     [
         (ring, (0.0625, 0.03125), 0.6, 0.002),
         (lambda cell, **parts: block(2, cell, **parts), (0.125, 0.0625), 0.5, 0.001),
-        (lambda cell, **parts: block(3, cell, **parts), (0.25, 0.125), 0.2, 0.002),
+        wide(lambda cell, **parts: block(3, cell, **parts), (0.25, 0.125), 0.2, 0.002),
     ],
     ids=["ring", "block2d", "block3d"],
 )

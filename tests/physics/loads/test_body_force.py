@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scenes import box, finish, scene, start, write_case
+from tiers import wide
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
@@ -25,7 +26,7 @@ def turned(omega, t, x):
     return x * np.cos(angle) + np.cross(n, x) * np.sin(angle) + n * (n @ x) * (1 - np.cos(angle))
 
 
-@pytest.mark.parametrize(("D", "rate"), [(2, -0.7), (3, (0.5, -0.4, 0.3))])
+@pytest.mark.parametrize(("D", "rate"), [(2, -0.7), wide(3, (0.5, -0.4, 0.3))])
 def test_a_free_block_flies_straight_seen_from_outside(D, rate):
     """To first order in the step, which the error is; the frame turns by half a radian or so."""
     omega = np.array(rate if D == 3 else (0.0, 0.0, rate))

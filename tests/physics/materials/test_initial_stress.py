@@ -12,6 +12,7 @@ from point_files import write_csv, write_hdf5
 from reference_materials import tensor
 from run_files import digests, go_back
 from scenes import field, start, write_case
+from tiers import wide
 
 from pgimp.case.schema import Case
 from pgimp.commands.check import report
@@ -88,10 +89,7 @@ def resting(path, **parts):
     [
         {},
         {"configuration": "initial"},
-        *(
-            pytest.param(how, marks=pytest.mark.wide)
-            for how in ({"affine": True}, {"volumetric": "mean"}, {"shape": "cpdi"})
-        ),
+        *(wide(how) for how in ({"affine": True}, {"volumetric": "mean"}, {"shape": "cpdi"})),
     ],
     ids=lambda how: next(iter(how), "plain"),
 )

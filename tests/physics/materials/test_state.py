@@ -8,6 +8,7 @@ from outside_materials import SOFTENING as SOFTENING_FILE
 from outside_materials import registered
 from remembering import SOFTENING, two_blocks
 from scenes import start, write_case
+from tiers import wide
 
 import pgimp
 
@@ -103,7 +104,7 @@ def test_probes_tables_and_pictures_show_it(runs, tmp_path, capsys):
     assert (sim.particles["damage"][np.isfinite(sim.particles["damage"])] == 0.0).all()
 
 
-@pytest.mark.parametrize(("dimension", "shape"), [(1, "fuzzy-constant"), (3, "mpm")])
+@pytest.mark.parametrize(("dimension", "shape"), [(1, "fuzzy-constant"), wide(3, "mpm")])
 def test_it_goes_with_other_shapes_affine_and_viscosity(dimension, shape):
     case = two_blocks(dimension, shape=shape)
     case["method"]["affine"] = True

@@ -25,7 +25,12 @@ pytestmark = pytest.mark.slow(195)
 ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.25), (5, 4, 3)
 
 CASES = [
-    pytest.param(name, per_cell, id=f"{name}-{'x'.join(map(str, per_cell))}")
+    pytest.param(
+        name,
+        per_cell,
+        id=f"{name}-{'x'.join(map(str, per_cell))}",
+        marks=[pytest.mark.wide] * (len(per_cell) == 3 and name not in ("mpm", "gimp", "cpdi")),
+    )
     for name in VARIANTS
     for per_cell in ((1,), (2,), (4,), (3, 1), (2, 2), (1, 3, 4), (2, 2, 2))
     if name != "cpdi-corners" or len(per_cell) == 1  # else no products: see tests/kernels

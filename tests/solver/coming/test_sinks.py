@@ -6,6 +6,7 @@ That the number of ranks and a resume change no bit of such a run: tests/proofs/
 import numpy as np
 import pytest
 from scenes import box, finish, scene, start
+from tiers import wide
 
 import pgimp
 from pgimp.mpi.comm import Serial
@@ -36,7 +37,7 @@ def sums(p, rows):
     return np.array([m.sum(), m @ v[:, 0], 0.5 * m @ (v**2).sum(axis=1)])
 
 
-@pytest.mark.parametrize("dimension", [1, 2, 3])
+@pytest.mark.parametrize("dimension", [1, 2, wide(3)])
 def test_what_is_inside_when_a_step_ends_is_taken_out_and_booked(dimension):
     """Exactly these particles, in each step: the block flies as if nothing happened."""
     case = flying(dimension, escape={"drain": {"region": REGIONS[dimension]}})

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scenes import start
+from tiers import wide
 
 import pgimp
 from pgimp.mpi.comm import Serial
@@ -33,7 +34,7 @@ def case(D):
     })  # fmt: skip
 
 
-@pytest.mark.parametrize("D", [1, 2, 3])
+@pytest.mark.parametrize("D", [1, 2, wide(3)])
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("most", [1 << 20, 40])
 def test_near_particles_are_those_within_reach_of_another_body(D, seed, most, monkeypatch):

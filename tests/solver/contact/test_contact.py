@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scenes import box, energy, field, finish, scene, start, stir, tracked
+from tiers import wide
 
 from pgimp.physics.contact.pairs import ContactEntry, Pairs
 from pgimp.solver.vertex_sums import VertexSums
@@ -189,7 +190,9 @@ def test_laws_of_pairs():
     assert (np.abs(Pairs.of(entries[2:], names).entry[:3, 2]) == 2).all()
 
 
-@pytest.mark.parametrize("shape", ["mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest"])
+@pytest.mark.parametrize(
+    "shape", ["mpm", "finite-gimp", wide("fuzzy-constant"), wide("fuzzy-nearest")]
+)
 def test_other_shapes_meet_too(shape):
     """Bars collide and part; the exchange of momentum of equal bars is all of it."""
     bodies = {"a": box([1.3], [7.3], [0.2]), "b": box([8.3], [14.3], [0.0])}

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from rank_scenes import SCENES
 from scenes import SOFT, box, field, finish, scene, start
+from tiers import wide
 
 from pgimp.kernels.data.ledger import NORMAL_IMPULSE
 
@@ -167,7 +168,7 @@ def test_what_is_held_bears_its_part_of_an_impact():
     assert np.abs(field(sim, "v")).max() < 3.0
 
 
-@pytest.mark.parametrize(("dimension", "above"), [(2, "punch"), (2, "slab"), (3, "punch")])
+@pytest.mark.parametrize(("dimension", "above"), [(2, "punch"), (2, "slab"), wide(3, "punch")])
 def test_area_of_a_block_that_is_pressed_is_that_of_its_face(dimension, above):
     """Wherever between vertices it is: it moves by one cell.
 
@@ -211,7 +212,7 @@ def test_walls_have_no_area_in_the_books():
     assert booked[0].any() and not booked[1:].any()
 
 
-@pytest.mark.parametrize("lagrangian", [("a", "b"), ("a",)])
+@pytest.mark.parametrize("lagrangian", [("a", "b"), wide(("a",))])
 def test_a_mirror_bears_what_it_turns_round_of_an_impact(lagrangian):
     """Of the friction of blocks that meet there, on vertices beyond it, which tents reach."""
     bodies = {

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scenes import SOFT, scene, start
+from tiers import wide
 
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
 from pgimp.solver.contact.lagrangian.shares import divide, undivided
@@ -33,7 +34,9 @@ def first_contact(monkeypatch, **method):
     return sim, bodies, *kept[-1]
 
 
-@pytest.mark.parametrize("shape", ["gimp", "finite-gimp", "cpdi", "bspline-quadratic", "mpm"])
+@pytest.mark.parametrize(
+    "shape", ["gimp", "cpdi", *map(wide, ("finite-gimp", "bspline-quadratic", "mpm"))]
+)
 def test_vertices_see_an_affine_motion_where_they_are(shape, monkeypatch):
     """Rows of B add up to 1, and give the vertex's place from those of the start's vertices.
 

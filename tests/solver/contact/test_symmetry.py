@@ -7,6 +7,7 @@ there otherwise than by the other half, also without contact.
 import numpy as np
 import pytest
 from scenes import field, finish, scene, start
+from tiers import wide
 
 
 def pressed(dimension, part, floor="separating"):
@@ -39,7 +40,9 @@ def pressed(dimension, part, floor="separating"):
     return case
 
 
-@pytest.mark.parametrize(("dimension", "floor"), [(2, "separating"), (2, "fixed"), (3, "fixed")])
+@pytest.mark.parametrize(
+    ("dimension", "floor"), [(2, "separating"), (2, "fixed"), wide(3, "fixed")]
+)
 def test_a_part_gives_what_the_whole_does(dimension, floor):
     """Half of a disk on half of a plate, a quarter of a ball on a quarter: to 1e-10."""
     whole, part = (finish(start(pressed(dimension, part, floor))) for part in (False, True))
@@ -58,6 +61,7 @@ def test_a_part_gives_what_the_whole_does(dimension, floor):
     np.testing.assert_allclose(mine[own], found[order], rtol=0.0, atol=1e-10)
 
 
+@pytest.mark.wide
 def test_contact_in_the_initial_configuration_keeps_symmetry():
     """Sweeps go through the vertices one after the other: to the tolerance of the impulses."""
     case = pressed(2, part=False)
@@ -102,7 +106,7 @@ def between_rigid(dimension, part):
     return case
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("dimension", [2, wide(3)])
 def test_rigid_bodies_lie_across_planes_of_symmetry(dimension):
     """Whole in the case, and half or a quarter in what a free one weighs and gets."""
     whole, part = (finish(start(between_rigid(dimension, part))) for part in (False, True))

@@ -204,6 +204,7 @@ def wandering(dt):
     return (energy.max() - energy.min()) / energy.mean()
 
 
+@pytest.mark.wide
 def test_forces_by_means_of_rings_have_the_energy_as_their_potential():
     """The energy wanders with the square of the step: a force without would leave a rest."""
     long, short = wandering(1e-3), wandering(5e-4)

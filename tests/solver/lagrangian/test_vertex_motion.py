@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from point_files import write_csv
 from scenes import box, energy, field, finish, scene, start, wall
+from tiers import wide
 
 import pgimp
 from pgimp.mpi.comm import Serial
@@ -81,6 +82,7 @@ def test_a_standing_wave_keeps_its_energy(shape):
     assert late == pytest.approx(early, rel=1e-3)
 
 
+@pytest.mark.wide
 def test_a_cantilever_rings_for_a_hundred_periods():
     period = 2.0 * np.pi / (3.516 * np.sqrt(110.0 / 3.0) / 4.0**2)
     sim = start(scene(2, initial(box([0.0, 2.0], [4.0, 4.0])), cells=[6, 6], end=100 * period,
@@ -92,7 +94,7 @@ def test_a_cantilever_rings_for_a_hundred_periods():
     assert late == pytest.approx(early, rel=1e-3)
 
 
-@pytest.mark.parametrize(("rate", "steps"), [(0.0, 10_000), (0.5, 100_000)])
+@pytest.mark.parametrize(("rate", "steps"), [(0.0, 10_000), wide(0.5, 100_000)])
 def test_a_disk_for_a_hundred_thousand_steps(rate, steps):
     """Cut by the grid anywhere; at rest, where nothing may begin, and with its edge at 0.08 c."""
     region = {"ball": {"centre": [3.37, 3.21], "radius": 1.9}}

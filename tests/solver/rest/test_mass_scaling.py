@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from scenes import box, scene, start
+from tiers import wide
 
 import pgimp
 from pgimp.errors import CaseError
@@ -41,7 +42,7 @@ def by_id(sim, name):
     return getattr(p, name)[rows][np.argsort(p.id[rows])]
 
 
-@pytest.mark.parametrize("gravity", ["constant", "table"])
+@pytest.mark.parametrize("gravity", ["constant", wide("table")])
 def test_a_column_settles_as_without_in_as_many_steps_of_ten_times_the_length(gravity):
     found = []
     for factor in (1.0, 100.0):

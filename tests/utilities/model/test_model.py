@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mentioned import mentions
 from scenes import write_case
+from tiers import wide
 from two_blocks import flying
 
 from pgimp.case.schema import Case
@@ -219,7 +220,7 @@ def test_measured_and_predicted_agree_roughly():
     assert 0.25 < step.seconds / target.seconds() < 4.0
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.wide), 2])
+@pytest.mark.parametrize("ranks", [wide(1), 2])
 def test_bench_model_as_json(mpirun, ranks):
     words = ["bench", "--model", "--cells", "4", "--repeats", "1", "--particles", "300", "--json"]
     done = mpirun(ranks, ["-m", "pgimp", *words, "--ranks-per-node", "5", "--latency", "1e-5"])

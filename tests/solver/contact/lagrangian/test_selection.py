@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scenes import SOFT, scene, start
+from tiers import wide
 
 from pgimp.kernels.contact.lagrangian.travel import greatest_travel
 from pgimp.kernels.data.motion import DISPLACEMENT
@@ -30,7 +31,7 @@ def meeting(shape="gimp"):
     return start(case)
 
 
-@pytest.mark.parametrize("shape", ["gimp", "cpdi"])
+@pytest.mark.parametrize("shape", ["gimp", wide("cpdi")])
 def test_bits_are_those_of_selections_in_every_step(shape, monkeypatch):
     """Of all vertices that groups share, however little of them they fill."""
     selections = []
