@@ -83,8 +83,6 @@ CORE = (
     "space_gimp",
     "other_output",
     "narrow",
-    "affine",
-    "cut",
     "metals",
     "meeting",
     "staged",
@@ -93,7 +91,6 @@ CORE = (
     "initial_lattice",
     "damped",
     "quaking",
-    "plates_initial",
     "ring",
     "passing",
 )
