@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scenes import box, field, finish, scene, start
+from tiers import wide
 
 CONFIGURATIONS = ("current", "initial")
 SUPPORTS = ("wall", "rough", "fixed", "rigid", "body")
@@ -44,10 +45,12 @@ def transferred(case, transfer):
 
 CROSSED = [
     *[(2, below, "gimp", "flip") for below in SUPPORTS],
-    *[(2, "rigid", "gimp", transfer) for transfer in ("pic", "affine")],
-    *[(2, "rough", shape, "flip") for shape in ("cpdi", "bspline-quadratic")],
+    wide(2, "rigid", "gimp", "pic"),
+    (2, "rigid", "gimp", "affine"),
+    (2, "rough", "cpdi", "flip"),
+    wide(2, "rough", "bspline-quadratic", "flip"),
     (1, "wall", "gimp", "flip"),
-    (3, "rough", "gimp", "flip"),
+    wide(3, "rough", "gimp", "flip"),
 ]
 
 

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scenes import box, field, scene, start
+from tiers import wide
 
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.mpi.comm import Serial
@@ -31,11 +32,11 @@ def loaded(D, region, pressure=1.0, **parts):
     ("D", "parts"),
     [
         (2, {}),
-        (2, {"shape": "mpm"}),
-        (2, {"shape": "cpdi"}),
+        wide(2, {"shape": "mpm"}),
+        wide(2, {"shape": "cpdi"}),
         (2, {"geometry": "plane-stress"}),
         (2, {"geometry": "axisymmetric", "boundaries": {"x-min": "slip"}}),
-        (3, {}),
+        wide(3, {}),
     ],
     ids=lambda each: "-".join(map(str, each.values())) if isinstance(each, dict) else str(each),
 )
