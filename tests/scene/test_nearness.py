@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from mentioned import mentions
+from tiers import wide
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
@@ -40,7 +41,7 @@ def bonded(case):
     return list(nearness.bonded(scene, lattice, counts)), notes
 
 
-@pytest.mark.parametrize(("shape", "n"), [("gimp", 2), ("mpm", 2), ("fuzzy-constant", 2)])
+@pytest.mark.parametrize(("shape", "n"), [("gimp", 2), wide("mpm", 2), wide("fuzzy-constant", 2)])
 def test_bodies_feel_each_other_from_the_reach_on(shape, n):
     """The greatest gap at which momentum passes, over places of the gap between vertices."""
     method, gaps = {"shape": shape, "particles_per_cell": [n]}, []

@@ -59,6 +59,7 @@ def test_surfaces_part_at_their_strength(offset):
     assert sim.diagnostics()["contact.block+floor.impact-loss"] > 0.0
 
 
+@pytest.mark.wide
 def test_surfaces_part_at_their_strength_in_space():
     """Edges and corners count with the area that they have."""
     case = glued(0.3, [0.0, 0.0, 1.0], {"normal": 4.0, "reach": 0.1}, D=3)

@@ -67,6 +67,7 @@ def test_the_energy_of_the_whole_is_the_sum_of_its_columns(lagrangian, density, 
     assert losses[-1][0] > 0.0 and losses[-1][1] > 0.0
 
 
+@pytest.mark.wide
 def test_energy_of_a_body_in_3d_that_turns_while_it_is_in_touch():
     """What it gives up is booked, also where its axis turns: to 1e-4 of its energy."""
     case = struck(3, {"friction": 0.3}, 1.0)
