@@ -53,6 +53,13 @@ def pytest_configure(config):
     config.pluginmanager.register(Costs(config.cache, table), "costs")
 
 
+def pytest_ignore_collect(collection_path, config):
+    """Do not even import slow files in the fast tier: three workers would."""
+    if config.option.fast and collection_path.suffix == ".py":
+        return "pytestmark = pytest.mark.slow" in collection_path.read_text() or None
+    return None
+
+
 def seconds(item):
     """CPU seconds that a test's file takes, by its mark `slow`; 0 without one."""
     mark = item.get_closest_marker("slow")

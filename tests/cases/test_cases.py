@@ -7,7 +7,7 @@ import pytest
 from coarse_cases import CASES, COARSER
 from tiers import wide
 
-pytestmark = pytest.mark.slow(90)
+pytestmark = pytest.mark.slow(60)
 
 
 def test_every_case_is_run_here_and_shown():

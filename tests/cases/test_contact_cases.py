@@ -9,7 +9,7 @@ import pytest
 from coarse_cases import CASES
 from processes import run
 
-pytestmark = pytest.mark.slow(90)
+pytestmark = pytest.mark.slow(25)
 
 
 def test_disks_collide_and_part(runs):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.slow(90)
+pytestmark = pytest.mark.slow(40)
 
 
 def test_a_shock_runs_down_the_tube(runs):

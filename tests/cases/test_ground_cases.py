@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from studies.quiet import shaken
 
-pytestmark = pytest.mark.slow(60)
+pytestmark = pytest.mark.slow(25)
 
 
 @pytest.mark.wide

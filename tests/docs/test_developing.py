@@ -9,7 +9,7 @@ from pages import ENVIRONMENT, ROOT, apply, block_of, blocks
 from processes import run
 from two_blocks import CASE
 
-pytestmark = pytest.mark.slow(75)
+pytestmark = pytest.mark.slow(30)
 
 
 @pytest.fixture(scope="module")

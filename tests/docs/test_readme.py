@@ -29,7 +29,7 @@ from pgimp.case.reader import read_case
 from pgimp.jit import algebra
 from pgimp.utilities.study.plan import read_plan
 
-pytestmark = pytest.mark.slow(240)
+pytestmark = pytest.mark.slow(40)
 
 #: Pages that everybody follows.
 FIRST = ("README.md", "docs/first-steps.md")

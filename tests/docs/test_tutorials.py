@@ -19,7 +19,7 @@ from tutorials.follow import Said, UnexpectedError, alike, environment, expect, 
 import pgimp
 from pgimp.cli import main
 
-pytestmark = pytest.mark.slow(240)
+pytestmark = pytest.mark.slow(20)
 
 TOLERANCE = {"dam-break": 0.1}
 SECONDS = 600.0

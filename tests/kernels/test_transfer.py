@@ -11,7 +11,7 @@ from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, ORIGIN, close, copied,
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.physics.boundaries import BOUNDARIES
 
-pytestmark = pytest.mark.slow(225)
+pytestmark = pytest.mark.slow(25)
 
 EVERY = pytest.mark.parametrize(
     ("name", "D"),

@@ -24,7 +24,7 @@ from pgimp.solver.simulation import Simulation
 
 PROOFS = Path(__file__).resolve().parents[2] / "scripts" / "proofs"
 
-pytestmark = pytest.mark.slow(300)
+pytestmark = pytest.mark.slow(200)
 
 
 def prove(*words, timeout=600):

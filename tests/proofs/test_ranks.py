@@ -14,7 +14,7 @@ from scenes import write_case
 import pgimp
 from pgimp.decomposition.slabs import cut
 
-pytestmark = pytest.mark.slow(300)
+pytestmark = pytest.mark.slow(400)
 
 #: With five there are slabs at both ends, slabs between two others, empty ones, the thinnest there
 #: are, and ranks that own none: see the tests of the scenes.
