@@ -11,6 +11,7 @@ from pgimp.physics.materials import registry
 CASES = Path(__file__).resolve().parents[2] / "cases"
 
 
+@pytest.mark.wide
 def test_a_disk_widens_as_it_is_spun_up(tmp_path):
     """Displacements to 2e-3; means of the stress over cells to 2e-3 of the greatest."""
     registry.import_file(str(CASES / "spin.py"))

@@ -60,6 +60,7 @@ def test_waves_at_the_interface_of_two_layers():
     assert back == pytest.approx(sent * (z2 - z1) / (z1 + z2), rel=0.02)
 
 
+@pytest.mark.wide
 def test_layers_are_as_two_bodies_that_stick():
     """Particles and field are the same; only how the kernel comes by the numbers is not."""
     young = {"layers": [[0.0, 100.0], [4.0, 400.0]], "over": "x"}

@@ -9,6 +9,7 @@ import pytest
 from mesh_bodies import BALL, mesh
 from meshes import stl
 from scenes import scene, start
+from tiers import wide
 
 pytestmark = pytest.mark.slow(90)
 
@@ -71,13 +72,14 @@ def test_a_ring_bears_the_pressure_on_its_end():
     np.testing.assert_allclose(force, [-3.0 / 4.0], rtol=1e-9)  # p A / (rho A h)
 
 
-@pytest.mark.parametrize("shape", ["mpm", "cpdi"])
+@pytest.mark.parametrize("shape", ["mpm", wide("cpdi")])
 def test_every_shape_bears_the_whole_load(shape):
     disk = {"ball": {"center": [4.1, 4.2], "radius": 2.53}}
     force, _ = lift(disk, 2, shape=shape)
     np.testing.assert_allclose(force, [0.0, 1.4], rtol=0, atol=2e-3)
 
 
+@pytest.mark.wide
 def test_a_body_bears_its_load_beside_another_under_contact():
     """In velocity fields of their own; the other one falls freely."""
     other = {"material": "soft", "region": {"box": {"min": [6.7, 2.0], "max": [8.0, 7.0]}}}

@@ -105,6 +105,7 @@ def solved(cells):
     return line["torque.end-z"], off, seconds
 
 
+@pytest.mark.wide
 def test_the_end_moment_and_the_circle():
     """Above the exact moment by 4.8 and 1.4 % with 2 and 4 cells across; E I angle/L within 3 %.
 

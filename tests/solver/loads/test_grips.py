@@ -110,6 +110,7 @@ def test_a_press_comes_to_rest_where_the_force_is_balanced(configuration):
     assert sim.rank.grips.state[0, 2, 0] == pytest.approx(-0.0175, rel=0.02)
 
 
+@pytest.mark.wide
 def test_a_stage_lets_go_of_a_press_and_brings_it_to_a_velocity():
     grip = press([8.0], [12.0], 2.0)
     then = {"name": "drive", "end": 0.4,

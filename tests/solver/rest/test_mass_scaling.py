@@ -88,6 +88,7 @@ def test_a_bar_that_is_pulled_slowly_has_its_static_stress_in_fewer_steps():
     assert steps[1] < 0.11 * steps[0]
 
 
+@pytest.mark.wide
 def test_ground_in_water_and_under_a_lake_weighs_what_it_did():
     case = column(100.0, damping=None, water={"level": 3.0, "density": 0.4}, end=1e6)
     case["start"] = {"stress": {"k0": 0.6, "surcharge": ["lake"]}}

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from scenes import SOFT, box, finish, scene, start
+from tiers import wide
 
 import pgimp
 from pgimp.case.staging.arrange import steps_in
@@ -71,7 +72,9 @@ def test_what_is_dug_out_leaves_the_rest_at_rest(configuration, step):
         assert sim.step - steps == 10
 
 
-@pytest.mark.parametrize("damping", [{"kinetic": True}, {"mass": 2.0}, {"local": 0.3}])
+@pytest.mark.parametrize(
+    "damping", [{"kinetic": True}, *map(wide, ({"mass": 2.0}, {"local": 0.3}))]
+)
 def test_books_balance_over_a_stage_that_settles(damping):
     """Momentum to rounding: weight and floor over the time of the steps, less what damping took."""
     sim = reached(column(REST, damping=damping), 0)
@@ -125,6 +128,7 @@ def test_softer_ground_sinks_and_comes_to_rest():
     assert before - after == pytest.approx(pressed * (1.0 / 0.8 - 1.0), rel=0.1)
 
 
+@pytest.mark.wide
 def test_an_absorbing_face_finds_its_force_anew():
     """It bears what lies on it after the stage; with the force of before, the rest would fly."""
     case = column(REST, {"name": "on", "end": 3.0})
