@@ -13,6 +13,8 @@ from pgimp.kernels.rigid.fill import fill
 from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene
 
+pytestmark = pytest.mark.slow(20)
+
 
 @kernel
 def filled(rigid_bodies, frame, numbers, sides, out):

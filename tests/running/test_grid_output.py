@@ -21,6 +21,8 @@ from pgimp.running.recorder import Recorder
 from pgimp.solver.reduction import Request
 from pgimp.solver.state import grid_state
 
+pytestmark = pytest.mark.slow(30)
+
 FIELDS = ["velocity", "mass"]
 SCENES = {
     "line": line_gimp(),

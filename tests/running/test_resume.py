@@ -24,6 +24,8 @@ from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.mpi.comm import Serial
 from pgimp.running.checkpoints import present
 
+pytestmark = pytest.mark.slow(20)
+
 
 def test_the_last_checkpoints_are_kept_and_the_end_has_one(whole):
     assert steps(whole) == [200, 160, 120]

@@ -11,6 +11,8 @@ from pgimp.scene.checks import nearness
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.simulation import Simulation
 
+pytestmark = pytest.mark.slow(20)
+
 
 def line(bodies, method=None, **more):
     """Boxes along x in cells of 1: name to (low, high, velocity)."""

@@ -6,6 +6,8 @@ from scenes import box, field, finish, scene, start, wall
 
 from pgimp.kernels.grid.resting import STOPS
 
+pytestmark = pytest.mark.slow(30)
+
 #: Soil so soft that it has no stress to speak of.
 DUST = {
     "model": "drucker-prager", "young": 1e-6, "poisson": 0.0, "density": 1.0, "cohesion": 0.0,

@@ -5,6 +5,8 @@ import pytest
 from scenes import box, field, finish, scene, start
 from tiers import wide
 
+pytestmark = pytest.mark.slow(40)
+
 CONFIGURATIONS = ("current", "initial")
 SUPPORTS = ("wall", "rough", "fixed", "rigid", "body")
 #: Height of the upper face of what is below.

@@ -16,6 +16,8 @@ import pgimp
 from pgimp.errors import RunError, UsageError
 from pgimp.mpi.comm import Serial
 
+pytestmark = pytest.mark.slow(20)
+
 
 def test_a_stage_is_the_resume_of_the_run_before_with_its_changes(tmp_path):
     """Also in what the history has, though columns have come in later."""

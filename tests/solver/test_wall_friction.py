@@ -10,6 +10,8 @@ from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
 from pgimp.decomposition.slabs import cut
 
+pytestmark = pytest.mark.slow(20)
+
 #: Gravity, and the block's mass.
 G, MASS = 1.0, 12.0
 

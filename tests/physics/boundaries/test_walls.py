@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scenes import box, field, finish, scene, start, stir, tracked, wall
 
+pytestmark = pytest.mark.slow(30)
+
 SHAPES = ("gimp", "mpm")
 CELLS = {"cells": [16, 12], "cell": 0.5}
 

@@ -11,6 +11,8 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.schema.tables import Table
 
+pytestmark = pytest.mark.slow(20)
+
 RAMP = [[0.0, 0.0], [0.3, 0.6], [0.5, -0.2]]
 
 

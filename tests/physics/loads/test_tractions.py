@@ -12,6 +12,8 @@ from pgimp.mpi.comm import Serial
 from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene, count_particles
 
+pytestmark = pytest.mark.slow(30)
+
 #: Shapes whose patches cancel the stress at the surface exactly.
 SMOOTH = (
     "gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant", "bspline-quadratic", "bspline-cubic",

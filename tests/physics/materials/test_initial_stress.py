@@ -21,6 +21,8 @@ from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.parameters.evaluate import evaluate
 from pgimp.physics.materials.parameters.outside import parameters_of
 
+pytestmark = pytest.mark.slow(50)
+
 YOUNG, POISSON = 1.0e3, 0.3
 SOIL = {
     "model": "mohr-coulomb", "young": YOUNG, "poisson": POISSON, "friction-angle": 30.0,

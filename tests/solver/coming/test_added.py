@@ -17,6 +17,8 @@ from pgimp.commands import check
 from pgimp.errors import CaseError, RunError, UsageError
 from pgimp.mpi.comm import Serial
 
+pytestmark = pytest.mark.slow(30)
+
 COMES = {"name": "fill", "end": 1.0, "add": ["comes"]}
 #: A stage in which nothing comes, but the one before has this end.
 END = 0.5

@@ -6,6 +6,8 @@ from scenes import box, scene, start
 
 from pgimp.case.schema import Case
 
+pytestmark = pytest.mark.slow(20)
+
 
 def glued(offset, way, adhesion, friction=0.0, D=2, floor="rigid"):
     """A block of four cells on a floor that is `offset` above vertices, drawn off `way` at 0.03.

@@ -8,6 +8,8 @@ from tiers import wide
 from pgimp.physics.contact.pairs import ContactEntry, Pairs
 from pgimp.solver.vertex_sums import VertexSums
 
+pytestmark = pytest.mark.slow(30)
+
 
 def blocks(first=(0.0, 0.0), second=(0.0, 0.0), gap=0.0, **parts):
     """Two blocks that touch along x, or have a gap, with their velocities."""

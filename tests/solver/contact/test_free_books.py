@@ -9,6 +9,8 @@ from scenes import box, energy, finish, scene, start
 from pgimp.kernels.data.ledger import IMPULSE
 from pgimp.solver.state.grid_state import active_grid
 
+pytestmark = pytest.mark.slow(30)
+
 
 def test_forces_of_contact_at_vertices():
     """Those that a frame of the grid shows are what the next step books, free bodies included."""

@@ -10,6 +10,8 @@ from scenes import box, energy, field, finish, scene, start
 
 from pgimp.kernels.data.ledger import HEAT, LOSS
 
+pytestmark = pytest.mark.slow(30)
+
 #: Speeds up, slows down and goes back, along the surfaces and towards them.
 WAY = {"table": [[0.0, [0.0, 0.0]], [0.2, [3.0, -0.2]], [0.6, [-2.0, 0.1]], [1.0, [0.0, 0.0]]]}
 

@@ -8,6 +8,8 @@ from tiers import wide
 
 from pgimp.kernels.data.ledger import NORMAL_IMPULSE
 
+pytestmark = pytest.mark.slow(40)
+
 HARD = SOFT | {"young": 1000.0}
 
 

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scenes import SOFT, box, scene, start, tracked
 
+pytestmark = pytest.mark.slow(30)
+
 
 def resting(D, plate, **parts):
     """A ball of R = 2 on a plate, which its lowest point touches between two vertices."""

@@ -8,6 +8,8 @@ from tiers import wide
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
 from pgimp.solver.contact.lagrangian.shares import divide, undivided
 
+pytestmark = pytest.mark.slow(30)
+
 
 def first_contact(monkeypatch, **method):
     """Two disks that fly unstrained, at the first step with pairs: what is found in it."""

@@ -10,6 +10,8 @@ from scenes import box, energy, finish, scene, start, tracked
 from pgimp.case.reader import dump_case, read_case
 from pgimp.case.schema import Case
 
+pytestmark = pytest.mark.slow(30)
+
 
 def impulses(sim, name):
     """Impulse and moment of momentum that a rigid body got in a whole run, and its last line."""

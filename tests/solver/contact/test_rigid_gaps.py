@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scenes import start
 
+pytestmark = pytest.mark.slow(20)
+
 SPEED = 0.005
 
 

@@ -10,6 +10,8 @@ from tiers import wide
 from pgimp.solver.contact.keeping import QUARTER
 from pgimp.solver.start.particle_errors import origin
 
+pytestmark = pytest.mark.slow(30)
+
 SAND = {"model": "drucker-prager", "young": 1.0e5, "poisson": 0.3, "density": 1600.0,
         "friction-angle": 25.0, "cohesion": 0.0}  # fmt: skip
 

@@ -9,6 +9,8 @@ import pytest
 from scenes import field, finish, scene, start
 from tiers import wide
 
+pytestmark = pytest.mark.slow(30)
+
 
 def pressed(dimension, part, floor="separating"):
     """A ball that falls on a plate on a floor, or the part of both beyond x = 0 (and y = 0)."""

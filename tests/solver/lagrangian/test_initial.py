@@ -16,6 +16,8 @@ from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.transfers import sum_particles
 
+pytestmark = pytest.mark.slow(30)
+
 SEED = 41
 STIFF = {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0}
 

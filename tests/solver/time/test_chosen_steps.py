@@ -12,6 +12,8 @@ from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.time import energy_watch
 from pgimp.solver.time.energy_watch import EnergyWatch
 
+pytestmark = pytest.mark.slow(30)
+
 #: Wave speed of the bar, in cells.
 SPEED = 10.0
 

@@ -12,6 +12,8 @@ from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.state.state import State, capture
 from pgimp.solver.time.held_rate import FIRST, LONGEST, WORTH, HeldRate
 
+pytestmark = pytest.mark.slow(20)
+
 
 def held(rates):
     """The rates that are held while `rates` come."""

@@ -15,6 +15,8 @@ from pgimp.utilities.model import pilot as pilots
 from pgimp.utilities.model.costs import Costs
 from pgimp.utilities.model.pilot import coarse, pilot
 
+pytestmark = pytest.mark.slow(20)
+
 #: 50 us a step and 0.2 us a particle, as on a laptop: what the machine measures must not matter.
 COSTS = Costs(50e-6, ((100, 0.2e-6), (10_000, 0.2e-6)), 0.0)
 

@@ -20,6 +20,8 @@ import pgimp
 from pgimp.errors import RunError
 from pgimp.utilities.plot.units import kind_of_column, kind_of_field, unit
 
+pytestmark = pytest.mark.slow(20)
+
 RUNS = ("bar", "plates", "other", "block")
 
 

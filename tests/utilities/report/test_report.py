@@ -16,6 +16,8 @@ from pgimp.utilities.report import citation, parts
 from pgimp.utilities.report.html import BEGINNING
 from pgimp.utilities.report.markdown import to_html
 
+pytestmark = pytest.mark.slow(30)
+
 VOID = {"meta", "img", "br", "rect", "line", "link", "path", "use", "hr"}
 
 
