@@ -165,9 +165,9 @@ def relax(field, forcing, n, ledger):
     n : int
         Number of the step since all bodies were at rest, from 1.
     ledger : Ledger
-        `damping` grows by the energy and momentum taken.
+        `damping` grows by the energy and momentum taken. `work` of gravity follows the velocities.
     """
-    G, window, dt = field.G, field.window, forcing.dt
+    G, window, dt, g = field.G, field.window, forcing.dt, forcing.gravity
     for i in range(len(field.active)):
         taken, px, py, pz = 0.0, 0.0, 0.0, 0.0
         for f in range(field_count(window)) if field.active[i] != 0 else range(0):
@@ -177,22 +177,19 @@ def relax(field, forcing, n, ledger):
                 for r in range(
                     first + begin * window.stride[1], first + end * window.stride[1], RECORD
                 ):
-                    if G[r + MASS] > forcing.mass_cutoff:
+                    m = G[r + MASS]
+                    if m > forcing.mass_cutoff:
                         x, ex = _relax(G, r, dt, n)
                         y, ey = _relax(G, r + 1, dt, n)
                         z, ez = _relax(G, r + 2, dt, n)
-                        m = G[r + MASS]
-                        px, py, pz, taken = (
-                            px + m * x,
-                            py + m * y,
-                            pz + m * z,
-                            taken + m * (ex + ey + ez),
-                        )
+                        px, py, pz = px + m * x, py + m * y, pz + m * z
+                        taken += m * (ex + ey + ez)
         if i < field.owned:
             ledger.damping[i, DAMPED_ENERGY] += taken
             ledger.damping[i, DAMPED_MOMENTUM] += px
             ledger.damping[i, DAMPED_MOMENTUM + 1] += py
             ledger.damping[i, DAMPED_MOMENTUM + 2] += pz
+            ledger.work[i] -= dt * (g[0] * px + g[1] * py + g[2] * pz)
 
 
 @inner_kernel

@@ -37,7 +37,7 @@ EVERY = 10
 
 #: Without a fall of the unbalanced part by this factor in so many steps, and so many restarts, the
 #: run gives up; likewise in so many steps without a restart, as of what falls freely.
-FALL, PATIENCE, RESTARTS, ENDLESS = 0.9, 5000, 20, 50000
+FALL, PATIENCE, RESTARTS, ENDLESS = 0.9, 5000, 20, 30000
 
 
 class Relaxation(StepPart):
@@ -106,6 +106,8 @@ class Relaxation(StepPart):
         self.since += 1
         self.steps += 1
         rank.call(relax, field, forcing, self.since, ledger)
+        if rank.grips and rank.grips.acts:
+            rank.grips.relax(self.since, update.t.dt)
 
 
 def unbalanced_sums(rank: RankState) -> tuple[float, float]:
