@@ -36,8 +36,9 @@ if TYPE_CHECKING:
 EVERY = 10
 
 #: Without a fall of the unbalanced part by this factor in so many steps, and so many restarts, the
-#: run gives up; likewise in so many steps without a restart, as of what falls freely.
-FALL, PATIENCE, RESTARTS, ENDLESS = 0.9, 5000, 20, 30000
+#: run gives up; likewise in so many steps in any case, as of what falls freely. On the way to the
+#: static place it falls by it in a quarter of the way.
+FALL, PATIENCE, RESTARTS, ENDLESS = 0.9, 5000, 20, 10000
 
 
 class Relaxation(StepPart):

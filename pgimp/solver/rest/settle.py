@@ -15,7 +15,7 @@ from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.loads.grips import DISPLACEMENT
 from pgimp.solver.rank import Rank
 from pgimp.solver.rest.damping import bring_to_rest, damping_of
-from pgimp.solver.rest.relaxation import EVERY, PATIENCE, Relaxation, unbalanced_sums
+from pgimp.solver.rest.relaxation import EVERY, Relaxation, unbalanced_sums
 from pgimp.solver.rest.unrest import what_moves
 from pgimp.solver.start.start import Start
 from pgimp.solver.time.clock import CourantClock, Step, clock_of, settling_clock
@@ -100,9 +100,9 @@ def require_rest(start: Start, part: float) -> None:
     )
     if relaxation.stagnant:
         text += f"; it has not fallen in the last {relaxation.steps}, from {relaxation.least:.3g}"
-    remedy = "a larger tolerance"
-    if not relaxation.stagnant and relaxation.steps < PATIENCE:
-        remedy = f"more steps ({key}.steps), {remedy}"
+    remedy = f"{key}.tolerance: {1.5 * relaxation.least:.1g}, if that is enough"
+    if not relaxation.stagnant:
+        remedy = f"more steps ({key}.steps), or a larger tolerance"
     raise NoRestError(f"{text}\n{what_moves(start.rank, relaxation.cycle)}\n  try: {remedy}")
 
 

@@ -110,7 +110,7 @@ def test_the_books_have_what_damping_takes(configuration, damping):
 
 
 def test_kinetic_damping_takes_the_energy_of_a_peak_to_rounding():
-    """And half of the kick from rest, as leapfrog has it: as much momentum as is left."""
+    """And half of the kick from rest: as much momentum as is left."""
     sim = start(bar("current", end=6.0, damping={"kinetic": True}))
     before, peaks = sim.diagnostics(), 0
     while not sim.finished:
