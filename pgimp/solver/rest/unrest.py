@@ -44,8 +44,8 @@ def what_moves(rank: Rank, cycle: float) -> str:
         )
     place = ", ".join(f"{x / twice_most:.4g}" for x in rest[D:])
     return (
-        f"{text}, most of it near ({place}), back and forth in about {2.0 * cycle:.0f} steps or "
-        "more: look there for what yields or flows under loads that no rest can bear, for parts "
+        f"{text}, most of it near ({place}), back and forth in about {2.0 * cycle:.0f} steps "
+        "or more: look there for what yields or flows under loads that no rest can bear, for parts "
         "that hold to the body by less than a cell, and for contact that opens and closes; a liquid "
         "flows on under the unevenness of its particles"
     )
