@@ -56,9 +56,9 @@ class Stage(Model):
     )
     settle: Settle | None = Field(
         default=None,
-        description="the stage comes to rest under its loads, with its `damping` (by default "
-        "kinetic), and is done then, at the time at which it began: steps go on, simulated time "
-        "does not. Displacements and books go on. {} takes the defaults; null: it does not settle",
+        description="the stage comes to rest under its loads, as in `start.settle`, and is done "
+        "then, at the time at which it began: steps go on, simulated time does not. Displacements "
+        "and books go on. {} takes the defaults; null: it does not settle",
     )
     step: AnyStep | None = _change(
         "as `time.step`; a fixed one is counted from where the stage begins, if it is another than "

@@ -73,7 +73,9 @@ class Settle(Model):
         "force is below this part of the sum for the forces of stresses and tractions [1]",
     )
     steps: Count = Field(
-        default=100000, description="most steps; without rest after them the run ends with an error"
+        default=100000,
+        description="most steps; without rest after them, or where forces no longer come nearer to "
+        "balance, the run ends with an error",
     )
 
 
@@ -95,7 +97,8 @@ class StartEntry(Model):
 
     settle: Settle | None = Field(
         default=None,
-        description="before time 0 the run comes to rest, with the case's `damping` (by default "
-        "kinetic) and the loads of time 0; then time, velocities, displacements and history begin "
-        "at 0, with the stresses found. {} takes the defaults; null: none",
+        description="before time 0 the run comes to rest under the loads of time 0, in steps as "
+        "long as is stable, with a damping that finds its own strength; then time, velocities, "
+        "displacements and history begin at 0, with the stresses found. {} takes the defaults; "
+        "null: none",
     )

@@ -77,8 +77,6 @@ def advance(
                 _say_settled(sim, sim.step - sim.clock.before, log)
             recorder.step()
             progress.step()
-            if sim.watch and sim.watch.said:
-                log.say(f"warning: {sim.watch.said.pop(0)}")
             _warn(sim, log)
             stopped = sim.agreed_request == Request.STOP
         sim.complete_reduction()
@@ -93,8 +91,8 @@ def advance(
             ended = True
     except BaseException as error:
         spent = perf_counter() - began - sum(recorder.seconds.values())
-        if isinstance(error, NoRestError) and not sim.preparing:  # what moves is seen
-            recorder.show()
+        if isinstance(error, NoRestError):  # what moves is seen
+            recorder.begin() if sim.preparing else recorder.show()
         if sim.failure or isinstance(error, EndlessError | NoRestError):
             recorder.salvage()
         state = "stopped" if isinstance(error, KeyboardInterrupt) else "failed"
@@ -169,6 +167,7 @@ def _settle(sim: Simulation, recorder: Recorder, progress: Progress, log: Log, s
         if sim.preparing:
             recorder.settle()
         progress.step()
+        _warn(sim, log)
         stopped = sim.agreed_request == Request.STOP
     if not sim.preparing:
         _say_settled(sim, sim.step, log, "; time 0 begins")
@@ -183,7 +182,9 @@ def _say_settled(sim: Simulation, steps: int, log: Log, what: str = "") -> None:
 
 
 def _warn(sim: Simulation, log: Log) -> None:
-    """Show warnings that follow from the history's sums."""
+    """Show warnings that follow from the energy, and from the history's sums."""
+    while sim.watch and sim.watch.said:
+        log.say(f"warning: {sim.watch.said.pop(0)}")
     said = sim.diagnostic_sums.said
     while said:
         log.say(f"warning: {said.pop(0)}")

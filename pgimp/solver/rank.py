@@ -30,7 +30,8 @@ from pgimp.solver.lagrangian.displacement import Displacement
 from pgimp.solver.loads.following import following_of
 from pgimp.solver.loads.grips import grips_of
 from pgimp.solver.rest.absorbing import absorbing_of
-from pgimp.solver.rest.damping import damping_of
+from pgimp.solver.rest.damping import VertexDamping, damping_of
+from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.time.stopwatch import stopwatch
 
 #: Phases of a step, as `Rank.timings` names them.
@@ -131,7 +132,8 @@ class Rank:
         self.contact = contact_kind(scene)(scene, comm)
         self.clearances, self.following = Clearances(scene), following_of(scene, comm)
         self.flows = Flows(scene, comm) if scene.interaction.flows else None
-        self.damping, self.sinks = damping_of(scene), sinks_of(scene)
+        self.damping: VertexDamping | Relaxation | None = damping_of(scene)
+        self.sinks = sinks_of(scene)
 
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""

@@ -39,7 +39,8 @@ from pgimp.solver.decomposition import create_particles, partition, ring_counts
 from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
-from pgimp.solver.rest.settle import at_time_zero, begin_settling
+from pgimp.solver.rest.relaxation import Relaxation
+from pgimp.solver.rest.settle import begin_settling
 from pgimp.solver.start.creation import LIGHT, Creation
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.sound import require_light, require_particles
@@ -141,10 +142,6 @@ def begin(
     start.warnings += nearness.warnings(start.case)
     start.warnings += unquiet(start.case)
     release(start.case)
-    if scene.settings.settles:
-        begin_settling(start)
-    if start.watch:
-        start.watch.begin(start.rank)
     rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)
     with located(start.case):
         require_end(scene, rate)
@@ -152,6 +149,10 @@ def begin(
         start.warnings += check_first_step(scene, dt, start.rate)
     require_slow(scene.interaction.rigid_bodies, dt)
     start.warnings += motion_warnings(scenes)
+    if scene.settings.settles:
+        begin_settling(start)
+    if start.watch:
+        start.watch.begin(start.rank)
     return start
 
 
@@ -197,12 +198,12 @@ def resume(
     put_in_order(start, slab, *read_particles(scene, slab, source, state, layers, comm))
     read_books(start.rank, source, state, start.diagnostic_sums)
     read_motion(start.rank, source)
-    start.done = start.clock.after(state.step, state.time, state.dt)
+    start.rate = state.rate
     if state.settling:
         begin_settling(start)
-        if not start.stage:
-            start.done = at_time_zero(start.done)
-    start.rate = state.rate
+        if state.relaxation and isinstance(start.rank.damping, Relaxation):
+            start.rank.damping.numbers = state.relaxation
+    start.done = start.clock.after(state.step, state.time, state.dt)
     if start.clock.held and state.held_rate:  # an older checkpoint has none: a window begins
         start.clock.held.numbers = state.held_rate
     if start.watch:

@@ -14,13 +14,7 @@ from pgimp.solver.decomposition import RESORT, rebalance, resort
 from pgimp.solver.each.each import Each, calls_of
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.reduction import Request, StepReduction
-from pgimp.solver.rest.settle import (
-    at_time_zero,
-    end_at_rest,
-    is_due,
-    require_rest,
-    unbalanced_part,
-)
+from pgimp.solver.rest.settle import end_at_rest, is_due, require_rest, unbalanced_part
 from pgimp.solver.stages import enter
 from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.particle_errors import Failure, collect_errors
@@ -244,8 +238,6 @@ class Simulation(SimulationProgress):
         """Complete the last step's reduction; its top speed sets the next dt."""
         self.complete_reduction()
         step = self.clock.next(self.done, self.clock.follow(self.fastest))
-        if self.preparing:
-            step = at_time_zero(step)
         if free := self.rank.free:
             free.require_slow(step)
             free.require_clear(self.done, step.dt)

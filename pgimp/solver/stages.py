@@ -100,8 +100,6 @@ def enter(now: Start, case: Case) -> Start:
         particles = rank.particles
 
     now.stage, now.scene, now.balance = now.stage + 1, new, balance
-    if new.settings.settles:
-        begin_settling(now)
     rate = fastest(new, particles, rank.population.order, new.settings.controlled or True)
     now.rate = max(now.rate, *comm.allgather(rate))
     rate = max(rest_rate(new, body) for body in range(len(new.body_names)))
@@ -111,6 +109,10 @@ def enter(now: Start, case: Case) -> Start:
     same = same and not (case.rests or old.case.rests)  # whose steps take no time
     now.clock = clock_of(case, rate, now.clock.before if same else now.done.number)
     _watch(now, rate * min(new.domain.frame.cell))
+    if new.settings.settles:
+        begin_settling(now)
+        if now.watch and not case.watched:
+            now.watch.begin(rank)
     try:
         now.warnings += check_first_step(
             new, now.clock.next(now.done, rank.fastest(now.rate)).dt, now.rate

@@ -23,10 +23,11 @@ CARRIED, ROOM, VOLUMES = 0, 1, 2
 
 #: Columns of `Ledger.damping`: energy and momentum taken so far; for kinetic damping the kinetic
 #: energy of the vertices after the last step and after the step before it; while a run settles
-#: magnitudes of forces, summed over the vertices: of stresses and loads but gravity, and the
-#: unbalanced ones.
+#: the power of the unbalanced forces in their place, and magnitudes of forces, summed over the
+#: vertices: of stresses and loads but gravity, and the unbalanced ones.
 DAMPED_ENERGY, DAMPED_MOMENTUM, TAKEN = 0, 1, 4
 KINETIC_NOW, KINETIC_BEFORE, INTERNAL, UNBALANCED, DAMPED = 4, 5, 6, 7, 8
+POWER = KINETIC_NOW
 
 
 class Ledger(NamedTuple):

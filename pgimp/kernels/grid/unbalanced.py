@@ -3,8 +3,8 @@
 from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.data.ledger import INTERNAL, UNBALANCED
-from pgimp.kernels.data.record import ACCELERATION, FORCE, MASS, RECORD
+from pgimp.kernels.data.ledger import INTERNAL, POWER, UNBALANCED
+from pgimp.kernels.data.record import ACCELERATION, FORCE, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.used_rows import next_rows, used_rows
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 
@@ -31,36 +31,40 @@ def _internal_force(G, r, unused):
 
 
 @kernel
-def sum_unbalanced_forces(field, forcing, impulse, ledger):
-    """Set by plane the sum of the magnitudes of the unbalanced forces, without those of damping.
+def sum_unbalanced_forces(field, forcing, ledger):
+    """Set by plane the sum of the magnitudes of the unbalanced forces.
 
     Parameters
     ----------
     field, forcing
         As in `update_momentum`, with the accelerations after contact and all conditions. A
         component without any is held, or balanced.
-    impulse : (3 * vertices,) float64
-        Impulses of damping, see `DampingForces`; empty without any.
     ledger : Ledger
         `damping` is set.
     """
-    damping = (impulse, forcing.dt)
     for i in range(field.owned):
         ledger.damping[i, UNBALANCED] = plane_sum(
-            field, i, forcing.mass_cutoff, _unbalanced_force, damping
+            field, i, forcing.mass_cutoff, _unbalanced_force, 0.0
         )
 
 
 @inner_kernel
-def _unbalanced_force(G, r, damping):
-    impulse, dt = damping
-    square = 0.0
-    for d in range(3):
-        force = G[r + MASS] * G[r + ACCELERATION + d]
-        if len(impulse) > 0 and force != 0.0:
-            force -= impulse[r // RECORD * 3 + d] / dt
-        square += force * force
-    return sqrt(square)
+def _unbalanced_force(G, r, unused):
+    a = r + ACCELERATION
+    return G[r + MASS] * sqrt(G[a] ** 2 + G[a + 1] ** 2 + G[a + 2] ** 2)
+
+
+@kernel
+def sum_power(field, forcing, ledger):
+    """Set by plane the power of the unbalanced forces; arguments as in `sum_unbalanced_forces`."""
+    for i in range(field.owned):
+        ledger.damping[i, POWER] = plane_sum(field, i, forcing.mass_cutoff, _power, 0.0)
+
+
+@inner_kernel
+def _power(G, r, unused):
+    a, v = r + ACCELERATION, r + VELOCITY
+    return G[r + MASS] * (G[a] * G[v] + G[a + 1] * G[v + 1] + G[a + 2] * G[v + 2])
 
 
 @inner_kernel

@@ -53,6 +53,7 @@ class Grips(StepPart):
                 self.controls[k, d] = 2 if v is not None else int(f is not None)
         self.state = np.zeros((len(self.entries), STATES, 3))
         self._before = np.empty(0)
+        self._rates = np.zeros((len(self.entries), 3))
 
     def start(self, rank: RankState, kept: np.ndarray | None = None) -> None:
         """Take the mean velocity of each grip's particles, with other states `kept`; collective."""
@@ -68,6 +69,13 @@ class Grips(StepPart):
         total = np.add.reduce(np.concatenate(self.comm.allgather(sums)), axis=0)[1:]
         found = total[:, :3] / np.where(total[:, 3:] > 0.0, total[:, 3:], 1.0)
         self.state[:, VELOCITY] = np.where(self.controls == 1, found, 0.0)
+
+    def relax(self, n: int, dt: float) -> None:
+        """Damp the grips that forces move, as their vertices; see `kernels.grid.damping.relax`."""
+        change = (2.0 * self.state[:, VELOCITY] - dt * self._rates) / (n + 1.0)
+        change[self.controls != 1] = 0.0
+        self.state[:, VELOCITY] -= change
+        self.state[:, DISPLACEMENT : DEFLECTION + 1] -= dt * change[:, None]
 
     @property
     def acts(self) -> bool:
@@ -104,6 +112,7 @@ class Grips(StepPart):
                 velocity[d] = float(self.state[k, VELOCITY, d]) + t.dt * rate[d]
                 self.state[k, VELOCITY, d] = velocity[d]
                 self.state[k, DISPLACEMENT : DEFLECTION + 1, d] += t.dt * velocity[d]
+            self._rates[k] = rate
             found.append(_with(one, self.controls[k] == 1, tuple(velocity), tuple(rate)))
         return tuple(found)
 

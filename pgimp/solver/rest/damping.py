@@ -19,14 +19,16 @@ from pgimp.kernels.data.ledger import (
 )
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.grid.damping import DampingForces, book_damping, damp_forces, note_kinetic_energy
-from pgimp.kernels.grid.unbalanced import sum_internal_forces, sum_unbalanced_forces
+from pgimp.kernels.grid.damping import (
+    DampingForces,
+    book_damping,
+    damp_forces,
+    note_kinetic_energy,
+    relax,
+)
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import StepPart, VertexUpdate
-
-#: Steps between two sums of forces while a run comes to rest.
-EVERY = 10
 
 
 class VertexDamping(StepPart):
@@ -36,12 +38,10 @@ class VertexDamping(StepPart):
     ----------
     entry : Damping
         The entry of the case.
-    settles : bool
-        Whether the run comes to rest: every `EVERY` steps the forces are summed.
     """
 
-    def __init__(self, entry: Damping, settles: bool = False) -> None:
-        self.entry, self.settles = entry, settles
+    def __init__(self, entry: Damping) -> None:
+        self.entry, self._rested = entry, False
         self._forces = bool(entry.mass or entry.local)
         self._impulse = np.empty(0)
         self._now: DampingForces | None = None
@@ -55,28 +55,26 @@ class VertexDamping(StepPart):
         if not self.entry.kinetic:
             return
         now, before = total_sums(rank)[KINETIC_NOW : KINETIC_BEFORE + 1]
-        if now < before:
+        self._rested = bool(now < before)
+        if self._rested:
             bring_to_rest(rank)
 
     def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
         """Add the forces of damping to the sums at the vertices, before the momentum update."""
-        field, forcing = rank.grid.field, update.forcing
+        if not self._forces:
+            return
+        entry = self.entry
+        forcing, size = update.forcing, len(rank.grid.G) // RECORD * 3
         if rank.grips and rank.grips.acts:
             held = rank.grips.undisturbed(forcing.marked[0])
             forcing = forcing._replace(marked=(held, *forcing.marked[1:]))
-        if self.settles and needed(update.t.number % EVERY == 0):
-            rank.call(sum_internal_forces, field, forcing, rank.ledger)
-        if not self._forces:
-            return
-        size = len(rank.grid.G) // RECORD * 3
         if len(self._impulse) < size:
             self._impulse = np.empty(size)
-        entry, dt = self.entry, update.t.dt
-        lost = -expm1(-entry.mass * dt) if entry.mass else 0.0
         scratch = np.empty((len(rank.scene.domain.faces), 3))
+        lost = -expm1(-entry.mass * update.t.dt) if entry.mass else 0.0
         self._now = DampingForces(lost, entry.local or 0.0, self._impulse, scratch)
         frame = rank.scene.domain.frame
-        rank.call(damp_forces, frame, field, update.faces, forcing, self._now)
+        rank.call(damp_forces, frame, rank.grid.field, update.faces, forcing, self._now)
 
     def book(self, rank: RankState, update: VertexUpdate) -> None:
         """Book what damping took in a step, after all conditions and contact."""
@@ -84,19 +82,14 @@ class VertexDamping(StepPart):
         if self._forces:
             rank.call(book_damping, field, forcing, self._now, rank.ledger)
         if self.entry.kinetic:
+            if needed(self._rested):
+                rank.call(relax, field, forcing, 1, rank.ledger)
             rank.call(note_kinetic_energy, field, rank.ledger)
-        if self.settles and needed(update.t.number % EVERY == 0):
-            rank.call(sum_unbalanced_forces, field, forcing, self._impulse, rank.ledger)
 
 
 def damping_of(scene: Scene) -> VertexDamping | None:
     """Return the damping of a scene, None without any."""
     return VertexDamping(scene.case.damping) if scene.case.damping else None
-
-
-def damping_to_rest(scene: Scene) -> VertexDamping:
-    """Return the damping by which a scene comes to rest before time 0."""
-    return VertexDamping(scene.case.damping or Damping(kinetic=True), settles=True)
 
 
 def total_sums(rank: RankState) -> np.ndarray:

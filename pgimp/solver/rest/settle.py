@@ -1,6 +1,6 @@
 """Settling: a run comes to rest under the loads of time 0, and only then begins; stages likewise.
 
-In a stage after the first, simulated time stands still at its beginning, see `StandingClock`.
+Simulated time stands still meanwhile, see `StandingClock`; the damping is `Relaxation`.
 """
 
 from __future__ import annotations
@@ -10,19 +10,16 @@ from math import inf
 import numpy as np
 
 from pgimp.errors import NO_REST, NoRestError
-from pgimp.kernels.data.ledger import INTERNAL, UNBALANCED
 from pgimp.solver.configurations import fastest
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.loads.grips import DISPLACEMENT
 from pgimp.solver.rank import Rank
-from pgimp.solver.rest.damping import EVERY, bring_to_rest, damping_of, damping_to_rest, total_sums
+from pgimp.solver.rest.damping import bring_to_rest, damping_of
+from pgimp.solver.rest.relaxation import EVERY, Relaxation, unbalanced_sums
+from pgimp.solver.rest.unrest import what_moves
 from pgimp.solver.start.start import Start
-from pgimp.solver.time.clock import CourantClock, Step, clock_of
-
-
-def at_time_zero(step: Step) -> Step:
-    """Return a step of the run with the loads of time 0, which it does not leave."""
-    return step._replace(start=0.0, end=0.0)
+from pgimp.solver.time.clock import CourantClock, Step, clock_of, settling_clock
+from pgimp.solver.time.energy_watch import EnergyWatch
 
 
 def is_due(step: int, since: int) -> bool:
@@ -39,8 +36,8 @@ def unbalanced_part(rank: Rank) -> float:
 
     Where stresses balance a traction, the sum over the vertices has neither: it is added.
     """
-    sums = total_sums(rank)
-    unbalanced, scale = float(sums[UNBALANCED]), float(sums[INTERNAL]) + _tractions(rank)
+    unbalanced, internal = unbalanced_sums(rank)
+    scale = internal + _tractions(rank)
     if not unbalanced > 0.0:
         return 0.0
     return unbalanced / scale if scale > 0.0 else inf
@@ -71,32 +68,42 @@ def _tractions(rank: Rank) -> float:
 
 
 def begin_settling(start: Start) -> None:
-    """Begin to come to rest, or go on with it."""
-    start.settling, start.rank.damping = True, damping_to_rest(start.scene)
+    """Begin to come to rest, or go on with it; the energy is watched, whatever the steps."""
+    start.settling, start.rank.damping = True, Relaxation()
     start.scene.domain.settling = True
+    if not start.stage:
+        rate = start.clock.rest_rate if isinstance(start.clock, CourantClock) else inf
+        start.clock = settling_clock(start.case, rate)
+    if start.watch is None:
+        start.watch = EnergyWatch(start.rate * min(start.scene.domain.frame.cell))
 
 
 def require_rest(start: Start, part: float) -> None:
-    """Refuse a run that has not come to rest in its number of steps; on every rank.
+    """Refuse a run that does not come to rest; on every rank alike.
 
     Raises
     ------
     NoRestError
-        If it has not.
+        If it has not in its number of steps, or if the unbalanced part no longer falls.
     """
-    settle, staged = start.case.start.settle, start.case.staged
-    assert settle is not None
+    settle, staged, relaxation = start.case.start.settle, start.case.staged, start.rank.damping
+    assert settle is not None and isinstance(relaxation, Relaxation)
     steps = start.done.number - start.clock.before
-    if steps >= settle.steps:
-        key = f"time.stages.{staged.number - 1}.settle" if staged.number else "start.settle"
-        most = f" ({settle.steps} at most, looked at every {EVERY})"
-        looked = most if steps > settle.steps else ""
-        raise NoRestError(
-            f"{key}: {NO_REST} {steps} steps{looked}: the unbalanced force is "
-            f"{part:.3g} of the forces of stresses and tractions, not {settle.tolerance:.3g}\n"
-            f"  try: more steps ({key}.steps), a larger tolerance, another damping; look "
-            "for parts that nothing holds, and for loads that no rest can bear"
-        )
+    relaxation.note(part)
+    if steps < settle.steps and not relaxation.stagnant:
+        return
+    key = f"time.stages.{staged.number - 1}.settle" if staged.number else "start.settle"
+    most = f" ({settle.steps} at most, looked at every {EVERY})" if steps > settle.steps else ""
+    text = (
+        f"{key}: {NO_REST} {steps} steps{most}: the unbalanced force is {part:.3g} of the forces "
+        f"of stresses and tractions, not {settle.tolerance:.3g}"
+    )
+    if relaxation.stagnant:
+        text += f"; it has not fallen in the last {relaxation.steps}, from {relaxation.least:.3g}"
+    remedy = f"{key}.tolerance: {1.5 * relaxation.least:.1g}, if that is enough"
+    if not relaxation.stagnant:
+        remedy = f"more steps ({key}.steps), or a larger tolerance"
+    raise NoRestError(f"{text}\n{what_moves(start.rank, relaxation.cycle)}\n  try: {remedy}")
 
 
 def end_at_rest(start: Start) -> Start:
@@ -113,6 +120,7 @@ def _rest(start: Start) -> Start:
     if start.rank.particles.q.shape[1]:
         start.rank.particles.q[:] = 0.0
     start.scene.domain.settling = start.settling = False
+    start.watch = start.watch if start.case.watched else None
     return start
 
 
@@ -147,6 +155,7 @@ def begin_at_rest(start: Start) -> Start:
     start.clock = clock_of(start.case, before=start.done.number)
     if isinstance(before, CourantClock) and isinstance(start.clock, CourantClock):
         start.clock.rest_rate = before.rest_rate
+    start.watch = start.watch if start.case.watched else None
     if start.watch:
         start.watch.begin(rank)
         start.watch.shorten(start.clock)

@@ -30,7 +30,7 @@ from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.motion import begin_motion, rehearse_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
-from pgimp.solver.rest.damping import damping_to_rest
+from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.grid_state import active_grid
 from pgimp.solver.step import step
 from pgimp.solver.time.clock import Step
@@ -66,7 +66,7 @@ def _rehearse(scene: Scene) -> None:
     particles, rows = Particles.empty(1, scene.created), np.empty(0, np.int32)
     rank = Rank(scene, Serial(), Slab(0, 1, None, None), particles, 0)
     if scene.settings.settles:
-        rank.damping = damping_to_rest(scene)
+        rank.damping = Relaxation()
     open_window(rank, StepReduction(Serial()))
     begin_motion(rank)
     step(rank, STEP._replace(end=STEP.start), lambda: STEP, scene.settings.controlled)

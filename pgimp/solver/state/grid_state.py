@@ -149,7 +149,7 @@ def _contact(rank: Rank, time: float, dt: float) -> np.ndarray:
     fold_mirrors(rank, update)
     if rank.absorbing:
         rank.absorbing.add_forces(rank, update, find=False)
-    if rank.damping:
+    if rank.damping and not rank.scene.domain.settling:  # whose forces vanish at rest
         rank.damping.add_forces(rank, update)
     extent = grid.window.extent
     found = np.zeros((grid.owned * extent[1] * extent[2], 3))

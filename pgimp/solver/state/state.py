@@ -18,6 +18,7 @@ from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.solver.rank import Rank
+from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.contact import FIELDS, FORCES
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EnergyWatch
@@ -60,6 +61,7 @@ class State(BaseModel):
     each: dict[str, dict[str, Any]] | None = None
     changed: float = 0.0
     settling_time: float = Field(ge=0.0, default=0.0)
+    relaxation: list[float] | None = Field(default=None, min_length=4, max_length=4)
     told: list[float] = Field(
         default=[0.0] * len(LOSSES), min_length=len(LOSSES), max_length=len(LOSSES)
     )
@@ -214,6 +216,7 @@ def capture(
         each=each,
         changed=records.changed,
         settling_time=records.settling_time,
+        relaxation=rank.damping.numbers if isinstance(rank.damping, Relaxation) else None,
         told=records.told.tolist(),
     )
     layers, extra = rank.scene.domain.frame.vertices[0], rank.scene.settings.vertices - 1

@@ -5,6 +5,8 @@ from math import ceil, inf
 from typing import NamedTuple
 
 from pgimp.case.schema import Case
+from pgimp.case.stepping.courant import largest_courant
+from pgimp.case.stepping.steps import AUTO
 from pgimp.errors import EndlessError
 from pgimp.solver.time.held_rate import HeldRate
 from pgimp.solver.time.stability import BLOWN_UP, BLOWN_UP_STEPS, MOST_STEPS
@@ -36,6 +38,9 @@ class FixedClock:
 
     controlled = False
     held = None
+    #: Factor on the length of steps, see `pgimp.solver.time.energy_watch`; below 1 only while time
+    #: stands still.
+    part = 1.0
 
     def __init__(self, step: float, end: float, begin: float = 0.0, before: int = 0) -> None:
         self._dt = step
@@ -147,7 +152,7 @@ class CourantClock:
 
 
 class StandingClock(FixedClock):
-    """Steps of one length in a stage that comes to rest: simulated time stands still."""
+    """Steps of one length while a run comes to rest: simulated time stands still."""
 
     def finished(self, done: Step) -> bool:
         """Whether the end is reached, if the stage is at rest."""
@@ -155,7 +160,7 @@ class StandingClock(FixedClock):
 
     def next(self, done: Step, rate: float) -> Step:
         """Return the step after `done`."""
-        return self.after(done.number + 1, self.end, self._dt)
+        return self.after(done.number + 1, self.end, self.part * self._dt)
 
     def after(self, number: int, time: float, dt: float) -> Step:
         """Return the last step of a run that is resumed after `number` steps."""
@@ -163,7 +168,7 @@ class StandingClock(FixedClock):
 
 
 class StandingCourantClock(CourantClock):
-    """Steps of a given Courant number in a stage that comes to rest; see `StandingClock`.
+    """Steps of a given Courant number while a run comes to rest; see `StandingClock`.
 
     Parameters
     ----------
@@ -171,18 +176,22 @@ class StandingCourantClock(CourantClock):
         As of `CourantClock`.
     end, before : float, int
         Time of the stage, and number of steps before it.
+    longest : float
+        Length of steps where there are no waves.
     """
 
-    def __init__(self, courant: float, end: float, rest_rate: float, before: int) -> None:
+    def __init__(
+        self, courant: float, end: float, rest_rate: float, before: int, longest: float
+    ) -> None:
         super().__init__(courant, end, (), rest_rate)
-        self.before = before
+        self.before, self._longest = before, longest
 
     def finished(self, done: Step) -> bool:
         """Whether the end is reached, if the stage is at rest."""
         return True
 
     def next(self, done: Step, rate: float) -> Step:
-        """Return the step after `done`; where there are no waves it is as long as the run so far.
+        """Return the step after `done`.
 
         Raises
         ------
@@ -197,12 +206,26 @@ class StandingCourantClock(CourantClock):
                 "  try: a smaller time.step: {courant: ...}, smaller loads, finer cells"
             )
         courant = self._courant * self.part
-        dt = courant / rate if courant < rate * self.end else self.end
+        dt = courant / rate if courant < rate * self._longest else self._longest
         return self.after(done.number + 1, self.end, dt)
 
     def after(self, number: int, time: float, dt: float) -> Step:
         """Return the last step of a run that is resumed after `number` steps."""
         return Step(number, self.end, dt, self.end)
+
+
+def settling_clock(
+    case: Case, rest_rate: float = inf, before: int = 0
+) -> StandingClock | StandingCourantClock:
+    """Clock of a start, or a stage, that comes to rest; arguments as in `clock_of`.
+
+    Time stands still, so that steps are as long as is stable, see `courant: auto`. Fixed ones stay.
+    """
+    end = case.staged.start
+    if isinstance(case.time.step, float | int):
+        return StandingClock(float(case.time.step), end, case.staged.counted, before)
+    courant = AUTO * largest_courant(case)
+    return StandingCourantClock(courant, end, rest_rate, before, float(case.time.end))
 
 
 def clock_of(case: Case, rest_rate: float = inf, before: int = 0) -> FixedClock | CourantClock:
@@ -218,10 +241,9 @@ def clock_of(case: Case, rest_rate: float = inf, before: int = 0) -> FixedClock 
         Number of steps before the first of its steps, for a stage.
     """
     time = case.time
-    if isinstance(time.step, float | int):
-        fixed = StandingClock if case.rests else FixedClock
-        return fixed(float(time.step), float(time.end), case.staged.counted, before)
-    assert case.courant is not None
     if case.rests:
-        return StandingCourantClock(case.courant, float(time.end), rest_rate, before)
+        return settling_clock(case, rest_rate, before)
+    if isinstance(time.step, float | int):
+        return FixedClock(float(time.step), float(time.end), case.staged.counted, before)
+    assert case.courant is not None
     return CourantClock(case.courant, float(time.end), case.output.at, rest_rate)

@@ -1,4 +1,4 @@
-"""Spurious energy: the guard of steps that are as long as possible (`courant: auto`).
+"""Spurious energy: the guard of steps that are as long as possible (`courant: auto`, settling).
 
 Kinetic and strain energy are compared with the initial energy plus the work of the loads since. If
 the step is too long, energy grows without bound, from rounding on, long before other signs: the
@@ -109,8 +109,7 @@ class EnergyWatch:
             self._new, self._row = bool(numbers[4]), int(numbers[5])
 
     def shorten(self, clock: FixedClock | CourantClock) -> None:
-        """Apply the reduction to the Courant number that pgimp has chosen."""
-        assert isinstance(clock, CourantClock)
+        """Apply the reduction to the steps that pgimp has chosen, and to all of settling."""
         clock.part = min(max(self.part, LEAST), 1.0)
 
     def begin(self, rank: Rank) -> None:
