@@ -246,6 +246,7 @@ class Simulation(SimulationProgress):
         step = self.clock.next(self.done, self.clock.follow(self.fastest))
         if self.preparing:
             step = at_time_zero(step)
+        self.rank.contact.require_known(self.done)
         if free := self.rank.free:
             free.require_slow(step)
             free.require_clear(self.done, step.dt)

@@ -103,7 +103,7 @@ def _sums(rank: Rank, order: Order | None = None) -> tuple[np.ndarray, np.ndarra
     scene, grid = rank.scene, rank.grid
     groups = groups_by_configuration(scene, rank.population)
     if order is not None:
-        groups = [groups[0]._replace(order=order)]
+        groups = (groups[0]._replace(order=order),)
     sum_particles(
         rank, groups, scene.interaction.loads.at(0.0), bool(scene.interaction.loads.constraints)
     )
