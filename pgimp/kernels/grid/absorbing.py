@@ -8,6 +8,9 @@ acceleration a by all other forces,
 
     f = -m r (u + a dt/2)/(1 + r dt/2).
 
+Ground that sinks brings more mass beyond the face, but no more area: m r is at most that of the
+mass when the face began to absorb. Fields share it by mass.
+
 The static force is minus the force on the vertex when the face began to absorb. It is constant as
 long as the material stays: of a vertex of less mass it is a part, shared out by mass to its fields.
 Both act before contact, other faces and constraints.
@@ -82,9 +85,11 @@ def _vertices(window, face, d):
 
 
 @inner_kernel
-def _held_part(field, first, cutoff, mass):
-    """Static force by mass: over the mass at the vertex, or over that of the start if it is more.
+def _parts(field, first, cutoff, mass):
+    """Static force by mass, and part of the mass that dashpots act on.
 
+    One is over the mass at the vertex, or over that of the start if it is more. The other is that
+    of the start over the mass at the vertex, at most 1; of vertices without any then it is 1.
     `first` is the vertex's record in the first field.
     """
     total = 0.0
@@ -92,11 +97,12 @@ def _held_part(field, first, cutoff, mass):
         m = field.G[first + f * field_size(field.window) + MASS]
         if m > cutoff:
             total += m
-    return 1.0 / max(total, mass) if total > 0.0 else 0.0
+    part = 1.0 / max(total, mass) if total > 0.0 else 0.0
+    return part, mass / total if 0.0 < mass < total else 1.0
 
 
 def _static_force(reaction, m, part):
-    """Part of the static force of a vertex on a field of mass m, see `_held_part`."""
+    """Part of the static force of a vertex on a field of mass m, see `_parts`."""
 
 
 @exact(_static_force)  # all ranks that store a vertex must find the same force
@@ -154,7 +160,7 @@ def absorb(frame, field, forcing, face, impulse, ledger, moving):
             for k in range(k0, k1):
                 first = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
                 at = _at(face, window, i, j, k)
-                part = _held_part(field, first, forcing.mass_cutoff, known[at, REACTION_MASS])
+                part, damped = _parts(field, first, forcing.mass_cutoff, known[at, REACTION_MASS])
                 for f in range(field_count(window)):
                     r = first + f * field_size(window)
                     m = G[r + MASS]
@@ -167,7 +173,7 @@ def absorb(frame, field, forcing, face, impulse, ledger, moving):
                             speed = known[at, PRESSURE_WAVE if d == face.axis else SHEAR_WAVE]
                             u = velocity_before(field.motion, kept, G, r, d, inverse)
                             a = _acceleration(G[r + FORCE + d], inverse, g[d])
-                            force = _dashpot(m, 2.0 * speed * inverse_h, u, a, dt)
+                            force = _dashpot(m, 2.0 * speed * inverse_h * damped, u, a, dt)
                             impulse[r // RECORD * 3 + d] = dt * force
                         G[r + FORCE + d] += force
                         if i < field.owned:
@@ -199,7 +205,7 @@ def book_absorbed(field, forcing, face, impulse, ledger):
             for k in range(k0, k1):
                 first = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
                 at = _at(face, window, i, j, k)
-                part = _held_part(field, first, forcing.mass_cutoff, known[at, REACTION_MASS])
+                part, _ = _parts(field, first, forcing.mass_cutoff, known[at, REACTION_MASS])
                 for f in range(field_count(window)):
                     r = first + f * field_size(window)
                     if not G[r + MASS] > forcing.mass_cutoff:

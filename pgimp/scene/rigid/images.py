@@ -104,20 +104,16 @@ def bound(
         a, b, c = (corners[:, k] * row["rotation"][d, k] for k in range(3))
         placed = a + b + c + row["centre"][d]
         low, high = placed.min(), placed.max()
-        least, most = 0, frame.vertices[d] - 1
         if periods[d] > 0.0:
             turns = np.floor((0.5 * (low + high) - origin) * inverse / frame.cells[d])
             low, high = low - turns * periods[d], high - turns * periods[d]
             slack, end = (frame.ghost + 2) / inverse, origin + periods[d]
             if low < origin + slack or high > end - slack:  # it may be on both sides
-                lattice["least"][d], lattice["most"][d] = least, most
+                lattice["least"][d], lattice["most"][d] = 0, frame.vertices[d] - 1
                 continue
-        lattice["least"][d] = np.clip(
-            np.floor((low - origin) * inverse) + frame.ghost - 1, least, most
-        )
-        lattice["most"][d] = np.clip(
-            np.ceil((high - origin) * inverse) + frame.ghost + 1, least, most
-        )
+        # Also beyond the domain, where bodies in the initial configuration may go.
+        lattice["least"][d] = np.floor((low - origin) * inverse) + frame.ghost - 1
+        lattice["most"][d] = np.ceil((high - origin) * inverse) + frame.ghost + 1
 
 
 def nearest_image(

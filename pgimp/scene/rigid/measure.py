@@ -27,6 +27,10 @@ LIGHTEST = 1e-10
 #: Most points of a lattice: about 1 GB.
 _MOST_POINTS = 30_000_000
 
+#: Points, and their number over that in the domain, up to which bodies in the initial configuration
+#: find a rigid body known beyond the domain as well: 10 MB.
+_POINTS_BEYOND, _TIMES_BEYOND = 250_000, 1.5
+
 _Ends = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
@@ -40,11 +44,14 @@ class Measured(NamedTuple):
         Its thickness.
     inertia : Bulk or None
         Inertia of a free body.
+    ends : (2, D) float64
+        Least and greatest coordinates of the whole body.
     """
 
     field: DistanceField
     thick: float
     inertia: Bulk | None
+    ends: NDArray[np.float64]
 
 
 def require_densities(case: Case) -> None:
@@ -83,7 +90,8 @@ def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
         if entry.free:
             part = _symmetric_part(case, entry.free)
             inertia = bulk(entry.region, entry.free.density, part, case.axisymmetric)
-        return Measured(field, thickness(entry.region, D), inertia)
+        ends = np.array(entry.region.bounds(), float)
+        return Measured(field, thickness(entry.region, D), inertia, ends)
     except CaseError as error:
         raise CaseError(f"bodies.{name}.region: {error}") from None
     finally:
@@ -137,6 +145,25 @@ def _distances(case: Case, frame: Frame, entry: RigidBody) -> DistanceField:
 
 
 def _within(case: Case, frame: Frame, entry: RigidBody) -> _Ends | None:
+    """Ends of the part of a body that is known, in its initial position; None for all of it.
+
+    It is the part that enters the domain. Bodies in the initial configuration may leave that: then
+    it is all of the body, or as much around the domain as takes little memory.
+    """
+    entering = _entering(case, frame, entry)
+    if entering is None or all(body.configuration != "initial" for body in case.bodies.values()):
+        return entering
+    most = max(_POINTS_BEYOND, _TIMES_BEYOND * _points(entry, frame.cell, entering))
+    if _points(entry, frame.cell, None) <= most:
+        return None
+    low, high = entering
+    wide, steps = np.array(frame.cell), 0
+    while _points(entry, frame.cell, (low - wide, high + wide)) <= most:
+        wide, steps = 2.0 * wide, steps + 1
+    return (low - 0.5 * wide, high + 0.5 * wide) if steps else entering
+
+
+def _entering(case: Case, frame: Frame, entry: RigidBody) -> _Ends | None:
     """Ends of the part of a body that enters the domain, in its initial position."""
     motion = entry.rigid
     if not isinstance(motion, Motion) or motion.rotation is not None:

@@ -65,6 +65,8 @@ class SceneRigidBodies:
         Greatest distance of their surfaces from their centres of mass; likewise.
     thick : list of float
         Thickness of all bodies; likewise.
+    ends : list of (2, D) float64
+        Least and greatest coordinates of all bodies at the start; likewise.
     """
 
     def __init__(self, case: Case, frame: Frame, periods: NDArray[np.float64]) -> None:
@@ -76,6 +78,7 @@ class SceneRigidBodies:
         self.free: dict[int, FreeBody] = {}
         self.arms: list[float] = []
         self.thick: list[float] = []
+        self.ends: list[NDArray[np.float64]] = []
         self._kept: RigidBodies | None = None
         self._placed: dict[int, bytes] = {}
 
@@ -106,7 +109,7 @@ class SceneRigidBodies:
                 for name, entry in zip(self.names, self.entries, strict=True)
             ]
             self.fields = [one.field for one in found]
-            self.thick = [one.thick for one in found]
+            self.thick, self.ends = [one.thick for one in found], [one.ends for one in found]
             around = len(self.frame.cell), self.rings, self.case.axisymmetric
             for number, (name, entry, one) in enumerate(
                 zip(self.names, self.entries, found, strict=True)
@@ -123,6 +126,7 @@ class SceneRigidBodies:
         """Reuse another stage's measures of the same bodies as placeholders for compiling."""
         numbers = [other.names.index(name) for name in self.names]
         self.fields = [other.fields[number] for number in numbers]
+        self.ends = [other.ends[number] for number in numbers]
         self.free = {
             own: other.free[number] for own, number in enumerate(numbers) if number in other.free
         }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -135,6 +136,17 @@ def _find(
     volumes = np.zeros(len(taken))
     taken[slot], volumes[slot] = rows[mine], p.V0[rows[mine]]
     return found, taken, volumes
+
+
+def mark_corners(rank: RankState) -> np.ndarray:
+    """Whether vertices are corners of a rank's cells, (planes, fields, y, z) bool."""
+    cells, window, D = rank.lattice.cells, rank.grid.window, rank.scene.dimension
+    values = np.zeros_like(rank.grid.kept.values)
+    layer = np.repeat(np.arange(len(cells.start) - 1), np.diff(cells.start))
+    first = layer * window.stride[0] + cells.place
+    for corner in product((0, 1), repeat=D):
+        values[first + np.dot(corner, window.stride[:D])] = 1.0
+    return rank.grid.by_vertex(values)[..., 0] > 0.0
 
 
 def repeated(rows: np.ndarray) -> np.ndarray:

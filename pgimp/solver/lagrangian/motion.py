@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
+from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.data.record import MASS, MOMENTUM
 from pgimp.kernels.lagrangian.sums import motion_sums
@@ -19,7 +19,7 @@ from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.kernels.sums.sums import layer_sums
 from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import groups_by_configuration
-from pgimp.solver.lagrangian.cells import find_beyond
+from pgimp.solver.lagrangian.cells import find_beyond, mark_corners
 from pgimp.solver.lagrangian.pieces import by_layers
 from pgimp.solver.transfers import sum_particles
 
@@ -27,13 +27,11 @@ if TYPE_CHECKING:
     from pgimp.decomposition.grid import Grid
     from pgimp.solver.rank import Rank
 
-#: Datasets of a checkpoint: numbers of vertices by plane; by vertex, in the order of the keys, key
-#: and motion. A key combines plane, y, z and velocity field, all counted in the whole grid.
-MOTION_PLANES, MOTION = "vertex-planes", ("vertex", "vertex-motion")
+#: Tag of messages with the corners of cells in shared planes.
+_CORNERS = 15
 
 VECTOR = slice(MOMENTUM, MOMENTUM + 3)
 _VELOCITY = slice(KEPT_VELOCITY, KEPT_VELOCITY + 3)
-_DISPLACEMENT = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
 
 def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
@@ -79,6 +77,7 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
         velocity = np.where(m > 0.0, _exact(rank), 0.0)
     kept = grid.kept.fields
     grid.by_vertex(grid.kept.values)[:, kept, ..., _VELOCITY] = velocity[:, kept]
+    _forget_unreached(rank)
     if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
 
@@ -96,10 +95,15 @@ def _joined(rank: Rank, values: np.ndarray) -> np.ndarray:
     return values
 
 
-def _sums(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
-    """Mass and momentum at a rank's vertices, zero without particles, by plane, field, y, z."""
+def _sums(rank: Rank, order: Order | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Mass and momentum at a rank's vertices, zero without particles, by plane, field, y, z.
+
+    Of all particles, or of those of an `order` of one group.
+    """
     scene, grid = rank.scene, rank.grid
     groups = groups_by_configuration(scene, rank.population)
+    if order is not None:
+        groups = (groups[0]._replace(order=order),)
     sum_particles(
         rank, groups, scene.interaction.loads.at(0.0), bool(scene.interaction.loads.constraints)
     )
@@ -112,8 +116,37 @@ def _sums(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
 
 
 def keep_masses(rank: Rank) -> None:
-    """Sum the masses of vertices that keep their motion; collective."""
-    rank.grid.by_vertex(rank.grid.kept.values)[..., KEPT_MASS] = _sums(rank)[0]
+    """Sum the masses of vertices that keep their motion; others have none; collective."""
+    values = rank.grid.by_vertex(rank.grid.kept.values)
+    values[..., KEPT_MASS] = _sums(rank)[0]
+    _forget_unreached(rank)
+    values[_joined(rank, values[..., KEPT_MASS].copy()) == 0.0] = 0.0
+
+
+def _forget_unreached(rank: Rank) -> None:
+    """Take mass and motion of vertices that no step reaches; collective.
+
+    Steps go from cells to their corners. Weights of single particles reach further by rounding, to
+    vertices that no force ever moves, and whose planes may take part on some ranks only.
+    """
+    if not rank.scene.by_cells:
+        return
+    others, grid, comm = _sums(rank, rank.lattice.others)[0], rank.grid, rank.comm
+    reached, lower, upper = mark_corners(rank), rank.slab.lower, rank.slab.upper
+    if lower == comm.rank:
+        reached[:1] |= reached[rank.slab.layers :][:1]
+    else:  # corners of the last layer's cells belong to the upper neighbour
+        sent = None
+        if upper is not None:
+            sent = comm.isend(reached[rank.slab.layers], upper, _CORNERS)
+        if lower is not None:
+            reached[0] |= comm.recv(source=lower, tag=_CORNERS)
+        if sent is not None:
+            sent.wait()
+    reached |= others > 0.0
+    values = grid.by_vertex(grid.kept.values)
+    values[_joined(rank, reached.astype(float)) == 0.0] = 0.0
+    rank.share_motion()
 
 
 def _coordinates(grid: Grid, periodic: Sequence[bool] = ()) -> list[np.ndarray]:
@@ -173,9 +206,7 @@ def enter_motion(rank: Rank, before: Grid) -> None:
             now[:, new] = was[:, old_field]
     else:
         _regroup(rank, bodies, before, was, now)
-    keep_masses(rank)
-    # A resumed run has no room for those far from others.
-    now[_joined(rank, now[..., KEPT_MASS].copy()) == 0.0] = 0.0
+    keep_masses(rank)  # a resumed run has no room for vertices far from others
 
 
 def _field(grid: Grid, body: int) -> int:
@@ -237,45 +268,3 @@ def _complete_sums(
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         order, setting = Order(order.rows[mine], edges), scene.setting_lagrangian
     motion_sums(setting.without_materials(), rank.grid.field, particles, order, sums)
-
-
-def stored_motion(rank: Rank) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Numbers by plane, keys and values (velocity, displacement) of a rank's moving vertices."""
-    grid = rank.grid
-    if not grid.motion:
-        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 6))
-    values = grid.by_vertex(grid.kept.values)[: grid.owned].transpose(0, 2, 3, 1, 4)
-    kept = np.concatenate([values[..., _VELOCITY], values[..., _DISPLACEMENT]], axis=-1)
-    moving = kept.any(axis=-1) & grid.kept.fields
-    keys = _keys(grid, values.shape[3])[: grid.owned]
-    counts = moving.sum(axis=(1, 2, 3)).astype(np.int64)
-    return counts, keys[moving], kept[moving]
-
-
-def _keys(grid: Grid, fields: int) -> np.ndarray:
-    """Keys of a rank's vertices, (planes, y, z, fields) int64."""
-    ny, nz = (*grid.frame.vertices, 1, 1)[1:3]
-    x, y, z, f = np.meshgrid(
-        *(
-            np.arange(n) + low
-            for n, low in zip(
-                (grid.planes, *grid.window.extent[1:], fields), (*grid.window.lower, 0), strict=True
-            )
-        ),
-        indexing="ij",
-    )
-    return ((x * ny + y) * nz + z) * fields + f
-
-
-def put_motion(rank: Rank, keys: np.ndarray, values: np.ndarray) -> bool:
-    """Set the motion of a rank's planes from a checkpoint; whether all keys are of its vertices."""
-    grid = rank.grid
-    mine = grid.by_vertex(grid.kept.values).transpose(0, 2, 3, 1, 4)
-    known = _keys(grid, mine.shape[3])
-    index = np.searchsorted(known.reshape(-1), keys)
-    inside = index < known.size
-    if not (inside.all() and (known.reshape(-1)[index] == keys).all()):
-        return False
-    x, y, z, f = np.unravel_index(index, known.shape)
-    mine[x, y, z, f, _VELOCITY], mine[x, y, z, f, _DISPLACEMENT] = values[:, :3], values[:, 3:]
-    return True

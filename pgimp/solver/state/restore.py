@@ -16,7 +16,8 @@ from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.history.gauge_means import stored_lines
-from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, keep_masses, put_motion
+from pgimp.solver.lagrangian.motion import keep_masses
+from pgimp.solver.lagrangian.stored_motion import MOTION, MOTION_PLANES, put_motion
 from pgimp.solver.loads.grips import Grips
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.contact import restore_contact, stored_contact

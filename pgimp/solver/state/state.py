@@ -15,8 +15,8 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationE
 from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.history.diagnostics import Diagnostics
-from pgimp.solver.lagrangian.motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.lagrangian.pieces import source_at
+from pgimp.solver.lagrangian.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.contact import FIELDS, FORCES

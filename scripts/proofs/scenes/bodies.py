@@ -195,6 +195,23 @@ def add_bodies(rng, scene):
         scene.corners[f"body{i}"] = corners
 
 
+def thin(rng, scene):
+    """Some boxes are one cell wide along a direction, with edges on lines of the grid."""
+    low, found = scene.case["grid"]["origin"], False
+    for name, body in scene.case["bodies"].items():
+        if "box" not in body["region"] or rng.random() < 0.4:
+            continue
+        axis = rng.randrange(scene.dimension)
+        cell, (start, end) = scene.cell[axis], (each[axis] for each in scene.corners[name])
+        first = math.ceil((start - low[axis]) / cell - 1e-3)
+        edges = [round(low[axis] + (first + n) * cell, 6) for n in (0, 1)]
+        if edges[1] <= end + 1e-3 * cell:
+            for corner, edge in zip(scene.corners[name], edges, strict=True):
+                corner[axis] = edge  # those of the region, too
+            found = True
+    return found
+
+
 def motion(rng, scene, corners):
     """A velocity, or a rotation about a point in the body or far off."""
     D, fast = scene.dimension, 0.2 * scene.speed

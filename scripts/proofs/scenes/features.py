@@ -13,7 +13,7 @@ the table. A new kind of region goes into `bodies.REGIONS`, a material into `mat
 import random
 from typing import NamedTuple
 
-from proofs.scenes.bodies import add_bodies, mass_scaling, number, vector
+from proofs.scenes.bodies import add_bodies, mass_scaling, number, thin, vector
 from proofs.scenes.configurations import (
     along_the_axis,
     both,
@@ -239,6 +239,7 @@ FEATURES = (
     Feature("steps chosen", courant, 0.12, compiled=True),
     Feature("many periods", long, 0.05, compiled=True),
     Feature("bodies", add_bodies),
+    Feature("thin bodies", thin, 0.3),
     Feature("walls", walls, 0.7, compiled=True),
     Feature("rough walls", rough, 0.3, compiled=True),
     Feature("absorbing faces", absorbing, 0.12, compiled=True),

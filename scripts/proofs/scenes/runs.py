@@ -7,6 +7,7 @@ import traceback
 from pathlib import Path
 from typing import NamedTuple
 
+import h5py
 import numpy as np
 from proofs.jobs import differences
 from proofs.scenes import anew, thread_ranks
@@ -134,6 +135,19 @@ def run(case, folder, ranks, resume=False, stop_at=None, anew=False):
     return Outcome(kind, "\n".join(lines[:2]))
 
 
+def other_state(one, other):
+    """Data in which the last checkpoints of two runs differ, if they are of the same step."""
+    paths = [max((run / "checkpoints").glob("*.h5"), default=None) for run in (one, other)]
+    if None in paths or paths[0].name != paths[1].name:
+        return []
+    with h5py.File(paths[0]) as mine, h5py.File(paths[1]) as theirs:
+        return [
+            f"checkpoints/{name}" for name in sorted({*mine} | {*theirs})
+            if (name in mine) != (name in theirs) or mine[name].dtype != theirs[name].dtype
+            or mine[name][()].tobytes() != theirs[name][()].tobytes()
+        ]  # fmt: skip
+
+
 def go_back(folder):
     """Delete all checkpoints but the oldest, as if the run had been killed after that."""
     checkpoints = sorted((folder / "checkpoints").glob("*.h5"))
@@ -165,7 +179,7 @@ def compare(case, folder, rng, steps, ranks=(2, 3)):
         elif found != outcome:
             text = f"{name}: {found.kind} {found.said}; on one rank {outcome.kind} {outcome.said}"
             failures.append((f"ended otherwise: {found.kind}", text))
-        elif wrong := differences(alone, where, SAME):
+        elif wrong := differences(alone, where, SAME) + other_state(alone, where):
             kinds = sorted({Path(each).parts[0] for each in wrong})
             failures.append((f"bits: {', '.join(kinds)}", f"{name}: {', '.join(wrong)}"))
 

@@ -6,7 +6,9 @@ from rank_scenes import SCENES
 from scenes import SOFT, box, field, finish, scene, start
 from tiers import wide
 
+from pgimp.errors import RunError
 from pgimp.kernels.data.ledger import NORMAL_IMPULSE
+from pgimp.scene.rigid import measure
 
 pytestmark = pytest.mark.slow(40)
 
@@ -91,6 +93,54 @@ def test_a_block_slides_on_an_incline_with_coulombs_friction(floor):
     # The block rocks on its elastic lower half: the fit is over six of these periods.
     assert found == pytest.approx(g[0] - slope * g[1], rel=0.02)
     assert np.mean(push) == pytest.approx(g[1], rel=0.02)
+
+
+def beyond(path, kind):
+    """A block leaves its domain downwards and to the right, onto a rigid body of some kind."""
+    low, high, motion = [-6.0, -9.0], [24.0, -5.0], {}
+    region = {"box": {"min": low, "max": high}}
+    if kind == "heights":
+        path.joinpath("ground.asc").write_text(
+            "ncols 3\nnrows 1\nxllcenter -6\nyllcenter 0\ncellsize 15\n-4.5 -5.5 -5.0\n"
+        )
+        region = {"heights": {"file": str(path / "ground.asc"), "bottom": -10.0}}
+    elif kind == "moving":
+        motion = {"velocity": [0.0, 0.3]}
+    elif kind == "partly":
+        region = {"ball": {"centre": [16.0, 0.0], "radius": 4.0}}
+    bodies = {"block": initial(box([8.0, 1.0], [12.0, 3.0], [1.5, -1.5])),
+              "floor": {"rigid": motion, "region": region}}  # fmt: skip
+    meet = [{"bodies": ["block", "floor"], "friction": 0.3}]
+    return scene(2, bodies, cells=[14, 6], end=4.0, step={"courant": 0.3}, gravity=[0.0, -0.9],
+                 materials={"soft": HARD}, contact=meet)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "kind", ["resting", "moving", "partly", pytest.param("heights", marks=pytest.mark.wide)]
+)
+def test_rigid_bodies_beyond_the_domain_act_as_within(kind, tmp_path):
+    """As on a grid that has all of it, to rounding."""
+    near, wide = beyond(tmp_path, kind), beyond(tmp_path, kind)
+    wide["grid"] |= {"origin": [-8.0, -12.0], "size": [36.0, 20.0]}
+    sims = [finish(start(case)) for case in (near, wide)]
+    x, far = (sim.particles.x[sim.live()] for sim in sims)
+    assert x[:, 1].max() < 0.0
+    np.testing.assert_allclose(x, far, atol=1e-9)
+    lines = [sim.diagnostics() for sim in sims]
+    for name in ("tool.floor.work", "momentum-y", "contact.block+floor.normal-impulse"):
+        assert lines[0][name] == pytest.approx(lines[1][name], rel=1e-7, abs=1e-9), name
+    assert lines[0]["contact.block+floor.normal-impulse"] > 1.0
+
+
+def test_a_body_that_comes_to_where_a_rigid_one_is_not_known_ends_the_run(tmp_path, monkeypatch):
+    """Which takes a rigid body too large for its lattice of distances."""
+    monkeypatch.setattr(measure, "_POINTS_BEYOND", 0)
+    monkeypatch.setattr(measure, "_TIMES_BEYOND", 1.0)
+    case = beyond(tmp_path, "resting")
+    sim = start(case)
+    with pytest.raises(RunError, match=r"'block' comes to a part of the rigid 'floor' so far"):
+        finish(sim)
+    assert -3.0 < sim.particles.x[sim.live(), 1].min() < 0.0
 
 
 def test_a_body_that_falls_onto_a_wall_comes_to_it_bounces_and_leaves_it():

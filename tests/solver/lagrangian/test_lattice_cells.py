@@ -7,6 +7,7 @@ import pytest
 from scenes import SOFT, box, finish, scene, start
 
 from pgimp.errors import RunError
+from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.scene.scene import Scene
 
 pytestmark = pytest.mark.slow(60)
@@ -188,6 +189,24 @@ def test_rounding_divides_no_cell(cell):
     lattice = start(case).rank.lattice
     assert len(lattice.cells.place) == 25
     assert not len(lattice.others.rows)
+
+
+@pytest.mark.parametrize("cell", [0.1, 0.0442])
+def test_vertices_that_bodies_reach_by_rounding_keep_nothing(cell):
+    """Those that keep motion are the corners of the bodies' cells: no step moves others."""
+    body = initial(box([4.0, 2.0], [5.0, 6.0], [0.3, -2.0]))
+    case = scene(2, body, cells=[9, 9], cell=cell, step={"courant": 0.3})
+    origin, region = [-0.073052, -0.15995], case["bodies"]["body"]["region"]["box"]
+    case["grid"]["origin"] = origin
+    for end in ("min", "max"):
+        region[end] = [round(cell * a + b, 6) for a, b in zip(region[end], origin, strict=True)]
+    sim = start(case)
+    values = sim.rank.grid.by_vertex(sim.rank.grid.motion.values)[:, 0, :, 0]
+    window, ghost = sim.rank.grid.window, sim.rank.grid.frame.ghost
+    corners = np.zeros((sim.rank.grid.planes, window.extent[1]), bool)
+    corners[4 + ghost : 6 + ghost, 2 + ghost - window.lower[1] :][:, :5] = True
+    assert ((values[..., KEPT_MASS] > 0.0) == corners).all()
+    assert (values.any(axis=-1) == corners).all()
 
 
 def test_a_particle_inside_out_is_named():

@@ -65,6 +65,22 @@ def test_less_than_two_per_cent_of_a_pulse_comes_back(wave, configuration):
     assert line["kinetic-energy"] + line["strain-energy"] < 1e-3 * energy
 
 
+def test_a_column_that_moves_on_is_braked_as_at_first():
+    """Pushed at a constant velocity, it has the stress rho c v behind the front (Lysmer).
+
+    It moves by a tenth of a cell, so that a fifth more of its mass is beyond the face at the end.
+    """
+    case, v = pulse(10, "p", "current"), 1e-3 * SPEED["p"]
+    case["boundaries"]["x-min"] = {"velocity": [{"table": [[0.0, v], [1.0, v]]}, 0.0]}
+    case["time"]["end"] = 340 * case["time"]["step"]  # v t = 0.1
+    sim, stress = start(case), []
+    while not sim.finished:
+        sim.advance()
+        stress.append(sim.particles.sigma[sim.live(), 0].mean())
+    assert sim.particles.x[sim.live(), 0].max() == pytest.approx(9.85, abs=0.01)
+    np.testing.assert_allclose(stress[len(stress) // 2 :], -SPEED["p"] * v, rtol=0.01)
+
+
 def test_dashpots_have_the_speeds_of_the_material_there():
     case = pulse(6, "p", "current")
     case["materials"]["stiff"] = case["materials"]["soft"] | {"young": 4.0 * YOUNG, "density": 2.0}

@@ -28,6 +28,7 @@ from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.shapes.stretch import LARGEST
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.bonds import interactions
+from pgimp.solver.contact.lagrangian.known import lost_body
 from pgimp.solver.contact.lagrangian.messages import gathered, greatest, united
 from pgimp.solver.time.clock import Step
 
@@ -88,6 +89,8 @@ class BroadPhase:
         Whether any rank has such particles.
     travel : float
         Greatest distance in cells by which anything moved in the step of the last search.
+    lost : tuple of 2 str or None
+        See `lost_body`.
     """
 
     def __init__(
@@ -96,6 +99,7 @@ class BroadPhase:
         self.scene, self.comm, self.pairs, self.walls = scene, comm, pairs, walls
         self.near = self._storage = np.empty(0, np.int64)
         self.any, self.travel = False, 0.0
+        self.lost: tuple[str, str] | None = None
         self.call = Bound()
         self._pause = 0
         self._acting: tuple[np.ndarray, np.ndarray] | None = None
@@ -212,6 +216,8 @@ class BroadPhase:
         last = np.minimum(high[pairs[:, 0]], high[pairs[:, 1]]) + 2.0 * away
         meet = (first <= last).all(axis=1)
         ends = [*np.stack([first[meet], last[meet]], axis=1)]
+        around = low - away, high + away
+        self.lost = lost_body(scene, self.pairs, groups, around, rigid_bodies)
         for row in rigid_bodies.lattice if rigid_bodies else ():
             first, last = row["least"][:D] - away, row["most"][:D] + away
             ends.append(np.array((first - frame.ghost, last - frame.ghost)))

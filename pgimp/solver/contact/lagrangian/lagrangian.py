@@ -30,6 +30,7 @@ from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.lagrangian.bonds import bonded, interactions, separating_walls, with_walls
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase, reach
 from pgimp.solver.contact.lagrangian.joint import Joint, join, share
+from pgimp.solver.contact.lagrangian.known import refuse
 from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles
 from pgimp.solver.contact.lagrangian.selected import Selection, flat
 from pgimp.solver.contact.lagrangian.selection import Selector
@@ -104,6 +105,11 @@ class LagrangianContact(NoContact):
     def rigid_bodies(self) -> Any:
         """The rigid bodies for kernels, as they are in this step; () without any."""
         return self._contact.rigid_bodies
+
+    def require_known(self, done: Step) -> None:
+        """See `NoContact.require_known`."""
+        if self._broad_phase.lost:
+            refuse(self._broad_phase.lost, done)
 
     def moved(self) -> None:
         """See `NoContact.moved`: all particles are searched again in the next step."""
