@@ -40,6 +40,7 @@ from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.rest.settle import at_time_zero, begin_settling
+from pgimp.solver.start.continued import continue_motion, verify_checkpoints
 from pgimp.solver.start.creation import LIGHT, Creation
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.sound import require_light, require_particles
@@ -80,6 +81,7 @@ def begin(
     """
     scene = scenes[0]
     start = Start(scene, comm, reduction)
+    verify_checkpoints(scene, comm)
     share(start.case, comm)
     require(scene, comm)
     scene.interaction.rigid_bodies.measure(comm)
@@ -132,6 +134,7 @@ def begin(
     start.warnings += overstress.measure(scene, particles, count, comm)
     put_in_order(start, slab, particles, count)
     begin_motion(start.rank)
+    continue_motion(start.rank)
     if start.rank.grips:
         start.rank.grips.start(start.rank)
     if len(scenes) > 1 and scene.materials.variations:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from pgimp.geometry.points.saved import Saved
 
 Reals = NDArray[np.float64]
 
@@ -36,6 +40,10 @@ class Block(NamedTuple):
         State variables of the material, by name: scalars, or as many components as `stress`.
     lines : callable
         Gives the position of a row in the file as text, "row 0" or "line 2".
+    columns : mapping of str to (n, ...) array
+        The whole state, by the names of particles' columns; only of a run's own files.
+    saved : Saved or None
+        What such a file says of the body.
     """
 
     first: int
@@ -46,6 +54,8 @@ class Block(NamedTuple):
     gradient: Reals | None
     states: dict[str, Reals]
     lines: Any
+    columns: Mapping[str, NDArray] = MappingProxyType({})
+    saved: Saved | None = None
 
     def place(self, row: int) -> str:
         """Position of a row of the block in the file, as text."""
@@ -64,4 +74,5 @@ class Block(NamedTuple):
             stress=of(self.stress),
             gradient=of(self.gradient),
             states={name: values[rows] for name, values in self.states.items()},
+            columns={name: values[rows] for name, values in self.columns.items()},
         )

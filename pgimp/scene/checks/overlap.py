@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.geometry.points.block import Block
 from pgimp.geometry.regions.base import Bounds
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.point_cloud import Cloud
@@ -232,7 +233,8 @@ def _taken(
     """Particles in a box and in a range of planes, or up to a distance beyond these along x."""
     edges = cloud.edges[0]
 
-    def near(x: Reals) -> NDArray[np.bool_]:
+    def near(block: Block) -> NDArray[np.bool_]:
+        x = np.ascontiguousarray(block.position[:, 0])
         inside = (box[0][0] <= x) & (x <= box[1][0])
         if beyond is None:
             return inside & cloud.between(x, planes)

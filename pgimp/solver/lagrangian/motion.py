@@ -167,7 +167,7 @@ def enter_motion(rank: Rank, before: Grid) -> None:
         for b, name in enumerate(scene.body_names)
         if scene.settings.lagrangian[b] and name not in scene.case.staged.removed
     ]
-    pairs = {(_field(grid, b), _field(before, b)) for b in bodies}
+    pairs = {(velocity_field(grid, b), velocity_field(before, b)) for b in bodies}
     if len({new for new, _ in pairs}) == len(pairs):
         for new, old_field in pairs:
             now[:, new] = was[:, old_field]
@@ -178,7 +178,8 @@ def enter_motion(rank: Rank, before: Grid) -> None:
     now[_joined(rank, now[..., KEPT_MASS].copy()) == 0.0] = 0.0
 
 
-def _field(grid: Grid, body: int) -> int:
+def velocity_field(grid: Grid, body: int) -> int:
+    """Number of a body's velocity field in a grid."""
     return grid.fields[body] if grid.fields else 0
 
 
@@ -191,13 +192,13 @@ def _regroup(rank: Rank, bodies: list[int], before: Grid, was: np.ndarray, now: 
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         population.order, population.start = order.rows[mine], edges
         try:
-            own = _sums(rank)[0][:, _field(rank.grid, b)]
+            own = _sums(rank)[0][:, velocity_field(rank.grid, b)]
         finally:
             population.order, population.start = order.rows, order.start
-        new = _field(rank.grid, b)
+        new = velocity_field(rank.grid, b)
         mass[:, new] += own
         part = np.divide(own, mass[:, new], out=np.zeros_like(own), where=own > 0.0)
-        now[:, new] += part[..., None] * (was[:, _field(before, b)] - now[:, new])
+        now[:, new] += part[..., None] * (was[:, velocity_field(before, b)] - now[:, new])
 
 
 def rehearse_motion(rank: Rank) -> None:
@@ -279,3 +280,26 @@ def put_motion(rank: Rank, keys: np.ndarray, values: np.ndarray) -> bool:
     x, y, z, f = np.unravel_index(index, known.shape)
     mine[x, y, z, f, _VELOCITY], mine[x, y, z, f, _DISPLACEMENT] = values[:, :3], values[:, 3:]
     return True
+
+
+def set_motion(rank: Rank, field: int, vertices: np.ndarray, values: np.ndarray) -> None:
+    """Set the motion of a velocity field; other vertices of the field have none.
+
+    Parameters
+    ----------
+    rank : Rank
+        The rank.
+    field : int
+        The velocity field.
+    vertices : (n, 3) int64
+        Numbers of vertices; those that the rank does not have are left out.
+    values : (n, 6) float64
+        Their velocities and displacements.
+    """
+    grid = rank.grid
+    mine = grid.by_vertex(grid.kept.values)[:, field]
+    mine[..., _VELOCITY] = mine[..., _DISPLACEMENT] = 0.0
+    at = vertices - grid.window.lower
+    there = ((at >= 0) & (at < mine.shape[:3])).all(axis=1)
+    x, y, z = at[there].T
+    mine[x, y, z, _VELOCITY], mine[x, y, z, _DISPLACEMENT] = np.split(values[there], 2, axis=1)
