@@ -260,7 +260,7 @@ def _wanted(case: Case, name: str, named: str | None, states: States) -> Wanted:
     )
     return Wanted(
         name, named, str(getattr(law, "model", "")), states, case.geometry,
-        body.configuration == "initial", density, inertia, periods,
+        body.configuration == "initial", density, inertia, periods, case.method.affine,
     )  # fmt: skip
 
 

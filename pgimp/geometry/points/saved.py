@@ -53,6 +53,8 @@ class Wanted(NamedTuple):
         Initial density without mass scaling, None where it varies; the factor of mass scaling.
     periods : sequence of (float, float)
         Low end and period by direction, 0 where the domain is not periodic.
+    affine : bool
+        Whether its particles carry their velocity gradient.
     """
 
     body: str
@@ -64,6 +66,7 @@ class Wanted(NamedTuple):
     density: float | None
     inertia: float
     periods: tuple[tuple[float, float], ...]
+    affine: bool
 
 
 class VertexGrid(NamedTuple):
@@ -257,8 +260,8 @@ def _checkpoint_data(h5py: Any, file: Any, D: int, wanted: Wanted, saved: Saved)
 
 def _frame_data(h5py: Any, file: Any, D: int, wanted: Wanted) -> dict[str, Any]:
     """Datasets of a frame, by field."""
-    needed = [*NEEDED, *wanted.states]
-    names = ("position", "volume", "displacement", "velocity-gradient", *needed)
+    needed = [*NEEDED, *(["velocity-gradient"] if wanted.affine else []), *wanted.states]
+    names = dict.fromkeys(("position", "volume", "displacement", *needed))
     data = {name: find(h5py, file, name) for name in names}
     if missing := [name for name in needed if data[name] is None]:
         raise CaseError(

@@ -101,6 +101,8 @@ def _overlaps_of(
         if (low > high + min(box)).any() or planes[0] >= planes[1]:
             continue
         if isinstance(first, Cloud) and isinstance(second, Cloud):
+            if _apart_in_run(first, second):
+                continue
             found = _close(first, second, (low, high), planes, min(box))
         elif isinstance(first, Cloud):
             assert isinstance(second, LatticeBody)
@@ -114,6 +116,13 @@ def _overlaps_of(
                 f"bodies.{names[b]}.region: {found}: bodies '{names[a]}' and '{names[b]}' "
                 "overlap; move or cut one of them, or leave such particles out of the file",
             )
+
+
+def _apart_in_run(first: Cloud, second: Cloud) -> bool:
+    """Whether both go on from one file of a run, in which they were two bodies."""
+    one, other = first.region.summary.saved, second.region.summary.saved
+    same = first.region.file == second.region.file
+    return bool(same and one and other and one.number != other.number)
 
 
 def _common(first: Bounds, second: Bounds) -> tuple[Reals, Reals]:
