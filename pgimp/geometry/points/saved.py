@@ -6,14 +6,14 @@ A checkpoint has all columns of the particles. A frame has those that its fields
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.geometry.points.block import BLOCK, STRESS, Block, States
+from pgimp.geometry.points.block import BLOCK, STRESS, Block, Saved, States, VertexGrid
 from pgimp.geometry.points.plainhdf5 import Kind, check_dataset, find
 from pgimp.schema.messages import shorten
 
@@ -67,61 +67,6 @@ class Wanted(NamedTuple):
     inertia: float
     periods: tuple[tuple[float, float], ...]
     affine: bool
-
-
-class VertexGrid(NamedTuple):
-    """Grid of a checkpoint.
-
-    Attributes
-    ----------
-    origin, cell, cells : tuples
-        Low corner of the domain, sides of a cell, number of cells.
-    ghost : int
-        Vertices beyond a face.
-    fields : tuple of int
-        Velocity field of each body.
-    """
-
-    origin: tuple[float, ...]
-    cell: tuple[float, ...]
-    cells: tuple[int, ...]
-    ghost: int
-    fields: tuple[int, ...]
-
-
-class Saved(NamedTuple):
-    """What a frame or a checkpoint says of one of its bodies.
-
-    Attributes
-    ----------
-    checkpoint : bool
-        Whether it is a checkpoint.
-    number, bodies : int, int
-        Number of the body, and how many there are.
-    time, step : float, int
-        When it was written.
-    inertia : float
-        Factor of mass scaling.
-    states : dict of str to (int, int)
-        First column and number of components of each state variable in a checkpoint.
-    grid : VertexGrid or None
-        Of a checkpoint.
-    """
-
-    checkpoint: bool
-    number: int
-    bodies: int
-    time: float
-    step: int
-    inertia: float
-    states: Mapping[str, tuple[int, int]]
-    grid: VertexGrid | None
-
-    @property
-    def title(self) -> str:
-        """Say what it is, and of when."""
-        kind = "checkpoint" if self.checkpoint else "frame"
-        return f"a {kind} of step {self.step}, t = {self.time:.6g}"
 
 
 def is_saved(file: Any) -> bool:

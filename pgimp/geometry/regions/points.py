@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pgimp.errors import CaseError
-from pgimp.geometry.points.block import PAIRS, Block, States
+from pgimp.geometry.points.block import PAIRS, Block, Saved, States
 from pgimp.geometry.points.file import blocks
-from pgimp.geometry.points.saved import Saved, Wanted
+from pgimp.geometry.points.saved import Wanted
 from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Region
 from pgimp.geometry.regions.base import Points as Positions
 from pgimp.schema.base import Model, Name

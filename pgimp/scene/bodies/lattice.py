@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
-from pgimp.geometry.points.block import Block
-from pgimp.geometry.points.saved import Saved
+from pgimp.geometry.points.block import Block, Saved
 from pgimp.geometry.regions import Points
 from pgimp.geometry.sweep import close_pairs
 from pgimp.physics.contact.pairs import sharing

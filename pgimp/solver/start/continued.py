@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.case.locations import located
 from pgimp.errors import CaseError, DamagedError
-from pgimp.geometry.points.saved import Saved, VertexGrid
+from pgimp.geometry.points.block import Saved, VertexGrid
 from pgimp.geometry.regions import Points
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.mpi.collective import all_or_none
