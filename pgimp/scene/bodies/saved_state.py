@@ -23,12 +23,12 @@ _FOLLOW = ("around", "ratio", "own")
 
 def saved_attributes(scene: Scene) -> dict[str, object]:
     """Attributes of a frame or a checkpoint that say what its state is of."""
-    bodies, laws = scene.case.bodies, scene.case.materials
+    laws = [scene.materials.entries[material] for material in scene.materials.body_material]
     return {
         "dimensions": scene.dimension,
         "geometry": scene.case.geometry,
         "bodies": list(scene.body_names),
-        "models": [str(getattr(laws[body.material], "model", "")) for body in bodies.values()],
+        "models": [str(getattr(law, "model", "")) for law in laws],
         "mass-scaling": float(scene.case.time.mass_scaling),
     }
 
