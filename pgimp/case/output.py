@@ -140,8 +140,8 @@ class PointProbe(Model):
 
     body: Name = Field(description="name of the body, one of whose particles is followed")
     at: Vector = Field(
-        description="place at the start: followed is the particle of the body whose centre is then "
-        "closest to it, of several the one with the lowest id [length]"
+        description="place in the undeformed body, before it settles: followed is the particle "
+        "whose centre is closest to it, of several the one with the lowest id [length]"
     )
     every: Interval | None = Field(
         default=None,

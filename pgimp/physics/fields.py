@@ -131,6 +131,22 @@ def strain(source: Source) -> Array:
     return full
 
 
+def initial_volume(source: Source) -> Array:
+    """Return the initial volume."""
+    return source.take("V0")
+
+
+def velocity_gradient(source: Source) -> Array:
+    """Return the velocity gradient of affine particles, row-major; zero where there is none."""
+    D, local = source.dimension, source.take("L")
+    full = np.zeros((len(source.rows), 3, 3))
+    if local.shape[1]:
+        full[:, :D, :D] = local[:, : D * D].reshape(-1, D, D)
+    if local.shape[1] > D * D:
+        full[:, 2, 2] = local[:, D * D]
+    return full.reshape(-1, 9)
+
+
 def mass(source: Source) -> Array:
     """Return the mass."""
     return source.take("m")
@@ -211,6 +227,16 @@ OPTIONAL = {
         kind="Matrix",
     ),
     "mass": Field(mass, "mass, which never changes [mass]"),
+    "initial-volume": Field(
+        initial_volume, "initial volume, of rings all round [length^dimensions]"
+    ),
+    "velocity-gradient": Field(
+        velocity_gradient,
+        "velocity gradient that particles carry with `affine`, row by row: dv_x/dx, dv_x/dy, ...; "
+        "0 where they carry none [1/time]",
+        components="xx xy xz yx yy yz zx zy zz",
+        kind="Matrix",
+    ),
     "density": Field(density, "mass over current volume [mass/length^dimensions]"),
     "rank": Field(
         rank,

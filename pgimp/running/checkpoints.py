@@ -13,6 +13,7 @@ from time import monotonic
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from pgimp.case.output import WallTime
@@ -25,6 +26,7 @@ from pgimp.mpi.collective import all_or_none, on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.running.probes import Record
 from pgimp.running.schedule import Schedule
+from pgimp.scene.bodies.saved_state import checkpoint_attributes
 from pgimp.solver.state.state import capture
 
 if TYPE_CHECKING:
@@ -198,6 +200,8 @@ class Checkpoints:
         self.size += checkpointwriter.write(
             path, sim.comm, about, rows.columns, whole, rows.order, spread,
             rows.at if sim.population.released else None,
+            checkpoint_attributes(sim.scene, sim.rank.grid.fields)
+            | {"time": float(sim.time), "step": np.int64(sim.step)},
         )  # fmt: skip
         self.latest, self._stands_for = sim.step, stands_for
         on_root(sim.comm, self._delete_older)

@@ -13,7 +13,7 @@ from pgimp.errors import RunError, UsageError, explain
 from pgimp.io.rundir.probefiles import PROBES, probe_file
 from pgimp.mpi.collective import on_root
 from pgimp.running.schedule import Schedule
-from pgimp.solver.state.probes import Place, Point, nearest, sample
+from pgimp.solver.state.probes import Place, Point, begin_at_rest, nearest, sample
 from pgimp.storage.atomic import sync_folder
 from pgimp.storage.lines import LineFile
 
@@ -34,7 +34,8 @@ class Record(BaseModel):
     at : list of float
         Position in the case.
     number, origin : int, list of float
-        Id and initial position of the followed particle; -1 and `at` for a fixed position.
+        Id of the followed particle, and where its displacement counts from; -1 and `at` for a
+        fixed position.
     line : int
         Step of the last line that is safe on disk.
     lines : int or None
@@ -145,15 +146,34 @@ class Probes:
         self._probes: dict[str, _Probe] = {}
         self._schedules = _schedules(case)
 
+    def choose(self, records: Mapping[str, Record]) -> None:
+        """Find the followed particles of a run that has yet to settle; collective.
+
+        Parameters
+        ----------
+        records : mapping of str to Record
+            Those that a checkpoint of the settling has; see `require_known`.
+
+        Raises
+        ------
+        RunError
+            On every rank, if their folder cannot be made.
+        """
+        self._open(records)
+
     def begin(self) -> None:
-        """Find the followed particles, and write the initial lines; collective.
+        """Find the followed particles, if need be, and write the initial lines; collective.
 
         Raises
         ------
         RunError
             On every rank, if that is not possible; later methods raise it likewise.
         """
-        self._open({})
+        if self._probes:
+            targets = [probe.target for probe in self._probes.values()]
+            begin_at_rest(self._sim, [each for each in targets if isinstance(each, Point)])
+        else:
+            self._open({})
         self.write()
 
     def resume(self, records: Mapping[str, Record]) -> list[str]:

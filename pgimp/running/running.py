@@ -58,6 +58,7 @@ def advance(
         if sim.preparing:
             if about:
                 recorder.checkpoints.resume(sim.comm, sim.step, about)
+            recorder.probes.choose(about.probes if about else {})
             stopped = _settle(sim, recorder, progress, log, stop)
             about = None
         if not sim.preparing:

@@ -8,12 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.checks.periodic import periodic_axes
 from pgimp.case.checks.places.probes import check_near
 from pgimp.case.checks.regions import check_bounds
 from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh.tree import build_tree, nothing
+from pgimp.geometry.points.block import States
+from pgimp.geometry.points.saved import Wanted
 from pgimp.geometry.regions import Points
 from pgimp.geometry.regions.base import Region
 from pgimp.geometry.regions.enclosed import Enclosed
@@ -24,6 +27,7 @@ from pgimp.mpi.limits import limits
 from pgimp.mpi.node import one_rank_first
 from pgimp.physics.variation import Places, TableVariation
 from pgimp.physics.variation.own import OwnVariation
+from pgimp.scene.mass_scaling import is_scaled
 from pgimp.scene.materials import LEAST, MOST
 from pgimp.scene.variations import tables
 from pgimp.schema.messages import dotted
@@ -171,7 +175,10 @@ def _read_points(case: Case, comm: Communicator) -> None:
             for part in variation.parts()
             for column in part.columns
         ]
-        points.expect(dict.fromkeys((column for column, _, _ in columns), False) | states)
+        points.expect(
+            dict.fromkeys((column for column, _, _ in columns), False) | states,
+            _wanted(case, name, points.body, states),
+        )
 
         def read(
             name: str = name,
@@ -184,19 +191,26 @@ def _read_points(case: Case, comm: Communicator) -> None:
             except CaseError as error:
                 raise CaseError(f"bodies.{name}.region: {error}") from None
             for column, key, _ in columns:
+                if found.saved:
+                    raise CaseError(
+                        f"bodies.{name}.region: parameters from columns, as materials."
+                        f"{case.bodies[name].material}.{key}, are in files of your own, and "
+                        f"{points.file} is of a run: take another variation"
+                    )
                 if column not in found.states:
                     raise CaseError(
                         f"bodies.{name}.region: the particles {points.file} have no column "
                         f"'{column}', from which materials.{case.bodies[name].material}.{key} is "
                         "to be taken"
                     )
-            if found.stress and not material.CARRIES_STRESS:
+            stress = found.stress and not found.saved  # of a run it goes with the rest
+            if stress and not material.CARRIES_STRESS:
                 raise CaseError(
                     f"bodies.{name}.region: the particles {points.file} have a stress, but the "
                     f"stress of '{material.model}' follows from the deformation alone; leave it "
                     "out, or use hooke"
                 )
-            if found.stress and not material.CARRIES_PRESSURE and (first := points.mean_stress()):
+            if stress and not material.CARRIES_PRESSURE and (first := points.mean_stress()):
                 particle, mean = first
                 raise CaseError(
                     f"bodies.{name}.region: {particle}, has a mean stress of {mean:.3g}, but the "
@@ -204,7 +218,7 @@ def _read_points(case: Case, comm: Communicator) -> None:
                     "start: it would be gone in the first step; give deviators, stresses less "
                     "their mean"
                 )
-            tension = found.stress and not material.BEARS_TENSION
+            tension = stress and not material.BEARS_TENSION
             if tension and (first := points.mean_stress(tension=True)):
                 particle, mean = first
                 raise CaseError(
@@ -233,6 +247,21 @@ def _read_points(case: Case, comm: Communicator) -> None:
         means = dict(zip(found.states, found.means, strict=True))
         for column, _, part in columns:
             part.learn(means[column])
+
+
+def _wanted(case: Case, name: str, named: str | None, states: States) -> Wanted:
+    """What a body needs of a frame or a checkpoint of a run."""
+    body, inertia = case.bodies[name], case.time.mass_scaling
+    law, axes = case.materials[body.material], periodic_axes(case.boundaries)
+    density = None if law.variations else law.density / (inertia if is_scaled(case) else 1.0)
+    periods = tuple(
+        (case.grid.origin[d], case.grid.size[d] if d in axes else 0.0)
+        for d in range(case.dimensions)
+    )
+    return Wanted(
+        name, named, str(getattr(law, "model", "")), states, case.geometry,
+        body.configuration == "initial", density, inertia, periods, case.method.affine,
+    )  # fmt: skip
 
 
 def _learn_functions(case: Case) -> None:

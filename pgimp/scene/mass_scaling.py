@@ -35,10 +35,15 @@ class WeakerVector(VectorFunction):
         return [(t, tuple(each / self.factor for each in row)) for t, row in self.whole.rows]
 
 
+def is_scaled(case: Case) -> bool:
+    """Whether a case has its larger inertia already."""
+    return _DONE in case.__dict__
+
+
 def scaled(case: Case) -> Case:
     """Return the case with its inertia times `time.mass-scaling`; itself without a factor."""
     factor = case.time.mass_scaling
-    if factor == 1.0 or _DONE in case.__dict__:
+    if factor == 1.0 or is_scaled(case):
         return case
     gravity: Any = case.gravity
     if isinstance(gravity, VectorFunction):

@@ -8,8 +8,9 @@ import numpy as np
 from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.migrate import pack, unpack
 from pgimp.decomposition.slabs import Slab, cut, slab_of
+from pgimp.geometry.points.block import Block
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.order.order import layers_of
+from pgimp.kernels.order.order import layers_of, locate
 from pgimp.kernels.update.turns import turn_particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -121,12 +122,22 @@ def create_particles(
     return found, len(records)
 
 
-def slab_predicate(scene: Scene, slab: Slab) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a predicate for the undeformed particles of a slab, by their coordinates along x."""
+def slab_predicate(scene: Scene, slab: Slab) -> Callable[[int, Block], np.ndarray]:
+    """Return a predicate for particles of a file, given their body: whether a slab has them."""
+    shape, frame = scene.settings.shape, scene.order_frame
 
-    def own(x: np.ndarray) -> np.ndarray:
+    def own(body: int, block: Block) -> np.ndarray:
+        x = np.ascontiguousarray(block.position[:, 0])
         layers = np.empty(len(x), np.int64)
-        layers_of(scene.settings.shape, scene.order_frame, scene.setting.identity, x, layers)
+        if block.saved and scene.settings.follows:  # supports are those of deformed particles
+            p = Particles.empty(len(x), scene.created)
+            p.x[:], p.F[:], p.V[:], p.body[:] = block.columns["x"], block.columns["F"], 1.0, body
+            if p.origin.shape[1]:
+                p.origin[:] = block.position
+            locate(shape, frame, p, np.arange(len(x), dtype=np.int32), scene.domain.frame.vertices)
+            layers[:] = p.layer
+        else:
+            layers_of(shape, frame, scene.setting.identity, x, layers)
         return (slab.first <= layers) & (layers < slab.first + slab.layers)
 
     return own

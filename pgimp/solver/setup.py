@@ -41,6 +41,7 @@ from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.rest.settle import begin_settling
+from pgimp.solver.start.continued import continue_motion, verify_checkpoints
 from pgimp.solver.start.creation import LIGHT, Creation
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.sound import require_light, require_particles
@@ -81,6 +82,7 @@ def begin(
     """
     scene = scenes[0]
     start = Start(scene, comm, reduction)
+    verify_checkpoints(scene, comm)
     share(start.case, comm)
     require(scene, comm)
     scene.interaction.rigid_bodies.measure(comm)
@@ -133,6 +135,7 @@ def begin(
     start.warnings += overstress.measure(scene, particles, count, comm)
     put_in_order(start, slab, particles, count)
     begin_motion(start.rank)
+    continue_motion(start.rank)
     if start.rank.grips:
         start.rank.grips.start(start.rank)
     if len(scenes) > 1 and scene.materials.variations:

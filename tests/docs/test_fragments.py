@@ -64,6 +64,7 @@ FRAGMENTS = (
     ("bodies:\n  bar:", lambda: scene(2), ()),
     ("bodies:\n  pile:", lambda: scene(1, ("concrete",)), ()),
     ("bodies:\n  ground:\n    material: steel", lambda: scene(3, ("steel",)), ()),
+    ("bodies:\n  column:\n    material: clay", lambda: scene(2, ("clay",)), ()),
     ("bodies:\n  part:", lambda: scene(3, ("steel",)), ()),
     ("region:\n", lambda: scene(2), ("bodies", "block")),
     ("materials:\n  steel:", lambda: scene(2, ("steel",)), ()),

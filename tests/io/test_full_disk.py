@@ -38,8 +38,8 @@ def check_full_disk(directory, before):
 
 @pytest.mark.parametrize("ranks", [1, wide(2), 3])
 def test_a_full_disk_stops_the_run_and_spoils_nothing(disk, mpirun, ranks):
-    # A frame takes about 315 bytes a particle, so that the fourth does not fit.
-    job = mpirun(ranks, [__file__, disk, 860], env=HERE)
+    # A frame takes about 395 bytes a particle, so that the fourth does not fit.
+    job = mpirun(ranks, [__file__, disk, 680], env=HERE)
     assert job.returncode == 0, job.stdout + job.stderr
     messages = job.stdout.splitlines()
     assert len(messages) == ranks and len(set(messages)) == 1

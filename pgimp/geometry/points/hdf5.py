@@ -4,64 +4,59 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
 from pgimp.geometry.points.block import BLOCK, STRESS, Block, States
-from pgimp.geometry.points.plainhdf5 import find
+from pgimp.geometry.points.plainhdf5 import Kind, check_dataset, find
+from pgimp.geometry.points.saved import NO_BODY, Wanted, is_saved, read_saved, require_room
 
 Reals = NDArray[np.float64]
 
-#: The largest chunk of a dataset [bytes].
-_CHUNK = 256_000_000
 
-
-class _Kind(NamedTuple):
-    """Allowed shapes of a dataset's row, and the components of it that the case has."""
-
-    shapes: tuple[tuple[int, ...], ...]
-    kept: list[int]
-
-
-def _kinds(D: int, states: States) -> dict[str, _Kind]:
+def _kinds(D: int, states: States) -> dict[str, Kind]:
     """Kinds of the datasets; vectors and tensors may be three-dimensional, as in a run's frames."""
-    vector = _Kind(((D,), (3,)) if D > 1 else ((), (1,), (3,)), list(range(D)))
+    vector = Kind(((D,), (3,)) if D > 1 else ((), (1,), (3,)), list(range(D)))
     square = [3 * i + j for i in range(D) for j in range(D)]
-    number = _Kind(((), (1,)), [0])
-    tensor = _Kind(((STRESS[D],), (6,)), list(range(STRESS[D])))
+    number = Kind(((), (1,)), [0])
+    tensor = Kind(((STRESS[D],), (6,)), list(range(STRESS[D])))
     return {name: tensor if states[name] else number for name in states} | {
         "position": vector,
         "volume": number,
         "velocity": vector,
         "stress": tensor,
-        "velocity-gradient": _Kind(((D, D), (D * D,), (3, 3), (9,)), square),
+        "velocity-gradient": Kind(((D, D), (D * D,), (3, 3), (9,)), square),
     }
 
 
-def read_hdf5(name: str, D: int, most: int | None, states: States) -> Iterator[Block]:
+def read_hdf5(
+    name: str, D: int, most: int | None, states: States, wanted: Wanted | None = None
+) -> Iterator[Block]:
     """Yield the particles of a file; see `pgimp.geometry.points.file.blocks`."""
     from pgimp.storage.hdf5 import load_h5py, open_file
 
     h5py = load_h5py()
     with open_file(Path(name), "r") as file:
+        if is_saved(file):
+            yield from read_saved(h5py, file, D, most, wanted)
+            return
+        if wanted and wanted.named:
+            raise CaseError(f"it is no frame or checkpoint of a run, and has no body: {NO_BODY}")
         kinds, own = _kinds(D, states), _kinds(D, {})
         found = {key: find(h5py, file, key) for key in kinds}
         if missing := [key for key in ("position", "volume") if found[key] is None]:
             raise CaseError(f"it has no dataset {', '.join(map(repr, missing))}")
         data = {key: dataset for key, dataset in found.items() if dataset is not None}
         for key, dataset in data.items():
-            _check(h5py, dataset, key, kinds[key])
+            check_dataset(h5py, dataset, key, kinds[key])
         count = len(data["position"])
         for key, dataset in data.items():
             if len(dataset) != count:
                 raise CaseError(f"{len(dataset):,} rows of {key}, but {count:,} of position")
-        if most is not None and count > most:
-            raise CaseError(
-                f"it claims {count:,} particles, but the memory that is here holds {most:,} at most"
-            )
+        require_room(count, most)
         for first in range(0, count, BLOCK):
             rows = {
                 key: _rows(dataset[first : first + BLOCK], key, kinds[key], first, D)
@@ -75,19 +70,7 @@ def read_hdf5(name: str, D: int, most: int | None, states: States) -> Iterator[B
             )
 
 
-def _check(h5py: Any, data: Any, key: str, kind: _Kind) -> None:
-    """Check the type and shape of a dataset."""
-    if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "fiu":
-        raise CaseError(f"'{key}' is no dataset of numbers")
-    if data.ndim == 0 or data.shape[1:] not in kind.shapes:
-        shapes = dict.fromkeys(kind.shapes)
-        wanted = " or ".join(str(("n", *shape)).replace("'", "") for shape in shapes)
-        raise CaseError(f"'{key}' has the shape {data.shape}; expected {wanted}")
-    if data.chunks and np.prod(data.chunks, dtype=float) * data.dtype.itemsize > _CHUNK:
-        raise CaseError(f"'{key}' is stored in chunks of {data.chunks}; use smaller ones")
-
-
-def _rows(values: Any, key: str, kind: _Kind, first: int, D: int) -> Reals:
+def _rows(values: Any, key: str, kind: Kind, first: int, D: int) -> Reals:
     """Rows of a dataset in the case's dimension; nonzero components beyond it are refused."""
     table = np.asarray(values, float).reshape(len(values), -1)
     if table.shape[1] <= len(kind.kept):

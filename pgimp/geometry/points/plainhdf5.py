@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from pgimp.errors import CaseError
 from pgimp.schema.messages import shorten
+
+#: The largest chunk of a dataset [bytes].
+_CHUNK = 256_000_000
+
+
+class Kind(NamedTuple):
+    """Allowed shapes of a dataset's row, and the components of it that the case has."""
+
+    shapes: tuple[tuple[int, ...], ...]
+    kept: list[int]
+
 
 #: Most links in a chain; a longer chain counts as a circle.
 _MOST_LINKS = 16
@@ -69,3 +82,15 @@ def find(h5py: Any, file: Any, key: str) -> Any:
         if group.is_virtual:
             raise CaseError(f"'{key}' is a view of other datasets; copy the data into this one")
     return group
+
+
+def check_dataset(h5py: Any, data: Any, key: str, kind: Kind) -> None:
+    """Check the type and shape of a dataset."""
+    if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "fiu":
+        raise CaseError(f"'{key}' is no dataset of numbers")
+    if data.ndim == 0 or data.shape[1:] not in kind.shapes:
+        shapes = dict.fromkeys(kind.shapes)
+        wanted = " or ".join(str(("n", *shape)).replace("'", "") for shape in shapes)
+        raise CaseError(f"'{key}' has the shape {data.shape}; expected {wanted}")
+    if data.chunks and np.prod(data.chunks, dtype=float) * data.dtype.itemsize > _CHUNK:
+        raise CaseError(f"'{key}' is stored in chunks of {data.chunks}; use smaller ones")

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pgimp.errors import CaseError
-from pgimp.geometry.points.block import PAIRS, Block, States
+from pgimp.geometry.points.block import PAIRS, Block, Saved, States
 from pgimp.geometry.points.file import blocks
+from pgimp.geometry.points.saved import Wanted
 from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Region
 from pgimp.geometry.regions.base import Points as Positions
-from pgimp.schema.base import Model
+from pgimp.schema.base import Model, Name
 from pgimp.schema.paths import FileName
 
 #: Mean stress, over the greatest stress of a file, below which it is rounding.
@@ -29,7 +30,8 @@ _ROUNDING = 1e-9
 class Summary(NamedTuple):
     """Summary of a file of particles, without its rows.
 
-    `means` are the means of the first components of `states`.
+    `means` are the means of the first components of `states`. Of a run's own file, `saved` is what
+    it says of the body, and `lowest` the lowest id if the ids have no gap, else -1.
     """
 
     number: int
@@ -43,6 +45,8 @@ class Summary(NamedTuple):
     gradient: bool
     states: tuple[str, ...]
     means: tuple[float, ...] = ()
+    lowest: int = -1
+    saved: Saved | None = None
 
 
 class Points(Model, Region):
@@ -56,7 +60,13 @@ class Points(Model, Region):
         "(x,y,z,volume,velocity-x,...,stress-xx,...,velocity-gradient-xx,...), or .h5 with "
         "datasets position, volume, velocity, stress, velocity-gradient; either also with the "
         "state variables of the body's material, and with columns that its parameters are to be "
-        "taken from, by their names"
+        "taken from, by their names; or a frame (frames/particles-*.h5) or a checkpoint "
+        "(checkpoints/step-*.h5) of a run, from whose whole state the body goes on"
+    )
+    body: Name | None = Field(
+        default=None,
+        description="body of a frame or a checkpoint to go on with; by default the one of the same "
+        "name, or the only one",
     )
 
     def belong(self, dimensions: int) -> None:
@@ -68,13 +78,13 @@ class Points(Model, Region):
         """Directions of the case."""
         return self.__dict__.get("dimensions_of_case", 3)
 
-    def expect(self, states: States) -> None:
-        """Set the columns that the file may have: state variables, varying parameters."""
-        self.__dict__["states_of_material"] = states
+    def expect(self, states: States, wanted: Wanted | None = None) -> None:
+        """Set what the file may have: columns by name, or the whole state that a body needs."""
+        self.__dict__["states_of_material"], self.__dict__["wanted"] = states, wanted
 
     def _blocks(self, most: int | None = None) -> Iterator[Block]:
         states = self.__dict__.get("states_of_material")
-        return blocks(self.file, self.dimensions, most, states)
+        return blocks(self.file, self.dimensions, most, states, self.__dict__.get("wanted"))
 
     def nothing(self) -> Summary:
         """Return the summary in place of the file if its particles exist already."""
@@ -106,6 +116,7 @@ class Points(Model, Region):
         velocity = stress = gradient = False
         states: tuple[str, ...] = ()
         sums: Lengths = np.zeros(0)
+        (first, last), saved = (2**62, -1), None
         for block in self._blocks(most):
             self._check(block)
             count += len(block.volume)
@@ -115,6 +126,9 @@ class Points(Model, Region):
             least, largest = min(least, block.volume.min()), max(largest, block.volume.max())
             velocity, stress = block.velocity is not None, block.stress is not None
             gradient, states = block.gradient is not None, tuple(block.states)
+            if saved := block.saved:
+                ids = block.columns["id"]
+                first, last = min(first, int(ids.min())), max(last, int(ids.max()))
             sums = np.array([table[:, 0].sum() for table in block.states.values()]) + (
                 sums if len(sums) else 0.0
             )
@@ -127,7 +141,9 @@ class Points(Model, Region):
         ends = tuple(low.tolist()), tuple(high.tolist())
         sizes = float(least), float(largest)
         means = tuple((sums / count).tolist())
-        return Summary(count, *ends, volume, *sizes, velocity, stress, gradient, states, means)
+        found = Summary(count, *ends, volume, *sizes, velocity, stress, gradient, states, means)
+        lowest = first if last - first + 1 == count else -1
+        return found._replace(lowest=lowest, saved=saved)
 
     def _check(self, block: Block) -> None:
         """Refuse rows that are no particles, with the row."""
@@ -157,10 +173,10 @@ class Points(Model, Region):
                 f"is {block.volume[row]:g}"
             )
 
-    def chosen(self, which: Callable[[Lengths], Mask]) -> Iterator[tuple[NDArray, Block]]:
-        """Yield the particles with selected x coordinates, with their rows in the file."""
+    def chosen(self, which: Callable[[Block], Mask]) -> Iterator[tuple[NDArray, Block]]:
+        """Yield selected particles, with their rows in the file, or among those of the body."""
         for block in self._blocks():
-            rows = np.flatnonzero(which(np.ascontiguousarray(block.position[:, 0])))
+            rows = np.flatnonzero(which(block))
             if len(rows):
                 yield block.first + rows, block.take(rows)
 
@@ -244,6 +260,11 @@ class Points(Model, Region):
         def place(x: tuple[float, ...]) -> str:
             return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
 
+        if found.saved:
+            return [
+                f"{found.number:,} particles, mass and whole state, of {found.saved.title}; from "
+                f"{place(found.low)} to {place(found.high)}, volume {found.volume:.6g}"
+            ]
         names = {"velocity": "velocity", "stress": "stress", "gradient": "velocity gradient"}
         more = [name for key, name in names.items() if getattr(found, key)]
         more += found.states

@@ -44,6 +44,7 @@ def write(
     order: Array | None = None,
     spread: Mapping[str, Array] = _NONE,
     at: Callable[[Array], Mapping[str, Array]] | None = None,
+    attributes: Mapping[str, object] = MappingProxyType({}),
 ) -> int:
     """Write a checkpoint; collective.
 
@@ -68,6 +69,8 @@ def write(
     at : callable, optional
         Takes some of `order`; returns columns there in place of those of `rows`, until its next
         call.
+    attributes : mapping
+        Attributes of the HDF5 file's root, for other programs; used on rank 0.
 
     Returns
     -------
@@ -96,7 +99,7 @@ def write(
     ]
     bounds = [0, *accumulate(some[0][0] for some in told_of)]
     first, count = bounds[comm.rank], told_of[comm.rank][0][0]
-    plan = _Plan(part, about, shapes, bounds)
+    plan = _Plan(part, about, shapes, bounds, attributes)
     file = None
     with removed_on_error(part, comm):
         try:
@@ -166,8 +169,9 @@ class _Plan:
         about: dict[str, object],
         shapes: dict[str, tuple[str, tuple[int, ...]]],
         bounds: list[int],
+        attributes: Mapping[str, object],
     ) -> None:
-        self.part = part
+        self.part, self._attributes = part, attributes
         self.ranks = len(bounds) - 1
         self.datasets = [Dataset(name, dtype, tail) for name, (dtype, tail) in shapes.items()]
         self.count = bounds[-1]
@@ -210,7 +214,9 @@ class _Plan:
                     raise ValueError(f"no checkpoint holds numbers of type {place['dtype']}")
             most = len(encode(self.content)) + _NUMBER * (len(places) + 2) + _PIECE_TEXT * pieces
             self.begin = max(512, 1 << (most - 1).bit_length())
-            layout = lay_out(self.datasets, self.count, whole=arrays, user_block=self.begin)
+            layout = lay_out(
+                self.datasets, self.count, self._attributes, arrays, user_block=self.begin
+            )
             layout.create(self.part)
         except OSError as error:
             raise RunError(f"cannot {what}: {explain(error)}") from error

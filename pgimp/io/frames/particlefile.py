@@ -16,6 +16,7 @@ from pgimp.io.frames.vtkhdf import add_group
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import Source
+from pgimp.scene.bodies.saved_state import saved_attributes
 from pgimp.storage import chunks
 from pgimp.storage.atomic import temporary
 from pgimp.storage.chunks import Chunks, chunk_rows
@@ -91,10 +92,8 @@ class ParticleFile:
             "format": FORMAT_VERSION,
             "title": str(case.title or ""),
             "units": str(case.units or ""),
-            "dimensions": scene.dimension,
-            "bodies": names["body"],
             "materials": names["material"],
-        }
+        } | saved_attributes(scene)
 
     def rows(
         self, comm: Communicator, ids: Array, storage: Array, count: int, complete: bool

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.geometry.points.block import Block
 from pgimp.scene.bodies.lattice import ParticleBlock
 from pgimp.scene.bodies.point_cloud import Cloud
 
@@ -70,8 +71,8 @@ def with_gradients(
     own = cells(positions)
     first, last = int(own[:, 0].min()) - 1, int(own[:, 0].max()) + 1
 
-    def near(x: Reals) -> NDArray[np.bool_]:
-        along = np.floor((x - low[0]) / reach[0]) + 1
+    def near(block: Block) -> NDArray[np.bool_]:
+        along = np.floor((block.position[:, 0] - low[0]) / reach[0]) + 1
         return (first <= along) & (along <= last)
 
     parts = [(block.position, block.velocity) for _, block in cloud.region.chosen(near)]

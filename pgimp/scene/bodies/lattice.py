@@ -8,6 +8,7 @@ fractions of particles at a surface are computed in `pgimp.scene.bodies.lattice_
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
+from pgimp.geometry.points.block import Block, Saved
 from pgimp.geometry.regions import Points
 from pgimp.geometry.sweep import close_pairs
 from pgimp.physics.contact.pairs import sharing
@@ -52,6 +54,8 @@ class ParticleBlock(NamedTuple):
         and the three entries above come from a particle file.
     rows : (n,) int64 or None
         Rows of the file.
+    columns, saved : mapping, Saved or None
+        Whole state by column, and what it is of, if the file is a run's own.
     """
 
     body: int
@@ -64,6 +68,8 @@ class ParticleBlock(NamedTuple):
     gradients: NDArray[np.float64] | None = None
     states: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
     rows: NDArray[np.int64] | None = None
+    columns: Mapping[str, NDArray] = MappingProxyType({})
+    saved: Saved | None = None
 
 
 class Lattice:
@@ -251,7 +257,7 @@ class Lattice:
         planes: tuple[int, int],
         counts: np.ndarray,
         only: int | None = None,
-        own: Callable[[np.ndarray], np.ndarray] | None = None,
+        own: Callable[[int, Block], np.ndarray] | None = None,
     ) -> Iterator[ParticleBlock]:
         """Particles of a range of planes, of all bodies or of one, in ascending id.
 
@@ -264,8 +270,8 @@ class Lattice:
         only : int, optional
             The one body.
         own : callable, optional
-            Selects particles that are not on the lattice by their x coordinates; by default the
-            particles within the planes.
+            Selects particles that are not on the lattice, given the body's number and a block; by
+            default the particles within the planes.
         """
         if counts is not self._counts:
             self._counts = counts
@@ -277,10 +283,15 @@ class Lattice:
                 continue
             if isinstance(body, Cloud):
                 first = int(ends[number, -1] - counts[number].sum())
-                for rows, block in body.make(planes, own):
+                for rows, block in body.make(planes, own and partial(own, number)):
                     x, fractions = block.position, block.volume / self.volume
                     given = block.velocity, block.stress, block.gradient, block.states
-                    yield ParticleBlock(number, x, first + rows, fractions, x, *given, rows)
+                    lowest, ids = body.region.summary.lowest, first + rows
+                    if lowest >= 0:  # of a run, where they have no gap
+                        ids = first + (block.columns["id"] - lowest)
+                    yield ParticleBlock(
+                        number, x, ids, fractions, x, *given, rows, block.columns, block.saved
+                    )
                 continue
             for volumes in body.slabs(planes):
                 plane = volumes.ranges[0][0]

@@ -41,9 +41,13 @@ class Cloud:
         if planes[0] >= planes[1]:
             return np.zeros(0, np.int64)
         total = np.zeros(len(self.edges[0]) - 1, np.int64)
-        for _, block in self.region.chosen(lambda x: self.between(x, planes)):
+        for _, block in self.region.chosen(lambda block: self.within(block, planes)):
             total += np.bincount(self._planes(block.position[:, 0]), minlength=len(total))
         return total[planes[0] : planes[1]]
+
+    def within(self, block: Block, planes: tuple[int, int]) -> Mask:
+        """Mask of the particles of a block within a range of planes."""
+        return self.between(np.ascontiguousarray(block.position[:, 0]), planes)
 
     def between(self, x: Reals, planes: tuple[int, int]) -> Mask:
         """Mask of the coordinates within a range of planes."""
@@ -51,7 +55,7 @@ class Cloud:
         return (planes[0] <= plane) & (plane < planes[1])
 
     def make(
-        self, planes: tuple[int, int], own: Callable[[Reals], Mask] | None
+        self, planes: tuple[int, int], own: Callable[[Block], Mask] | None
     ) -> Iterator[tuple[NDArray[np.int64], Block]]:
-        """Yield rows and particles of a range of planes, or with x coordinates in `own`."""
-        return self.region.chosen(own or (lambda x: self.between(x, planes)))
+        """Yield rows and particles of a range of planes, or those in `own`."""
+        return self.region.chosen(own or (lambda block: self.within(block, planes)))

@@ -7,6 +7,7 @@ import numpy as np
 
 from pgimp.case.locations import located
 from pgimp.errors import CaseError
+from pgimp.geometry.points.block import Block
 from pgimp.geometry.regions import Points
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.errors import initial_velocities
@@ -16,6 +17,7 @@ from pgimp.scene.bodies.cloud_gradients import with_gradients
 from pgimp.scene.bodies.lattice import Lattice, ParticleBlock
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.point_cloud import Cloud
+from pgimp.scene.bodies.saved_state import restore_state
 from pgimp.scene.bodies.surface_elements import parts_of
 from pgimp.scene.scene import Scene
 
@@ -25,7 +27,7 @@ def populate(
     lattice: Lattice,
     counts: np.ndarray,
     planes: tuple[int, int],
-    own: Callable[[np.ndarray], np.ndarray] | None = None,
+    own: Callable[[int, Block], np.ndarray] | None = None,
 ) -> Particles:
     """Create the particles of a range of lattice planes, ordered by body and position.
 
@@ -54,7 +56,7 @@ def populate(
         for body, blocks in enumerate(files)
     )
     p = Particles.empty(max(n, 1), scene.created)
-    row = 0
+    row, saved = 0, list[tuple[slice, ParticleBlock]]()
     every = (
         lattice.make(planes, counts, body) if blocks is None else blocks
         for body, blocks in enumerate(files)
@@ -85,13 +87,18 @@ def populate(
             p.offset[rows] = block.centroids - block.positions
             p.excess[rows, 0] = lattice.excess(block)
         p.m[rows] = p.V0[rows] * scene.materials.parameters[material].density  # (4)
-        set_stress(scene, p, rows, block)
+        if block.saved:
+            saved.append((rows, block))
+        else:
+            set_stress(scene, p, rows, block)
         row += len(block.ids)
     if p.origin.shape[1]:
         p.origin[:] = p.x
     if p.place.shape[1]:
         p.place[:] = p.x
     scene.interaction.loads.initialise(p, row)
+    for rows, block in saved:
+        restore_state(scene, p, rows, block)
     _set_surfaces(scene, lattice, p, row, planes)
     return p
 
@@ -135,7 +142,11 @@ def prestressed(scene: Scene) -> list[int]:
         for number, (name, body) in enumerate(scene.case.bodies.items())
         if (
             any(each is not None and each.begins(name) for each in given)
-            or (isinstance(body.region, Points) and body.region.summary.stress)
+            or (
+                isinstance(body.region, Points)
+                and body.region.summary.stress
+                and not body.region.summary.saved
+            )
         )
         and scene.case.materials[body.material].states
         and has(

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.geometry.points.block import Block
 from pgimp.geometry.regions.base import Bounds
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.point_cloud import Cloud
@@ -100,6 +101,8 @@ def _overlaps_of(
         if (low > high + min(box)).any() or planes[0] >= planes[1]:
             continue
         if isinstance(first, Cloud) and isinstance(second, Cloud):
+            if _apart_in_run(first, second):
+                continue
             found = _close(first, second, (low, high), planes, min(box))
         elif isinstance(first, Cloud):
             assert isinstance(second, LatticeBody)
@@ -113,6 +116,13 @@ def _overlaps_of(
                 f"bodies.{names[b]}.region: {found}: bodies '{names[a]}' and '{names[b]}' "
                 "overlap; move or cut one of them, or leave such particles out of the file",
             )
+
+
+def _apart_in_run(first: Cloud, second: Cloud) -> bool:
+    """Whether both go on from one file of a run, in which they were two bodies."""
+    one, other = first.region.summary.saved, second.region.summary.saved
+    same = first.region.file == second.region.file
+    return bool(same and one and other and one.number != other.number)
 
 
 def _common(first: Bounds, second: Bounds) -> tuple[Reals, Reals]:
@@ -232,7 +242,8 @@ def _taken(
     """Particles in a box and in a range of planes, or up to a distance beyond these along x."""
     edges = cloud.edges[0]
 
-    def near(x: Reals) -> NDArray[np.bool_]:
+    def near(block: Block) -> NDArray[np.bool_]:
+        x = np.ascontiguousarray(block.position[:, 0])
         inside = (box[0][0] <= x) & (x <= box[1][0])
         if beyond is None:
             return inside & cloud.between(x, planes)

@@ -33,6 +33,7 @@ def stressed(scene: Scene) -> list[int]:
         for number, body in enumerate(scene.case.bodies.values())
         if isinstance(body.region, Points)
         and body.region.summary.stress
+        and not body.region.summary.saved  # which bore it
         and "plastic-work" in scene.case.materials[body.material].LOSSES
     ]
 

@@ -200,7 +200,7 @@ def enter_motion(rank: Rank, before: Grid) -> None:
         for b, name in enumerate(scene.body_names)
         if scene.settings.lagrangian[b] and name not in scene.case.staged.removed
     ]
-    pairs = {(_field(grid, b), _field(before, b)) for b in bodies}
+    pairs = {(velocity_field(grid, b), velocity_field(before, b)) for b in bodies}
     if len({new for new, _ in pairs}) == len(pairs):
         for new, old_field in pairs:
             now[:, new] = was[:, old_field]
@@ -209,7 +209,8 @@ def enter_motion(rank: Rank, before: Grid) -> None:
     keep_masses(rank)  # a resumed run has no room for vertices far from others
 
 
-def _field(grid: Grid, body: int) -> int:
+def velocity_field(grid: Grid, body: int) -> int:
+    """Number of a body's velocity field in a grid."""
     return grid.fields[body] if grid.fields else 0
 
 
@@ -222,13 +223,13 @@ def _regroup(rank: Rank, bodies: list[int], before: Grid, was: np.ndarray, now: 
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         population.order, population.start = order.rows[mine], edges
         try:
-            own = _sums(rank)[0][:, _field(rank.grid, b)]
+            own = _sums(rank)[0][:, velocity_field(rank.grid, b)]
         finally:
             population.order, population.start = order.rows, order.start
-        new = _field(rank.grid, b)
+        new = velocity_field(rank.grid, b)
         mass[:, new] += own
         part = np.divide(own, mass[:, new], out=np.zeros_like(own), where=own > 0.0)
-        now[:, new] += part[..., None] * (was[:, _field(before, b)] - now[:, new])
+        now[:, new] += part[..., None] * (was[:, velocity_field(before, b)] - now[:, new])
 
 
 def rehearse_motion(rank: Rank) -> None:

@@ -60,3 +60,26 @@ def put_motion(rank: Rank, keys: np.ndarray, values: np.ndarray) -> bool:
     x, y, z, f = np.unravel_index(index, known.shape)
     mine[x, y, z, f, _VELOCITY], mine[x, y, z, f, _DISPLACEMENT] = values[:, :3], values[:, 3:]
     return True
+
+
+def set_motion(rank: Rank, field: int, vertices: np.ndarray, values: np.ndarray) -> None:
+    """Set the motion of a velocity field; other vertices of the field have none.
+
+    Parameters
+    ----------
+    rank : Rank
+        The rank.
+    field : int
+        The velocity field.
+    vertices : (n, 3) int64
+        Numbers of vertices; those that the rank does not have are left out.
+    values : (n, 6) float64
+        Their velocities and displacements.
+    """
+    grid = rank.grid
+    mine = grid.by_vertex(grid.kept.values)[:, field]
+    mine[..., _VELOCITY] = mine[..., _DISPLACEMENT] = 0.0
+    at = vertices - grid.window.lower
+    there = ((at >= 0) & (at < mine.shape[:3])).all(axis=1)
+    x, y, z = at[there].T
+    mine[x, y, z, _VELOCITY], mine[x, y, z, _DISPLACEMENT] = np.split(values[there], 2, axis=1)

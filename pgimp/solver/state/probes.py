@@ -46,7 +46,7 @@ class Point:
     number : int
         Its id.
     origin : sequence of float
-        Its position at the start.
+        Where its displacement counts from.
     fields : sequence of str
         Derived fields that it has besides.
     """
@@ -55,37 +55,37 @@ class Point:
         self.number = number
         self.fields = tuple(fields)
         self.origin = tuple(origin)
-        #: Whether it has left all ranks.
+        #: Whether it has left all ranks, and its row on this rank, else -1.
         self.gone = False
-        self._row = -1
+        self.row = -1
 
     def known(self, population: Population) -> bool:
         """Return whether the particle is on this rank, in its last row."""
-        p, row, self._row = population.stored, self._row, -1
+        p, row, self.row = population.stored, self.row, -1
         if 0 <= row < p.capacity and p.id[row] == self.number:
             layer = int(p.layer[row]) - population.first
             if 0 <= layer < population.layers:
                 # The row of a particle that has left keeps its number, but is in no layer's order.
                 rows = population.order[population.start[layer] : population.start[layer + 1]]
-                self._row = row if (rows == row).any() else -1
-        return self._row >= 0
+                self.row = row if (rows == row).any() else -1
+        return self.row >= 0
 
     def search(self, population: Population) -> bool:
         """Search all of this rank's particles for it; returns whether it is there."""
-        self._row = -1
+        self.row = -1
         for begin, end in blocks(len(population.order), _BLOCK):
             rows = population.order[begin:end]
             there = np.flatnonzero(population.stored.id[rows] == self.number)
             if len(there):
-                self._row = int(rows[there[0]])
-        return self._row >= 0
+                self.row = int(rows[there[0]])
+        return self.row >= 0
 
     def own(self, sim: Simulation) -> np.ndarray | None:
         """Columns of the particle, None on other ranks."""
-        if self._row < 0:
+        if self.row < 0:
             return None
         scene = sim.scene
-        source = source_at(sim.rank, np.array([self._row]))
+        source = source_at(sim.rank, np.array([self.row]))
         place = "unwrapped" if scene.domain.ends else "position"
         found = []
         for name, components in _followed(scene, self.fields):
@@ -194,12 +194,14 @@ def _apart(distance: np.ndarray, period: float) -> np.ndarray:
     return np.abs(distance)
 
 
-def _begun(sim: Simulation, row: int) -> list[float]:
-    """Position of a particle, with its turns through periodic faces."""
-    p, periods = sim.particles, sim.scene.domain.periods
-    x = p.x[row] + p.winding[row] * periods if periods.any() else p.x[row]
-    found: list[float] = x.tolist()
-    return found
+def _undeformed(sim: Simulation, rows: np.ndarray) -> np.ndarray:
+    """Positions that displacements of particles count from, (n, D), with turns through faces.
+
+    Of particles that keep no such position, the present one.
+    """
+    p, periods = sim.population.stored, sim.scene.domain.periods
+    x = p.origin[rows] if p.origin.shape[1] else sim.particles.x[rows]
+    return x + p.winding[rows] * periods if periods.any() else x
 
 
 def _line(sim: Simulation, names: list[str], values: np.ndarray | None) -> Line:
@@ -212,31 +214,44 @@ def _line(sim: Simulation, names: list[str], values: np.ndarray | None) -> Line:
 
 
 def nearest(sim: Simulation, body: int, at: Sequence[float], fields: Sequence[str] = ()) -> Point:
-    """The particle of a body whose centre is closest to a position now; collective.
+    """The particle of a body whose centre was closest to a position, undeformed; collective.
 
     Of several that are equally close, the one with the lowest number.
     """
     population, found = sim.population, (np.inf, -1, ())
-    p = population.particles
+    p = population.stored
     for begin, end in blocks(len(population.order), _BLOCK):
         rows = population.order[begin:end]
         rows = rows[p.body[rows] == body]
-        distance = np.zeros(len(rows))
+        undeformed, distance = _undeformed(sim, rows), np.zeros(len(rows))
         for d, x in enumerate(at):
-            distance += _apart(p.x[rows, d] - x, sim.scene.domain.periods[d]) ** 2
+            distance += _apart(undeformed[:, d] - x, sim.scene.domain.periods[d]) ** 2
         if len(rows):
-            close = rows[distance == distance.min()]
-            row = close[np.argmin(p.id[close])]
-            best: Any = (float(distance.min()), int(p.id[row]), tuple(_begun(sim, row)))
+            close = np.flatnonzero(distance == distance.min())
+            k = close[np.argmin(p.id[rows[close]])]
+            best: Any = (float(distance[k]), int(p.id[rows[k]]), tuple(undeformed[k].tolist()))
             found = min(found, best) if found[1] >= 0 else best
     _, number, origin = min(each for each in sim.comm.allgather(found) if each[1] >= 0)
     return Point(number, origin, fields)
 
 
-def sample(sim: Simulation, probes: Sequence[Point | Place]) -> list[Line]:
-    """Lines of probes about the current state on rank 0, empty elsewhere; collective."""
+def begin_at_rest(sim: Simulation, points: Sequence[Point]) -> None:
+    """Let displacements of points count from where those of frames do, after settling; collective.
+
+    These are the undeformed positions in the initial configuration, else those at rest.
+    """
+    _find(sim, points)
+    mine = [None if point.row < 0 else _undeformed(sim, np.array([point.row])) for point in points]
+    every = sim.comm.allgather(mine)
+    for i, point in enumerate(points):
+        origin = next((part[i] for part in every if part[i] is not None), None)
+        if origin is not None:
+            point.origin = tuple(origin[0].tolist())
+
+
+def _find(sim: Simulation, points: Sequence[Point]) -> None:
+    """Find the rows of points on their ranks; those on none have gone; collective."""
     comm, population = sim.comm, sim.population
-    points = [probe for probe in probes if isinstance(probe, Point) and not probe.gone]
     if points:
         known = comm.allreduce(np.array([point.known(population) for point in points], int))
         lost = [point for point, there in zip(points, known, strict=True) if not there]
@@ -244,6 +259,12 @@ def sample(sim: Simulation, probes: Sequence[Point | Place]) -> list[Line]:
             found = comm.allreduce(np.array([point.search(population) for point in lost], int))
             for point, there in zip(lost, found, strict=True):
                 point.gone = not there
+
+
+def sample(sim: Simulation, probes: Sequence[Point | Place]) -> list[Line]:
+    """Lines of probes about the current state on rank 0, empty elsewhere; collective."""
+    comm = sim.comm
+    _find(sim, [probe for probe in probes if isinstance(probe, Point) and not probe.gone])
     parts = comm.gather([probe.own(sim) for probe in probes])
     if parts is None:
         return []

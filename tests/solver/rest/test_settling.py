@@ -167,3 +167,35 @@ def test_frames_history_and_log_begin_with_the_state_at_rest(tmp_path):
     assert np.abs(first["stress"][:, 1]).max() > 5.0
     log = " ".join((tmp_path / "run" / "log.txt").read_text().split())
     assert f"settled in {first.step} steps: the unbalanced force is" in log
+
+
+@pytest.mark.parametrize("configuration", CONFIGURATIONS)
+def test_a_probe_follows_the_particle_that_was_closest_without_load(configuration, tmp_path):
+    """The one at the end of a cell, which sinks by more than half of it, also after a resume."""
+    case = column(configuration, end=0.1, damping={"kinetic": True})
+    case |= {"output": {"every": 0.1, "fields": ["displacement"]},
+             "probes": {"mark": {"body": "body", "at": [0.25, 5.49]}},
+             "checkpoint": {"every": {"steps": 20}, "keep": 10000}}  # fmt: skip
+    run = pgimp.run(case, output=tmp_path, quiet=True)
+
+    def displacements():
+        mark = pgimp.open(tmp_path).probes["mark"]
+        return np.stack([mark["displacement-x"], mark["displacement-y"]], axis=1)
+
+    first, found = run.frames[0], displacements()
+    number = pgimp.Simulation(case | {"start": {}}).particles
+    at = number["position"][:, :2]
+    followed = number["id"][np.argmin(np.abs(at - [0.25, 5.49]).sum(axis=1))]
+    assert at[followed].tolist() == [0.25, 5.25]
+    row = np.searchsorted(first["id"], followed)
+    assert np.array_equal(found[0], first["displacement"][row, :2])
+    if configuration == "initial":
+        assert found[0, 1] < -0.1
+    mark = run.probes["mark"]
+    assert mark["position-y"][0] == pytest.approx(first["position"][row, 1], abs=1e-15)
+    assert np.array_equal(found[-1], run.frames[-1]["displacement"][row, :2])
+    for path in sorted((tmp_path / "checkpoints").iterdir())[5:]:
+        path.unlink()
+    assert 0 < 100 < first.step
+    pgimp.run(case, output=tmp_path, quiet=True, resume=True)
+    assert np.array_equal(displacements(), found)

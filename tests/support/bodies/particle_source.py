@@ -42,6 +42,8 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         "F": random.normal(size=(count, dimension**2)),
         "sigma": random.normal(size=(count, LATERAL[dimension])),
         "V": random.uniform(0.5, 2.0, size=count),
+        "V0": random.uniform(0.5, 2.0, size=count),
+        "L": random.normal(size=(count, dimension**2)),
         "m": random.uniform(0.5, 2.0, size=count),
         "origin": random.normal(size=(count, dimension)),
         "winding": random.integers(-2, 3, size=(count, dimension)),
@@ -58,7 +60,12 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
     scene = SimpleNamespace(
         dimension=dimension,
         body_names=("left", "right"),
-        materials=SimpleNamespace(names=("soft", "hard"), body_material=(1, 0)),
+        materials=SimpleNamespace(
+            names=("soft", "hard"),
+            body_material=(1, 0),
+            entries=(SimpleNamespace(model="hooke"), SimpleNamespace(model="neo-hookean")),
+        ),
+        case=SimpleNamespace(geometry="plane-strain", time=SimpleNamespace(mass_scaling=1.0)),
         settings=SimpleNamespace(loses=len(gone) > 0),
         fields=EVERY,
         domain=SimpleNamespace(ends=()),
@@ -93,6 +100,8 @@ def expected(values, dimension):
     deformation = np.tile(np.eye(3), (count, 1, 1))
     gradient = values["F"].reshape(count, dimension, dimension)
     deformation[:, :dimension, :dimension] = gradient
+    rates = np.zeros((count, 3, 3))
+    rates[:, :dimension, :dimension] = values["L"].reshape(count, dimension, dimension)
     stress = padded(values["sigma"], 6)
     tensor = stress[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(count, 3, 3)
     mean = np.trace(tensor, axis1=1, axis2=2) / 3
@@ -113,6 +122,8 @@ def expected(values, dimension):
         "von-mises": np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))),
         "strain": green.reshape(count, 9)[:, [0, 4, 8, 1, 5, 2]],
         "mass": values["m"],
+        "initial-volume": values["V0"],
+        "velocity-gradient": rates.reshape(count, 9),
         "density": values["m"] / values["V"],
         "connectivity": np.arange(count),
         **derived(tensor, deviator, deformation),
