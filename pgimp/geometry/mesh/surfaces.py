@@ -7,6 +7,7 @@ run in the process with limits of `pgimp.geometry.mesh.child`.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -77,7 +78,7 @@ def read_obj(name: str) -> Read:
                     if words[0] == "f":
                         faces.add(corners, group)
                     else:
-                        for ends in zip(corners, corners[1:], strict=False):
+                        for ends in pairwise(corners):
                             faces.add(list(ends), group)
                 elif words[0] in ("g", "o"):
                     group = " ".join(words[1:])
