@@ -110,9 +110,9 @@ def distance_field(
         numbers = np.arange(begin, min(begin + _BLOCK, count))
         values[numbers, 0] = region.signed_distance(field.points(numbers, D))
     if region.FROM_FILE:
-        for d in np.flatnonzero(shape > 1):
-            slope = np.gradient(values[:, 0].reshape(shape), axis=int(d))
-            values[:, 1 + d] = slope.ravel()
+        for d in range(D):
+            if shape[d] > 1:
+                values[:, 1 + d] = np.gradient(values[:, 0].reshape(shape), axis=d).ravel()
     near = np.flatnonzero(np.abs(values[:, 0]) <= reach)
     for begin in range(0, len(near), _BLOCK):
         numbers = near[begin : begin + _BLOCK]

@@ -32,7 +32,7 @@ class _Element(NamedTuple):
     """An element: name, number of rows, and properties (name, type, type of a list's length)."""
 
     name: str
-    count: int
+    rows: int
     properties: list[tuple[str, str, str]]
 
 
@@ -102,7 +102,7 @@ def _text(data: bytes) -> Callable[[_Element], Columns]:
     def read(element: _Element) -> Columns:
         columns: dict[str, list[Any]] = {name: [] for name, _, _ in element.properties}
         try:
-            for _ in range(element.count):
+            for _ in range(element.rows):
                 for name, _, length in element.properties:
                     if length:
                         number = int(next(words))
@@ -110,7 +110,7 @@ def _text(data: bytes) -> Callable[[_Element], Columns]:
                     else:
                         columns[name].append(float(next(words)))
         except (StopIteration, RuntimeError):
-            raise ValueError(_SHORT.format(element.count, element.name)) from None
+            raise ValueError(_SHORT.format(element.rows, element.name)) from None
         return dict(columns)
 
     return read
@@ -126,7 +126,7 @@ def _binary(data: bytes, order: str) -> Callable[[_Element], Columns]:
     def take(kind: np.dtype, count: int, element: _Element) -> np.ndarray:
         nonlocal at
         if at + count * kind.itemsize > len(data):
-            raise ValueError(_SHORT.format(element.count, element.name))
+            raise ValueError(_SHORT.format(element.rows, element.name))
         found = np.frombuffer(data, kind, count, at)
         at += count * kind.itemsize
         return found
@@ -134,7 +134,7 @@ def _binary(data: bytes, order: str) -> Callable[[_Element], Columns]:
     def read(element: _Element) -> Columns:
         nonlocal at
         begin, sizes = at, dict.fromkeys((name for name, _, _ in element.properties), 0)
-        if element.count and any(length for _, _, length in element.properties):
+        if element.rows and any(length for _, _, length in element.properties):
             # As the first row is, most files are; where another has more or fewer, row by row.
             for name, kind, length in element.properties:
                 if length:
@@ -149,8 +149,8 @@ def _binary(data: bytes, order: str) -> Callable[[_Element], Columns]:
             else:
                 fields += [(name, order + kind)]
         row = np.dtype(fields)
-        if at + element.count * row.itemsize <= len(data):
-            rows = take(row, element.count, element)
+        if at + element.rows * row.itemsize <= len(data):
+            rows = take(row, element.rows, element)
             same = [
                 bool((rows[f"length of {name}"] == sizes[name]).all())
                 for name, _, length in element.properties
@@ -160,7 +160,7 @@ def _binary(data: bytes, order: str) -> Callable[[_Element], Columns]:
                 return {name: rows[name] for name in sizes}
         at = begin
         columns: dict[str, list[Any]] = {name: [] for name in sizes}
-        for _ in range(element.count):
+        for _ in range(element.rows):
             for name, kind, length in element.properties:
                 number = int(take(np.dtype(order + length), 1, element)[0]) if length else 1
                 values = take(np.dtype(order + kind), number, element)

@@ -1,10 +1,11 @@
-"""The user's own particles, read block by block from an HDF5 or a CSV file.
+"""The user's own particles, read block by block from an HDF5, a CSV or a VTK file.
 
 HDF5: datasets `position` (n, D), `volume` (n,), and optionally `velocity` (n, D), `stress` (n, 6),
 `velocity-gradient` (n, D, D). Vectors and tensors may have the components of 3D in any dimension,
 as in the frames of a run. CSV: a line of names, `x, y, z, volume, velocity-x, ..., stress-xx, ...,
 velocity-gradient-xx, -xy, ...`, then a line for each particle. Empty lines and comments (#) are
-skipped. Either may have the state variables of the body's material by their names.
+skipped. VTU and VTP: arrays at points, by the names of the datasets. All may have the state
+variables of the body's material by their names.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from pgimp.geometry.mesh.file import check_file
 from pgimp.geometry.points.block import Block, States
 from pgimp.geometry.points.csv import read_csv
 from pgimp.geometry.points.hdf5 import read_hdf5
+from pgimp.geometry.points.vtk import read_vtk
 from pgimp.schema.messages import shorten
 
 
@@ -45,12 +47,14 @@ def blocks(
     ending = Path(name).suffix.lower()
     if ending in (".h5", ".hdf5"):
         found = read_hdf5(name, dimensions, most, states or {})
+    elif ending in (".vtu", ".vtp"):
+        found = read_vtk(name, dimensions, most, states or {})
     elif ending in (".csv", ".txt"):
         found = read_csv(name, dimensions, states or {})
     else:
         raise CaseError(
-            f"cannot read the particles {name}: its name must end in .h5, .hdf5 or .csv, not "
-            f"'{shorten(ending)}'"
+            f"cannot read the particles {name}: its name must end in .h5, .hdf5, .csv, .vtu or "
+            f".vtp, not '{shorten(ending)}'"
         )
     try:
         yield from found

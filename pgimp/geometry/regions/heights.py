@@ -98,9 +98,10 @@ class Heights(Enclosed):
         origin, spacing = (self.nodes.origin, self.nodes.spacing) if self.nodes else (None, None)
         move = np.zeros(self.dimensions) if self.translate is None else self.translate
         ends: list[tuple[float, float] | None] = [None, None]
-        for d in range(horizontal if self.part else 0):
-            low, high = ((end[d] - move[d]) / self.scale for end in (self.part.min, self.part.max))
-            ends[d] = low, high
+        if self.part is not None:
+            for d, pair in enumerate(zip(self.part.min, self.part.max, strict=True)):
+                low, high = ((end - move[d]) / self.scale for end in pair)
+                ends[d] = low, high
         try:
             found = read_heights(self.file, horizontal, origin, spacing, ends)
             axes = [self.scale * x + dx for x, dx in zip(found.axes, move[:-1], strict=True)]

@@ -54,9 +54,9 @@ class Points(Model, Region):
     file: FileName = Field(
         description="file of the particles, from the folder of the case: .csv with a line of names "
         "(x,y,z,volume,velocity-x,...,stress-xx,...,velocity-gradient-xx,...), or .h5 with "
-        "datasets position, volume, velocity, stress, velocity-gradient; either also with the "
-        "state variables of the body's material, and with columns that its parameters are to be "
-        "taken from, by their names"
+        "datasets position, volume, velocity, stress, velocity-gradient, or .vtu or .vtp of VTK "
+        "with such arrays at its points; all also with the state variables of the body's "
+        "material, and with columns that its parameters are to be taken from, by their names"
     )
 
     def belong(self, dimensions: int) -> None:
