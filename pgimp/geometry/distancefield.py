@@ -96,23 +96,34 @@ def extent(
 def distance_field(
     region: Region, cell: tuple[float, ...], within: tuple[NDArray, NDArray] | None = None
 ) -> DistanceField:
-    """Compute the distances of a region; see `extent`."""
+    """Compute the distances of a region; see `extent`.
+
+    Of surfaces from files only normals that contact may need are as exact as distances. Those
+    farther away come from differences between the lattice's points.
+    """
     low, spacing, shape = extent(region, cell, within)
     D, count = len(cell), int(np.prod(shape))
     values = np.zeros((count, 5))
     field = DistanceField(low, spacing, shape, values)
+    reach = (MARGIN + 1.0) * max(cell) if region.FROM_FILE else np.inf
     for begin in range(0, count, _BLOCK):
         numbers = np.arange(begin, min(begin + _BLOCK, count))
-        points = field.points(numbers, D)
-        found = values[begin : begin + len(numbers)]
-        found[:, 0] = region.signed_distance(points)
+        values[numbers, 0] = region.signed_distance(field.points(numbers, D))
+    if region.FROM_FILE:
+        for d in range(D):
+            if shape[d] > 1:
+                values[:, 1 + d] = np.gradient(values[:, 0].reshape(shape), axis=d).ravel()
+    near = np.flatnonzero(np.abs(values[:, 0]) <= reach)
+    for begin in range(0, len(near), _BLOCK):
+        numbers = near[begin : begin + _BLOCK]
+        points, known = field.points(numbers, D), values[numbers, 0]
         for d in range(D):
             step = np.zeros(D)
             step[d] = _STEP * spacing
-            found[:, 1 + d] = region.signed_distance(points + step)
-            found[:, 1 + d] -= region.signed_distance(points - step)
-        length = np.sqrt(np.square(found[:, 1:4]).sum(axis=1))
-        found[:, 1:4] /= np.where(length > 0.0, length, 1.0)[:, None]
+            ahead = region.distance_beside(points + step, known, step[d])
+            values[numbers, 1 + d] = ahead - region.distance_beside(points - step, known, step[d])
+    length = np.sqrt(np.square(values[:, 1:4]).sum(axis=1))
+    values[:, 1:4] /= np.where(length > 0.0, length, 1.0)[:, None]
     mean = values[:, 0].reshape(shape)
     for d in range(D):
         mean = _mean(mean, d, 0.5 * cell[d] / spacing)

@@ -41,11 +41,14 @@ class Launcher(NamedTuple):
         Number of ranks it started; None if unknown.
     rank : int
         Number of this process among them.
+    variable : str
+        Where the environment has that number.
     """
 
     name: str
     size: int | None
     rank: int
+    variable: str = ""
 
 
 def launcher(environ: Mapping[str, str] | None = None) -> Launcher | None:
@@ -81,20 +84,29 @@ def launcher(environ: Mapping[str, str] | None = None) -> Launcher | None:
     ):
         size = number(size_key)
         if size is not None:
-            return Launcher(name, size, number(rank_key) or 0)
+            return Launcher(name, size, number(rank_key) or 0, rank_key)
 
     step, rank = number("SLURM_STEP_ID"), number("SLURM_PROCID")
-    if step is not None and step < _FIRST_SPECIAL_SLURM_STEP and rank is not None:
+    if step is None and rank is not None:
+        # A batch script is number 0, and has the number of its job.
+        task = rank > 0 or "SLURM_JOB_ID" not in env
+    else:
+        task = step is not None and step < _FIRST_SPECIAL_SLURM_STEP
+    if task and rank is not None:
         size = number("SLURM_STEP_NUM_TASKS")
-        return Launcher("Slurm's srun", number("SLURM_NTASKS") if size is None else size, rank)
+        size = number("SLURM_NTASKS") if size is None else size
+        return Launcher("Slurm's srun", size, rank, "SLURM_PROCID")
     for name, rank_key in (
         (pmi, "PALS_RANKID"),
         (pmi, "PMI_RANK"),
+        (pmi, "MPI_LOCALRANKID"),
         ("a PMIx launcher", "PMIX_RANK"),
     ):
         rank = number(rank_key)
         if rank is not None:
-            return Launcher(name, number("MPI_LOCALNRANKS"), rank)
+            # On this node, so that one does not mean that there are no others.
+            size = number("MPI_LOCALNRANKS")
+            return Launcher(name, None if size == 1 else size, rank, rank_key)
     return None
 
 
@@ -135,11 +147,17 @@ def world() -> Communicator:
     comm = cast(Communicator, MPI.COMM_WORLD)
     if comm.size == 1 and (started.size is not None or started.rank > 0):
         library = MPI.Get_library_version().strip("\0 \n").splitlines()[0].split(",")[0]
-        raise SharedUsageError(
-            f"{started.name} started {count} processes, but the MPI library of mpi4py,\n"
-            f"{library}, does not know that launcher: it sees a world of 1 rank, so every process\n"
-            "would run the whole case on its own. Start pgimp with the mpirun that belongs to\n"
-            f"{library}, or name the launcher's own library: MPI4PY_LIBMPI=/path/to/libmpi.so.\n"
+        number = f", of which this is number {started.rank} ({started.variable})"
+        srun = started.variable == "SLURM_PROCID"
+        # Number 0 speaks for all, unless it takes itself for a batch script.
+        silent = launcher({**os.environ, "SLURM_PROCID": "0"}) is None and started.rank == 1
+        raise (UsageError if silent else SharedUsageError)(
+            f"{started.name} started {count} processes{number},\n"
+            f"but the MPI library of mpi4py, {library}, does not know\n"
+            "that launcher: it sees a world of 1 rank, so every process would run the whole case\n"
+            "on its own. Start pgimp with the mpirun that belongs to that library"
+            f"{', or with srun --mpi=pmix' * srun},\n"
+            "or name the launcher's own library: MPI4PY_LIBMPI=/path/to/libmpi.so.\n"
             "`pgimp doctor` shows which launcher and library are found."
         )
     return comm

@@ -73,6 +73,7 @@ def resume(
     if before.get("state") == STARTING:
         log.say(f"the run in {directory.path} was ended while it started: starting afresh")
         return "afresh"
+    reasons: list[str] = []
     for path, file in intact(paths, comm):
         try:
             if isinstance(file, DamagedError):
@@ -93,6 +94,7 @@ def resume(
                 return "done"
             sim = Simulation(case, comm, file, each)
         except DamagedError as error:
+            reasons.append(f"{error}")
             log.say(f"warning: {path} cannot be used: {error}; looking for an earlier one")
             continue
         for line in _made_otherwise(about):
@@ -102,7 +104,7 @@ def resume(
     if paths:
         raise RunError(
             f"none of the {len(paths)} checkpoints in {folder} can be used (the newest is "
-            f"{paths[0].name}); --overwrite starts over"
+            f"{paths[0].name}: {reasons[0]}); --overwrite starts over"
         )
     if before:
         text = on_root(comm, lambda: _case_of(directory.path))

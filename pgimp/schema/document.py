@@ -25,6 +25,7 @@ from ruamel.yaml.events import (
 from ruamel.yaml.scanner import Scanner
 
 from pgimp.errors import CaseError
+from pgimp.schema import lookalikes
 from pgimp.schema.messages import describe, dotted, shorten
 from pgimp.schema.syntax import explain_syntax, position
 from pgimp.storage.plain import read_some
@@ -246,6 +247,8 @@ class _Builder:
 
     def _take_key(self, event: ScalarEvent, container: dict[str, object], path: Path) -> None:
         self.key, line = event.value, event.start_mark.line + 1
+        if strange := lookalikes.within(self.key):
+            raise self.fail(event, _foreign(strange, f"the key '{_bare(self.key)}'"))
         if self.key in container:
             first = self.locations[(*path, self.key)]
             self.twice.append(
@@ -254,14 +257,29 @@ class _Builder:
             )
         self.locations[(*path, self.key)] = line
 
-    @staticmethod
-    def _value(event: NodeEvent) -> object:
+    def _value(self, event: NodeEvent) -> object:
         if isinstance(event, MappingStartEvent):
             return {}
         if isinstance(event, SequenceStartEvent):
             return []
         assert isinstance(event, ScalarEvent)
-        return scalar(event.value) if event.style is None else event.value
+        if event.style is not None:
+            return event.value
+        if strange := lookalikes.at_an_end(event.value):
+            raise self.fail(event, _foreign(strange, f"'{_bare(event.value)}'"))
+        return scalar(event.value)
+
+
+def _bare(text: str) -> str:
+    return shorten(lookalikes.SPACE.sub("", text))
+
+
+def _foreign(character: str, what: str) -> str:
+    instead = "a hyphen" if lookalikes.DASH.match(character) else "ordinary spaces"
+    return (
+        f"{lookalikes.named(character)} in or beside {what}, as text from a web page has; "
+        f"type {instead} instead"
+    )
 
 
 def top_level(document: Document, filename: str) -> dict[str, object]:

@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails, ValidationError
 
+from pgimp.schema import lookalikes
 from pgimp.schema.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
 
 _NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*(\.\d*)?|\.\d+)([eEdD][-+]?\d+)?")
@@ -70,7 +71,11 @@ def got(value: object) -> str:
     """Describe a wrong value, with a hint at the usual mistakes."""
     text = f"got {describe(value)}"
     if isinstance(value, str):
-        if _NUMBER_LIKE.fullmatch(value):
+        usual = lookalikes.plain(value)
+        if usual != value and _NUMBER_LIKE.fullmatch(usual):
+            strange = lookalikes.named(lookalikes.within(value))
+            text += f", which has {strange}; write the number as {shorten(usual)}"
+        elif _NUMBER_LIKE.fullmatch(value):
             plain = re.sub("[dD]", "e", value.replace("_", ""))
             text += f"; write the number as {shorten(_exponent(plain))}, without quotes"
         elif match := _COMMA.fullmatch(value):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 
 from pgimp.errors import CaseError, explain
 from pgimp.schema.messages import shorten, unknown
+from pgimp.storage.delimited import Columns, decoded
 from pgimp.storage.plain import read_plain
 
 #: Bytes of a file; a profile is a few thousand.
@@ -35,41 +34,50 @@ def read_profile(name: str, over: str, column: str) -> tuple[tuple[float, float]
         With the file, the line and the problem.
     """
     try:
-        text = read_plain(name, _LARGEST).decode("utf-8-sig")
+        text = decoded(read_plain(name, _LARGEST))
     except OSError as error:
         raise CaseError(f"cannot read the table {name}: {explain(error)}") from None
-    except UnicodeDecodeError:
-        raise CaseError(f"cannot read the table {name}: it is no text in UTF-8") from None
+    except CaseError as error:
+        raise CaseError(f"cannot read the table {name}: {error}") from None
     rows: list[tuple[float, float]] = []
-    head: list[str] | None = None
+    columns: Columns | None = None
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        words = [word.strip() for word in next(csv.reader(io.StringIO(line)))]
         where = f"the table {name}, line {number}"
-        if head is None:
-            head = words
+        try:
+            words = columns.words(line) if columns else []
+            columns = columns or Columns(line)
+        except ValueError as error:
+            raise CaseError(f"{where}: {error}") from None
+        if not words:
             for wanted in (over, column):
-                if wanted not in head:
-                    raise CaseError(f"{where}: {unknown('column', wanted, head, 'there are')}")
+                if wanted not in columns.names:
+                    known = unknown("column", wanted, columns.names, "there are")
+                    raise CaseError(f"{where}: {known}")
+                if columns.names.count(wanted) > 1:
+                    text = f"there is more than one column '{shorten(wanted, 40)}'"
+                    raise CaseError(f"{where}: {text}; rename or remove all but one")
             continue
-        if len(words) != len(head):
-            raise CaseError(f"{where}: {len(words)} values, expected {len(head)}")
         pair = []
         for wanted in (over, column):
-            word = words[head.index(wanted)]
+            word = words[columns.names.index(wanted)]
             try:
-                value = float(word) if "_" not in word else math.nan  # Python takes 1_0 for 10
-            except ValueError:
-                value = math.nan
-            if not math.isfinite(value):
-                text = f"'{shorten(word, 40)}' is no finite number"
-                raise CaseError(f"{where}, column {wanted}: {text}")
+                value = columns.number(word)
+                if not math.isfinite(value):
+                    raise ValueError("is no finite number")
+            except ValueError as error:
+                text = f"'{shorten(word, 40)}' {error}"
+                raise CaseError(f"{where}, column {wanted}: {text}") from None
             pair.append(value)
         if rows and not pair[0] > rows[-1][0]:
             text = f"{pair[0]:g} follows {rows[-1][0]:g}"
             raise CaseError(f"{where}, column {over}: the coordinates must increase, but {text}")
         rows.append((pair[0], pair[1]))
-    if not rows:
+    if columns is None or not rows:
         raise CaseError(f"the table {name} has no row of numbers below a line of names")
+    try:
+        columns.finish()
+    except ValueError as error:
+        raise CaseError(f"the table {name}: {error}") from None
     return tuple(rows)

@@ -6,6 +6,8 @@ import re
 
 from ruamel.yaml.error import MarkedYAMLError, StreamMark
 
+from pgimp.schema import lookalikes
+
 _NO_SPACE = re.compile(r"""^\s*(?:-\s+)?([A-Za-z][A-Za-z0-9_-]*):(?![\s/])[^\s'"].*$""")
 
 
@@ -24,7 +26,9 @@ def explain_syntax(error: MarkedYAMLError, text: str, filename: str) -> str:
     mark = error.problem_mark or error.context_mark
     problem, context = error.problem or "", error.context or ""
     start = error.context_mark.line + 1 if error.context_mark else mark.line + 1
-    found = _missing_space(text, mark.line) if "flow" not in context else None
+    found = _foreign_space(text, max(start - 2, 0), mark.line)
+    if not found and "flow" not in context:
+        found = _missing_space(text, mark.line)
     found = found or _cause(problem, context, start)
     return f"{position(filename, mark)}: {found}"
 
@@ -32,6 +36,15 @@ def explain_syntax(error: MarkedYAMLError, text: str, filename: str) -> str:
 def position(name: str, mark: StreamMark) -> str:
     """Return file, line and column of a mark; for an override only its text."""
     return name if name.startswith("--set ") else f"{name}:{mark.line + 1}:{mark.column + 1}"
+
+
+def _foreign_space(text: str, first: int, last: int) -> str | None:
+    """Return the message for a space of another kind in the structure of these lines."""
+    for n, line in enumerate(text.splitlines()[first : last + 1], first + 1):
+        if match := lookalikes.IN_STRUCTURE.search(line):
+            name = lookalikes.named(match[1] or match[2])
+            return f"{name} in line {n}, as text from a web page has; type ordinary spaces instead"
+    return None
 
 
 def _missing_space(text: str, line: int) -> str | None:

@@ -20,6 +20,11 @@ TRACEBACK_HINT = "(set PGIMP_TRACEBACK=1 for the traceback)"
         ({"PMI_SIZE": "2", "PMI_RANK": "0", "I_MPI_HYDRA_HOST_FILE": "x"}, ("Intel", 2, 0)),
         ({"PMIX_RANK": "5"}, ("PMIx", None, 5)),
         ({"PALS_RANKID": "1", "PALS_APID": "a"}, ("PALS", None, 1)),
+        # As libraries see it that their launcher does not reach.
+        ({"MPI_LOCALRANKID": "1", "MPI_LOCALNRANKS": "2"}, ("MPICH", 2, 1)),
+        ({"PMI_RANK": "1", "MPI_LOCALNRANKS": "1"}, ("MPICH", None, 1)),
+        ({"SLURM_PROCID": "0", "SLURM_NTASKS": "2"}, ("Slurm", 2, 0)),
+        ({"SLURM_PROCID": "1", "SLURM_NTASKS": "2", "SLURM_JOB_ID": "9"}, ("Slurm", 2, 1)),
         # An sbatch script: tasks are promised, none is started.
         ({"SLURM_JOB_ID": "9", "SLURM_NTASKS": "8", "SLURM_PROCID": "0"}, None),
         # The step that Slurm makes for an interactive shell.
@@ -130,6 +135,35 @@ def test_run_command_reports_wrong_launcher_once(python, case):
     assert not list(case.parent.glob("*.out"))
     other = python(["-m", "pgimp", case], env=env | {"PMI_RANK": "1"}, cwd=case.parent)
     assert (other.returncode, other.stderr) == (2, "")
+
+
+@pytest.mark.parametrize(
+    ("env", "words"),
+    [
+        ({"SLURM_PROCID": "{}", "SLURM_NTASKS": "2"}, ["Slurm's srun", "(SLURM_PROCID)", "pmix"]),
+        ({"MPI_LOCALRANKID": "{}", "MPI_LOCALNRANKS": "2"}, ["MPICH", "(MPI_LOCALRANKID)"]),
+    ],
+    ids=["slurm", "local"],
+)
+def test_tasks_that_their_launcher_does_not_connect_do_not_run_the_case_each(
+    python, case, env, words
+):
+    done = [
+        python(["-m", "pgimp", case], env={k: v.format(rank) for k, v in env.items()},
+               cwd=case.parent)
+        for rank in range(2)
+    ]  # fmt: skip
+    assert [each.returncode for each in done] == [2, 2]
+    mentions(done[0].stderr, "started 2 processes", "a world of 1 rank", *words)
+    assert done[1].stderr == ""  # one of them speaks for all
+    assert not list(case.parent.glob("*.out"))
+
+
+def test_a_task_speaks_where_the_first_takes_itself_for_a_batch_script(python, case):
+    env = {"SLURM_PROCID": "1", "SLURM_NTASKS": "2", "SLURM_JOB_ID": "9"}
+    done = python(["-m", "pgimp", case], env=env, cwd=case.parent)
+    assert done.returncode == 2
+    mentions(done.stderr, "this is number 1 (SLURM_PROCID)")
 
 
 def test_launcher_without_an_mpi_library(python):

@@ -2,6 +2,7 @@
 
 import json
 
+import h5py
 import pytest
 from resumed import EVERY, check_same, steps
 
@@ -70,6 +71,18 @@ def test_a_damaged_checkpoint_is_named_and_skipped(run, whole, capsys):
     check_same(whole, resumed)
     assert steps(resumed) == [200, 160, 120]  # the damaged one has not pushed out an intact one
     assert newest.with_name(newest.name + ".damaged").read_bytes() == data
+
+
+def test_a_checkpoint_open_in_another_program_is_not_called_damaged(run, whole, capsys):
+    """HDF5 marks it while it is open for writing there, as a viewer may have it."""
+    newest = present(run.output / "checkpoints")[0]
+    before = newest.read_bytes()
+    with h5py.File(newest, "r+", locking=False):
+        assert newest.read_bytes() != before
+        resumed = run(quiet=False)
+    assert "cannot be used" not in capsys.readouterr().out
+    assert resumed.info["resumed_from"] == 160
+    check_same(whole, resumed)
 
 
 def test_without_an_intact_checkpoint_nothing_is_touched(run):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh.file import RawMesh
-from pgimp.schema.messages import shorten
+from pgimp.schema.messages import shorten, unknown
 
 Ints = NDArray[np.int64]
 
@@ -24,6 +24,9 @@ _FACES: dict[str, list[tuple[int, ...]]] = {
 }
 _CORNERS = {"tetra": 4, "pyramid": 5, "wedge": 6, "hexahedron": 8, "triangle": 3, "quad": 4}
 _DIMENSION = {"line": 1, "triangle": 2, "quad": 2, "polygon": 2} | dict.fromkeys(_FACES, 3)
+
+#: Most groups that a note names.
+_SHOWN = 20
 
 
 class Facets(NamedTuple):
@@ -40,8 +43,17 @@ class Facets(NamedTuple):
     notes: list[str]
 
 
-def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
-    """Return the boundary of the body that a mesh encloses.
+class _Block(NamedTuple):
+    """Cells of a kind; their numbers among those of their dimension, and among all of the file."""
+
+    kind: str
+    cells: Ints
+    numbers: Ints
+    places: Ints
+
+
+def facets_of(mesh: RawMesh, dimensions: int, group: str | None = None) -> Facets:
+    """Return the boundary of the body that a mesh, or a group of its cells, encloses.
 
     The cells of the highest dimension that the case has count. Volumes, and in 2D surfaces, are
     bounded by the faces that belong to only one cell. Curved cells are treated as straight.
@@ -49,14 +61,18 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
     Raises
     ------
     CaseError
-        Without the file's name, if the mesh has no such cells or is damaged.
+        Without the file's name, if the mesh has no such cells or group, or is damaged.
     """
     points, notes = mesh.points, []
     if points.ndim != 2 or points.shape[1] < dimensions:
         raise CaseError(f"has no points with {dimensions} coordinates")
-    blocks: dict[int, list[tuple[str, Ints]]] = {}
+    taken = _taken(mesh, group)
+    blocks: dict[int, list[_Block]] = {}
+    count, seen = 0, dict.fromkeys(range(4), 0)
     for kind, cells in mesh.cells:
         base = re.sub(r"\d+$", "", kind)
+        places = count + np.arange(len(cells))
+        count += len(cells)
         if cells.size == 0 or base == "vertex":
             continue
         if base not in _DIMENSION or cells.ndim != 2:
@@ -67,21 +83,29 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
         if wrong.any():
             raise CaseError(
                 f"has cells with a corner that is none of its {len(points):,} points, the first is "
-                f"{base} {wrong.argmax()} (from 0): it is damaged, or counts corners from the end"
+                f"{base} {wrong.argmax()} (from 0): it is damaged"
             )
         if base != "polygon" and (base != kind or base == "line"):
             corners = _CORNERS.get(base, 2)
             if cells.shape[1] > corners:
                 notes.append("curved cells are taken for straight ones")
             cells = cells[:, :corners]
-        blocks.setdefault(_DIMENSION[base], []).append((base, cells))
+        d = _DIMENSION[base]
+        numbers = seen[d] + np.arange(len(cells))
+        seen[d] += len(cells)
+        if (kept := taken[places]).any():
+            block = _Block(base, cells[kept], numbers[kept], places[kept])
+            blocks.setdefault(d, []).append(block)
     top = max((d for d in blocks if d <= dimensions), default=0)
     if top < dimensions - 1:
+        whose = "" if group is None else f" in its group '{shorten(group)}'"
         wanted = "triangles or volume cells" if dimensions == 3 else "lines, triangles or quads"
-        raise CaseError(f"has no {wanted}: nothing in it encloses a part of space")
+        raise CaseError(f"has no {wanted}{whose}: nothing in it encloses a part of space")
     if 3 in blocks and dimensions == 2:
         raise CaseError("has volume cells, but the case has two dimensions")
-    used = np.unique(np.concatenate([cells.ravel() for _, cells in blocks[top]]))
+    if group is None:
+        notes += _groups(mesh, np.concatenate([block.places for block in blocks[top]]))
+    used = np.unique(np.concatenate([block.cells.ravel() for block in blocks[top]]))
     if len(bad := used[~np.isfinite(points[used]).all(axis=1)]):
         raise CaseError(
             f"has {len(bad):,} points that are not finite, the first is number {bad[0]} from 0"
@@ -93,20 +117,47 @@ def facets_of(mesh: RawMesh, dimensions: int) -> Facets:
     points = np.ascontiguousarray(points[:, :dimensions]) + 0.0  # -0.0 and 0.0 are one point
     if top == dimensions:
         # Faces between cells with coincident but unshared corners are inside as well.
-        group, first, _ = unique_rows(points.view(np.int64))
+        same, first, _ = unique_rows(points.view(np.int64))
         points = points[first]
-        cells_of = [(base, group[cells]) for base, cells in blocks[top]]
+        cells_of = [(block.kind, same[block.cells]) for block in blocks[top]]
         facets = (_boundary if dimensions == 3 else _outline)(points, cells_of)
         numbers = np.full(len(facets), -1)
     else:
         # Polygons are divided into triangles; lines stay lines.
-        each = [cells.shape[1] - 2 if dimensions == 3 else 1 for _, cells in blocks[top]]
-        number = [len(cells) for _, cells in blocks[top]]
+        each = [block.cells.shape[1] - 2 if dimensions == 3 else 1 for block in blocks[top]]
         facets = np.concatenate(
-            [_triangles(cells) if dimensions == 3 else cells for _, cells in blocks[top]]
+            [_triangles(block.cells) if dimensions == 3 else block.cells for block in blocks[top]]
         )
-        numbers = np.repeat(np.arange(sum(number)), np.repeat(each, number))
+        numbers = np.concatenate(
+            [np.repeat(block.numbers, n) for block, n in zip(blocks[top], each, strict=True)]
+        )
     return Facets(points, facets, numbers, top == dimensions, list(dict.fromkeys(notes)))
+
+
+def _taken(mesh: RawMesh, group: str | None) -> NDArray[np.bool_]:
+    """Which cells are taken, over all blocks."""
+    count = sum(len(cells) for _, cells in mesh.cells)
+    if group is None:
+        return np.ones(count, bool)
+    if group not in mesh.groups:
+        raise CaseError(f"has an {unknown('group', group, mesh.groups, 'it has')}")
+    taken = np.zeros(count, bool)
+    taken[mesh.groups[group]] = True
+    return taken
+
+
+def _groups(mesh: RawMesh, places: Ints) -> list[str]:
+    """List the groups that cells at these places are in, if they are parts of what is taken."""
+    numbers = {name: int(np.isin(cells, places).sum()) for name, cells in mesh.groups.items()}
+    own = {name: number for name, number in numbers.items() if number}
+    together = np.concatenate([mesh.groups[name] for name in own]) if own else places
+    rest = int((~np.isin(places, together)).sum())
+    if len(own) + (rest > 0) < 2:
+        return []
+    shown = [f"'{shorten(name)}' ({number:,})" for name, number in [*own.items()][:_SHOWN]]
+    shown += [f"and {len(own) - _SHOWN} more"] * (len(own) > _SHOWN)
+    shown += [f"cells in none ({rest:,})"] * (rest > 0)
+    return [f"its groups are taken together, by cells: {', '.join(shown)}; group: takes one"]
 
 
 def _triangles(faces: Ints) -> Ints:

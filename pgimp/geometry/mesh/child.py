@@ -3,8 +3,9 @@
 Readers of dozens of formats get unchecked files. They may print, exit, loop, or allocate the sizes
 in a damaged header. Here they have limits of memory and time, and a failure ends only this process.
 Other files that a mesh names are opened only if they are on a disk: a pipe may never get data.
-Standard output gets the number of arrays and then arrays in NumPy's format: points, and for each
-block of cells its type and the cells. Errors are one line on standard error.
+Standard output gets arrays in NumPy's format: the numbers of blocks and of groups, points, for each
+block of cells its type and the cells, and for each group its name and the numbers of its cells.
+Errors are one line on standard error.
 """
 
 import os
@@ -15,6 +16,10 @@ import sys
 from typing import IO, Any
 
 import numpy as np
+
+from pgimp.geometry.mesh.groups import groups_of, take_all_groups
+from pgimp.geometry.mesh.ply import read_ply
+from pgimp.geometry.mesh.surfaces import Read, read_obj, read_stl_text
 
 #: Endings of formats that are HDF5, or lead to such files.
 _HDF5 = (".xdmf", ".xmf", ".h5m", ".hmf", ".med", ".cgns")
@@ -46,7 +51,7 @@ def main() -> None:
     except BaseException as error:  # any error of a reader is the file's fault
         text = " ".join(f"{type(error).__name__}: {error}".split())[:300]
     else:
-        for array in (np.array(len(arrays)), *arrays):
+        for array in arrays:
             np.lib.format.write_array(_Pipe(out), array, allow_pickle=False)
         out.flush()
         os._exit(0)
@@ -66,8 +71,13 @@ _REASON: dict[str, str] = {}
 
 
 def _read(name: str) -> list[np.ndarray]:
-    if name.lower().endswith(".stl"):
-        _check_stl(name)
+    ending = os.path.splitext(name)[1].lower()
+    if ending == ".stl" and _is_text(name):
+        return _arrays(read_stl_text(name))
+    if ending == ".obj":
+        return _arrays(read_obj(name))
+    if ending == ".ply":
+        return _arrays(read_ply(name))
     import meshio
 
     if name.lower().endswith(_HDF5):
@@ -79,14 +89,24 @@ def _read(name: str) -> list[np.ndarray]:
             _REASON["text"] = text[:300]
 
     meshio._helpers.print = note
+    tags = take_all_groups() if ending == ".msh" else []
     mesh = meshio.read(name)
-    arrays = [np.ascontiguousarray(np.asarray(mesh.points, float))]
+    cells = []
     for block in mesh.cells:
         kind = str(block.type)
         if kind.startswith("polyhedron"):
-            arrays += [np.array(kind), np.zeros((0, 0), np.int64)]
+            cells.append((kind, np.zeros((0, 0), np.int64)))
             continue
-        arrays += [np.array(kind), np.ascontiguousarray(np.asarray(block.data, np.int64))]
+        cells.append((kind, np.ascontiguousarray(np.asarray(block.data, np.int64))))
+    points = np.ascontiguousarray(np.asarray(mesh.points, float))
+    return _arrays(Read(points, cells, groups_of(mesh, tags)))
+
+
+def _arrays(found: Read) -> list[np.ndarray]:
+    """Arrays to send."""
+    arrays = [np.array([len(found.cells), len(found.groups)]), found.points]
+    for name, numbers in (*found.cells, *found.groups.items()):
+        arrays += [np.array(name), numbers]
     return arrays
 
 
@@ -138,22 +158,23 @@ def _guard_hdf5() -> None:
     h5py.File = File
 
 
-def _check_stl(name: str) -> None:
-    """Detect a truncated binary file, which meshio would read as text."""
+def _is_text(name: str) -> bool:
+    """Whether an STL file is text; a truncated binary one is refused."""
     size = os.path.getsize(name)
     with open(name, "rb") as file:
         head = file.read(84)
-        text = (head + file.read(1000)).isascii() and b"\0" not in head
-    if text:
-        return
+        ascii_only = (head + file.read(1000)).isascii()
+    count = int.from_bytes(head[80:], "little")
+    if len(head) == 84 and size == 84 + 50 * count:
+        return False
+    if b"\0" not in head and (ascii_only or head.lstrip().lower().startswith(b"solid")):
+        return True
     if len(head) < 84:
         raise ValueError("it is neither a text STL file nor long enough for a binary one")
-    count = int.from_bytes(head[80:], "little")
-    if size != 84 + 50 * count:
-        raise ValueError(
-            f"its header promises {count:,} triangles, {84 + 50 * count:,} bytes, but it has "
-            f"{size:,}: truncated, or no STL file"
-        )
+    raise ValueError(
+        f"its header promises {count:,} triangles, {84 + 50 * count:,} bytes, but it has "
+        f"{size:,}: truncated, or no STL file"
+    )
 
 
 if __name__ == "__main__":

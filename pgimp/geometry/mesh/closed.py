@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh.cells import Facets, unique_rows
+from pgimp.geometry.mesh.merge import NEAR, merged
 from pgimp.geometry.mesh.tree import Surface, build_tree
 
 Reals = NDArray[np.float64]
@@ -22,6 +23,8 @@ _LOOKS = 20_000
 
 #: Least slope of a triangle against a traced line.
 _SLOPE = 1e-6
+
+_NOT_NEAR = f", also if corners {NEAR:g} of its size apart are one, so it has no inside"
 
 
 def enclose(found: Facets) -> Surface:
@@ -34,7 +37,7 @@ def enclose(found: Facets) -> Surface:
         more than two facets, one-sided surfaces, overlapping parts.
     """
     notes, dimensions = list(found.notes), found.points.shape[1]
-    points, facets, cells = _merge(found, notes)
+    points, facets, cells = merged(found, notes)
     if len(facets) == 0:
         raise CaseError("has no facet that is more than a point or a line")
     if dimensions == 3:
@@ -80,27 +83,6 @@ def _turned(facets: Ints, which: NDArray[np.bool_]) -> Ints:
     return np.where(which[:, None], facets[:, ::-1], facets)
 
 
-def _merge(found: Facets, notes: list[str]) -> tuple[Reals, Ints, Ints]:
-    """Merge equal points, and drop collapsed and duplicate facets, with their cells."""
-    points, cells = found.points + 0.0, found.cells  # -0.0 and 0.0 are one point
-    used, facets = np.unique(found.facets, return_inverse=True)
-    points = points[used]
-    group, first, _ = unique_rows(np.ascontiguousarray(points).view(np.int64))
-    points, facets = points[first], group[facets.reshape(-1, facets.shape[-1])]
-    ordered = np.sort(facets, axis=1)
-    flat = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
-    if flat.any():
-        notes.append(f"{int(flat.sum()):,} degenerate facets dropped")
-        facets, ordered, cells = facets[~flat], ordered[~flat], cells[~flat]
-    if len(facets) == 0:
-        return points, facets, cells
-    _, first, _ = unique_rows(ordered)
-    if len(first) < len(facets):
-        notes.append(f"{len(facets) - len(first):,} facets that are there twice dropped")
-        facets, cells = facets[np.sort(first)], cells[np.sort(first)]
-    return points, facets, cells
-
-
 def _place(at: Reals) -> str:
     return "(" + ", ".join(f"{x:.6g}" for x in at) + ")"
 
@@ -125,7 +107,7 @@ def _neighbours(
     keys = np.stack([np.minimum(start, end), np.maximum(start, end)], axis=1)
     group, first, counts = unique_rows(keys)
     for bad, what, why in (
-        (counts == 1, "open edges", "the surface is not closed, so it has no inside"),
+        (counts == 1, "open edges", f"the surface is not closed{_NOT_NEAR}"),
         (
             (counts % 2 == 1) | ((counts > 2) & (not filled)),
             "edges with more than two triangles",
@@ -151,7 +133,7 @@ def _corners(
     corner = facets.ravel()
     group, first, counts = unique_rows(corner[:, None])
     for bad, what, why in (
-        (counts == 1, "open ends", "the outline is not closed, so it has no inside"),
+        (counts == 1, "open ends", f"the outline is not closed{_NOT_NEAR}"),
         (
             (counts % 2 == 1) | ((counts > 2) & (not filled)),
             "corners with more than two segments",

@@ -22,10 +22,20 @@ _LAUNCHERS = ("OMPI_", "PMIX_", "PMI_", "PALS_", "MPI_LOCAL")
 
 
 class RawMesh(NamedTuple):
-    """Content of a mesh file: points, (n, d) float64, and blocks of cells by type."""
+    """Content of a mesh file.
+
+    Attributes
+    ----------
+    points : (n, d) float64
+    cells : list of (str, (m, k) int64)
+        Blocks of cells by type.
+    groups : dict of str to (c,) int64
+        Numbers of cells, over all blocks, by the names of groups.
+    """
 
     points: NDArray[np.float64]
     cells: list[tuple[str, NDArray[np.int64]]]
+    groups: dict[str, NDArray[np.int64]]
 
 
 def check_file(name: str, what: str) -> int:
@@ -82,8 +92,10 @@ def read_mesh(name: str) -> RawMesh:
             raise
     if arrays is None or status != 0:
         raise CaseError(f"cannot read the mesh {name}: {_cause(name, status, said)}")
-    cells = [(str(kind), block) for kind, block in zip(arrays[1::2], arrays[2::2], strict=True)]
-    return RawMesh(arrays[0], cells)
+    points, *pairs = arrays[1:]
+    named = [(str(name), values) for name, values in zip(pairs[::2], pairs[1::2], strict=True)]
+    blocks = int(arrays[0][0])
+    return RawMesh(points, named[:blocks], dict(named[blocks:]))
 
 
 class _Pipe:
@@ -100,7 +112,8 @@ def _arrays(stream: IO[bytes]) -> list[np.ndarray] | None:
         return np.lib.format.read_array(_Pipe(stream), allow_pickle=False)
 
     try:
-        return [one() for _ in range(int(one()))]
+        counts = one()
+        return [counts, *(one() for _ in range(1 + 2 * int(counts.sum())))]
     except (ValueError, EOFError, OSError):
         return None
 
@@ -115,4 +128,4 @@ def _cause(name: str, status: int, said: str) -> str:
             ".vtu, .vtk or another that meshio reads"
         )
     line = shorten(said.splitlines()[-1], 300) if said else "it is damaged"
-    return f"{line}; export it again, or convert it (meshio convert FILE other.vtu)"
+    return f"{line}; export it again, or in another format (.vtu, .ply, binary .stl)"

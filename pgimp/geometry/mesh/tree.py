@@ -93,11 +93,16 @@ class Surface(NamedTuple):
 
     def distance(self, points: Reals) -> Reals:
         """Distance to the surface, exact; negative inside."""
+        found = self.reach(points)
+        return np.where(self.contains(points), -found, found)
+
+    def reach(self, points: Reals) -> Reals:
+        """Distance to the surface, exact; zero or more."""
         from pgimp.geometry.mesh.treekernels import distances
 
         out = np.empty(len(points))
         distances(self.triangles, self.low, self.high, self.leaves, self._lift(points), out)
-        return np.where(self.contains(points), -out, out)
+        return out
 
     def crossings(self, points: Reals, axis: int) -> Reals:
         """Intersections of lines through points with the surface, (n, k), NaN where fewer."""
@@ -192,22 +197,31 @@ class Surface(NamedTuple):
 
 def build_tree(triangles: Reals, component: Ints, dimensions: int) -> Surface:
     """Order triangles along a space-filling curve, and build a tree of boxes over them."""
-    from pgimp.geometry.mesh.treekernels import LEAF
-
     component = np.resize(component, len(triangles))
     middle = triangles.mean(axis=1)
     low, size = middle.min(axis=0), np.ptp(middle, axis=0)
     grid = ((middle - low) / np.where(size > 0.0, size, 1.0) * 0x1FFFFF).astype(np.uint64)
-    order = np.argsort(_interleave(grid), kind="stable")
+    order = np.argsort(interleave(grid), kind="stable")
     triangles = np.ascontiguousarray(triangles[order])
+    return Surface(triangles, component[order], *boxes_of(triangles), dimensions)
+
+
+def boxes_of(triangles: Reals) -> tuple[Reals, Reals]:
+    """Low and high corners of the boxes of a tree over triangles in this order."""
+    from pgimp.geometry.mesh.treekernels import LEAF
+
     leaves = 1 << max(0, (-(-len(triangles) // LEAF) - 1).bit_length())
     boxes = []
     for reduce, nothing in ((np.minimum, np.inf), (np.maximum, -np.inf)):
         tree = np.full((2 * leaves, 3), nothing)
-        ends = reduce.reduce(triangles, axis=1)
-        full = np.full((leaves * LEAF, 3), nothing)
-        full[: len(ends)] = ends
-        tree[leaves:] = reduce.reduce(full.reshape(leaves, LEAF, 3), axis=1)
+        whole = len(triangles) // LEAF
+        own = tree[leaves : leaves + whole]
+        for k in range(LEAF if whole else 0):
+            for corner in range(3):
+                reduce(own, triangles[k : LEAF * whole : LEAF, corner], out=own)
+        if whole < leaves:
+            rest = triangles[LEAF * whole :].reshape(-1, 3)
+            tree[leaves + whole] = reduce.reduce(rest, axis=0, initial=nothing)
         level = leaves // 2
         while level:
             tree[level : 2 * level] = reduce(
@@ -215,7 +229,7 @@ def build_tree(triangles: Reals, component: Ints, dimensions: int) -> Surface:
             )
             level //= 2
         boxes.append(tree)
-    return Surface(triangles, component[order], boxes[0], boxes[1], dimensions)
+    return boxes[0], boxes[1]
 
 
 def nothing(dimensions: int) -> Surface:
@@ -224,8 +238,8 @@ def nothing(dimensions: int) -> Surface:
     return Surface(np.zeros((0, 3, 3)), np.zeros(0, np.int64), tree, -tree, dimensions)
 
 
-def _interleave(grid: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Morton numbers of points on a grid of 21 bits a direction."""
+def interleave(grid: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Morton numbers of points, (n, 3), on a grid of 21 bits a direction."""
     total = np.zeros(len(grid), np.uint64)
     for d in range(3):
         x = grid[:, d].copy()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections import Counter
 from collections.abc import Iterator
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from pgimp.errors import CaseError
 from pgimp.geometry.points.block import PAIRS, STRESS, Block, States
 from pgimp.schema.messages import shorten
+from pgimp.storage.delimited import Columns, encoding_of
 
 Reals = NDArray[np.float64]
 
@@ -46,22 +46,23 @@ def _groups(D: int, states: States) -> dict[str, list[str]]:
 def read_csv(name: str, D: int, states: States) -> Iterator[Block]:
     """Yield the particles of a file; see `pgimp.geometry.points.file.blocks`."""
     groups = _groups(D, states)
-    head: list[str] | None = None
+    columns: Columns | None = None
     first = 0
     for line, text in _text(name):
         lines = text.split("\n")
         kept = [
             (line + i, row) for i, row in enumerate(lines) if row.strip() and row.lstrip()[0] != "#"
         ]
-        if head is None and kept:
-            head = [word.strip().lower() for word in kept[0][1].split(",")]
-            if problem := _misnamed(head, D, states):
+        if columns is None and kept:
+            columns = Columns(kept[0][1])
+            columns.names = [word.lower() for word in columns.names]
+            if problem := _misnamed(columns.names, D, states):
                 raise CaseError(f"line {kept[0][0]}, the names of its columns: {problem}")
             kept = kept[1:]
-        if not kept or head is None:
+        if not kept or columns is None:
             continue
-        values = _numbers(kept, head)
-        column = {key: values[:, i] for i, key in enumerate(head)}
+        values = _numbers(kept, columns)
+        column = {key: values[:, i] for i, key in enumerate(columns.names)}
         table = {
             group: np.stack([column[key] for key in keys], axis=1) if keys[0] in column else None
             for group, keys in groups.items()
@@ -78,8 +79,9 @@ def read_csv(name: str, D: int, states: States) -> Iterator[Block]:
             first, position, column["volume"], *given, lambda row, kept=kept: f"line {kept[row][0]}"
         )
         first += len(values)
-    if head is None:
+    if columns is None:
         raise CaseError("it has no line of names, such as x,y,z,volume")
+    columns.finish()
 
 
 def _misnamed(head: list[str], D: int, states: States) -> str:
@@ -118,41 +120,39 @@ def _misnamed(head: list[str], D: int, states: States) -> str:
 
 def _text(name: str) -> Iterator[tuple[int, str]]:
     """Yield whole lines of a file, some megabytes at a time, with the first line's number."""
-    line, rest = 1, b""
-    with open(name, "rb") as file:
+    with open(name, "rb") as begin:
+        encoding = encoding_of(begin.read(4096))
+    line, rest = 1, ""
+    with open(name, encoding=encoding) as file:
         while part := file.read(_TEXT):
-            whole, newline, rest_of_part = (rest + part).rpartition(b"\n")
+            whole, newline, rest_of_part = (rest + part).rpartition("\n")
             if not newline:
                 rest += part
                 if len(rest) > _TEXT:
                     raise CaseError(f"line {line} is longer than {_TEXT:,} characters: no CSV file")
                 continue
             rest = rest_of_part
-            text = whole.decode("utf-8-sig")
-            yield line, text
-            line += text.count("\n") + 1
+            yield line, whole
+            line += whole.count("\n") + 1
     if rest:
-        yield line, rest.decode("utf-8-sig")
+        yield line, rest
 
 
-def _numbers(kept: list[tuple[int, str]], head: list[str]) -> Reals:
+def _numbers(kept: list[tuple[int, str]], columns: Columns) -> Reals:
     """Numbers of lines, (n, columns)."""
-    columns = len(head)
-    try:
-        source = io.StringIO("\n".join(row for _, row in kept))
-        values = np.loadtxt(source, delimiter=",", ndmin=2, comments=None)
-        if values.shape == (len(kept), columns):
-            return values
-    except ValueError:
-        pass
+    values = columns.block([row for _, row in kept])
+    if values is not None:
+        return values
+    found = []
     for number, row in kept:
-        words = row.split(",")
-        if len(words) != columns:
-            raise CaseError(f"line {number}: {len(words)} values, expected {columns}")
-        for column, word in zip(head, words, strict=True):
+        try:
+            words = columns.words(row)
+        except ValueError as error:
+            raise CaseError(f"line {number}: {error}") from None
+        for column, word in zip(columns.names, words, strict=True):
             try:
-                float(word)
-            except ValueError:
-                text = f"line {number}, column {column}: '{shorten(word, 40)}' is no number"
+                found.append(columns.number(word))
+            except ValueError as error:
+                text = f"line {number}, column {column}: '{shorten(word, 40)}' {error}"
                 raise CaseError(text) from None
-    raise CaseError(f"line {kept[0][0]} and those after it are no numbers")
+    return np.array(found).reshape(len(kept), -1)

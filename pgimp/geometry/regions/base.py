@@ -171,6 +171,10 @@ class Region(ABC):
         """
         return self.distance(points)
 
+    def distance_beside(self, points: Points, known: Lengths, step: float) -> Lengths:
+        """Return `signed_distance` of points `step` away from others, of which it is known."""
+        return self.signed_distance(points)
+
     @abstractmethod
     def curved(self, points: Points) -> Lengths:
         """Return a bound of the distance to the parts of the surface not in `planes`.

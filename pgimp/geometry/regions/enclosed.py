@@ -63,6 +63,13 @@ class Enclosed(Model, Region):
         """See `Region.distance`; exact."""
         return self.surface.distance(points)
 
+    def distance_beside(self, points: Points, known: Lengths, step: float) -> Lengths:
+        """See `Region.distance_beside`; the side is the same, unless the surface is near."""
+        found = np.copysign(self.surface.reach(points), known)
+        near = np.flatnonzero(np.abs(known) <= 2.0 * step)
+        found[near] = self.distance(points[near])
+        return found
+
     def curved(self, points: Points) -> Lengths:
         """See `Region.curved`."""
         return np.abs(self.distance(points))

@@ -68,8 +68,8 @@ class Heights(Enclosed):
     )
     part: Part | None = Field(
         default=None,
-        description="what of it is taken, in the coordinates of the case; null: all, from the "
-        "first to the last node",
+        description="what of it is taken, in the coordinates of the case; null: all, of an .asc to "
+        "the edges of its cells, of an array from the first to the last node",
     )
     translate: Vector | None = Field(
         default=None,
@@ -90,21 +90,25 @@ class Heights(Enclosed):
     @cached_property
     def surface(self) -> Surface:
         """See `Enclosed.surface`."""
-        from pgimp.geometry.mesh.closed import enclose
         from pgimp.geometry.terrain.close import ground_below, part_of
         from pgimp.geometry.terrain.read import Heights as Grid
         from pgimp.geometry.terrain.read import read_heights
 
         horizontal = self.dimensions - 1
         origin, spacing = (self.nodes.origin, self.nodes.spacing) if self.nodes else (None, None)
+        move = np.zeros(self.dimensions) if self.translate is None else self.translate
+        ends: list[tuple[float, float] | None] = [None, None]
+        if self.part is not None:
+            for d, pair in enumerate(zip(self.part.min, self.part.max, strict=True)):
+                low, high = ((end - move[d]) / self.scale for end in pair)
+                ends[d] = low, high
         try:
-            found = read_heights(self.file, horizontal, origin, spacing)
-            move = np.zeros(self.dimensions) if self.translate is None else self.translate
+            found = read_heights(self.file, horizontal, origin, spacing, ends)
             axes = [self.scale * x + dx for x, dx in zip(found.axes, move[:-1], strict=True)]
             found = Grid(tuple(axes), self.scale * found.values + move[-1])
             if self.part is not None:
                 found = part_of(found, self.part.min, self.part.max)
-            return enclose(ground_below(found, self.bottom))
+            return ground_below(found, self.bottom)
         except CaseError as error:
             named = f"{error}".startswith("cannot read ")  # with the file
             raise CaseError(f"{error}" if named else f"{self.WHAT} {self.file} {error}") from None

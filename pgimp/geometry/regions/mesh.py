@@ -20,7 +20,7 @@ from pydantic import Field
 from pgimp.errors import CaseError
 from pgimp.geometry.regions.base import Points
 from pgimp.geometry.regions.enclosed import Enclosed
-from pgimp.schema.base import Number, Positive, Vector
+from pgimp.schema.base import Count, Label, Number, Positive, Vector
 from pgimp.schema.dispatch import Either
 from pgimp.schema.paths import FileName
 
@@ -36,6 +36,14 @@ class Mesh(Enclosed):
     file: FileName = Field(
         description="file of the mesh, from the folder of the case; meshio tells its format by "
         "the ending of its name"
+    )
+    group: Annotated[
+        str | int | None,
+        Either("a name or a number of a group", {str: Label, float: Count, None: None}),
+    ] = Field(
+        default=None,
+        description="group of the file's cells that is taken: a physical group of Gmsh, a set, a "
+        "group of OBJ, a solid of STL; null: all. `pgimp check` lists them",
     )
     scale: Positive = Field(
         default=1.0, description="factor of all lengths, such as 0.001 from mm to m [1]"
@@ -67,7 +75,8 @@ class Mesh(Enclosed):
 
         mesh = read_mesh(self.file)
         try:
-            found = facets_of(mesh, self.dimensions)
+            group = None if self.group is None else str(self.group)
+            found = facets_of(mesh, self.dimensions, group)
             with np.errstate(over="ignore", invalid="ignore"):
                 points = self._moved(found.points)
                 extent = np.ptp(points[found.facets].reshape(-1, self.dimensions), axis=0)

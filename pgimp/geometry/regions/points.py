@@ -58,10 +58,11 @@ class Points(Model, Region):
     file: FileName = Field(
         description="file of the particles, from the folder of the case: .csv with a line of names "
         "(x,y,z,volume,velocity-x,...,stress-xx,...,velocity-gradient-xx,...), or .h5 with "
-        "datasets position, volume, velocity, stress, velocity-gradient; either also with the "
-        "state variables of the body's material, and with columns that its parameters are to be "
-        "taken from, by their names; or a frame (frames/particles-*.h5) or a checkpoint "
-        "(checkpoints/step-*.h5) of a run, from whose whole state the body goes on"
+        "datasets position, volume, velocity, stress, velocity-gradient, or .vtu or .vtp of VTK "
+        "with such arrays at its points; all also with the state variables of the body's "
+        "material, and with columns that its parameters are to be taken from, by their names; or "
+        "a frame (frames/particles-*.h5) or a checkpoint (checkpoints/step-*.h5) of a run, from "
+        "whose whole state the body goes on"
     )
     body: Name | None = Field(
         default=None,

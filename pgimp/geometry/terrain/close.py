@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
 from pgimp.geometry.mesh.cells import Facets
-from pgimp.geometry.terrain.read import Heights
+from pgimp.geometry.mesh.closed import enclose
+from pgimp.geometry.mesh.tree import Surface, boxes_of, interleave
+from pgimp.geometry.terrain.read import MOST_NODES, Heights
 
 Reals = NDArray[np.float64]
-
-#: Most nodes of a surface: each has four triangles, of some 300 bytes.
-MOST_NODES = 1_000_000
 
 
 def part_of(found: Heights, low: Sequence[float] | None, high: Sequence[float] | None) -> Heights:
@@ -37,8 +36,8 @@ def part_of(found: Heights, low: Sequence[float] | None, high: Sequence[float] |
         slack = 1e-9 * (places[-1] - places[0])
         if begin < places[0] - slack or end > places[-1] + slack:
             raise CaseError(
-                f"covers {'xy'[d]} from {places[0]:.10g} to {places[-1]:.10g} (its first and last "
-                f"node), but the part goes from {begin:.10g} to {end:.10g}"
+                f"covers {'xy'[d]} from {places[0]:.10g} to {places[-1]:.10g} (its nodes, of an "
+                f".asc the edges of its cells), but the part goes from {begin:.10g} to {end:.10g}"
             )
         begin, end = max(begin, places[0]), min(end, places[-1])
         first = int(np.searchsorted(places, begin, "right")) - 1
@@ -105,8 +104,8 @@ def _place(found: Heights, which: NDArray[np.bool_]) -> str:
     return ", ".join(f"{axis} = {places[i]:.10g}" for axis, places, i in pairs)
 
 
-def ground_below(found: Heights, bottom: float) -> Facets:
-    """Return the surface of the ground between heights and a bottom.
+def ground_below(found: Heights, bottom: float) -> Surface:
+    """Return the closed surface of the ground between heights and a bottom.
 
     Raises
     ------
@@ -114,8 +113,10 @@ def ground_below(found: Heights, bottom: float) -> Facets:
         See `require_heights`.
     """
     require_heights(found, bottom)
-    points, facets = (_line if found.values.ndim == 1 else _field)(found, bottom)
-    return Facets(points, facets, np.full(len(facets), -1), False, [])
+    if found.values.ndim == 1:
+        points, facets = _line(found, bottom)
+        return enclose(Facets(points, facets, np.full(len(facets), -1), False, []))
+    return _field(found, bottom)
 
 
 def _line(found: Heights, bottom: float) -> tuple[Reals, NDArray[np.int64]]:
@@ -127,30 +128,35 @@ def _line(found: Heights, bottom: float) -> tuple[Reals, NDArray[np.int64]]:
     return points, np.column_stack([np.roll(number, -1), number])
 
 
-def _field(found: Heights, bottom: float) -> tuple[Reals, NDArray[np.int64]]:
-    """Return triangles: four to a cell on top, two to an edge of the sides, one on the bottom."""
+def _field(found: Heights, bottom: float) -> Surface:
+    """Return triangles, outwards: four to a cell on top, two to an edge of the sides and below.
+
+    They are closed by construction, so that nothing has to be searched. Below, the sides' corners
+    lie on edges of two triangles. Along the axes these edges have no shadow, so no line can pass.
+    """
     (x, y), z = found.axes, found.values
     n, m = z.shape
-    X, Y = np.meshgrid(x, y, indexing="ij")
-    nodes = np.column_stack([X.ravel(), Y.ravel(), z.ravel()])
-    number = np.arange(n * m).reshape(n, m)
-    corners = [part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:],
-                                         number[:-1, 1:])]  # fmt: skip
-    middles = 0.25 * (nodes[corners[0]] + nodes[corners[1]] + nodes[corners[2]] + nodes[corners[3]])
-    middle = n * m + np.arange(len(middles))
-    top = [np.column_stack([corners[k], corners[(k + 1) % 4], middle]) for k in range(4)]
+    i, j = (each.ravel() for each in np.meshgrid(np.arange(n - 1), np.arange(m - 1), indexing="ij"))
+    # Near cells follow each other; those of one are a leaf of the tree.
+    near = np.stack([i, j, np.zeros_like(i)], axis=1).astype(np.uint64)
+    order = np.argsort(interleave(near), kind="stable")
+    i, j = i[order], j[order]
+    cells = np.empty((len(i), 4, 3, 3))
+    corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+    for k, (a, b) in enumerate(corners):
+        for own in (cells[:, k, 0], cells[:, k - 1, 1]):
+            own[:, 0], own[:, 1], own[:, 2] = x[a], y[b], z[a, b]
+    middles = 0.25 * (cells[:, 0, 0] + cells[:, 1, 0] + cells[:, 2, 0] + cells[:, 3, 0])
+    cells[:, :, 2] = middles[:, None]
     # The nodes round the edge, anticlockwise, and what lies below them.
-    edge = np.concatenate([number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]])
-    below = nodes[edge].copy()
-    below[:, 2] = bottom
-    first = n * m + len(middles)
-    foot = first + np.arange(len(edge))
-    next_edge, next_foot = np.roll(edge, -1), np.roll(foot, -1)
-    centre = np.array([[0.5 * (x[0] + x[-1]), 0.5 * (y[0] + y[-1]), bottom]])
-    last = first + len(edge)
-    sides = [
-        np.column_stack([edge, foot, next_foot]),
-        np.column_stack([edge, next_foot, next_edge]),
-        np.column_stack([next_foot, foot, np.full(len(edge), last)]),
-    ]
-    return np.vstack([nodes, middles, below, centre]), np.vstack([*top, *sides])
+    nodes = np.stack([*np.meshgrid(x, y, indexing="ij"), z], axis=2)
+    edge = np.concatenate([nodes[:-1, 0], nodes[-1, :-1], nodes[:0:-1, -1], nodes[0, :0:-1]])
+    foot = np.column_stack([edge[:, :2], np.full(len(edge), bottom)])
+    next_edge, next_foot = np.roll(edge, -1, axis=0), np.roll(foot, -1, axis=0)
+    sides = [[edge, foot, next_foot], [edge, next_foot, next_edge]]
+    around = np.stack([np.stack(side, axis=1) for side in sides], axis=1).reshape(-1, 3, 3)
+    low, high = (x[0], y[0], bottom), (x[-1], y[-1], bottom)
+    below = [[low, (x[0], y[-1], bottom), high], [low, high, (x[-1], y[0], bottom)]]
+    triangles = np.concatenate([cells.reshape(-1, 3, 3), around, np.array(below)])
+    one = np.zeros(len(triangles), np.int64)
+    return Surface(triangles, one, *boxes_of(triangles), 3, facets=len(triangles))

@@ -24,6 +24,9 @@ __all__ = ["LAYOUT", "CheckpointFile", "DamagedError", "write"]
 
 Array = np.ndarray
 
+# Beginning of HDF5's superblock of version 0, and where it is marked as open for writing.
+_SUPERBLOCK, _MARK, _OPEN = b"\x89HDF\r\n\x1a\n\0", slice(20, 24), b"\1\0\0\0"
+
 # Bytes read at once.
 _BLOCK = 4 << 20
 
@@ -84,6 +87,8 @@ class CheckpointFile:
     def verify(self, part: int, parts: int) -> None:
         """Compare the checksums of a part of the file, so that ranks can share the work.
 
+        HDF5's mark of a file that another program has open for writing is no change of it.
+
         Parameters
         ----------
         part, parts : int
@@ -104,7 +109,7 @@ class CheckpointFile:
             wrong = first_wrong(self._descriptor, mine, zlib.crc32)
         except OSError as error:
             raise DamagedError(_cannot_read(error)) from None
-        if wrong:
+        if wrong and not self._is_only_open(wrong):
             end = wrong.start + wrong.size
             raise DamagedError(f"bytes {wrong.start} to {end} do not have their checksum")
 
@@ -174,6 +179,16 @@ class CheckpointFile:
     def _read(self, start: int, length: int) -> bytes:
         data = memoryview(bytearray(length))
         return bytes(data[: self._read_into(data, start)])
+
+    def _is_only_open(self, piece: Written) -> bool:
+        """Whether a piece differs by nothing but the mark of HDF5's superblock, version 0."""
+        if piece.start != self._header.begin or not _MARK.stop <= piece.size <= _BLOCK:
+            return False
+        data = bytearray(self._read(piece.start, piece.size))
+        if data[:9] != _SUPERBLOCK or data[_MARK] != _OPEN:
+            return False
+        data[_MARK] = bytes(4)
+        return zlib.crc32(data) == piece.checksum
 
     def _fill(self, array: Array, start: int) -> None:
         if array.size:

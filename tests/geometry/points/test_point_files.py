@@ -44,7 +44,7 @@ def damaged():
         "noise.csv": (np.random.default_rng(2).bytes(3000), "cannot"),
         "noise.h5": (np.random.default_rng(2).bytes(3000), "cannot read the particles"),
         "empty.h5": (b"", "it is empty"),
-        "what.dat": (good, "must end in .h5, .hdf5 or .csv"),
+        "what.dat": (good, "must end in .h5, .hdf5, .csv, .vtu or .vtp"),
     }
 
 

@@ -1,5 +1,8 @@
 """Ground below grids of heights: volumes against quadrature, files, and what cannot be used."""
 
+import tracemalloc
+from time import process_time
+
 import numpy as np
 import pytest
 from meshes import case, filled
@@ -40,6 +43,21 @@ def esri(path, z, corner, cell, nodata=-9999, key="corner"):
     path.write_text(head + "\n".join(" ".join(f"{x:.17g}" for x in row) for row in rows) + "\n")
 
 
+def bordered(z, spacing, first):
+    """Nodes and heights to the edges of cells, where the slope of the border goes on."""
+    axes = []
+    for d, (step, low) in enumerate(zip(spacing, first, strict=True)):
+        count = z.shape[d]
+        ends = np.array([-0.5, *range(count), count - 0.5])
+        axes.append(low + step * ends)
+        beyond = np.pad(z, [(1, 1) if k == d else (0, 0) for k in range(2)], "reflect",
+                        reflect_type="odd")  # fmt: skip
+        z = np.moveaxis(beyond, d, 0)
+        z[0], z[-1] = 0.5 * (z[0] + z[1]), 0.5 * (z[-1] + z[-2])
+        z = np.moveaxis(z, 0, d)
+    return axes, z
+
+
 def heights(path, **more):
     return {"heights": {"file": str(path), "bottom": -1.5, **more}}
 
@@ -75,9 +93,11 @@ def test_an_esri_grid_has_its_heights_at_the_centres_of_cells(tmp_path, key):
     model = Case.model_validate(case(region))
     share(model, Serial())
     surface = model.bodies["body"].region.surface
-    np.testing.assert_allclose(surface.bounds[0], [-1.0, -1.2, -1.5], atol=1e-9)
-    np.testing.assert_allclose(surface.bounds[1], [1.0, 1.3, 0.2 * z.max() + 0.3], atol=1e-9)
-    assert surface.volume == pytest.approx(bilinear(0.2 * z + 0.3, [0.5, 0.5], -1.5), rel=1e-8)
+    (x, y), whole = bordered(0.2 * z + 0.3, [0.5, 0.5], [-1.0, -1.2])
+    np.testing.assert_allclose(surface.bounds[0], [-1.25, -1.45, -1.5], atol=1e-9)
+    np.testing.assert_allclose(surface.bounds[1], [1.25, 1.55, whole.max()], atol=1e-9)
+    exact = np.trapezoid(np.trapezoid(whole + 1.5, y, axis=1), x)
+    assert surface.volume == pytest.approx(exact, rel=1e-8)
     at = np.array([[-1.0 + 0.5 * 3, -1.2 + 0.5 * 1, 0.2 * z[3, 1] + 0.3]])
     assert surface.distance(at)[0] == pytest.approx(0.0, abs=1e-8)
 
@@ -108,11 +128,101 @@ def test_a_profile_in_two_dimensions(tmp_path, kind):
         np.save(tmp_path / "z.npy", np.column_stack([x, z]))
     else:
         esri(tmp_path / "z.asc", z[:, None], [-1.8, 0.0], 0.45, key="center")
+        more = {"part": {"min": [-1.8], "max": [1.8]}}  # without half a cell beyond
     path = next(tmp_path.glob("z.*"))
     total, centre, *_ = filled(heights(path, **more), dimension=2)
     assert total == pytest.approx(np.trapezoid(z + 1.5, x), rel=1e-12)
     moments = (z[1:] ** 2 + z[1:] * z[:-1] + z[:-1] ** 2) / 6 - 1.5**2 / 2
     assert centre[1] == pytest.approx(0.45 * moments.sum() / total, rel=1e-10)
+
+
+def brute(T, points):
+    """Distances of points from triangles, sampled densely."""
+    u = np.linspace(0.0, 1.0, 25)
+    a, b = (each.ravel() for each in np.meshgrid(u, u))
+    a, b = a[a + b <= 1.0], b[a + b <= 1.0]
+    samples = (
+        T[:, :1]
+        + a[None, :, None] * (T[:, 1:2] - T[:, :1])
+        + b[None, :, None] * (T[:, 2:] - T[:, :1])
+    ).reshape(-1, 3)
+    return np.array([np.linalg.norm(samples - p, axis=1).min() for p in points])
+
+
+def test_the_ground_is_closed_by_construction(tmp_path):
+    """Sides and bottom too: inside is below the heights, also at nodes and on edges of cells."""
+    z = hills(6, 5)
+    np.save(tmp_path / "z.npy", z)
+    nodes = {"origin": [-1.5, -1.25], "spacing": [0.5, 0.5]}
+    region = (
+        Case.model_validate(case(heights(tmp_path / "z.npy", nodes=nodes))).bodies["body"].region
+    )
+    x, y = -1.5 + 0.5 * np.arange(6), -1.25 + 0.5 * np.arange(5)
+    rng = np.random.default_rng(5)
+    points = rng.uniform([-1.8, -1.6, -1.8], [1.3, 1.1, 1.5], (3000, 3))
+    points[:300, 0], points[300:600, 1] = rng.choice(x, 300), rng.choice(y, 300)
+    points[600:700, 2] = -1.5
+    inner = (points[:, :2] > [x[0], y[0]]).all(axis=1) & (points[:, :2] < [x[-1], y[-1]]).all(
+        axis=1
+    )
+    i = np.clip(((points[:, 0] - x[0]) / 0.5).astype(int), 0, 4)
+    j = np.clip(((points[:, 1] - y[0]) / 0.5).astype(int), 0, 3)
+    low = np.minimum.reduce([z[i, j], z[i + 1, j], z[i, j + 1], z[i + 1, j + 1]])
+    high = np.maximum.reduce([z[i, j], z[i + 1, j], z[i, j + 1], z[i + 1, j + 1]])
+    found = region.contains(points)
+    assert found[inner & (points[:, 2] < low) & (points[:, 2] > -1.5)].all()
+    beyond = ((points[:, :2] < [x[0], y[0]]) | (points[:, :2] > [x[-1], y[-1]])).any(axis=1)
+    above = inner & (points[:, 2] > high)
+    assert not found[beyond | above | (points[:, 2] < -1.5)].any()
+    for axis in range(3):
+        assert (np.isfinite(region.crossings(points[:500], axis)).sum(axis=1) % 2 == 0).all()
+    some = points[:60]
+    near = brute(region.surface.triangles, some)
+    np.testing.assert_allclose(np.abs(region.distance(some)), near, atol=0.05)
+
+
+def test_a_raster_of_a_million_is_ready_in_seconds(tmp_path):
+    """Also its distances: a bottom of long triangles made each of them a search through all."""
+    n = 1000
+    x, y = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    np.save(tmp_path / "z.npy", 0.1 * np.sin(0.03 * x) * np.cos(0.02 * y))
+    step = 4.0 / (n - 1)
+    nodes = {"origin": [-2.0, -2.0], "spacing": [step, step]}
+    small = heights(tmp_path / "z.npy", nodes=nodes, part={"min": [0.0, 0.0], "max": [0.1, 0.1]})
+    at = np.random.default_rng(1).uniform([-2.0, -2.0, -1.9], [2.0, 2.0, 1.0], (50_000, 3))
+    times = []
+    for region in (small, heights(tmp_path / "z.npy", nodes=nodes)):  # the first compiles
+        made = Case.model_validate(case(region)).bodies["body"].region
+        began = process_time()
+        assert made.surface.facets > 0
+        read = process_time()
+        made.distance(at)
+        times.append((read - began, process_time() - read))
+    # 1.6 s and 0.3 s on one core; 40 s and, at 1,440 nodes, minutes.
+    assert times[1][0] < 8.0 and times[1][1] < 5.0
+
+
+def test_a_file_is_read_by_rows_and_refused_by_its_header(tmp_path):
+    """Neither needs the memory of the whole."""
+    path = tmp_path / "z.asc"
+    with path.open("wb") as file:
+        file.write(b"ncols 4000\nnrows 3000\nxllcorner -2\nyllcorner -2\ncellsize 0.001\n")
+        for row in range(3000):
+            file.write(b"%d " % (row % 7) * 4000 + b"\n")
+    part = {"min": [-1.5, -1.2], "max": [-1.49, -1.19]}
+    tracemalloc.start()
+    began = process_time()
+    text = refused(heights(path))
+    assert process_time() - began < 2.0
+    assert "has 11,965,025 nodes in this part, more than 2,000,000; take a smaller part" in text
+    region = heights(path, part=part, bottom=-7.0)
+    surface = Case.model_validate(case(region)).bodies["body"].region.surface
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 120e6, most  # of text alone 24 MB, as words 800 MB
+    assert surface.bounds[0] == (-1.5, -1.2, -7.0)
+    rows = 2999 - np.floor((np.array([-1.2, -1.19]) + 2.0) / 0.001 - 0.5)
+    assert surface.bounds[1][2] == max(row % 7 for row in range(int(rows[1]) - 1, int(rows[0]) + 1))
 
 
 def refused(region, dimension=3):
@@ -146,7 +256,7 @@ def test_what_heights_cannot_be(tmp_path):
     assert "bodies.body.region: the heights" in text
     assert "no height at 1 of 20 nodes, first at x = 0, y = -0.5" in text
     text = refused(heights(path, nodes=nodes, part={"min": [-1.0, 0.0], "max": [1.5, 0.5]}))
-    assert "covers x from -1 to 1 (its first and last node)" in text
+    assert "covers x from -1 to 1 (its nodes, of an .asc the edges of its cells)" in text
     assert "goes from -1 to 1.5" in text
     assert "say nodes" in refused(heights(path))
     assert "dimensions, expected 1" in refused(

@@ -86,6 +86,7 @@ def test_every_byte_counts(small):
     data, path = small
     assert not refused(small, data)
     bits = np.random.default_rng(2).integers(8, size=len(data))
+    bits[data.index(b"\x89HDF") + 20] = 1  # 0 is that of a file open for writing elsewhere
     with open(path, "r+b", buffering=0) as stream:
         for place, bit in enumerate(bits):
             os.pwrite(stream.fileno(), bytes([data[place] ^ 1 << bit]), place)

@@ -199,8 +199,8 @@ def test_a_profile_from_a_file(tmp_path):
     assert read_profile(path, "depth", "young") == ((0.0, 1e6), (5.0, 4e6))
     for text, message in (
         (PROFILE.replace("5.0,", "0.0,"), "line 5, column depth: the coordinates must increase"),
-        (PROFILE.replace("4e6", "many"), "line 5, column young: 'many' is no finite number"),
-        (PROFILE.replace("4e6", "4_000"), "line 5, column young: '4_000' is no finite number"),
+        (PROFILE.replace("4e6", "many"), "line 5, column young: 'many' is no number"),
+        (PROFILE.replace("4e6", "4_000"), "line 5, column young: '4_000' is no number"),
         (PROFILE.replace("4e6", "4e6,1"), "line 5: 4 values, expected 3"),
         (PROFILE.replace("depth", "z"), "line 1: unknown column 'depth'"),
         ("", "has no row of numbers"),
