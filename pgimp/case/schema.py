@@ -30,6 +30,7 @@ from pgimp.case.grid import Grid
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
 from pgimp.case.staging.arrange import arrange
+from pgimp.case.staging.inflow import told_once
 from pgimp.case.start import StartEntry
 from pgimp.case.stepping.courant import largest_courant
 from pgimp.case.stepping.steps import AUTO, CourantStep
@@ -283,12 +284,12 @@ class Case(Model):
         """Check the conditions between the parts, even if some parts are wrong."""
         if not isinstance(data, dict):
             return handler(data)
-        data = with_defaults(data)
+        written, data = data, with_defaults(data)
         context = info.context or {}
         known = context.get("counted", 0.0), context.get("began", 0.0), context.get("gone", ())
         span = data.get("time")
         with until(span.get("end") if isinstance(span, Mapping) else None):
-            return cls._check_sound(data, handler, known)
+            return cls._check_sound(data, handler, known, written)
 
     @classmethod
     def _check_sound(
@@ -296,6 +297,7 @@ class Case(Model):
         data: dict[str, Any],
         handler: ModelWrapValidatorHandler[Self],
         known: tuple[Any, Any, Any],
+        written: dict[str, Any],
     ) -> Self:
         try:
             case = handler(data)
@@ -308,5 +310,5 @@ class Case(Model):
                 problems = list(case.exact.problems(case))
             if case.time.stages and not problems:
                 case.__dict__["arranged"], problems = arrange(case)
-        raise_problems(cls.__name__, problems, data)
+        raise_problems(cls.__name__, told_once(problems, written), data)
         return case

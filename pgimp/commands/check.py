@@ -138,6 +138,7 @@ def report(case: Case, verbose: bool = False) -> None:
         *nearness.notes(case),
         *stripes(case, poisson),
         *ordered_advice(case, bodies, known.crossing, dt, quick),
+        *forecast.notes(whole, steps),
     ):
         print(f"note: {note}")
     # Bodies of one material have the same warnings about it.

@@ -72,6 +72,10 @@ def warnings(case: Case, steps: float) -> Iterator[str]:
     for name, probe in case.probes.items():
         requested.append((f"probes.{name}.every", probe.every, f"lines only {ends}"))
     end = case.time.last
+    if any(stage.start.settle for stage in case.stages) and isinstance(
+        case.checkpoint.every, Steps
+    ):
+        del requested[1]  # steps to rest, which nobody knows before, have checkpoints, too
     for key, every, what in requested:
         if every is None or isinstance(every, WallTime):
             continue
@@ -86,3 +90,19 @@ def warnings(case: Case, steps: float) -> Iterator[str]:
     number = frames(case, steps)
     if number > _MANY:
         yield f"output.every: {number:,} frames; is it in the unit of time that time.end is in?"
+
+
+def notes(case: Case, steps: float) -> Iterator[str]:
+    """Yield intervals of output that are shorter than steps; parameters as of `warnings`."""
+    dt = case.time.last / max(steps, 1.0)
+    requested = [("output.every", case.output.every, "frames")]
+    if "every" in case.history.model_fields_set:
+        requested.append(("history.every", case.history.every, "lines"))
+    for name, probe in case.probes.items():
+        requested.append((f"probes.{name}.every", probe.every, "lines"))
+    for key, every, what in requested:
+        if isinstance(every, float | int) and every < dt * (1.0 - _ROUNDING):
+            yield (
+                f"{key}: {every:g} is shorter than a step, about {dt:.3g}: {what} come at the ends "
+                "of steps, fewer and at uneven times; take {steps: 1}, or a shorter time.step"
+            )

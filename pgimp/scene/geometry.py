@@ -103,7 +103,7 @@ def _beyond(case: Case) -> list[str]:
     messages = []
     for name, region in _from_files(case).items():
         path = ("bodies", name, "region")
-        problems = list(check_bounds(path, region, case.dimensions, case.grid))
+        problems = list(check_bounds(path, region, case.grid))
         messages += [f"{dotted(problem.path)}: {problem.text}" for problem in problems]
         hints = dict.fromkeys(_unit(case, part) for part in region.simple()) if problems else {}
         messages += [f"{dotted(path)}: {hint}" for hint in hints if hint]

@@ -12,7 +12,9 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails, ValidationError
 
 from pgimp.schema import lookalikes
+from pgimp.schema.pages import page
 from pgimp.schema.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
+from pgimp.schema.trades import beyond, meant_by
 
 _NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*(\.\d*)?|\.\d+)([eEdD][-+]?\d+)?")
 _COMMA = re.compile(r"([-+]?\d+),(\d+([eE][-+]?\d+)?)")
@@ -104,13 +106,17 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def unknown(what: str, name: str, known: Iterable[str], label: str = "known") -> str:
-    """Message: `name` is unknown; a similar name, and all known ones."""
+    """Message: `name` is unknown; what is meant, or why there is none, and all known names."""
     names = sorted(known)
     text = f"unknown {what}" if what == "key" else f"unknown {what} '{shorten(name)}'"
     match = _COLON.fullmatch(name)
     if what == "key" and match and match[1] in names:
         return f"{text}; a space is missing after the colon: '{match[1]}: {shorten(match[2])}'"
-    if guess := nearest(name, names):
+    if meant := meant_by(name, names):
+        text += f"; it is {' or '.join(meant)} here;"
+    elif why := beyond(name):
+        text += f": not in pgimp, where {why} ({page('limits.md')});"
+    elif guess := nearest(name, names):
         text += f"; did you mean '{shorten(guess)}'?"
     else:
         text += ";"
@@ -139,9 +145,11 @@ def explain(model: type[BaseModel], error: ValidationError, value: object) -> li
     keys = keys_of(model)
     details = error.errors(include_url=False)[:MOST_PROBLEMS]
     meant = {
-        nearest(str(item["loc"][0]), keys)
+        key
         for item in details
         if item["type"] == "extra_forbidden" and len(item["loc"]) == 1
+        for name in [str(item["loc"][0])]
+        for key in (*meant_by(name, keys), nearest(name, keys))
     }
     own: list[Problem] = []
     foreign: dict[tuple[str | int, ...], list[str]] = {}

@@ -1,4 +1,4 @@
-"""The first case as its users see it: through ``pgimp plot`` and cases/paraview.py."""
+"""The first case as its users see it: through ``pgimp plot`` and cases/in_paraview.py."""
 
 import os
 import shutil
@@ -36,7 +36,7 @@ def block3d_paraview(redraw):
     """The block in ParaView, when it is compressed most."""
     directory = run("block3d", redraw).path
     path = PICTURES / "block3d-paraview.png"
-    words = ["pvpython", ROOT / "cases/paraview.py", directory, *STRESS, "--frame", "16"]
+    words = ["pvpython", ROOT / "cases/in_paraview.py", directory, *STRESS, "--frame", "16"]
     words += ["--range", "0", "6e4", "--scale", "1.2", "--size", "800x500", "-o", path]
     if not shutil.which("pvpython"):
         sys.exit("pictures: block3d-paraview needs ParaView: scripts/setup --test installs it")

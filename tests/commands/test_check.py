@@ -201,6 +201,30 @@ def test_output_that_never_falls_due(output, expected):
     assert [text[: len(expected)] for text in found] == [expected] if expected else not found
 
 
+def test_steps_to_rest_have_checkpoints():
+    """Nobody knows how many there are; of frames there is none before time 0."""
+    every = "{every: {steps: 3000}}\nstart: {settle: {}}"
+    assert not list(forecast.warnings(plate(f"checkpoint: {every}"), 2000.0))
+    assert len(list(forecast.warnings(plate(f"output: {every}"), 2000.0))) == 1
+
+
+@pytest.mark.parametrize(
+    ("output", "keys"),
+    [
+        ("", []),
+        ("output: {every: {steps: 1}}", []),
+        ("output: {every: 0.0006}", []),
+        ("output: {every: 0.0004}", ["output.every"]),
+        ("history: {every: 0.0004}\nprobes: {p: {place: [1, 1], every: 0.0001}}",
+         ["history.every", "probes.p.every"]),
+    ],
+)  # fmt: skip
+def test_output_between_steps(output, keys):
+    """The plate has 2000 steps of 0.0005."""
+    found = list(forecast.notes(plate(output), 2000.0))
+    assert [text.partition(":")[0] for text in found] == keys
+
+
 @pytest.mark.parametrize(
     ("output", "number"),
     [

@@ -143,7 +143,7 @@ def test_options_named_alone_exist():
     parts += [
         head(f"scripts/{path.name}") for path in (ROOT / "scripts").iterdir() if path.is_file()
     ]
-    parts.append((ROOT / "cases" / "paraview.py").read_text(encoding="utf-8"))
+    parts.append((ROOT / "cases" / "in_paraview.py").read_text(encoding="utf-8"))
     known = {option for part in parts for option in re.findall(r"--[a-z][\w-]*", part)} | FOREIGN
     found = [
         (page, option)

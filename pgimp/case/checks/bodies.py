@@ -6,25 +6,19 @@ from collections.abc import Iterable, Mapping
 
 from pgimp.case.body import Body
 from pgimp.case.checks.domain import check_grid
-from pgimp.case.checks.regions import check_region
 from pgimp.case.grid import Grid
 from pgimp.case.output import PointProbe
 from pgimp.geometry.regions import REGIONS, Points
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.loads.constraints import ConstraintEntry
-from pgimp.physics.loads.motion import check_rotation
-from pgimp.physics.loads.own_velocity import OwnVelocity
-from pgimp.physics.loads.surfaces import profile_problems
 from pgimp.physics.loads.tractions import TractionEntry
-from pgimp.physics.loads.turning import turning_problems
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.base import Material
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
-from pgimp.schema.sizes import Problems, faces, length
-from pgimp.schema.tables import lengths
+from pgimp.schema.sizes import Problems, faces
 
 
 def check_materials(bodies: Mapping[str, Body], declared: Iterable[str]) -> Problems:
@@ -33,24 +27,6 @@ def check_materials(bodies: Mapping[str, Body], declared: Iterable[str]) -> Prob
         if body.material not in declared:
             text = unknown("material", body.material, declared)
             yield Problem(("bodies", name, "material"), text)
-
-
-def check_velocities(dimensions: int, bodies: Mapping[str, Body]) -> Problems:
-    """Check that initial velocities fit the dimensions."""
-    for name, body in bodies.items():
-        path = ("bodies", name, "velocity")
-        if isinstance(body.velocity, tuple):
-            yield from length(path, body.velocity, dimensions)
-            continue
-        if isinstance(body.velocity, OwnVelocity):
-            for found in body.velocity.misfits(dimensions):
-                yield found._replace(path=(*path, *found.path))
-            continue
-        rotation = body.velocity.rotation
-        yield from length((*path, "translation"), body.velocity.translation, dimensions)
-        yield from check_rotation((*path, "rotation"), rotation, dimensions)
-        if dimensions == 1:
-            yield Problem((*path, "rotation"), "there is no rotation in one dimension")
 
 
 def check_body_of(
@@ -83,7 +59,7 @@ def check_tractions(
         why = "a traction pulls at a body of a material; a rigid one moves as its key `rigid` says"
         yield from check_body_of(path, entry, every_body, body_names, why)
         if entry.face is None:
-            yield from _surface_problems(path, dimensions, entry, bodies, gravity)
+            yield from _surface_problems(path, entry, bodies, gravity)
         elif entry.face not in faces(dimensions):
             yield Problem((*path, "face"), unknown("face", entry.face, faces(dimensions)))
         elif entry.body in bodies and name_of(bodies[entry.body].region, REGIONS) != "box":
@@ -101,20 +77,12 @@ def check_tractions(
                 "(boundaries)"
             )
             yield Problem((*path, "body"), text)
-        yield from lengths((*path, "traction"), entry.traction, dimensions)
 
 
 def _surface_problems(
-    path: tuple[str | int, ...],
-    dimensions: int,
-    entry: TractionEntry,
-    bodies: Mapping[str, Body],
-    gravity: object,
+    path: tuple[str | int, ...], entry: TractionEntry, bodies: Mapping[str, Body], gravity: object
 ) -> Problems:
     """Check a load on the part of a surface that lies in a region."""
-    if entry.profile is not None:
-        yield from profile_problems((*path, "profile"), dimensions, entry.profile)
-    yield from check_region((*path, "region"), entry.region, dimensions)
     if entry.body in bodies and isinstance(bodies[entry.body].region, Points):
         text = f"'{entry.body}' is of particles from a file, whose surface is not known"
         yield Problem((*path, "body"), text + "; load a body with a region or a mesh")
@@ -124,30 +92,19 @@ def _surface_problems(
 
 
 def check_constraints(
-    dimensions: int,
     grid: Grid,
     every_body: Mapping[str, Body | RigidBody],
     body_names: Iterable[str],
     constraints: Mapping[str, ConstraintEntry],
 ) -> Problems:
     """Check that constraints hold parts of bodies, within the domain."""
-    sound = not list(check_grid(dimensions, grid))
+    sound = not list(check_grid(grid))
     for name, entry in constraints.items():
         path: tuple[str | int, ...] = ("constraints", name)
         why = "a constraint holds parts of a body of a material; give a rigid one its motion by"
         why += " its key `rigid`"
         yield from check_body_of(path, entry, every_body, body_names, why)
-        wrong = list(check_region((*path, "region"), entry.region, dimensions))
-        yield from wrong
-        if entry.rotation:
-            yield from turning_problems((*path, "rotation"), dimensions, entry.rotation)
-        if entry.field:
-            for found in entry.field.misfits(dimensions):
-                yield found._replace(path=(*path, "velocity", *found.path))
-        for key, given in (("velocity", entry.along), ("force", entry.force)):
-            if given:
-                yield from length((*path, key), given, dimensions)
-        if wrong or not sound or any(region.FROM_FILE for region in entry.region.simple()):
+        if not sound or any(region.FROM_FILE for region in entry.region.simple()):
             continue
         low, high = entry.region.bounds()
         within = zip(low, high, grid.origin, grid.corner, strict=True)

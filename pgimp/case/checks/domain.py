@@ -23,8 +23,7 @@ from pgimp.physics.shapes.base import Shape
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
-from pgimp.schema.sizes import WHOLE, Problems, faces, length, nearest_whole, whole
-from pgimp.schema.tables import lengths
+from pgimp.schema.sizes import WHOLE, Problems, faces, nearest_whole, whole
 
 MOST_CELLS = 10_000_000
 """Along one direction."""
@@ -32,16 +31,8 @@ MOST_CELLS = 10_000_000
 MOST_STEPS = 2**53
 
 
-def check_grid(dimensions: int, grid: Grid) -> Problems:
+def check_grid(grid: Grid) -> Problems:
     """Check that sizes are whole cells, which float64 coordinates can resolve."""
-    wrong = [
-        item
-        for name in ("origin", "size", "cell")
-        for item in length(("grid", name), getattr(grid, name), dimensions)
-    ]
-    if wrong:
-        yield from wrong
-        return
     for i, (low, size, cell) in enumerate(zip(grid.origin, grid.size, grid.cell, strict=True)):
         count, exact = whole(size, cell)
         if count > MOST_CELLS:
@@ -63,10 +54,8 @@ def check_grid(dimensions: int, grid: Grid) -> Problems:
             )
 
 
-def check_method(dimensions: int, method: Shape) -> Problems:
-    """Check that there is one number of particles a direction, and options for boxes only."""
-    counts = method.particles_per_cell
-    yield from length(("method", "particles_per_cell"), counts, dimensions)
+def check_method(method: Shape) -> Problems:
+    """Check that options for boxes are those of boxes."""
     if method.volumetric == "mean" and not (method.chi == "box" and method.separable):
         yield Problem(
             ("method", "volumetric"),
@@ -152,19 +141,11 @@ def check_body_force(dimensions: int, body_force: BodyForceEntry | None) -> Prob
         yield found._replace(path=("body_force", *below, *found.path))
 
 
-def check_gravity(dimensions: int, gravity: object) -> Problems:
-    """Check that gravity fits the dimensions."""
-    yield from lengths(("gravity",), gravity, dimensions)
-
-
 def check_boundaries(dimensions: int, boundaries: Mapping[str, Boundary]) -> Problems:
-    """Check that the domain has the faces, and that vectors fit the dimensions."""
-    for face, entry in boundaries.items():
+    """Check that the domain has the faces."""
+    for face in boundaries:
         if face not in faces(dimensions):
             yield Problem(("boundaries", face), unknown("face", face, faces(dimensions)))
-        for field in type(entry).model_fields:
-            path = ("boundaries", face, field)
-            yield from length(path, getattr(entry, field), dimensions)
 
 
 def check_planes_of_symmetry(before: Any, now: Any) -> Problems:

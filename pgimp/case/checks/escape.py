@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from pgimp.case.checks.domain import check_grid
-from pgimp.case.checks.regions import check_region
 from pgimp.case.escape import Sink
 from pgimp.case.grid import Grid
 from pgimp.geometry.regions.base import Region
@@ -23,11 +22,11 @@ def check_escape(
     dimensions: int, grid: Grid, boundaries: Mapping[str, Boundary], escape: Mapping[str, Any]
 ) -> Problems:
     """Check that faces exist and are open, and that sinks lie in the domain."""
-    sound = not list(check_grid(dimensions, grid))
+    sound = not list(check_grid(grid))
     for name, way in escape.items():
         path = ("escape", name)
         if isinstance(way, Sink):
-            yield from _sink(path, name, way, dimensions, grid if sound else None)
+            yield from _sink(path, name, way, grid if sound else None)
         elif name not in faces(dimensions):
             text = unknown("face", name, faces(dimensions))
             yield Problem(path, f"{text}; a sink inside the domain is {{region: ..}}")
@@ -39,32 +38,28 @@ def check_escape(
             )
 
 
-def _sink(path: Path, name: str, sink: Sink, dimensions: int, grid: Grid | None) -> Problems:
+def _sink(path: Path, name: str, sink: Sink, grid: Grid | None) -> Problems:
     """Check the name of a sink and its region; `grid` is None if that is wrong itself."""
     if name in faces(3):
         yield Problem(
             path, "is the name of a face, which takes stop or remove; call the sink otherwise"
         )
     path = (*path, "region")
-    wrong = list(check_region(path, sink.region, dimensions))
-    yield from wrong
-    if wrong:
-        return
     if any(region.FROM_FILE for region in sink.region.simple()):
         yield Problem(
             path, "is from a file; a sink is looked at in every step: take a box, a ball or others"
         )
     elif grid is not None:
-        yield from _beyond(path, sink.region, dimensions, grid)
+        yield from _beyond(path, sink.region, grid)
 
 
-def _beyond(path: Path, region: Region, dimensions: int, grid: Grid) -> Problems:
+def _beyond(path: Path, region: Region, grid: Grid) -> Problems:
     """Check that a region is not empty, and that something of it lies in the domain."""
     low, high = region.bounds()
     if any(a > b for a, b in zip(low, high, strict=True)):
         yield Problem(path, "is empty: no point lies in it; see how its parts overlap")
         return
-    for i in range(dimensions):
+    for i in range(len(grid.cell)):
         if high[i] <= grid.origin[i] or low[i] >= grid.corner[i]:
             end = low[i] if math.isfinite(low[i]) and low[i] >= grid.corner[i] else high[i]
             yield Problem(

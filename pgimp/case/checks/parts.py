@@ -7,7 +7,7 @@ runs if these are valid, even if others are not.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
@@ -18,7 +18,6 @@ from pgimp.case.checks.bodies import (
     check_materials,
     check_tractions,
     check_turning,
-    check_velocities,
 )
 from pgimp.case.checks.configuration import check_configuration, check_initial_output
 from pgimp.case.checks.damping import check_damping, check_mass_scaling
@@ -26,13 +25,13 @@ from pgimp.case.checks.domain import (
     check_body_force,
     check_boundaries,
     check_fields,
-    check_gravity,
     check_grid,
     check_method,
     check_output,
     check_time,
 )
 from pgimp.case.checks.escape import check_escape
+from pgimp.case.checks.fit import FITS
 from pgimp.case.checks.geometry import check_axis, check_geometry, check_plane_stress, check_rings
 from pgimp.case.checks.geostatic import check_geostatic, check_water
 from pgimp.case.checks.numbers import check_numbers
@@ -72,32 +71,53 @@ def check(
     `counted` is the time from which fixed steps are counted, see `pgimp.case.stages.Staged`;
     a stage has begun at the time `began`, without the bodies that have `gone`.
     """
-    parts = {**parts, "counted": counted, "began": began, "gone": gone}
     if "every_body" in parts:
-        every = parts["every_body"]
+        parts = {"body_names": tuple(parts["every_body"]), **parts}
+    problems = _run(FITS, parts)
+    wrong = {item.path[:2] for item in problems}
+    given: dict[str, Any] = {"counted": counted, "began": began, "gone": gone}
+    for name, part in parts.items():
+        written = "bodies" if name == "every_body" else name
+        if written in _NAMED:
+            given[name] = _sound_entries(written, part, wrong)
+        elif not any(path[:1] == (written,) for path in wrong):
+            given[name] = part
+    if "every_body" in given:
+        every = given["every_body"]
         rigid_bodies = {name: body for name, body in every.items() if isinstance(body, RigidBody)}
-        bodies = {name: body for name, body in every.items() if name not in rigid_bodies}
-        named = (name for name in parts.get("body_names", every) if name not in rigid_bodies)
-        parts = {
-            **parts,
-            "body_names": tuple(named),
-            "bodies": bodies,
-            "rigid_bodies": rigid_bodies,
-        }
-    if "materials" in parts:
-        parts = {"declared": tuple(parts["materials"]), **parts}
+        given["bodies"] = {name: body for name, body in every.items() if name not in rigid_bodies}
+        given["rigid_bodies"] = rigid_bodies
+        named = (name for name in given["body_names"] if name not in rigid_bodies)
+        given["body_names"] = tuple(named)
+    if "materials" in given:
+        given = {"declared": tuple(given["materials"]), **given}
+    problems += _run(_CHECKS, given)
+    known = {item.path for item in problems}
+    others = ("body_names", "declared")
+    numbers = {
+        "bodies" if name == "every_body" else name: part
+        for name, part in parts.items()
+        if name not in others
+    }
+    problems += [item for item in check_numbers(numbers) if item.path not in known]
+    return problems
+
+
+def _run(checks: Iterable[Callable[..., Problems]], parts: Mapping[str, Any]) -> list[Problem]:
+    """Return the problems that checks find whose parts are all there."""
     problems: list[Problem] = []
-    for run in _CHECKS:
+    for run in checks:
         names = inspect.signature(run).parameters
         if all(name in parts for name in names):
             problems.extend(run(**{name: parts[name] for name in names}))
-    known = {item.path for item in problems}
-    others = ("every_body", "rigid_bodies", "counted", "began", "gone")
-    numbers = {name: part for name, part in parts.items() if name not in others}
-    if "every_body" in parts:
-        numbers["bodies"] = parts["every_body"]
-    problems += [item for item in check_numbers(numbers) if item.path not in known]
     return problems
+
+
+def _sound_entries(
+    section: str, entries: Mapping[str, Any], wrong: Collection[tuple[str | int, ...]]
+) -> dict[str, Any]:
+    """Return the entries of a section that no `wrong` path, of two keys, leads to."""
+    return {name: entry for name, entry in entries.items() if (section, name) not in wrong}
 
 
 def sound_parts(
@@ -114,7 +134,7 @@ def sound_parts(
         written = field.alias or name
         value = data.get(written, field.get_default(call_default_factory=True))
         if written in _NAMED and isinstance(value, Mapping):
-            value = {key: item for key, item in value.items() if (written, key) not in wrong}
+            value = _sound_entries(written, value, wrong)
         elif any(path[:1] == (written,) for path in wrong):
             continue
         try:
@@ -155,10 +175,8 @@ _CHECKS = (
     check_time,
     check_materials,
     check_variations,
-    check_velocities,
     check_regions,
     check_rigid_bodies,
-    check_gravity,
     check_body_force,
     check_boundaries,
     check_absorbing,

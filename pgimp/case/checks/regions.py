@@ -47,32 +47,26 @@ def check_region(path: tuple[str | int, ...], region: Any, dimensions: int) -> P
         yield from length((*path, info.alias or field), getattr(region, field), dimensions)
 
 
-def check_regions(
-    dimensions: int, geometry: str, grid: Grid, bodies: Mapping[str, Body]
-) -> Problems:
-    """Check that regions fit the dimensions and lie in the domain.
+def check_regions(geometry: str, grid: Grid, bodies: Mapping[str, Body]) -> Problems:
+    """Check that regions of bodies lie in the domain.
 
     In axisymmetry they may reach across the axis, as a ball on it does.
     """
     axis = geometry == "axisymmetric" and grid.origin[:1] == (0.0,)
-    sound = not list(check_grid(dimensions, grid))
+    sound = not list(check_grid(grid))
     for name, body in bodies.items():
-        path = ("bodies", name, "region")
-        wrong = list(check_region(path, body.region, dimensions))
-        yield from wrong
-        if wrong or not sound:
-            continue
-        if not any(region.FROM_FILE for region in body.region.simple()):
-            yield from check_bounds(path, body.region, dimensions, grid, axis)
+        if sound and not any(region.FROM_FILE for region in body.region.simple()):
+            yield from check_bounds(("bodies", name, "region"), body.region, grid, axis)
 
 
 def check_bounds(
-    path: tuple[str | int, ...], region: Region, dimensions: int, grid: Grid, axis: bool = False
+    path: tuple[str | int, ...], region: Region, grid: Grid, axis: bool = False
 ) -> Problems:
     """Check that a body's region has an end, is not empty and lies in the domain.
 
     What lies beyond an `axis` at x-min is left out.
     """
+    dimensions = len(grid.cell)
     low, high = region.bounds()
     low = (max(low[0], 0.0), *low[1:]) if axis else low
     ends = [f"{AXES[i]}-min" for i in range(dimensions) if low[i] == -math.inf]

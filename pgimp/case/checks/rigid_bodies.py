@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from pgimp.case.checks.regions import check_region
 from pgimp.case.grid import Grid
 from pgimp.physics.contact.pairs import ContactEntry
-from pgimp.physics.loads.motion import RigidMotion, check_rotation
-from pgimp.physics.loads.turning import turning_problems
-from pgimp.physics.rigid import FREEDOMS, Free, Motion, RigidBody
+from pgimp.physics.loads.motion import RigidMotion
+from pgimp.physics.rigid import FREEDOMS, Free, RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
-from pgimp.schema.sizes import Problems, length
-from pgimp.schema.tables import lengths
+from pgimp.schema.sizes import Problems
 
 
 def check_rigid_bodies(
@@ -27,20 +24,16 @@ def check_rigid_bodies(
         path: tuple[str | int, ...] = ("bodies", name)
         if isinstance(rigid_body.rigid, Free):
             yield from _free(path, dimensions, rigid_body, rigid_body.rigid)
-        else:
-            yield from _motion((*path, "rigid"), dimensions, rigid_body.rigid)
-            if rigid_body.velocity is not None:
-                text = (
-                    "a rigid body without density moves as `rigid` says, {velocity: ..}; one that "
-                    "moves freely has a density: rigid: {density: ..}"
-                )
-                yield Problem((*path, "velocity"), text)
-        wrong = list(check_region((*path, "region"), rigid_body.region, dimensions))
-        yield from wrong
-        for region in () if wrong else rigid_body.region.simple():
+        elif rigid_body.velocity is not None:
+            text = (
+                "a rigid body without density moves as `rigid` says, {velocity: ..}; one that "
+                "moves freely has a density: rigid: {density: ..}"
+            )
+            yield Problem((*path, "velocity"), text)
+        for region in rigid_body.region.simple():
             if region.WHOLE_BODY:
                 yield Problem((*path, "region"), "a rigid body has no particles, also from a file")
-        if wrong or any(region.FROM_FILE for region in rigid_body.region.simple()):
+        if any(region.FROM_FILE for region in rigid_body.region.simple()):
             continue
         low, high = rigid_body.region.bounds()
         if any(a > b for a, b in zip(low, high, strict=True)):
@@ -51,36 +44,21 @@ def check_rigid_bodies(
 
 
 def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: Free) -> Problems:
-    """Check that the motion of a free rigid body fits the dimensions."""
+    """Check that a free rigid body moves in ways that exist, and are not fixed."""
     every = ("x",), ("x", "y", "rotation"), (*FREEDOMS, "rotation")
     ways: tuple[str, ...] = every[dimensions - 1]
     for i, way in enumerate(free.fixed):
         if way not in ways and not (dimensions == 2 and way == "rotation-z"):
             yield Problem((*path, "rigid", "fixed", i), unknown("way", way, ways))
-    yield from lengths((*path, "rigid", "force"), free.force, dimensions)
-    if free.spring and free.spring.to is not None:
-        yield from length((*path, "rigid", "spring", "to"), free.spring.to, dimensions)
-    where, may = (*path, "velocity"), free.may(dimensions)
+    may = free.may(dimensions)
     along = body.velocity
     about: tuple[float, ...] = ()
     if isinstance(along, RigidMotion):
-        rotation, along = along.rotation, along.translation
-        if dimensions == 1:
-            yield Problem((*where, "rotation"), "there is no rotation in one dimension")
-            return
-        yield from check_rotation((*where, "rotation"), rotation, dimensions)
-        about = rotation.rate if isinstance(rotation.rate, tuple) else (0.0, 0.0, rotation.rate)
-    yield from length(where, along or (0.0,) * dimensions, dimensions)
+        rate, along = along.rotation.rate, along.translation
+        about = rate if isinstance(rate, tuple) else (0.0, 0.0, rate)
     for values, moves in ((along or (), may[:3]), (about, may[3:])):
         if any(v and not way for v, way in zip(values, moves, strict=False)):
-            yield Problem(where, "it moves in a way that `fixed` excludes")
-
-
-def _motion(path: tuple[str | int, ...], dimensions: int, motion: Motion) -> Problems:
-    """Check that the motion of a rigid body fits the dimensions."""
-    yield from lengths((*path, "velocity"), motion.velocity, dimensions)
-    if motion.rotation is not None:
-        yield from turning_problems((*path, "rotation"), dimensions, motion.rotation)
+            yield Problem((*path, "velocity"), "it moves in a way that `fixed` excludes")
 
 
 def check_contact(

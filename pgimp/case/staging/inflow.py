@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from pgimp.case.body import Body
@@ -18,7 +18,7 @@ from pgimp.physics.rigid import RigidBody
 from pgimp.physics.shapes.base import Shape
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
-from pgimp.schema.sizes import Problems, length
+from pgimp.schema.sizes import Problems
 
 Path = tuple[str | int, ...]
 
@@ -46,9 +46,33 @@ def with_constraints(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "bodies": bodies, "constraints": constraints}
 
 
+def told_once(problems: list[Problem], data: Mapping[str, Any]) -> list[Problem]:
+    """Return the problems of a case with those of what `with_constraints` filled in.
+
+    They are told of what it was made of, unless that has a problem there already.
+    """
+    added = {key: data.get(key) for key in ("inflow", "constraints", "bodies")}
+    inflow, held, bodies = (each if isinstance(each, Mapping) else {} for each in added.values())
+    moved = []
+    for item in problems:
+        section, name, key = (*item.path, *3 * (None,))[:3]
+        made = name in inflow and (
+            (section == "constraints" and name not in held)
+            or (section == "bodies" and key == "velocity" and "velocity" not in bodies[name])
+        )
+        source = "inflow" if key == "velocity" else "bodies"
+        moved.append(item._replace(path=(source, *item.path[1:])) if made else item)
+    own = {item.path[:3] for item, before in zip(moved, problems, strict=True) if item is before}
+    told: dict[Any, Problem] = {}
+    for item, before in zip(moved, problems, strict=True):
+        if item is before or item.path[:3] not in own:
+            told.setdefault((item.path, item.text), item)
+    return [*told.values()]
+
+
 def check_inflow(
     inflow: Mapping[str, InflowEntry],
-    dimensions: int,
+    body_names: Collection[str],
     grid: Grid,
     method: Shape,
     geometry: str,
@@ -65,11 +89,11 @@ def check_inflow(
         path: Path = ("inflow", name)
         body = every_body.get(name)
         if body is None:
-            text = unknown("body", name, every_body)
-            yield Problem(path, f"{text}; an inflow has the name of the body that enters")
+            if name not in body_names:
+                text = unknown("body", name, body_names)
+                yield Problem(path, f"{text}; an inflow has the name of the body that enters")
             continue
-        wrong = list(length((*path, "velocity"), entry.velocity, dimensions))
-        wrong += _unfit(path, name, body, materials, tractions)
+        wrong = list(_unfit(path, name, body, materials, tractions))
         if not wrong:
             wrong += _misdirected(path, entry, geometry, boundaries)
         yield from wrong

@@ -3,14 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Protocol
 
+import numpy as np
+
+from pgimp.errors import RunError
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.storage.linereader import read
 from pgimp.storage.lines import LineFile
 
-__all__ = ["History", "read"]
+__all__ = ["History", "read", "read_sums"]
+
+#: Columns of every history that sums are made of.
+SUMS = (
+    "time", "step", "mass", "momentum-x", "kinetic-energy", "strain-energy", "dissipated-energy",
+    "external-work",
+)  # fmt: skip
+#: Sizes of numbers from which on sums of them may overflow.
+_HUGE = 1e300
+
+
+def read_sums(path: Path, dimensions: int = 1) -> np.ndarray:
+    """Read a history for sums over its columns; without lines it may have no columns.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    dimensions : int
+        Directions in which there is a momentum.
+
+    Returns
+    -------
+    ndarray, shape (lines,)
+        See `pgimp.storage.linereader.read`.
+
+    Raises
+    ------
+    RunError
+        If it cannot be read or is damaged: columns are missing, or numbers are out of range.
+    """
+    found = read(path)
+    names = found.dtype.names or ()
+    needed = [*SUMS, *(f"momentum-{axis}" for axis in "yz"[: dimensions - 1])]
+    if missing := [name for name in needed if name not in names and len(found)]:
+        raise RunError(f"{path} is damaged: it has no column {', '.join(missing)}")
+    for name in names:
+        if (np.abs(found[name][np.isfinite(found[name])]) > _HUGE).any():
+            raise RunError(f"{path} is damaged: numbers of {name} are out of range")
+    return found
 
 
 class Diagnosed(Protocol):

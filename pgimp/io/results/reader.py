@@ -48,7 +48,9 @@ class Run:
         self.path, self._units = path, units
         self._known: dict[Path, tuple[tuple[int, int], Frame]] = {}
         if runinfo.read(path / RUN) is None:
-            raise UsageError(f"{path} is no run directory of pgimp: it has no {RUN}.")
+            there = (path / RUN).exists()
+            why = f"its {RUN} is damaged, or not pgimp's" if there else f"it has no {RUN}"
+            raise UsageError(f"{path} is no run directory of pgimp: {why}.")
 
     @property
     def info(self) -> dict[str, Any]:

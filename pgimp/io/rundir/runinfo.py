@@ -12,6 +12,7 @@ import shlex
 import socket
 import sys
 from collections import Counter
+from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -150,15 +151,60 @@ def read(path: Path) -> dict[str, Any] | None:
     starts = content.get("starts")
     if not isinstance(starts, list) or not all(_is_start(start) for start in starts) or not starts:
         return None
-    return content
+    return content | {"starts": [_sound(start) for start in starts]}
 
 
 def _is_start(start: object) -> bool:
     """Return whether an entry of ``starts`` has the required keys."""
-    kinds = {"state": str, "began": str, "steps": int}
     return isinstance(start, dict) and all(
-        isinstance(start.get(key), kind) for key, kind in kinds.items()
+        start.get(key) is not None and _KINDS[key](start[key])
+        for key in ("state", "began", "steps")
     )
+
+
+def _sound(start: dict[str, Any]) -> dict[str, Any]:
+    """Return a start without values that are damaged: those of another kind count as not known."""
+    return {
+        key: value
+        for key, value in start.items()
+        if value is None or key not in _KINDS or _KINDS[key](value)
+    }
+
+
+def _text(value: object) -> bool:
+    return isinstance(value, str)
+
+
+def _number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
+
+
+def _count(value: object) -> bool:
+    return isinstance(value, int) and _number(value) and value >= 0
+
+
+def _list(kind: Callable[[object], bool]) -> Callable[[object], bool]:
+    return lambda value: isinstance(value, list) and all(map(kind, value))
+
+
+def _named(kind: Callable[[object], bool]) -> Callable[[object], bool]:
+    """Return a check of mappings to such values, or to null for what is not known."""
+    return lambda value: (
+        isinstance(value, dict) and all(each is None or kind(each) for each in value.values())
+    )
+
+
+#: What entries of a start are; of probes see `pgimp.io.rundir.probefiles`.
+_KINDS: dict[str, Callable[[Any], bool]] = {
+    **dict.fromkeys(("state", "began", "ended", "message", "cpu", "command"), _text),
+    **dict.fromkeys(("working_directory", "commit"), _text),
+    **dict.fromkeys(("time", "seconds", "total_seconds", "particle_steps", "courant"), _number),
+    **dict.fromkeys(("steps", "resumed_from", "checkpoint", "particles", "ranks"), _count),
+    **dict.fromkeys(("versions", "functions", "materials"), _named(_text)),
+    "hosts": _named(_count),
+    "stages": _list(_count),
+    "timings": _named(_list(_number)),
+}
 
 
 def write(path: Path, start: dict[str, object]) -> None:

@@ -154,7 +154,7 @@ def announced(tell: Callable[[str], object]) -> Iterator[None]:
 
     def once() -> None:
         _listeners.remove(once)
-        tell("compiling for this kind of scene, once, about half a minute")
+        tell("compiling for this kind of scene, once; this takes half a minute to some minutes")
 
     _listeners.append(once)
     try:

@@ -225,7 +225,7 @@ class SpinningBlock(Solution):
             value = getattr(self, key)
             if value is not None and len(value) != D:
                 yield Problem((*path, key), f"expected {D} entries, one a direction")
-        if self.axis is not None and (D == 2 or not any(self.axis)):
+        if self.axis and (D == 2 or (len(self.axis) == D and not any(self.axis))):
             text = "in 2D the axis is z; leave this out" if D == 2 else "a direction is not zero"
             yield Problem((*path, "axis"), text)
         for i, a in enumerate(self.stretch):

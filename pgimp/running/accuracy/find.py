@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import PgimpError
+from pgimp.io.results.history import read_sums
 from pgimp.running.accuracy.books import edited_functions, energy_book, momentum_books
 from pgimp.running.accuracy.particles import BodyState, body_states
 from pgimp.running.accuracy.rules import Indicator
@@ -46,7 +47,7 @@ def of_run(run: Run, case: Case | None = None) -> list[Indicator]:
         If a file cannot be read.
     """
     case = run.case if case is None else case
-    history = np.asarray(run.history)
+    history = read_sums(run.path / "history.csv", case.dimensions)
     last = case.stages[-1]
     edited = edited_functions(run.starts)
     found = [

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 #: Most quantities that a line names.
 _NAMED = 3
+#: What energies are relative to, see docs/report.md.
+_GREATEST = " of the greatest energy in the run"
 
 
 class Rule(NamedTuple):
@@ -33,6 +35,8 @@ class Rule(NamedTuple):
         What lowers the error.
     least : bool
         Whether values below the bound are the uncomfortable ones.
+    of : str
+        What the value is relative to, where the quantity does not say it.
     """
 
     label: str
@@ -41,6 +45,7 @@ class Rule(NamedTuple):
     page: str
     remedy: str
     least: bool = False
+    of: str = ""
 
     def remedies(self, case: Case | None = None) -> str:
         """Return the remedy, without what a case does already."""
@@ -85,6 +90,7 @@ RULES = {
         "%",
         "hard-cases.md#the-largest-stable-steps",
         "time.step: {courant: 0.2}; smaller cells",
+        of=_GREATEST,
     ),
     "lost": Rule(
         "energy lost by the method",
@@ -92,6 +98,7 @@ RULES = {
         "%",
         "methods.md#reasons",
         "smaller cells; method.affine: true; configuration: initial for elastic bodies",
+        of=_GREATEST,
     ),
     "momentum": Rule(
         "momentum that no force explains",
@@ -206,11 +213,11 @@ class Indicator(NamedTuple):
 
     @property
     def text(self) -> str:
-        """Quantity, value and bound: ``energy lost by the method 12 % (up to 5 %)``."""
+        """Quantity, value and bound: ``cells across 'bar' 4 (well from 8)``."""
         rule = self.rule
         of = f" '{self.where}'" if self.where else ""
         bound = f"{'from' if rule.least else 'up to'} {rule.number(rule.bound)}"
-        return f"{rule.label}{of} {rule.beyond(self.value)} (well {bound})"
+        return f"{rule.label}{of} {rule.beyond(self.value)}{rule.of} (well {bound})"
 
 
 def line(found: list[Indicator]) -> str:

@@ -248,21 +248,31 @@ def require_clear(
 def _within_bodies(
     rigid_bodies: SceneRigidBodies,
 ) -> list[tuple[float, tuple[float, ...], int, str]]:
-    """Find overlaps of rigid bodies too small to contain particles: depth, position and body."""
-    found, D = [], len(rigid_bodies.frame.cell)
-    for name, field in zip(rigid_bodies.names, rigid_bodies.fields, strict=True):
+    """Find overlaps too small to contain particles: depth, position and body.
+
+    They show at points of a rigid body's surface; of a body that is within, at the deepest ones.
+    """
+    found, D, case = [], len(rigid_bodies.frame.cell), rigid_bodies.case
+    frame, periods, surface = rigid_bodies.frame, rigid_bodies.periods, rigid_bodies.surface
+    middle = np.array(frame.origin) + 0.5 * periods  # points are moved into the domain
+    for t, (name, field) in enumerate(zip(rigid_bodies.names, rigid_bodies.fields, strict=True)):
         deepest = np.argsort(field.values[:, 0], kind="stable")[:64]
         deepest = deepest[field.values[deepest, 0] < 0.0]
-        points = field.points(deepest, D)
-        frame, periods = rigid_bodies.frame, rigid_bodies.periods
-        middle = np.array(frame.origin) + 0.5 * periods  # points are moved into the domain
-        points = nearest_image(points, middle, periods)
-        case = rigid_bodies.case
+        mine = surface.points[surface.body == t][:, :D]
+        points = nearest_image(np.concatenate([field.points(deepest, D), mine]), middle, periods)
+        inner = np.arange(len(points)) < len(deepest)
         for number, (own, body) in enumerate(case.bodies.items()):
             if body.region.WHOLE_BODY or not len(points) or own in case.staged.awaited:
                 continue
-            depth = body.region.signed_distance(points)
-            for row in np.flatnonzero(depth < -0.1 * min(rigid_bodies.frame.cell))[:1]:
-                deep = float(field.values[deepest[row], 0] + depth[row])
-                found.append((deep, tuple(points[row].tolist()), number, name))
+            low, high = body.region.bounds()
+            near = ((points >= low) & (points <= high)).all(axis=1)
+            x, inside = points[near], inner[near]
+            # Where the surface is rounded, the region says how far it is from a point.
+            rigid = case.rigid_bodies[name].region.signed_distance(rigid_bodies.nearest(name, x))
+            rigid[inside] = field.values[deepest, 0][near[: len(deepest)]]
+            depth, least = body.region.signed_distance(x), -_TOUCH * min(frame.cell)
+            both = (depth < least) & (depth + rigid < least)
+            depth += rigid
+            for row in np.flatnonzero(both)[:1]:
+                found.append((float(depth[row]), tuple(x[row].tolist()), number, name))
     return found

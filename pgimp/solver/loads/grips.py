@@ -177,6 +177,10 @@ def _with(
 
 
 def grips_of(scene: Scene, comm: Communicator, before: Grips | None = None) -> Grips | None:
-    """Return the grips that given forces move in a scene, or did `before`; None without any."""
-    forced = any(f is not None for c in scene.case.constraints.values() for f in c.force)
-    return Grips(scene, comm) if forced or before else None
+    """Return the grips that given forces move in a scene, or did `before`; None without any.
+
+    Without constraints there are none: those that a stage has ended leave nothing.
+    """
+    every = scene.case.constraints.values()
+    forced = any(f is not None for entry in every for f in entry.force)
+    return Grips(scene, comm) if forced or (before and every) else None

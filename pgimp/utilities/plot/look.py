@@ -16,7 +16,7 @@ from pgimp.utilities.plot.style import MAP
 #: Widths in inches and sizes of letters in points that can be drawn.
 _WIDTHS, _LETTERS = (1.0, 40.0), (3.0, 40.0)
 #: Colours of contours: by default, and at most.
-_COLOURS, _MOST_COLOURS = 10, 100
+_COLOURS, _MOST_COLOURS = 12, 100
 #: Angle of a ring's piece in a picture of a body of revolution.
 _PIECE = np.pi / 60.0
 

@@ -107,7 +107,7 @@ def picture(
     shown, remarks = [], []
     for snapshot, quantity in zip(snapshots, quantities, strict=True):
         same = [snapshot.shown.name, snapshot.frame.number, snapshot.frame.time]
-        net, bodies = lines(snapshot.frame, camera, selection.angles), []
+        net, bodies = lines(snapshot.frame, camera, selection.angles, selection.mirrored), []
         if look.contours or look.outline:
             field = look.contours > 0
             bodies = bodies_of(snapshot, selection, quantity, camera, field=field)

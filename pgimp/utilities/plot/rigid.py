@@ -21,7 +21,12 @@ _ROOM = 0.12
 _SECTIONS = 18
 
 
-def lines(frame: Frame, camera: Camera, angles: Sequence[float] = ()) -> Array:
+def lines(
+    frame: Frame,
+    camera: Camera,
+    angles: Sequence[float] = (),
+    mirrored: Sequence[tuple[int, float]] = (),
+) -> Array:
     """Return the edges of the surfaces in a picture, (n, 2, 2); possibly none.
 
     Parameters
@@ -32,6 +37,8 @@ def lines(frame: Frame, camera: Camera, angles: Sequence[float] = ()) -> Array:
         The projection.
     angles : sequence of float
         Angles about y at which sections are shown; some of them, and both ends.
+    mirrored : sequence of (int, float)
+        Planes of symmetry, by axis and coordinate, at which images are added.
     """
     path = frame.path.with_name(frame.path.name.replace("particles-", "rigid-"))
     if not path.is_file():
@@ -42,6 +49,11 @@ def lines(frame: Frame, camera: Camera, angles: Sequence[float] = ()) -> Array:
         return np.zeros((0, 2, 2))
     pairs = [cells] if cells.shape[1] == 2 else [cells[:, [k, (k + 1) % 4]] for k in range(4)]
     edges = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
+    for axis, plane in mirrored:
+        image = position.copy()
+        image[:, axis] = 2.0 * plane - image[:, axis]
+        edges = np.concatenate([edges, edges + len(position)])
+        position = np.concatenate([position, image])
     if not len(angles):
         return camera.project(position)[:, :2][edges]
     found = []

@@ -23,7 +23,7 @@ _TOLD = re.compile(r"(warning|note): .*")
 def state_of(info: Mapping[str, Any], end: float | None) -> Markup:
     """Return the state of a run in words: done, failed, or how far it is."""
     state = str(info["state"])
-    time = info.get("time", 0.0)
+    time = info.get("time") or 0.0
     words = {"running": "running, or killed", "starting": "starting"}.get(state, state)
     if state != "done" and end:
         words += f" at t = {time:.4g}, {100.0 * time / end:.0f} % of its time"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import PgimpError
+from pgimp.io.results.history import read_sums
 from pgimp.io.rundir import runinfo
 from pgimp.running.accuracy.books import edited_functions, energy_book, momentum_books
 from pgimp.running.accuracy.find import of_run
@@ -102,13 +103,15 @@ class _Found:
         self.history = np.zeros(0)
         problems: list[str] = []
         try:
-            self.history = np.asarray(shown.run.history)
+            self.data = shown.case
+            self.case = shown.run.case
         except PgimpError as error:
             problems.append(str(error))
         try:
-            self.data = shown.case
-            self.case = shown.run.case
-            self.indicators = of_run(shown.run, self.case)
+            dimensions = self.case.dimensions if self.case else 1
+            self.history = read_sums(shown.path / "history.csv", dimensions)
+            if self.case:
+                self.indicators = of_run(shown.run, self.case)
         except PgimpError as error:
             problems.append(str(error))
         self.problem = join(paragraph(text, "alarm") for text in problems)
@@ -140,8 +143,8 @@ def _glance(info: dict[str, Any], found: _Found) -> list[tuple[object, object]]:
         names = dict.fromkeys(one.rule.label for one in wrong)
         accuracy = Markup(f'<span class="beyond">{text("; ".join(names))}</span>')
     return [
-        ("simulated time", f"{info.get('time', 0.0):.6g} in {info.get('steps', 0):,} steps"),
-        ("particles", f"{info.get('particles', 0):,}"),
+        ("simulated time", f"{info.get('time') or 0.0:.6g} in {info['steps']:,} steps"),
+        ("particles", f"{info.get('particles') or 0:,}"),
         ("cells", f"{cells} in {data.get('dimensions', '?')}D" if cells else ""),
         ("method", ", ".join(_method(method))),
         ("ranks", info.get("ranks", "")),

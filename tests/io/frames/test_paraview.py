@@ -1,4 +1,4 @@
-"""A real ParaView: the XDMF file through each of its three readers, and cases/paraview.py."""
+"""A real ParaView: the XDMF file through each of its three readers, and cases/in_paraview.py."""
 
 import json
 import sys
@@ -84,7 +84,7 @@ def test_threshold_by_body(run, seen, reader):
     assert np.unique(there["arrays"]["body"]) == [1]
 
 
-SCRIPT = Path(__file__).resolve().parents[3] / "cases" / "paraview.py"
+SCRIPT = Path(__file__).resolve().parents[3] / "cases" / "in_paraview.py"
 RADII = np.array([0.3, 0.45, 0.2, 0.4])
 CENTRES = np.array([[0.0, 0.0], [3.0, 0.2], [0.1, 2.0], [3.0, 2.0]])
 

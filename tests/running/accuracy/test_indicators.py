@@ -64,8 +64,14 @@ def test_the_worst_is_named_first_and_of_a_kind_only_once():
 def test_a_value_that_rounds_to_its_bound_has_more_digits():
     """Not "mass past walls 0.1 % (well up to 0.1 %)"."""
     assert Indicator("walls", 1.004e-3).text == "mass past walls 0.1004 % (well up to 0.1 %)"
-    assert Indicator("lost", 0.0501).text == "energy lost by the method 5.01 % (well up to 5 %)"
-    assert Indicator("lost", 0.05).text == "energy lost by the method 5 % (well up to 5 %)"
+    assert (
+        Indicator("lost", 0.0501).text
+        == "energy lost by the method 5.01 % of the greatest energy in the run (well up to 5 %)"
+    )
+    assert (
+        Indicator("lost", 0.05).text
+        == "energy lost by the method 5 % of the greatest energy in the run (well up to 5 %)"
+    )
     assert "stretch of boxes 1.5004 (" in Indicator("stretch", 1.5004).text
 
 

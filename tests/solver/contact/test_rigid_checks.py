@@ -23,6 +23,7 @@ from pgimp.scene.rigid.checks import require_same
         ({"region": {"box": {"min": [1.5, 1.0], "max": [2.0, 6.0]}}}, "0.5 thick"),
         ({"region": {"box": {"min": [1.5, 1.0], "max": [5.5, 6.0]}}}, "'block' reaches 1.5 into"),
         ({"region": {"box": {"min": [1.5, 1.0], "max": [4.3, 6.0]}}}, "'block' reaches 0.3 into"),
+        ({"region": {"box": {"min": [1.5, 1.0], "max": [4.1, 6.0]}}}, "'block' reaches 0.1 into"),
         ({"region": {"box": {"min": [5.0, 3.0], "max": [6.0, 4.0]}}}, "'block' reaches 2 into"),
         ({"region": {"points": {"file": "a.csv"}}}, "rigid body has no particles"),
         ({"rigid": {"velocity": [200.0, 0.0]}}, "moves by 2 cells in a step"),
@@ -39,6 +40,7 @@ def test_what_cannot_be_is_refused(change, said):
 
 @pytest.mark.parametrize("region", [
     {"box": {"min": [1.5, 1.0], "max": [4.0, 6.0]}},
+    {"box": {"min": [1.5, 1.0], "max": [4.04, 6.0]}},
     {"ball": {"centre": [2.1, 3.4], "radius": 1.9}},
     # A wedge, whose point touches: distances from its planes are much less than from the point.
     {"intersection": [

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 from loaded_block import loaded
+from run_files import digests
 from scenes import box, field, finish, scene, start
 
+import pgimp
 from pgimp.case.schema import Case
+from pgimp.mpi.comm import Serial
 
 pytestmark = pytest.mark.slow(60)
 
@@ -148,3 +151,24 @@ def test_wrong_entries_are_named():
     assert "stiffness" in problems(force=[1.0, 0.0], spring={"dashpot": 2.0})
     assert "has no force" in problems(force=[1.0, 0.0], spring={"stiffness": 0.0})
     assert "expected 2 entries" in problems(force=[1.0])
+
+
+def test_a_stage_ends_the_last_press(tmp_path):
+    """And all other loads; what is left flies on, resumed or not, with the columns of before."""
+    case = bar(
+        press([8.0], [12.0], 2.0), end=0.2, damping={"mass": 1.0}, gravity=[-1.0],
+        tractions={"push": {"body": "body", "face": "x-min", "traction": [1.0]}},
+        boundaries={"x-min": "fixed"}, escape={"x-max": "remove"}, output={"every": 0.1},
+    )  # fmt: skip
+    ended = {name: {key: None for key in case[name]}
+             for name in ("constraints", "tractions", "boundaries", "escape")}  # fmt: skip
+    free = {"name": "free", "end": 0.4, "damping": None, "gravity": None, **ended}
+    staged = case | {"time": case["time"] | {"stages": [free]}}
+    options = {"comm": Serial(), "quiet": True}
+    together = pgimp.run(staged, output=tmp_path / "together", **options)
+    pgimp.run(case, output=tmp_path / "parts", **options)
+    pgimp.run(staged, output=tmp_path / "parts", resume=True, **options)
+    assert digests(tmp_path / "parts") == digests(together.path)
+    momentum = together.history["momentum-x"][together.history["time"] >= 0.2]
+    np.testing.assert_allclose(momentum, momentum[0], rtol=1e-12)
+    assert np.isnan(together.history["displacement.press-x"][-1])

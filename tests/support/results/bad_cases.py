@@ -73,6 +73,23 @@ MISTAKES = [
     ("shape: gimp,", "shape: cpdi-corners, volumetric: mean,", "6: method.volumetric",
      "cpdi-corners are none"),
     ("shape: gimp,", "shape: gimp, volumetric: men,", "6: method.volumetric", "'mean'"),
+    # What other programs call it, and what pgimp has not
+    ("young:", "E:", "13: materials.steel.E", "unknown key; it is young here; allowed:"),
+    ("poisson:", "nu:", "14: materials.steel.nu", "it is poisson here"),
+    ("density:", "rho:", "15: materials.steel.rho", "it is density here"),
+    ("model: hooke", "model: elastic", "12: materials.steel.model", "hooke or neo-hookean here"),
+    ("step: 0.001", "step: {CFL: 0.3}", "9: time.step.CFL", "it is courant here"),
+    ("x-min: fixed", "x-min: symmetry", "27: boundaries.x-min", "it is slip here"),
+    *(
+        ("poisson: 0.3", f"poisson: 0.3\n    {word}: 1.0", f"15: materials.steel.{word}",
+         "not in pgimp, where", "docs/limits.md")
+        for word in ("permeability", "thermal_conductivity", "Temperature")
+    ),
+    *(
+        ("history:", f"{word}: 1.0\nhistory:", f"30: {word}", "not in pgimp, where", "limits.md")
+        for word in ("seepage", "erosion", "shell", "spring-back", "consolidation")
+    ),
+    ("fields: [stress]", "fields: [pore-pressure]", "29: output.fields.0", "water in pores"),
     # Types
     ("1.0e6", '"1.0e6"', "13: materials.steel.young", "got the text '1.0e6'", "without quotes"),
     ("1.0e6", "1_000_000", "13: materials.steel.young", "write the number as 1000000,"),

@@ -189,6 +189,8 @@ def test_fields_of_rows_and_of_what_is_no_number():
 def test_round_numbers_between_colours():
     np.testing.assert_allclose(levels(0.13, 0.97, 10, exact=False), np.linspace(0.1, 1.0, 10))
     np.testing.assert_allclose(levels(0.0, 3.0, 4, exact=True), [0.0, 0.75, 1.5, 2.25, 3.0])
+    for high in np.geomspace(1.0, 10.0, 50):
+        assert 12 <= len(levels(0.0, high, 12, exact=False)) - 1 <= 26
 
 
 def test_commands(runs, plot, tmp_path):

@@ -2,7 +2,9 @@
 
 import csv
 import io
+from types import SimpleNamespace
 
+import h5py
 import numpy as np
 import pytest
 from scenes import box, scene
@@ -13,6 +15,7 @@ from pgimp.utilities.plot.changes import Changes, axis_label, moving_mean
 from pgimp.utilities.plot.look import pieces
 from pgimp.utilities.plot.picture import columns_of
 from pgimp.utilities.plot.quantity import Quantity
+from pgimp.utilities.plot.rigid import lines
 from pgimp.utilities.plot.runs import PlotRun
 from pgimp.utilities.plot.selection import Block, Selection
 from pgimp.utilities.plot.visible import draw, extent
@@ -272,3 +275,15 @@ def test_moving_means():
 def test_messages_of_looks(plot, words, message):
     status, _, said = plot(*words.split())
     assert status == 2 and message in said
+
+
+def test_rigid_bodies_have_images_as_particles_have(tmp_path):
+    """An edge from (1, 2) to (3, 2), mirrored at x = 0 and at y = 5."""
+    with h5py.File(tmp_path / "rigid-000000.h5", "w") as file:
+        file["position"] = np.array([[1.0, 2.0, 0.0], [3.0, 2.0, 0.0]])
+        file["connectivity"] = np.array([[0, 1]])
+    frame = SimpleNamespace(path=tmp_path / "particles-000000.h5")
+    camera = SimpleNamespace(project=lambda position: position)
+    edges = lines(frame, camera, (), ((0, 0.0), (1, 5.0)))
+    ends = {tuple(map(tuple, np.sort(edge, axis=0).tolist())) for edge in edges}
+    assert ends == {((a, y), (b, y)) for a, b in ((1.0, 3.0), (-3.0, -1.0)) for y in (2.0, 8.0)}

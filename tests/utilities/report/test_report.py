@@ -4,6 +4,7 @@ import json
 import re
 import tomllib
 from html.parser import HTMLParser
+from unittest.mock import patch
 
 import pytest
 from pages import ROOT
@@ -12,9 +13,10 @@ from ruamel.yaml import YAML
 import pgimp
 from pgimp.errors import UsageError
 from pgimp.storage import atomic
-from pgimp.utilities.report import citation, parts
-from pgimp.utilities.report.html import BEGINNING
+from pgimp.utilities.report import citation, drawings, parts
+from pgimp.utilities.report.html import BEGINNING, Markup
 from pgimp.utilities.report.markdown import to_html
+from pgimp.utilities.report.run import report_of_run
 
 pytestmark = pytest.mark.slow(30)
 
@@ -218,3 +220,56 @@ def test_markdown_of_a_study():
     assert title == "One <b>"
     assert found[0] == "<p>text <code>a&lt;b</code> on two lines</p>"
     assert found[1].count("<li>") == 2
+
+
+def damaged(start):
+    """Values in place of those of a start, one at a time."""
+    for key, value in start.items():
+        for wrong in (None, "x", [], {}, -1, [1, "a"], {"a": [1]}, 1e305):
+            yield start | {key: wrong}
+        if isinstance(value, dict):
+            for name in value:
+                yield start | {key: value | {name: ["x"]}}
+
+
+def test_a_damaged_run_json_costs_no_more_than_its_entries(copied):
+    """Each entry of another kind: the page is made without it, or the file is said to be wrong."""
+    path = copied / "run.json"
+    content = json.loads(path.read_text())
+    made = 0
+    with (
+        patch.object(drawings, "pictures", lambda *_: Markup()),
+        patch.object(drawings, "history_figure", lambda *_: Markup()),
+    ):
+        for start in damaged(content["starts"][0]):
+            path.write_text(json.dumps(content | {"starts": [start]}))
+            try:
+                assert "<h2>Books</h2>" in report_of_run(copied)
+                made += 1
+            except UsageError as error:
+                assert "run.json is damaged" in str(error)
+    assert made > 100
+
+
+def test_a_damaged_history_is_told_and_the_rest_stands(copied, report):
+    """Without a column, with another's name, text or numbers beyond all use in it."""
+    path = copied / "history.csv"
+    text = path.read_text()
+    head, *lines = text.splitlines(keepends=True)
+    rows = [line.split(",") for line in text.splitlines()]
+    wrong = {name: text.replace(name, f"x{name}", 1) for name in ("time", "mass", "strain-energy")}
+    wrong |= {
+        "has no column kinetic-energy": "\n".join(
+            ",".join(row[:k] + row[k + 1 :])
+            for row in rows
+            for k in [rows[0].index("kinetic-energy")]
+        ) + "\n",
+        "out of range": head + ",".join(["-1e305"] * len(rows[0])) + "\n",
+        "line 2 is damaged": head + lines[0].replace(",", ",abc", 1),
+    }  # fmt: skip
+    for why, content in wrong.items():
+        path.write_text(content)
+        status, _, said = report(copied)
+        assert (status, said) == (0, "")
+        page = (copied / "report.html").read_text()
+        assert why in page and "damaged" in page and "<h2>Case</h2>" in page

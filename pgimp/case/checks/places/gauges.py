@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from pgimp.case.body import Body
 from pgimp.case.checks.domain import check_grid
 from pgimp.case.checks.periodic import periodic_axes
-from pgimp.case.checks.regions import check_region
 from pgimp.case.gauges import CutGauge, FluxGauge, Gauge, LevelGauge, WallGauge
 from pgimp.case.grid import Grid
 from pgimp.geometry.regions import Box, HalfSpace
@@ -15,7 +14,7 @@ from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
-from pgimp.schema.sizes import AXES, WHOLE, Problems, faces, length
+from pgimp.schema.sizes import AXES, WHOLE, Problems, faces
 
 Path = tuple[str | int, ...]
 
@@ -34,16 +33,14 @@ def check_gauges(
     gauges: Mapping[str, Gauge],
 ) -> Problems:
     """Check that gauges are of surfaces, walls and places of the domain, and of known bodies."""
-    sound = not list(check_grid(dimensions, grid))
+    sound = not list(check_grid(grid))
     for name, entry in gauges.items():
         path: Path = ("gauges", name)
         yield from _bodies(path, entry, every_body, body_names)
         within = getattr(entry, "within", None)
         if within is not None:
-            wrong = list(check_region((*path, "within"), within, dimensions))
-            yield from wrong
             named = not isinstance(entry, WallGauge) or entry.wall in faces(dimensions)
-            if sound and named and not wrong:
+            if sound and named:
                 yield from _within((*path, "within"), entry, dimensions, grid, boundaries)
         if isinstance(entry, CutGauge | FluxGauge):
             yield from _surface(path, entry, dimensions, grid, boundaries, sound)
@@ -81,11 +78,7 @@ def _surface(
         text = "expected a half-space, whose plane is the surface, or a box"
         yield Problem(path, f"{text}; take the box around it")
         return
-    wrong = list(check_region(path, region, dimensions))
-    yield from wrong
-    if isinstance(entry, CutGauge):
-        yield from length((*path[:-1], "about"), entry.about, dimensions)
-    if wrong or not sound:
+    if not sound:
         return
     yield from _reaches(path, region, dimensions, grid, periodic_axes(boundaries))
     for axis in periodic_axes(boundaries):
@@ -200,8 +193,7 @@ def _level(
         return
     if geometry == "plane-stress":
         yield Problem(path, "is for liquids and soils, which are never in plane stress")
-    yield from length(path, place, dimensions - 1)
-    for i, x in enumerate(place) if sound and len(place) == dimensions - 1 else ():
+    for i, x in enumerate(place) if sound else ():
         if not grid.origin[i] <= x <= grid.corner[i]:
             yield Problem(
                 (*path, i),

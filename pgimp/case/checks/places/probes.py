@@ -15,11 +15,10 @@ from pgimp.case.output import PlaceProbe, PointProbe
 from pgimp.geometry.regions.base import Region
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.problems import Problem
-from pgimp.schema.sizes import AXES, WHOLE, Problems, length
+from pgimp.schema.sizes import AXES, WHOLE, Problems
 
 
 def check_probes(
-    dimensions: int,
     geometry: str,
     grid: Grid,
     every_body: Mapping[str, Body | RigidBody],
@@ -28,21 +27,17 @@ def check_probes(
     probes: Mapping[str, PointProbe | PlaceProbe],
 ) -> Problems:
     """Check that material points are in their bodies, and fixed positions in the domain."""
-    sound = not list(check_grid(dimensions, grid))
+    sound = not list(check_grid(grid))
     for name, entry in probes.items():
         path: tuple[str | int, ...] = ("probes", name)
         if isinstance(entry, PlaceProbe):
-            wrong = list(length((*path, "place"), entry.place, dimensions))
-            yield from wrong
-            if sound and not wrong:
+            if sound:
                 yield from _in_domain((*path, "place"), entry.place, grid)
             continue
         why = f"none can be followed; history.csv has its motion, tool.{entry.body}"
         yield from check_body_of(path, entry, every_body, body_names, why)
-        wrong = list(length((*path, "at"), entry.at, dimensions))
-        yield from wrong
-        if sound and not wrong and entry.body in bodies:
-            if not any(check_regions(dimensions, geometry, grid, {entry.body: bodies[entry.body]})):
+        if sound and entry.body in bodies:
+            if not any(check_regions(geometry, grid, {entry.body: bodies[entry.body]})):
                 yield from _in_body((*path, "at"), entry, grid, bodies)
 
 

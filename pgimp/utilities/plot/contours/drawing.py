@@ -18,15 +18,25 @@ if TYPE_CHECKING:
 Array = np.ndarray
 
 _EDGE, _WIDTH = "#222222", 0.8
+#: Fewest colours of those who ask for as many.
+_LEAST = 12
 
 
 def levels(low: float, high: float, count: int, *, exact: bool) -> Array:
-    """Return the ends of the colours: equal parts, or about as many between round numbers."""
+    """Return the ends of the colours: equal parts, or about as many between round numbers.
+
+    From 12 on there are 12 of them at least.
+    """
     from matplotlib.ticker import MaxNLocator
 
     if exact:
         return np.linspace(low, high, count + 1)
-    return np.asarray(MaxNLocator(count, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+    least = _LEAST if count >= _LEAST else 0
+    for most in range(count, 4 * count):
+        found = np.asarray(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+        if len(found) > least:
+            break
+    return found
 
 
 def values_within(bodies: Sequence[DrawnBody]) -> Array:

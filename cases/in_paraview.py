@@ -2,10 +2,10 @@
 
 In a terminal, with ParaView's pvpython (on a machine without a display: xvfb-run -a pvpython ...):
 
-    pvpython cases/paraview.py block3d.out                          writes block3d-von-mises.png
-    pvpython cases/paraview.py block3d.out --movie block3d.avi
-    pvpython cases/paraview.py block3d.out --frames block3d-frames  a PNG for each frame
-    pvpython cases/paraview.py --help
+    pvpython cases/in_paraview.py block3d.out                          writes block3d-von-mises.png
+    pvpython cases/in_paraview.py block3d.out --movie block3d.avi
+    pvpython cases/in_paraview.py block3d.out --frames block3d-frames  a PNG for each frame
+    pvpython cases/in_paraview.py --help
 
 In ParaView: View > Python Shell, Run Script, choose this file; then, in the shell,
 
@@ -31,7 +31,7 @@ try:
     from paraview import servermanager, simple
 except ImportError:
     sys.exit(
-        "paraview.py: this is no Python of ParaView's. Run it with pvpython, or from the Python "
+        "in_paraview.py: this is no Python of ParaView's. Run it with pvpython, or from the Python "
         "shell of ParaView. On Debian: apt-get install paraview python3-paraview xvfb"
     )
 
@@ -507,7 +507,7 @@ def _whole(path, write):
 def main():
     """Do what the command line says."""
     parser = argparse.ArgumentParser(
-        prog="pvpython paraview.py",
+        prog="pvpython in_paraview.py",
         description=__doc__.partition("\n")[0],
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
@@ -552,7 +552,7 @@ def main():
             save_movie(scene, args.movie, size, args.rate)
             print(f"wrote {args.movie}")
     except Wrong as error:
-        print(f"paraview.py: {error}", file=sys.stderr, flush=True)
+        print(f"in_paraview.py: {error}", file=sys.stderr, flush=True)
         os._exit(2)  # with a window open, the usual way out crashes in the graphics driver
 
 
