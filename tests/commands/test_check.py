@@ -102,10 +102,10 @@ constraints: {grip: {body: bar, region: {box: {min: [5.0], max: [6.0]}}, velocit
             "by its own weight": 0.04,
             "by stopping its velocity": 0.03,
             "by its tractions": 0.2,
-            "by prescribed velocities": 0.07,
+            "by waves of prescribed velocities": 0.07,
         }
     )
-    assert free["by prescribed velocities"] == pytest.approx(0.05)
+    assert free["by waves of prescribed velocities"] == pytest.approx(0.05)
     assert "by its tractions" not in free
 
 
