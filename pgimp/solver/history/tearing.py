@@ -24,8 +24,9 @@ _PART, _FEWEST = 0.01, 16
 class TearingWatch:
     """Sees, once for each body, that particles are too far apart along their stretch.
 
-    Only of solids in the current configuration. Elastic ones are told before they tear. Of others
-    a large F may be shear, which leaves particles together: they are told at a cell.
+    Only of solids in the current configuration. Elastic ones are told before they tear. What flows
+    plastically may be sheared as far, and its particles stay together: it is told at a cell, and
+    only if a grip may pull it.
     """
 
     def __init__(self) -> None:
@@ -34,7 +35,7 @@ class TearingWatch:
 
     def look(self, rank: Rank, done: Step) -> list[str]:
         """Return warnings about bodies, the same on every rank; collective."""
-        limits = self._limits(rank.scene)
+        limits = self.limits(rank.scene)
         if not limits or 0 <= done.number - self._last < _EVERY:
             return []
         self._last = done.number
@@ -57,15 +58,16 @@ class TearingWatch:
                 said.append(_text(rank.scene, name, float(parts[:, 2].max()), done.end))
         return said
 
-    def _limits(self, scene: Scene) -> dict[int, float]:
+    def limits(self, scene: Scene) -> dict[int, float]:
         """Stretch from which each body is told, by its number."""
         case, found = scene.case, {}
         n = min(case.method.particles_per_cell)
         for number, name in enumerate(scene.body_names):
             known = None if name in self._told else tearing_stretch(case, name)
-            if known:
-                elastic = case.materials[case.bodies[name].material].ELASTIC
-                found[number] = known[1] if elastic else max(float(n), known[1])
+            if known and case.materials[case.bodies[name].material].ELASTIC:
+                found[number] = known[1]
+            elif known and any(entry.body == name for entry in case.constraints.values()):
+                found[number] = max(float(n), known[1])
         return found
 
 

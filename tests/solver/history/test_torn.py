@@ -9,7 +9,9 @@ from scenes import start
 from two_blocks import CASE, flying
 
 import pgimp
-from pgimp.solver.history.tearing import greatest_stretches
+from pgimp.case.load import load
+from pgimp.scene.scene import Scene
+from pgimp.solver.history.tearing import TearingWatch, greatest_stretches
 
 
 @pytest.mark.parametrize(("dimension", "width"), [(1, 1), (2, 4), (2, 5), (3, 9)])
@@ -55,6 +57,21 @@ def test_nothing_is_looked_at_in_the_initial_configuration_or_of_cpdi_before_it_
     for changes in ({"shape": "cpdi"}, {"per_cell": 4}):
         sim = start(flying(**changes))
         assert said(sim, a=1.75) == []
+
+
+def test_metal_is_told_at_a_cell_if_a_grip_may_pull_it():
+    metal = {"model": "von-mises", "young": 100.0, "poisson": 0.3, "density": 1.0}
+    materials = {"soft": metal | {"yield-stress": 1.0}}
+    region = {"box": {"min": [3.0, 1.0], "max": [4.0, 4.0]}}
+    grip = {"body": "a", "region": region, "velocity": [1.0, None]}
+    watched = [
+        TearingWatch().limits(Scene(load(flying() | parts)))
+        for parts in (
+            {"materials": materials},
+            {"materials": materials, "constraints": {"g": grip}},
+        )
+    ]
+    assert watched == [{}, {0: 2.0}]
 
 
 def test_the_warning_is_in_the_log_and_in_run_json(tmp_path):

@@ -61,7 +61,7 @@ def notes(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
     for name, own in loose.items():
         material: Any = case.materials[name]
         if isinstance(material, MuI):
-            if not material.variations:
+            if not material.variations and np.count_nonzero(g) == 1:  # no chute
                 yield _creeps(name, material)
         elif not {("friction_angle",), ("dilation_angle",)} & set(material.variations):
             yield f"materials.{name}: {_rests(material)}"

@@ -48,9 +48,15 @@ def notes(scene: Scene, bodies: Sequence[BodyFacts], end: float) -> Iterator[str
             continue
         ways = np.array([motion.displacement(t) for t in np.linspace(0.0, end, _INSTANTS)])
         along = int(np.abs(ways).max(axis=0).argmax())
+        way = ways[int(np.abs(ways[:, along]).argmax()), along]
         for number, body in enumerate(bodies):
             met = pairs is None or pairs.entry[number, len(scene.body_names) + k] != 0
-            if met and ways[:, along].any() and strength_of(case, body) > 0.0:
+            cell = case.grid.cell[along]
+            # Outside of it at first: what is in a hole of its own has no edge on the body.
+            gap = body.low[along] - region.max[along]
+            if way < 0.0:
+                gap = region.min[along] - body.high[along]
+            if met and way and gap > -_INSIDE * cell and strength_of(case, body) > 0.0:
                 if text := _text(case, region, along, body):
                     yield f"bodies.{name}.region: {text}"
                     break
@@ -71,7 +77,8 @@ def _text(case: Case, region: Box, along: int, body: BodyFacts) -> str:
         across, sides = (high - low) / cell, len(edges)
         for side, plane, far in (("min", origin, high), ("max", corner, low)):
             mirror = case.boundaries.get(f"{AXES[axis]}-{side}")
-            if low <= plane <= high and isinstance(mirror, Slip):
+            on_axis = case.axisymmetric and (axis, side) == (0, "min")
+            if low <= plane <= high and (on_axis or isinstance(mirror, Slip)):
                 across, sides = 2.0 * abs(far - plane) / cell, 2
         parts = [(edge - origin) / cell % 1.0 for edge in edges]
         parts = [min(part, 1.0 - part) for part in parts]
