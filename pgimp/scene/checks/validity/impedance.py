@@ -137,4 +137,4 @@ def _text(
     if less >= 1.0:
         return text
     lower = f", or mass-scaling: {max(factor * less, 1.0):.2g}" if factor > 1.0 else ""
-    return f"{text}; a slow load is {speed * less**0.5:.2g}, for as much longer{lower}"
+    return f"{text}; slow enough is {speed * less**0.5:.2g}, in a run as much longer{lower}"
