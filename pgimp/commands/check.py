@@ -22,6 +22,7 @@ from pgimp.scene.checks.later_constraints import idle_warnings
 from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.checks.sanity import body_warnings, case_warnings
+from pgimp.scene.checks.validity import impedance, repose, tearing, tool_edges
 from pgimp.scene.mass_scaling import scaling_notes
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.solver.start.memory import size_text
@@ -100,7 +101,7 @@ def report(case: Case, verbose: bool = False) -> None:
     duration, quick = whole.time.last, scene.interaction.rigid_bodies.first_rate
     shown = bodies if verbose else bodies[:MOST_BODIES]
     for body in shown:
-        report_body(body, case, duration, verbose)
+        report_body(body, case, whole.stages, verbose)
     if len(bodies) > len(shown):
         print(f"{'':<16} and {len(bodies) - len(shown)} more bodies (-v has them)")
     report_materials(written)
@@ -132,9 +133,14 @@ def report(case: Case, verbose: bool = False) -> None:
     if text := line([one for one in of_case(case, boxes) if one.name != "step"]):
         print(f"accuracy         {text}")
     poisson = {one.name: one.varies["poisson"][2] for one in bodies if "poisson" in one.varies}
+    sent = impedance.sent(whole.stages, scene, bodies)
+    no_result = case.time.mass_scaling != 1.0  # is meant to be slow
     for note in (
         *known.notes,
         *scaling_notes(case),
+        *(one.text for one in sent if not (no_result and one.lasts)),
+        *tool_edges.notes(scene, bodies, duration),
+        *repose.notes(case, bodies),
         *nearness.notes(case),
         *stripes(case, poisson),
         *ordered_advice(case, bodies, known.crossing, dt, quick),
@@ -148,6 +154,8 @@ def report(case: Case, verbose: bool = False) -> None:
         known.of_stages,
         pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, duration, settles) for body in bodies),
+        *(tearing.warnings(whole.stages, body) for body in bodies),
+        (one.text for one in sent if no_result and one.lasts),
         locking(case, poisson),
         overstress.foresee(scene, known.lattice, known.counts),
         case_warnings(case, known.found),

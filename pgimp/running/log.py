@@ -10,6 +10,9 @@ from typing import TextIO
 
 from pgimp.terminal import escape, silence
 
+#: How lines of warnings begin.
+_WARNING = "warning: "
+
 
 class Log:
     """Writes lines to the terminal and to a file, only on rank 0.
@@ -23,6 +26,8 @@ class Log:
 
     Attributes
     ----------
+    warnings : list of str
+        The warnings shown so far, on rank 0.
     show : callable
         Writes a line to the terminal; a progress bar replaces it to stay below the line.
     """
@@ -30,6 +35,7 @@ class Log:
     def __init__(self, speaks: bool, quiet: bool = False) -> None:
         self.speaks = speaks
         self.quiet = quiet
+        self.warnings: list[str] = []
         self.show: Callable[[str], object] = print
         self._file: TextIO | None = None
         self._early: list[str] = []
@@ -39,6 +45,8 @@ class Log:
         if not self.speaks:
             return
         text = escape(text)
+        if text.startswith(_WARNING):
+            self.warnings.append(text.removeprefix(_WARNING))
         if not self.quiet and sys.stdout is not None:
             try:
                 self.show(text)

@@ -130,7 +130,7 @@ def advance(
         sim.time,
         total - sum(seconds.values()),
         None if ended else f"stopped {stop}",
-        figures(sim, timings, total),
+        figures(sim, timings, total) | {"warnings": log.warnings},
     )
     return ended
 

@@ -70,6 +70,11 @@ def scaled(case: Case) -> Case:
     return found
 
 
+def inertia_factor(case: Case) -> float:
+    """Factor by which the densities of a case are scaled already; 1 for a case as written."""
+    return case.time.mass_scaling if _DONE in case.__dict__ else 1.0
+
+
 def scaling_notes(case: Case) -> list[str]:
     """Return the note of a run whose inertia is scaled."""
     factor = case.time.mass_scaling

@@ -12,6 +12,7 @@ from pathlib import Path
 
 #: Titles of the pages that messages name; a test compares them with the pages.
 TITLES = {
+    "case-file.md": "The case file",
     "error-against-cost.md": "Error against cost",
     "hard-cases.md": "Hard cases",
     "limits.md": "Limits",

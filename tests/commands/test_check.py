@@ -3,7 +3,7 @@
 from itertools import product
 
 import pytest
-from checked import facts, plate, said
+from checked import PLATE, facts, plate, said
 from mentioned import mentions
 
 from pgimp.case.load import load
@@ -102,10 +102,10 @@ constraints: {grip: {body: bar, region: {box: {min: [5.0], max: [6.0]}}, velocit
             "by its own weight": 0.04,
             "by stopping its velocity": 0.03,
             "by its tractions": 0.2,
-            "by prescribed velocities": 0.07,
+            "by waves of prescribed velocities": 0.07,
         }
     )
-    assert free["by prescribed velocities"] == pytest.approx(0.05)
+    assert free["by waves of prescribed velocities"] == pytest.approx(0.05)
     assert "by its tractions" not in free
 
 
@@ -161,6 +161,33 @@ def test_the_report_has_the_warnings(capsys, unmeasured):
     about = ["time.step", "bodies.block", "materials.steel.density", "materials.steel", "time.end"]
     assert all(f"warning: {words}" in line for words, line in zip(about, warnings, strict=True))
     mentions(warnings[0], "0.0001", "Courant number", "5.17e-05")
+
+
+def test_the_report_has_what_is_foreseen(capsys, unmeasured):
+    """A grip pulls a bar to twice its length; a tool is fast, with mass scaling and units."""
+    pulled = plate("constraints:", "  grip:", "    body: beam", "    velocity: [8.0, 0.0]",
+                   "    region: {box: {min: [7.0, 1.0], max: [8.0, 2.0]}}",
+                   "boundaries: {x-min: slip}")  # fmt: skip
+    check.report(pulled)
+    said = capsys.readouterr().out
+    mentions(said, "by the way of constraint grip 1.1", "warning: constraints.grip: it pulls")
+    text = """
+units: m, kg, s
+materials:
+  m: {model: von-mises, young: 1.0e+8, poisson: 0.3, density: 1800.0, yield-stress: 4.0e+4}
+bodies:
+  beam: {material: m, region: {box: {min: [0.0, 0.0], max: [10.0, 2.0]}}}
+  tool:
+    rigid: {velocity: [0.0, -1.0]}
+    region: {box: {min: [4.25, 2.0], max: [5.75, 4.5]}}
+contact: [{bodies: all}]
+"""
+    scaled = PLATE.replace("step: {courant", "mass-scaling: 400.0, step: {courant")
+    kept = [line for line in scaled.splitlines() if not line.startswith(("materials", "bodies"))]
+    check.report(read_case("\n".join(kept) + text))
+    said = capsys.readouterr().out
+    mentions(said, "warning: bodies.tool.rigid: at 1 it sends", "note: bodies.tool.region: 3 cells")
+    assert "density: " not in said.partition("mass-scaling")[2]
 
 
 def test_bodies_of_one_material_are_warned_of_once(capsys, unmeasured):

@@ -14,6 +14,7 @@ from pgimp.running.accuracy.books import edited_functions, energy_book, momentum
 from pgimp.running.accuracy.particles import BodyState, body_states
 from pgimp.running.accuracy.rules import Indicator
 from pgimp.scene.checks.supports import held_at
+from pgimp.scene.checks.validity.tearing import flows
 from pgimp.solver.time.stability import stable_courant
 
 if TYPE_CHECKING:
@@ -73,6 +74,9 @@ def of_history(case: Case, history: Array, edited: Collection[str] = ()) -> Iter
         if -lost.min() > 0.0:
             yield Indicator("gained", float(-lost.min()))
         yield Indicator("lost", max(float(lost[-1]), 0.0))
+    if case.time.mass_scaling != 1.0 and float(history["strain-energy"][-1]) > 0.0:
+        part = float(history["kinetic-energy"][-1]) / float(history["strain-energy"][-1])
+        yield Indicator("inertia", part)
     books, _ = momentum_books(case, history, edited)
     scale = max((book.scale for book in books), default=0.0)
     if scale > 0.0:
@@ -173,20 +177,18 @@ def of_frames(case: Case, history: Array, frames: Sequence[Frame]) -> list[Indic
         # Where a body is almost free of stress at the end, another time tells more.
         every = [one for other in states for one in other if one.name == state.name]
         loaded = max(every, key=lambda one: one.square)
-        flows = state.name in case.bodies and _flows(case, state.name)
+        fluid = state.name in case.bodies and _flows(case, state.name)
         if np.isfinite(loaded.within_cells):
-            name = "noise" if flows else "stripes"
+            name = "noise" if fluid else "stripes"
             found.append(Indicator(name, loaded.within_cells, state.name))
         frozen = _frozen(history, state)
-        if np.isfinite(frozen) and not flows and _is_current(case, state.name):
+        if np.isfinite(frozen) and not fluid and _is_current(case, state.name):
             found.append(Indicator("frozen", frozen, state.name))
     return found
 
 
 def _flows(case: Case, name: str) -> bool:
-    """Whether a body is of a liquid, a gas or loose soil, whose deformation has no end."""
-    material = case.materials[case.bodies[name].material]
-    return material.LIQUID or material.VOLUME_ONLY or material.RESTS or material.flow_speed > 0.0
+    return flows(case.materials[case.bodies[name].material])
 
 
 def _is_current(case: Case, name: str) -> bool:

@@ -107,6 +107,13 @@ RULES = {
         "report.md#books",
         "more lines of the history (history.every)",
     ),
+    "inertia": Rule(
+        "kinetic over strain energy with mass-scaling",
+        0.02,
+        "%",
+        "case-file.md#mass-scaling",
+        "a lower time.mass-scaling; slower loads, by smooth ramps",
+    ),
     "step": Rule(
         "Courant number over the stable one",
         1.0,

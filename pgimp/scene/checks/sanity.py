@@ -77,7 +77,7 @@ def strains(case: Case, body: BodyFacts) -> dict[str, float]:
         moved.append(tuple(turning))
     if moved:
         speeds = [_greatest(component) for velocity in moved for component in velocity] or [0.0]
-        found["by prescribed velocities"] = max(speeds) / c
+        found["by waves of prescribed velocities"] = max(speeds) / c
     return found
 
 

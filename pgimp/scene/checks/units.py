@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from pgimp.physics.materials.johnson_cook import JohnsonCook
 from pgimp.scene.checks.facts import BodyFacts
+from pgimp.scene.mass_scaling import inertia_factor
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
@@ -84,23 +85,28 @@ def unlikely(case: Case, body: BodyFacts) -> Iterator[str]:
     found = in_si(case, name)
     if known:
         length, mass, time = known
+        factor = inertia_factor(case)
         if "density" in body.varies:
             found["density"] = (body.density * mass / length**3, "kg/m^3")
+        if "density" in found:
+            found["density"] = (found["density"][0] / factor, "kg/m^3")
         for key, limits in _RANGES.items():
             if key in found and not limits[0] <= found[key][0] <= limits[1]:
                 value, unit = found[key]
                 given = value if key not in body.varies else body.density
                 given = getattr(entry, key.replace("-", "_"), given)
-                number = f"{given:g}" if isinstance(given, float | int) else f"{body.density:g}"
+                given = given if isinstance(given, float | int) else body.density
+                number = f"{given / factor if key == 'density' else given:g}"
                 yield (
                     f"materials.{name}.{key}: {number} would be {value:.3g} {unit} in the units "
                     f"'{case.units}', which no material has; is it given in them?"
                 )
-        wave = body.wave_speed * length / time
+        speed = body.wave_speed * factor**0.5
+        wave = speed * length / time
         if not _WAVES[0] <= wave <= _WAVES[1]:
             stiff = "young" if hasattr(entry, "young") else "bulk"
             yield (
-                f"materials.{name}: wave speed {body.wave_speed:.4g} would be {wave:.3g} m/s in "
+                f"materials.{name}: wave speed {speed:.4g} would be {wave:.3g} m/s in "
                 f"the units '{case.units}', which no material has; are {stiff} and density given "
                 "in them?"
             )

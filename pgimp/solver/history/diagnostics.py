@@ -26,6 +26,7 @@ from pgimp.solver.contact.keeping import QUARTER
 from pgimp.solver.history.columns import line_of
 from pgimp.solver.history.gauge_means import Means
 from pgimp.solver.history.gauges import measure
+from pgimp.solver.history.tearing import TearingWatch
 from pgimp.solver.history.totals import Totals
 from pgimp.solver.lagrangian.motion import sum_layers
 from pgimp.solver.lagrangian.pieces import by_layers
@@ -141,6 +142,7 @@ class Diagnostics:
         self.said: list[str] = []
         self.warned = False
         self.lost: set[str] = set()
+        self.tearing = TearingWatch()
         #: Time (with `settling_time`), impulses and forces of the last line.
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
         #: Time that the steps of stages that settle have taken, on every rank.
@@ -181,6 +183,7 @@ class Diagnostics:
             impulse, own.outside_mass, own.contact, own.rigid_bodies, own.wall_energy, own.filled,
             own.damping,
         )  # fmt: skip
+        torn = self.tearing.look(rank, done)
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None or gauges is None:
             return None
@@ -192,6 +195,7 @@ class Diagnostics:
         inside = np.sum([part[6] for part in parts], axis=0)
         self._tell_inside(scene, done.end, inside)
         self._tell_volumes(scene, done.end, filled)
+        self.said += torn
         total = np.add.reduce(bodies, axis=0)
         total[MASS] = every
         if self.first_energy is None:

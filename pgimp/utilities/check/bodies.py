@@ -1,11 +1,12 @@
 """Report on the bodies of a case: waves, transits, and strains by loads."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from pgimp.case.schema import Case
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.sanity import strains
 from pgimp.scene.checks.units import in_si
+from pgimp.scene.checks.validity.tearing import stretches
 from pgimp.scene.scene import Scene
 
 #: Most bodies with lines in a short report.
@@ -14,15 +15,16 @@ MOST_BODIES = 3
 _NOTABLE = 1e-2
 
 
-def report_body(body: BodyFacts, case: Case, duration: float, verbose: bool) -> None:
+def report_body(body: BodyFacts, case: Case, stages: Sequence[Case], verbose: bool) -> None:
     """Print wave speed, transit time, and loads over stiffness: strains that show unit mistakes.
 
-    `duration` includes all stages.
+    Besides, how far grips stretch it over all `stages`.
     """
-    c = body.wave_speed
+    c, duration = body.wave_speed, stages[-1].time.end
     transit = body.extent / c
-    found = strains(case, body)
-    texts = [f"{what} {s:.2g}" for what, s in found.items() if verbose or s > _NOTABLE]
+    pulled = {f"by the way of {one.between[0]}": one.strain for one in stretches(stages, body)}
+    found = pulled | strains(case, body)
+    texts = [f"{what} {s:.2g}" for what, s in found.items() if verbose or abs(s) > _NOTABLE]
     strained = f"strain {', '.join(texts)}" if texts else ""
     print(
         f"body {body.name:<11} {body.particles:,} particles; wave speed {c:.4g}, transit time "

@@ -13,7 +13,7 @@ from two_blocks import CASE, flying
 import pgimp
 from pgimp.case.load import load
 from pgimp.running.accuracy.books import energy_book, momentum_books
-from pgimp.running.accuracy.find import boxes_of, of_case, of_run
+from pgimp.running.accuracy.find import boxes_of, of_case, of_history, of_run
 from pgimp.running.accuracy.particles import body_states
 from pgimp.running.accuracy.rules import RULES, Indicator, line
 
@@ -51,6 +51,18 @@ def test_a_run_ends_with_what_is_uncomfortable(run):
     assert all(len(seconds) == 1 for seconds in timings.values()) and "P2G" in timings
     well = [Indicator("lost", 0.02), Indicator("cells", 8.0, "left")]
     assert line(well) == "" and line([]) == ""
+
+
+def test_inertia_counts_where_it_is_scaled(run):
+    """Kinetic over strain energy at the end; without mass scaling a case is meant to move."""
+    history = np.asarray(run.history)
+    time = run.case.time.model_copy(update={"mass_scaling": 100.0})
+    scaled = run.case.model_copy(update={"time": time})
+    (one,) = [each for each in of_history(scaled, history) if each.name == "inertia"]
+    last = history[-1]
+    assert one.value == pytest.approx(last["kinetic-energy"] / last["strain-energy"])
+    assert one.well == (one.value <= 0.02)
+    assert all(each.name != "inertia" for each in of_history(run.case, history))
 
 
 def test_the_worst_is_named_first_and_of_a_kind_only_once():
