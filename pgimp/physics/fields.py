@@ -54,12 +54,20 @@ def unwrapped(source: Source) -> Array:
 
 
 def volume(source: Source) -> Array:
-    """Return the current volume; an area in 2D but of rings and plates, a length in 1D."""
-    return source.take("V")
+    """Return the volume without voids; an area in 2D but of rings and plates, a length in 1D."""
+    V = source.take("V")
+    if source.fills is None:
+        return V
+    own = source.take("body")
+    V = np.minimum(V, source.fills.most[own] * source.take("V0"))
+    gap = source.fills.gap[own]
+    opened = np.flatnonzero(gap >= 0)
+    V[opened] *= np.exp(-source.take("state")[opened, gap[opened]])
+    return V
 
 
 def radius(source: Source) -> Array:
-    """Return half the side of the segment, square or cube of the current volume.
+    """Return half the side of the segment, square or cube of the volume without voids.
 
     A ring has the square of its section, a part of a plate the one of its area.
     """
@@ -137,7 +145,7 @@ def mass(source: Source) -> Array:
 
 
 def density(source: Source) -> Array:
-    """Return the mass over the current volume."""
+    """Return the mass over the volume without voids."""
     return mass(source) / volume(source)
 
 
@@ -165,11 +173,12 @@ ALWAYS = {
     ),
     "volume": Field(
         volume,
-        "current volume, det(F) times the initial one, of rings all round [length^dimensions]",
+        "current volume, det(F) times the initial one, of rings all round; of what flows without "
+        "voids: liquids and grains up to J = 1.01, loose soil less its `gap` [length^dimensions]",
     ),
     "radius": Field(
         radius,
-        "half the side of a segment, square or cube of the current volume, to draw it; of a ring "
+        "half the side of a segment, square or cube of this volume, to draw it; of a ring "
         "the side of its section [length]",
     ),
 }
@@ -211,7 +220,7 @@ OPTIONAL = {
         kind="Matrix",
     ),
     "mass": Field(mass, "mass, which never changes [mass]"),
-    "density": Field(density, "mass over current volume [mass/length^dimensions]"),
+    "density": Field(density, "mass over `volume` [mass/length^dimensions]"),
     "rank": Field(
         rank,
         "rank of MPI that has the particle; as it depends on the number of ranks by its "

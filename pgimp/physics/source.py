@@ -14,6 +14,21 @@ Array = np.ndarray
 TENSOR = "xx yy zz xy yz xz"
 
 
+class Fills(NamedTuple):
+    """What each body's particles fill at most: without the voids of what flows.
+
+    Attributes
+    ----------
+    most : (bodies,) float64
+        Greatest J without voids; infinite where there is no limit.
+    gap : (bodies,) int64
+        State column of the gap by which a particle has opened; -1 for others.
+    """
+
+    most: Array
+    gap: Array
+
+
 class Source(NamedTuple):
     """Data from which fields are computed.
 
@@ -37,6 +52,8 @@ class Source(NamedTuple):
         Takes particles and rows; returns the strain energy per initial volume.
     instead : mapping of str to ndarray
         Columns of the selected particles in place of those of `particles`.
+    fills : Fills or None
+        Voids that do not count in volumes; None if there are none.
     """
 
     particles: Any
@@ -48,6 +65,7 @@ class Source(NamedTuple):
     plate: bool = False
     energy: Callable[[Any, Array], Array] | None = None
     instead: Mapping[str, Array] = MappingProxyType({})
+    fills: Fills | None = None
 
     def take(self, symbol: str) -> Array:
         """Return the selected rows of an array of the particles: (n,) or (n, k)."""
