@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pgimp.physics.derived import DERIVED, OF_STRESS
-from pgimp.physics.source import TENSOR, Array, Field, Source, within
+from pgimp.physics.source import TENSOR, Array, Field, Source, volume, within
 
 #: Prefix of the fields of spatially varying parameters, before their keys in the case.
 PREFIX = "parameter-"
@@ -51,19 +51,6 @@ def unwrapped(source: Source) -> Array:
     """Return the centres, with the turns through periodic faces."""
     turns = source.take("winding") * np.array([period for _, period in source.periods])
     return _padded(source.take("x") + turns, 3)
-
-
-def volume(source: Source) -> Array:
-    """Return the volume without voids; an area in 2D but of rings and plates, a length in 1D."""
-    V = source.take("V")
-    if source.fills is None:
-        return V
-    own = source.take("body")
-    V = np.minimum(V, source.fills.most[own] * source.take("V0"))
-    gap = source.fills.gap[own]
-    opened = np.flatnonzero(gap >= 0)
-    V[opened] *= np.exp(-source.take("state")[opened, gap[opened]])
-    return V
 
 
 def radius(source: Source) -> Array:

@@ -88,6 +88,19 @@ class Source(NamedTuple):
         return self.particles.F.shape[1] > self.dimension**2
 
 
+def volume(source: Source) -> Array:
+    """Return the volume without voids; an area in 2D but of rings and plates, a length in 1D."""
+    V = source.take("V")
+    if source.fills is None:
+        return V
+    own = source.take("body")
+    V = np.minimum(V, source.fills.most[own] * source.take("V0"))
+    gap = source.fills.gap[own]
+    opened = np.flatnonzero(gap >= 0)
+    V[opened] *= np.exp(-source.take("state")[opened, gap[opened]])
+    return V
+
+
 def within(x: Array, periods: Sequence[tuple[float, float]]) -> Array:
     """Return positions (n, D) within a periodic domain, see `Source.periods`."""
     for d, (low, period) in enumerate(periods):

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pgimp.case.escape import exits
+from pgimp.case.liquids import reflects
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.frame import FRAMES, AxialFrame
@@ -63,6 +64,7 @@ class Domain:
 
     def __init__(self, case: Case, settings: Settings) -> None:
         grid, method, remote = case.grid, case.method, settings.by_vertex
+        mirrored = reflects(case)
         self.frame = FRAMES[case.geometry][0](
             origin=tuple(float(x) for x in grid.origin),
             cell=tuple(float(x) for x in grid.cell),
@@ -96,7 +98,7 @@ class Domain:
             (
                 Mirror(face.axis, face.side, number, face.condition.releases, face.condition.sticks)
                 for number, face in enumerate(self.faces)
-                if method.mirrors
+                if mirrored
                 and face.condition.mirrors
                 and not (remote and face.condition.approaches)
             ),

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.liquids import relaxation_rate
 from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.decomposition.population import Population
@@ -82,7 +83,7 @@ class SceneLoads:
             )
         self.lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
         moving = not all(self.lagrangian)  # else the vertices keep the velocities
-        self.relaxation: float | tuple[()] = (case.method.rate if moving else 0.0) or ()
+        self.relaxation: float | tuple[()] = (relaxation_rate(case) if moving else 0.0) or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
         self.affine: float | tuple[()] = 1.0 if case.method.affine and moving else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # same in 1D
