@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from pgimp.physics.materials.base import Material
-
 #: Rate of relaxation over nu/h^2. It adds about a fifth of this part to the viscosity; what the
 #: grid cannot resolve fades within the time that the flow across ten cells needs to develop.
 VISCOUS = 0.01
@@ -14,7 +12,7 @@ VISCOUS = 0.01
 LEAST = 1e-5
 
 
-def only_liquids(case: Any) -> list[Material]:
+def only_liquids(case: Any) -> list[Any]:
     """Return the bodies' materials if all are liquids, else none."""
     laws = [case.materials[body.material] for body in case.bodies.values()]
     return laws if all(law.LIQUID for law in laws) else []
