@@ -56,9 +56,9 @@ def check_geostatic(
             yield Problem(
                 STRESS,
                 f"the rigid body '{name}' moves freely, and its weight is not known to what is "
-                "under it: prescribe its velocity, make it a body of stiff material that a "
-                "constraint with a `force` moves, or give the stress by a function of your own; "
-                "of a liquid that floats it, as if it were full of the liquid",
+                "under it: prescribe its velocity, or make it a body of stiff material that a "
+                "constraint with a `force` moves; or give the stress by a function of your own, in "
+                "a liquid that floats it as if there were no body",
             )
     if exact is not None:
         yield Problem(STRESS, "changes the initial state, which `exact` gives; leave one out")
