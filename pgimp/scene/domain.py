@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from pgimp.case.escape import exits
-from pgimp.case.liquids import reflects
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.frame import FRAMES, AxialFrame
@@ -26,6 +25,7 @@ from pgimp.scene.faces import (
     walls,
     walls_approached,
 )
+from pgimp.scene.liquids import reflects
 from pgimp.scene.settings import Settings
 from pgimp.schema.tables import VectorFunction
 

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.liquids import relaxation_rate
 from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.decomposition.population import Population
@@ -18,6 +17,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.constraints import at_places
 from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.merge import LEAST_FRACTION
+from pgimp.scene.liquids import relaxation_rate
 from pgimp.scene.surfaces import SurfaceLoads, face_stretches
 from pgimp.scene.water import SceneWater
 

@@ -4,7 +4,7 @@ import pytest
 from scenes import box, scene
 
 import pgimp
-from pgimp.case.liquids import reflects, relaxation_rate
+from pgimp.scene.liquids import reflects, relaxation_rate
 from pgimp.scene.scene import Scene
 
 OIL = {"model": "newtonian", "bulk": 100.0, "shear-viscosity": 0.5, "density": 2.0}
