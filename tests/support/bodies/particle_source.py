@@ -58,7 +58,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
     scene = SimpleNamespace(
         dimension=dimension,
         body_names=("left", "right"),
-        materials=SimpleNamespace(names=("soft", "hard"), body_material=(1, 0)),
+        materials=SimpleNamespace(names=("soft", "hard"), body_material=(1, 0), fills=None),
         settings=SimpleNamespace(loses=len(gone) > 0),
         fields=EVERY,
         domain=SimpleNamespace(ends=()),
