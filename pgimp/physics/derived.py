@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pgimp.physics.source import TENSOR, Array, Field, Source
+from pgimp.physics.source import TENSOR, Array, Field, Source, volume
 
 #: Sweeps of Jacobi's method: four leave 1e-16 of a tensor's size.
 _SWEEPS = 5
@@ -197,7 +197,7 @@ def kinetic_energy(source: Source) -> Array:
     v, total = source.take("v"), np.zeros(len(source.rows))
     for d in range(v.shape[1]):
         total += v[:, d] * v[:, d]
-    return 0.5 * (source.take("m") / source.take("V")) * total
+    return 0.5 * (source.take("m") / volume(source)) * total
 
 
 DERIVED = {

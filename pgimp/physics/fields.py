@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pgimp.physics.derived import DERIVED, OF_STRESS
-from pgimp.physics.source import TENSOR, Array, Field, Source, within
+from pgimp.physics.source import TENSOR, Array, Field, Source, volume, within
 
 #: Prefix of the fields of spatially varying parameters, before their keys in the case.
 PREFIX = "parameter-"
@@ -53,13 +53,8 @@ def unwrapped(source: Source) -> Array:
     return _padded(source.take("x") + turns, 3)
 
 
-def volume(source: Source) -> Array:
-    """Return the current volume; an area in 2D but of rings and plates, a length in 1D."""
-    return source.take("V")
-
-
 def radius(source: Source) -> Array:
-    """Return half the side of the segment, square or cube of the current volume.
+    """Return half the side of the segment, square or cube of the volume without voids.
 
     A ring has the square of its section, a part of a plate the one of its area.
     """
@@ -153,7 +148,7 @@ def mass(source: Source) -> Array:
 
 
 def density(source: Source) -> Array:
-    """Return the mass over the current volume."""
+    """Return the mass over the volume without voids."""
     return mass(source) / volume(source)
 
 
@@ -181,11 +176,12 @@ ALWAYS = {
     ),
     "volume": Field(
         volume,
-        "current volume, det(F) times the initial one, of rings all round [length^dimensions]",
+        "current volume, det(F) times the initial one, of rings all round; of what flows without "
+        "voids: liquids and grains up to J = 1.01, loose soil less its `gap` [length^dimensions]",
     ),
     "radius": Field(
         radius,
-        "half the side of a segment, square or cube of the current volume, to draw it; of a ring "
+        "half the side of a segment, square or cube of this volume, to draw it; of a ring "
         "the side of its section [length]",
     ),
 }
@@ -237,7 +233,7 @@ OPTIONAL = {
         components="xx xy xz yx yy yz zx zy zz",
         kind="Matrix",
     ),
-    "density": Field(density, "mass over current volume [mass/length^dimensions]"),
+    "density": Field(density, "mass over `volume` [mass/length^dimensions]"),
     "rank": Field(
         rank,
         "rank of MPI that has the particle; as it depends on the number of ranks by its "

@@ -14,6 +14,21 @@ Array = np.ndarray
 TENSOR = "xx yy zz xy yz xz"
 
 
+class Fills(NamedTuple):
+    """What each body's particles fill at most: without the voids of what flows.
+
+    Attributes
+    ----------
+    most : (bodies,) float64
+        Greatest J without voids; infinite where there is no limit.
+    gap : (bodies,) int64
+        State column of the gap by which a particle has opened; -1 for others.
+    """
+
+    most: Array
+    gap: Array
+
+
 class Source(NamedTuple):
     """Data from which fields are computed.
 
@@ -37,6 +52,8 @@ class Source(NamedTuple):
         Takes particles and rows; returns the strain energy per initial volume.
     instead : mapping of str to ndarray
         Columns of the selected particles in place of those of `particles`.
+    fills : Fills or None
+        Voids that do not count in volumes; None if there are none.
     """
 
     particles: Any
@@ -48,6 +65,7 @@ class Source(NamedTuple):
     plate: bool = False
     energy: Callable[[Any, Array], Array] | None = None
     instead: Mapping[str, Array] = MappingProxyType({})
+    fills: Fills | None = None
 
     def take(self, symbol: str) -> Array:
         """Return the selected rows of an array of the particles: (n,) or (n, k)."""
@@ -68,6 +86,19 @@ class Source(NamedTuple):
     def stretches(self) -> bool:
         """Whether F has a zz: the particles are rings, or parts of a plate."""
         return self.particles.F.shape[1] > self.dimension**2
+
+
+def volume(source: Source) -> Array:
+    """Return the volume without voids; an area in 2D but of rings and plates, a length in 1D."""
+    V = source.take("V")
+    if source.fills is None:
+        return V
+    own = source.take("body")
+    V = np.minimum(V, source.fills.most[own] * source.take("V0"))
+    gap = source.fills.gap[own]
+    opened = np.flatnonzero(gap >= 0)
+    V[opened] *= np.exp(-source.take("state")[opened, gap[opened]])
+    return V
 
 
 def within(x: Array, periods: Sequence[tuple[float, float]]) -> Array:

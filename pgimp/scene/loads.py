@@ -17,6 +17,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.constraints import at_places
 from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.merge import LEAST_FRACTION
+from pgimp.scene.liquids import relaxation_rate
 from pgimp.scene.surfaces import SurfaceLoads, face_stretches
 from pgimp.scene.water import SceneWater
 
@@ -82,7 +83,7 @@ class SceneLoads:
             )
         self.lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
         moving = not all(self.lagrangian)  # else the vertices keep the velocities
-        self.relaxation: float | tuple[()] = (case.method.rate if moving else 0.0) or ()
+        self.relaxation: float | tuple[()] = (relaxation_rate(case) if moving else 0.0) or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
         self.affine: float | tuple[()] = 1.0 if case.method.affine and moving else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # same in 1D

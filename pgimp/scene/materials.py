@@ -1,6 +1,8 @@
 """Materials of a scene: parameters, state variables, reported losses, and masses."""
 
-from math import pi, prod
+from math import inf, pi, prod
+
+import numpy as np
 
 from pgimp.case.locations import located
 from pgimp.case.schema import Case
@@ -9,6 +11,7 @@ from pgimp.kernels.sums.sums import SUMS
 from pgimp.physics.materials.base import LOSSES
 from pgimp.physics.materials.parameters.outside import parameters_of
 from pgimp.physics.materials.parameters.states import States
+from pgimp.physics.source import Fills
 from pgimp.scene.variations import Variations
 
 #: Masses outside of this would leave the range of float64 in sums and products.
@@ -32,6 +35,8 @@ class MaterialTable:
         Their state variables.
     most_mass : float
         Greatest mass that the domain can hold.
+    fills : Fills or None
+        Voids of the bodies that flow; None if none does.
     densest : float or None
         Greatest initial density of a particle, set where materials vary once computed.
     """
@@ -54,7 +59,18 @@ class MaterialTable:
             self.most_mass = self._weigh(case)
         self.states = States(self.names, self.parameters, case.dimensions)
         self.variations = Variations(case, self.names, self.parameters, self.states.width)
+        self.fills = self._fills()
         self.densest: float | None = None
+
+    def _fills(self) -> Fills | None:
+        """Voids of the bodies that flow; None if none does."""
+        most, gap = np.full(len(self.entries), inf), np.full(len(self.entries), -1)
+        for n, entry in enumerate(self.entries):
+            if entry.flow_speed > 0.0:
+                most[n], gap[n] = entry.most_filled, self.states.first("gap", n)
+        of_body = list(self.body_material)
+        limited = bool((most < inf).any() or (gap >= 0).any())
+        return Fills(most[of_body], gap[of_body]) if limited else None
 
     def _weigh(self, case: Case) -> float:
         """Mass of a domain full of the densest material; refuse masses that no float64 can sum."""

@@ -25,6 +25,7 @@ from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.flows import Flows
+from pgimp.solver.history.crossings import crossings_of, flux_gauges
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
 from pgimp.solver.lagrangian.displacement import Displacement
 from pgimp.solver.loads.following import following_of
@@ -74,8 +75,9 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    flows, damping, absorbing, inflow, sinks, grips, following : Flows, .., or None
-        Filling of vertices, damping, absorbing faces, inflow, sinks, grips, followed surfaces.
+    flows, damping, absorbing, inflow, sinks, grips, following, crossings : Flows, .., or None
+        Filling of vertices, damping, absorbing faces, inflow, sinks, grips, followed surfaces, and
+        counts of flux gauges.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
     mass_cutoff : float
@@ -134,6 +136,7 @@ class Rank:
         self.flows = Flows(scene, comm) if scene.interaction.flows else None
         self.damping: VertexDamping | Relaxation | None = damping_of(scene)
         self.sinks = sinks_of(scene)
+        self.crossings = crossings_of(scene)
 
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
@@ -156,7 +159,7 @@ class Rank:
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
             (bodies if scene.interaction.flows else 0,
-             DAMPED if settings.damps or settings.settles else 0),
+             DAMPED if settings.damps or settings.settles else 0, len(flux_gauges(scene))),
         )  # fmt: skip
 
     @property

@@ -43,6 +43,7 @@ class RankState(Protocol):
     inflow: Any
     sinks: Any
     grips: Any
+    crossings: Any
     keeping: Keeping
     displacement: Any
 

@@ -25,6 +25,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.coming.arrivals import arrivals_of, coming
 from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import partition
+from pgimp.solver.history.crossings import flux_gauges
 from pgimp.solver.history.diagnostics import sums_of_bodies
 from pgimp.solver.lagrangian.motion import enter_motion
 from pgimp.solver.loads.grips import STATES, Grips
@@ -196,11 +197,12 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
 def _forces(scene: Scene) -> list[Hashable]:
     """Names of the rows of `Diagnostics.last`, in their order."""
     faces, constraints, contact, rigid_bodies = _booked(scene)
-    kinds = ("face", "constraint", "contact", "impulse", "moment")
+    fluxes: list[Hashable] = [(name, i) for name in flux_gauges(scene) for i in range(2)]
+    kinds = ("face", "constraint", "contact", "flux", "impulse", "moment")
     return [
         (kind, name)
         for kind, names in zip(
-            kinds, (faces, constraints, contact, rigid_bodies, rigid_bodies), strict=True
+            kinds, (faces, constraints, contact, fluxes, rigid_bodies, rigid_bodies), strict=True
         )
         for name in names
     ]
@@ -244,6 +246,8 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
     has.work[:] = had.work
     if had.escaped.size:
         has.escaped[:] = had.escaped
+    if had.crossed.size:
+        has.crossed[:] = had.crossed
     if had.damping.size and has.damping.size:
         has.damping[:, :TAKEN] = had.damping[:, :TAKEN]
 

@@ -83,5 +83,7 @@ def step(
     forcing = particle_forcing(rank, groups, update, loads, controlled)
     lap("P2G")
     reports = advance_particles(rank, groups, forcing, lap)  # (26, 27, 29, 30)
+    for part in parts:
+        part.complete(rank)
     complete_step(rank, reports, lap)
     return t, max(report.rate for report in reports)

@@ -60,10 +60,13 @@ class StepPart:
     def book(self, rank: RankState, update: VertexUpdate) -> None:
         """Book impulses and work, after all conditions and contact; collective."""
 
+    def complete(self, rank: RankState) -> None:
+        """Act when the particles have moved, in the rows and the order as the step began."""
+
 
 def parts_of(rank: RankState) -> list[StepPart]:
     """Return the parts that a rank's scene adds to a step, in their order."""
-    parts = (rank.following, rank.grips, rank.absorbing, rank.damping)
+    parts = (rank.following, rank.grips, rank.absorbing, rank.damping, rank.crossings)
     return [part for part in parts if part]
 
 

@@ -43,6 +43,17 @@ def test_what_rests_is_left_alone():
     assert told() == told("mpm") == told("fuzzy-constant") == []
 
 
+def test_walls_of_liquids():
+    """Told where all is liquid and boxes meet a wall that could reflect."""
+    water = ("newtonian", ", bulk: 100.0")
+    walls = "boundaries: {x-min: slip}"
+    (line,) = told(law=water, more=walls)
+    mentions(line, "method.wall: ghost", "wall: auto")
+    assert told(law=water) == told("bspline-quadratic", law=water, more=walls) == []
+    assert told(law=water, more="boundaries: {x-min: {velocity: [0.0, 0.0]}}") == []
+    assert told(law=SOIL, more=walls) == []
+
+
 def test_points_that_cross_cells():
     """Told for what moves half a cell in the current configuration, whatever it is made of."""
     fast, slow = "[0.05, 0.0]", "[0.004, 0.0]"

@@ -33,10 +33,18 @@ def sliding(friction, angle, **parts):
     return case
 
 
-@pytest.mark.parametrize(("friction", "angle"), [(0.3, 24.0), (0.1, 24.0), (0.4, 35.0)])
-def test_a_block_slides_as_coulomb_says(friction, angle):
-    """The reaction is the weight and its friction; acceleration within a per cent."""
-    sim = start(sliding(friction, angle))
+@pytest.mark.parametrize(
+    ("friction", "angle", "wall"),
+    [(0.3, 24.0, "ghost"), (0.1, 24.0, "ghost"), (0.4, 35.0, "ghost"), (0.4, 35.0, "mirror")],
+)
+def test_a_block_slides_as_coulomb_says(friction, angle, wall):
+    """The reaction is the weight and its friction; acceleration within a per cent.
+
+    Where walls reflect, a face with friction does not: a mirror would bear the weight without it.
+    """
+    case = sliding(friction, angle)
+    case["method"]["wall"] = wall
+    sim = start(case)
     lines = [sim.diagnostics()]
     for time in (1.0, 6.0):
         while sim.time < time and not sim.finished:

@@ -48,15 +48,17 @@ def check_geostatic(
         yield Problem(
             STRESS,
             "is that of the weight above each particle: gravity has to act along one axis at time "
-            "0; else begin without stress, and settle",
+            "0; of a gravity that leans no column knows where its weight goes: begin without "
+            "stress, and settle, or give the stress by a function of your own",
         )
     for name, rigid in rigid_bodies.items():
         if rigid.free:
             yield Problem(
                 STRESS,
-                f"the rigid body '{name}' moves freely, and its weight is not known to the ground "
+                f"the rigid body '{name}' moves freely, and its weight is not known to what is "
                 "under it: prescribe its velocity, or make it a body of stiff material that a "
-                "constraint with a `force` moves",
+                "constraint with a `force` moves; or give the stress by a function of your own, in "
+                "a liquid that floats it as if there were no body",
             )
     if exact is not None:
         yield Problem(STRESS, "changes the initial state, which `exact` gives; leave one out")

@@ -57,6 +57,8 @@ class Ledger(NamedTuple):
         Volumes of flowing bodies at the last filling; else (planes, 0, VOLUMES).
     damping : (planes, DAMPED) float64
         Sums of damping and of settling; (planes, 0) without them.
+    crossed : (planes, 2 flux gauges, 3) float64
+        What has left through each surface: (mass, 0, 0), momentum.
     """
 
     work: np.ndarray
@@ -69,6 +71,7 @@ class Ledger(NamedTuple):
     escaped: np.ndarray
     filled: np.ndarray
     damping: np.ndarray
+    crossed: np.ndarray
 
     @classmethod
     def empty(
@@ -79,7 +82,7 @@ class Ledger(NamedTuple):
         escaped: tuple[int, int] = (0, 0),
         contacts: int = 0,
         rigid_bodies: int = 0,
-        others: tuple[int, int] = (0, 0),
+        others: tuple[int, int, int] = (0, 0, 0),
     ) -> Ledger:
         """Return the ledger of `planes` planes before the first step.
 
@@ -93,13 +96,13 @@ class Ledger(NamedTuple):
             Entries of contact.
         rigid_bodies : int
             Rigid bodies.
-        others : (int, int)
-            Bodies, in scenes where any flows; `DAMPED` with damping.
+        others : (int, int, int)
+            Bodies, in scenes where any flows; `DAMPED` with damping; flux gauges.
         """
-        flows, damping = others
+        flows, damping, fluxes = others
         shapes = (
             (), (faces, 3), (faces,), (constraints, 3), (faces, WALL_BOOKED), (contacts, BOOKED),
-            (rigid_bodies, TOOLED), escaped, (flows, VOLUMES), (damping,),
+            (rigid_bodies, TOOLED), escaped, (flows, VOLUMES), (damping,), (2 * fluxes, 3),
         )  # fmt: skip
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 

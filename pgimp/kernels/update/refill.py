@@ -104,7 +104,7 @@ def _refill(forcing, setting, field, particles, four, buffers, moved, ledger):
             if gap >= 0:
                 closed = filling.closed[body] * full * particles.state[p, gap]
                 particles.state[p, gap] -= closed
-                lost = J * (1.0 - exp(-closed))
+                lost, most = J * (1.0 - exp(-closed)), J * exp(-particles.state[p, gap] - closed)
             else:
                 _keep_slope(particles, p, 0, slopes)
                 _keep_spin(forcing.loads.affine, frame, particles, p, lane(U, SURPLUS) + 1.0)

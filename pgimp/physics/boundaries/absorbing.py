@@ -23,8 +23,12 @@ class Absorbing(Boundary):
         "stays then, as a constant force",
     )
 
-    mirrors: ClassVar[bool] = False
     absorbs: ClassVar[bool] = True
+
+    @property
+    def mirrors(self) -> bool:
+        """See `Boundary.mirrors`."""
+        return False
 
     @property
     def at_rest(self) -> Boundary:

@@ -10,9 +10,6 @@ from pgimp.schema.base import Model
 class Boundary(Model):
     """Base of the entries ``boundaries.FACE``."""
 
-    #: Whether the face reflects the part of supports beyond it, if the shape has mirrors.
-    mirrors: ClassVar[bool] = True
-
     #: Whether nothing moves on the face, neither across it nor along it.
     sticks: ClassVar[bool] = False
 
@@ -28,6 +25,11 @@ class Boundary(Model):
 
     #: Whether waves leave through the face, see `pgimp.kernels.grid.absorbing`.
     absorbs: ClassVar[bool] = False
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether the face reflects the part of supports beyond it, if walls do."""
+        return True
 
     @property
     def varies(self) -> bool:

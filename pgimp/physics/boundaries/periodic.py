@@ -14,7 +14,10 @@ class Periodic(Boundary):
 
     joins: ClassVar[bool] = True
 
-    mirrors: ClassVar[bool] = False
+    @property
+    def mirrors(self) -> bool:
+        """See `Boundary.mirrors`."""
+        return False
 
     def speed(self, axis: int, end: float) -> float | None:
         """See `Boundary.speed`."""

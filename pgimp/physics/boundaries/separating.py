@@ -66,6 +66,11 @@ class Separating(Boundary):
     approaches: ClassVar[bool] = True
 
     @property
+    def mirrors(self) -> bool:
+        """See `Boundary.mirrors`: what a mirror presses on the face would rub without friction."""
+        return coefficients(self.friction)[0] == 0.0
+
+    @property
     def varies(self) -> bool:
         """See `Boundary.varies`: by the length of the step."""
         return True

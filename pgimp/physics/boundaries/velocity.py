@@ -1,6 +1,6 @@
 """Prescribed velocity on a face: v as given at the step's end, a its rate over the step."""
 
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 from pydantic import Field
 
@@ -36,7 +36,10 @@ class Velocity(Boundary):
         "or null where the component is free"
     )
 
-    mirrors: ClassVar[bool] = False  # a moving wall is no plane of symmetry
+    @property
+    def mirrors(self) -> bool:
+        """See `Boundary.mirrors`: a moving wall is no plane of symmetry."""
+        return False
 
     @property
     def varies(self) -> bool:

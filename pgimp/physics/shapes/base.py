@@ -25,8 +25,9 @@ class Shape(Model):
         default="auto",
         description="rate at which particles' velocities relax to the grid's: damps noise that "
         "the grid cannot resolve, and slightly also motion that it can; 0: none; auto: of loose "
-        "soil and grains alone, in the current configuration, 0.002 c/h to the body's own motion, "
-        "with the speed of waves c and the least side h of a cell [1/time]",
+        "soil and grains, in the current configuration, 0.002 c/h to the body's own motion, with "
+        "the speed of waves c and the least side h of a cell; where all bodies are liquids, 0.01 "
+        "nu/h^2 with the least kinematic viscosity nu, none below 1e-5 c/h [1/time]",
     )
 
     affine: bool = Field(
@@ -64,11 +65,6 @@ class Shape(Model):
     def name(self) -> str:
         """Its name in a case, the field `shape` of each shape."""
         return getattr(self, "shape", "")
-
-    @property
-    def rate(self) -> float:
-        """Rate at which all particles relax to the grid's velocity."""
-        return 0.0 if self.relaxation == "auto" else float(self.relaxation)
 
     @property
     def stable(self) -> float:
@@ -132,30 +128,21 @@ class Shape(Model):
         """
         return self.parameters(cell)
 
-    @property
-    def mirrors(self) -> bool:
-        """Whether walls reflect the part of supports beyond them."""
-        return False
-
 
 def beyond_walls(default: str) -> Any:
     """Field ``wall`` of the shapes whose particles have a size, with this default."""
     return Field(
         default=default,
         description="what happens to the part of a particle beyond a face with a condition: "
-        "mirror reflects it; ghost gives it to vertices beyond the face, where it is lost",
+        "mirror reflects it, but at faces with friction; ghost gives it to vertices beyond the "
+        "face, where it is lost; auto: mirror where all bodies are liquids, else ghost",
     )
 
 
 class WideShape(Shape):
     """Base of the shapes whose particles have a size, and so reach past walls."""
 
-    wall: Literal["ghost", "mirror"] = beyond_walls("ghost")
-
-    @property
-    def mirrors(self) -> bool:
-        """See `Shape.mirrors`."""
-        return self.wall == "mirror"
+    wall: Literal["ghost", "mirror", "auto"] = beyond_walls("ghost")
 
 
 class PointShape(Shape):

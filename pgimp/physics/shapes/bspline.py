@@ -25,7 +25,7 @@ class BsplineQuadratic(WideShape):
     """Quadratic B-splines (boxes of one cell, which overlap): quiet; soft at free surfaces."""
 
     shape: Literal["bspline-quadratic"] = Field(description="name of the shape")
-    wall: Literal["ghost", "mirror"] = beyond_walls("mirror")
+    wall: Literal["ghost", "mirror", "auto"] = beyond_walls("mirror")
 
     vertices: ClassVar[int] = GimpParameters.vertices()
 
@@ -38,7 +38,7 @@ class BsplineCubic(WideShape):
     """Cubic B-splines (tents of one cell, of constant size): quietest; softer still."""
 
     shape: Literal["bspline-cubic"] = Field(description="name of the shape")
-    wall: Literal["ghost", "mirror"] = beyond_walls("mirror")
+    wall: Literal["ghost", "mirror", "auto"] = beyond_walls("mirror")
 
     vertices: ClassVar[int] = FixedFuzzyParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "tent"

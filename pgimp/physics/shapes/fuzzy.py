@@ -77,7 +77,7 @@ class _Fuzzy(WideShape):
         description="whether the tents follow the deformation (tracked), which gives second-order "
         "convergence for any number of particles per cell",
     )
-    wall: Literal["ghost", "mirror"] = beyond_walls("mirror")
+    wall: Literal["ghost", "mirror", "auto"] = beyond_walls("mirror")
 
     vertices: ClassVar[int] = FixedFuzzyParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "tent"

@@ -79,6 +79,7 @@ class Particles(Mapping[str, np.ndarray]):
             periods=scene.domain.ends,
             plate=scene.carried.plate,
             energy=partial(strain_energies, scene.setting),
+            fills=scene.materials.fills,
         )
         return scene.fields[name].values(source)
 

@@ -24,6 +24,7 @@ from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exac
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.contact.keeping import QUARTER
 from pgimp.solver.history.columns import line_of
+from pgimp.solver.history.crossings import flux_gauges
 from pgimp.solver.history.gauge_means import Means
 from pgimp.solver.history.gauges import measure
 from pgimp.solver.history.tearing import TearingWatch
@@ -67,17 +68,31 @@ def _reduced(
 
 
 def _impulses(own: Ledger) -> np.ndarray:
-    """Impulses by plane: of faces, constraints, contact and rigid bodies, and their moments."""
+    """Impulses by plane: of faces, constraints, contact and rigid bodies, and their moments.
+
+    What crossed the surfaces of flux gauges, too: see `Totals.force`.
+    """
     return np.concatenate(
         [
             own.impulse,
             own.constraint_impulse,
             own.contact[:, :, IMPULSE : IMPULSE + 3],
+            own.crossed,
             own.rigid_bodies[:, :, RIGID_IMPULSE : RIGID_IMPULSE + 3],
             own.rigid_bodies[:, :, RIGID_MOMENT : RIGID_MOMENT + 3],
         ],
         axis=1,
     )
+
+
+def _fluxes(scene: Scene, force: np.ndarray) -> dict[str, np.ndarray]:
+    """Mass and momentum that left per time since the last line, by gauge; see `Totals.force`."""
+    names = list(flux_gauges(scene))
+    end = len(force) - 2 * len(scene.interaction.rigid_bodies)
+    rows = force[end - 2 * len(names) : end].reshape(len(names), 6)
+    if scene.case.axisymmetric:  # what points along the radius vanishes all round
+        rows = rows * [1.0, 1.0, 1.0, 0.0, 1.0, 1.0]
+    return {name: row[[0, 3, 4, 5]] for name, row in zip(names, rows, strict=True)}
 
 
 def sums_of_bodies(rank: Rank, scene: Scene, order: Order) -> np.ndarray:
@@ -117,7 +132,8 @@ def column_names(scene: Scene) -> list[str]:
     rigid_bodies = np.zeros((len(scene.interaction.rigid_bodies), TOOLED))
     moved = np.zeros((len(scene.case.constraints), 3))
     held = len(scene.interaction.loads.booked_constraints)
-    force = np.zeros((faces + held + len(contact) + 2 * len(rigid_bodies), 3))
+    crossed = 2 * len(flux_gauges(scene))
+    force = np.zeros((faces + held + len(contact) + crossed + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
     bodies = np.zeros((len(scene.body_names), scene.materials.sums))
     errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
@@ -213,7 +229,10 @@ class Diagnostics:
             if total[MASS]:
                 share = (float(mass / total[MASS]), done.end, face.name)
                 self.most_outside = max(self.most_outside, share)
+        counted = self.last is not None and done.end > 0.0
         force = self._forces(done.end + self.settling_time, impulse)
+        if counted:
+            gauges |= _fluxes(scene, force)
         moved = rank.grips.moved if rank.grips else np.zeros((len(scene.case.constraints), 3))
         return line_of(
             Totals(

@@ -45,8 +45,9 @@ FLOWS = (
             Column(
                 "volume.NAME.carried",
                 "length^dimensions",
-                "sum of J times initial volume of its particles then, of fluids up to J = 1.01: "
-                "with `volume.NAME` it tells by how much its level is too low",
+                "sum of J times initial volume of its particles then, of fluids and grains up to "
+                "J = 1.01, of loose soil less its `gap`: with `volume.NAME` it tells by how much "
+                "its level is too low",
                 lambda s, k: _volume(s, k, CARRIED),
             ),
         ),

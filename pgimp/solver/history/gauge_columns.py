@@ -35,7 +35,8 @@ _KINDS: dict[type[Gauge], tuple[tuple[str, str, str, Value], ...]] = {
         (
             "mass-flux",
             "mass/time",
-            "for each gauge with a `flux`: mass that leaves the region per time",
+            "for each gauge with a `flux`: mass that has left the region per time since the last "
+            "line, counted by the particles' ways; in a first line by their velocities",
             lambda s, found: found[0],
         ),
         (

@@ -23,7 +23,7 @@ from pgimp.physics.fields import within
 from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import ConfigurationGroup, groups_by_configuration
 from pgimp.solver.history.gauge_surfaces import Surface, surface_of
-from pgimp.solver.rank import Rank
+from pgimp.solver.rank_state import RankState
 from pgimp.solver.transfers import join_seams, sum_particles
 
 Array = np.ndarray
@@ -67,7 +67,7 @@ def sums_by(group: Array, count: int, terms: Array) -> Array:
     return found
 
 
-def chosen(rank: Rank, gauge: Gauge, rows: Array) -> Array:
+def chosen(rank: RankState, gauge: Gauge, rows: Array) -> Array:
     """Return a mask of the particles in `rows` that a gauge counts."""
     scene, particles = rank.scene, rank.particles
     found = np.ones(len(rows), bool)
@@ -80,7 +80,7 @@ def chosen(rank: Rank, gauge: Gauge, rows: Array) -> Array:
     return found
 
 
-def place_of(rank: Rank, rows: Array) -> Array:
+def place_of(rank: RankState, rows: Array) -> Array:
     """Return positions of particles, within the domain."""
     return within(rank.particles.x[rows], rank.scene.domain.ends)
 
@@ -92,12 +92,12 @@ def gauge_surface(scene: Scene, region: Region) -> Surface:
     return surface_of(region, grid.cell, ends, scene.domain.periods.tolist())
 
 
-def sum_vertices(rank: Rank, time: float, gauge: Gauge, external: bool) -> Vertices:
+def sum_vertices(rank: RankState, time: float, gauge: Gauge, external: bool) -> Vertices:
     """Sum the forces of some particles at the vertices; collective.
 
     Parameters
     ----------
-    rank : Rank
+    rank : RankState
         The rank.
     time : float
         The time.
@@ -119,7 +119,7 @@ def sum_vertices(rank: Rank, time: float, gauge: Gauge, external: bool) -> Verti
     return _forces(rank, scene.domain.gravity(time) if external else (0.0, 0.0, 0.0))
 
 
-def _part(rank: Rank, gauge: Gauge, group: ConfigurationGroup) -> ConfigurationGroup:
+def _part(rank: RankState, gauge: Gauge, group: ConfigurationGroup) -> ConfigurationGroup:
     """Return the chosen particles of a group."""
     rows, start = group.order
     if not len(rows):  # in a rehearsal `start` may not be set
@@ -129,7 +129,7 @@ def _part(rank: Rank, gauge: Gauge, group: ConfigurationGroup) -> ConfigurationG
     return group._replace(order=Order(rows[counted], before[start].astype(np.int64)))
 
 
-def _forces(rank: Rank, gravity: tuple[float, float, float]) -> Vertices:
+def _forces(rank: RankState, gravity: tuple[float, float, float]) -> Vertices:
     """Return the vertices of the rank's own planes that have a force, or weight."""
     scene, grid, own = rank.scene, rank.grid, rank.grid.owned
     D, extent = scene.dimension, grid.window.extent

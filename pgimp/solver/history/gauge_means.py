@@ -49,7 +49,7 @@ class Means:
             lines.append((time, found[name][: _averaged(gauge)].copy()))
             while len(lines) > 1 and lines[1][0] <= time - gauge.mean:
                 lines.pop(0)
-            means[name] = _mean(lines, time - gauge.mean)
+            means[name] = _mean(lines, time - gauge.mean, isinstance(gauge, FluxGauge))
         return means
 
     def rows(self, scene: Scene) -> np.ndarray:
@@ -87,10 +87,15 @@ def stored_lines(
     return {NAME: rows}
 
 
-def _mean(lines: list[tuple[float, np.ndarray]], begin: float) -> np.ndarray:
-    """Return the mean from `begin`, or the first line, to the last one by the trapezoidal rule."""
+def _mean(lines: list[tuple[float, np.ndarray]], begin: float, since_last: bool) -> np.ndarray:
+    """Return the mean from `begin`, or the first line, to the last one.
+
+    By the trapezoidal rule, or exactly of values that are means `since_last`, the line before.
+    """
     (t, value), total, length = lines[0], np.zeros_like(lines[0][1]), 0.0
     for end, last in lines[1:]:
+        if since_last:
+            value = last
         if t < begin < end:  # the window begins between two lines
             value, t = value + (last - value) * ((begin - t) / (end - t)), begin
         total = total + 0.5 * (end - t) * (value + last)

@@ -30,14 +30,17 @@ class Side(NamedTuple):
         Size of a cell along the normal.
     period : float
         Period of the domain along the normal, 0 without one.
+    rest : float
+        Part of the tent about the plane that lies beyond the domain's outer end.
     seen : float
-        Part of the tent about the plane that lies in the domain.
+        Part of it that lies in the domain.
     """
 
     normal: tuple[float, ...]
     point: tuple[float, ...]
     width: float
     period: float = 0.0
+    rest: float = 0.0
     seen: float = 1.0
 
     def beyond(self, points: Array) -> Array:
@@ -49,6 +52,13 @@ class Side(NamedTuple):
         if self.period > 0.0:
             away -= np.round(away / self.period) * self.period
         return away / self.width
+
+    def within(self, away: Array) -> Array:
+        """Return weights (n,) of points by their distance: 1 far inside, 0 far outside.
+
+        They fall over two cells, like the integral of a tent, of its part in the domain.
+        """
+        return np.maximum(_ramp(away) - self.rest, 0.0) / self.seen
 
 
 class Surface(NamedTuple):
@@ -67,7 +77,7 @@ class Surface(NamedTuple):
         """Return the rate (n,) at which points leave, per time: of a mean over a cell each way."""
         away = [side.beyond(points) for side in self.sides]
         # The weight of a side is the integral of a tent; its rate is the tent over the width.
-        weights = [_ramp(x) for x in away]
+        weights = [side.within(x) for side, x in zip(self.sides, away, strict=True)]
         found = np.zeros(len(points))
         for i, side in enumerate(self.sides):
             rate = np.zeros(len(points))
@@ -81,6 +91,31 @@ class Surface(NamedTuple):
             found += rate
         return found
 
+    def near(self, points: Array) -> Array:
+        """Return a mask (n,) of the points that may have a weight between 0 and 1 in a step.
+
+        In a step no point moves farther than a cell.
+        """
+        far = np.zeros(len(points), bool)
+        close = np.zeros(len(points), bool)
+        for side in self.sides:
+            away = side.beyond(points)
+            far |= away > 2.0
+            close |= away > -2.0
+        return close & ~far
+
+    def passed(self, before: Array, way: Array) -> Array:
+        """Return the part (n,) of points at `before` that leaves on their way (n, D)."""
+        had, has = np.ones((2, len(before)))
+        for side in self.sides:
+            away, moved = side.beyond(before), np.zeros(len(before))
+            for d, n in enumerate(side.normal):
+                if n != 0.0:
+                    moved += n * way[:, d]
+            had *= side.within(away)
+            has *= side.within(away + moved / side.width)
+        return had - has
+
 
 def _ramp(x: Array) -> Array:
     """Return the integral of a tent from `x` on: 1 below -1, 0 above 1."""
@@ -92,6 +127,22 @@ def covered(low: float, high: float, at: float, cell: float) -> float:
     """Return the integral of a tent of width `cell` about `at`, from `low` to `high`."""
     ends = _ramp(np.array([(low - at) / cell, (high - at) / cell]))
     return cell * float(ends[0] - ends[1])
+
+
+def _side(
+    normal: tuple[float, ...],
+    point: tuple[float, ...],
+    d: int,
+    ends: tuple[float, float],
+    cell: float,
+    period: float,
+) -> Side:
+    """A plane across direction `d`, in a domain with these ends."""
+    if period > 0.0:
+        return Side(normal, point, cell, period)
+    outer = (ends[1] - point[d]) if normal[d] > 0.0 else (point[d] - ends[0])
+    seen = covered(*ends, point[d], cell) / cell
+    return Side(normal, point, cell, 0.0, float(_ramp(np.array(outer / cell))), seen)
 
 
 def surface_of(
@@ -119,9 +170,8 @@ def surface_of(
         along = [d for d, n in enumerate(flat.normal) if n != 0.0]
         if len(along) > 1:
             return Surface((Side(flat.normal, flat.point, width),))
-        d, period = along[0], float(periods[along[0]])
-        seen = 1.0 if period > 0.0 else covered(*ends[d], flat.point[d], cell[d]) / cell[d]
-        return Surface((Side(flat.normal, flat.point, width, period, seen),))
+        d = along[0]
+        return Surface((_side(flat.normal, flat.point, d, ends[d], cell[d], float(periods[d])),))
     assert isinstance(region, Box)
     sides = []
     for d, (low, high) in enumerate(ends):
@@ -132,6 +182,6 @@ def surface_of(
             if not is_end:
                 normal = tuple(sign if k == d else 0.0 for k in range(len(cell)))
                 point = tuple(at if k == d else 0.0 for k in range(len(cell)))
-                seen = 1.0 if periods[d] > 0.0 else covered(low, high, at, cell[d]) / cell[d]
-                sides.append(Side(normal, point, cell[d], 0.0, seen))
+                side = _side(normal, point, d, (low, high), cell[d], float(periods[d]))
+                sides.append(side._replace(period=0.0))
     return Surface(tuple(sides))

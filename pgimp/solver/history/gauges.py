@@ -13,6 +13,7 @@ import numpy as np
 from pgimp.case.gauges import CutGauge, FluxGauge, Gauge, LevelGauge, WallGauge
 from pgimp.physics.fields import Source
 from pgimp.physics.fields import radius as half_of
+from pgimp.physics.fields import volume as volume_of
 from pgimp.scene.scene import Scene
 from pgimp.solver.history.gauge_forces import (
     Vertices,
@@ -35,7 +36,10 @@ FLUXES, LEVEL = 4, 2
 
 
 def measure(rank: Rank, time: float) -> dict[str, Array] | None:
-    """Return what each gauge measures now on rank 0, None elsewhere; collective."""
+    """Return what each gauge measures now on rank 0, None elsewhere; collective.
+
+    Fluxes are those of the particles' velocities, for a first line; see `crossings` for others.
+    """
     gauges: Mapping[str, Gauge] = rank.scene.case.gauges
     parts: dict[str, Array] = {}
     known: dict[tuple[object, ...], Vertices] = {}
@@ -117,13 +121,18 @@ def _level(rank: Rank, gauge: LevelGauge) -> Array:
         weight *= np.maximum(0.0, 1.0 - np.abs(away) / cell[d])
     there = np.flatnonzero(weight)
     rows, layer, height = rows[there], layer[there], x[there, up]
-    volume = particles.V[rows]
+    materials = scene.materials
+    source = Source(
+        particles, rows, up + 1, materials.body_material, plate=scene.carried.plate,
+        fills=materials.fills,
+    )  # fmt: skip
+    volume = volume_of(source)
     if scene.case.axisymmetric:
         volume = volume / (2.0 * np.pi * particles.x[rows, 0].clip(1e-300))
     found = np.full((rank.population.layers, LEVEL), -np.inf)
     terms = (weight[there] * volume)[:, None]
     found[:, :1] = sums_by(layer, len(found), terms)
-    np.maximum.at(found[:, 1], layer, height + half_of(Source(particles, rows, up + 1, ())))
+    np.maximum.at(found[:, 1], layer, height + half_of(source))
     return found
 
 

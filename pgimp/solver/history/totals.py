@@ -50,9 +50,10 @@ class Totals(NamedTuple):
         Kinetic and strain energy at the start.
     work : float
         External work since the start.
-    force : (faces + constraints + turning + entries of contact + 2 rigid bodies, 3) float64
+    force : (faces + constraints + turning + entries of contact + rows below, 3) float64
         Mean force of each on the material since the last line, mean moment of each constraint that
-        turns. For rigid bodies mean forces on them, then mean moments.
+        turns. Then two rows for each flux gauge: (mass, 0, 0) and momentum that left per time. For
+        rigid bodies mean forces on them, then mean moments.
     outside_mass : (faces,) float64
         Mass beyond each face in the last step.
     walls : (faces, WALL_BOOKED) float64

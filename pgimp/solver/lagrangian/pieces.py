@@ -88,6 +88,7 @@ def source_at(rank: RankState, rows: np.ndarray) -> Source:
     return Source(
         particles, rows, scene.dimension, tuple(scene.materials.body_material), rank.comm.rank,
         scene.domain.ends, scene.carried.plate, partial(strain_energies, scene.setting), displaced,
+        scene.materials.fills,
     )  # fmt: skip
 
 

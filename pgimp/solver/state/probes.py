@@ -16,7 +16,7 @@ import numpy as np
 from pgimp.decomposition.population import Population
 from pgimp.physics.columns import FOLLOWED, PLACE, Around
 from pgimp.physics.derived import OF_STRESS
-from pgimp.physics.fields import FIELDS, TENSOR
+from pgimp.physics.fields import FIELDS, TENSOR, volume
 from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.storage.framefile import blocks
 
@@ -160,9 +160,10 @@ class Place:
                 weight *= np.maximum(0.0, 1.0 - distance)
             there = weight > 0.0
             if there.any():
-                m, V, v, sigma = (source.take(name)[there] for name in ("m", "V", "v", "sigma"))
-                mass, volume = (weight[there] * m)[:, None], (weight[there] * V)[:, None]
-                terms = np.hstack([volume, mass, mass * v, volume * sigma])
+                m, v, sigma = (source.take(name)[there] for name in ("m", "v", "sigma"))
+                mass = (weight[there] * m)[:, None]
+                filled = (weight[there] * volume(source)[there])[:, None]
+                terms = np.hstack([filled, mass, mass * v, filled * sigma])
                 sums.append(np.add.reduce(terms, axis=0))
         return sums
 

@@ -14,6 +14,7 @@ from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
+from pgimp.solver.history.crossings import flux_gauges
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.history.gauge_means import stored_lines
 from pgimp.solver.lagrangian.motion import keep_masses
@@ -151,6 +152,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         if state.last_line is not None:
             rows = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
             rows += 2 * len(scene.interaction.rigid_bodies) + len(scene.domain.faces)
+            rows += 2 * len(flux_gauges(scene))
             shape = (len(scene.interaction.loads.booked_constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)

@@ -94,7 +94,7 @@ def dam(method, dimensions, cell):
     Waves raise the centre: their potential energy, as much as their kinetic energy, is taken off.
     """
     changes = {"grid.cell": [cell, cell], "grid.size": [3.24, 2.4], "time.end": 10.0}
-    changes |= {f"method.{key}": value for key, value in method.items()}
+    changes |= problems.PLAIN | {f"method.{key}": value for key, value in method.items()}
     centres = []
 
     def look(sim):

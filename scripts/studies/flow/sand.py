@@ -37,7 +37,7 @@ def heap(cell, ratio, volumetric="pointwise", shape="gimp", floor=None):
     front = float(places[np.argmax(depth < 0.05)])
     ran = (x > 1.0) & (x < 1.0 + 0.4 * ratio) & (y < 0.2)
     inside = float(area * np.count_nonzero(ran) / (0.08 * ratio))
-    return (front - 1.0, float((1500.0 / sim.particles["density"]).mean()), inside), speed
+    return (front - 1.0, float(sim.particles["volume-ratio"].mean()), inside), speed
 
 
 def brake(cell, shape, floor=None):

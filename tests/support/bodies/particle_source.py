@@ -64,6 +64,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
             names=("soft", "hard"),
             body_material=(1, 0),
             entries=(SimpleNamespace(model="hooke"), SimpleNamespace(model="neo-hookean")),
+            fills=None,
         ),
         case=SimpleNamespace(geometry="plane-strain", time=SimpleNamespace(mass_scaling=1.0)),
         settings=SimpleNamespace(loses=len(gone) > 0),

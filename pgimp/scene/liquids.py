@@ -1,0 +1,39 @@
+"""What `auto` means for liquids: relaxation of their velocities, and walls that reflect."""
+
+from __future__ import annotations
+
+from typing import Any
+
+#: Rate of relaxation over nu/h^2. It adds about a fifth of this part to the viscosity; what the
+#: grid cannot resolve fades within the time that the flow across ten cells needs to develop.
+VISCOUS = 0.01
+
+#: Rate over c/h below which there is none: it would do nothing in ten thousands of steps.
+LEAST = 1e-5
+
+
+def only_liquids(case: Any) -> list[Any]:
+    """Return the bodies' materials if all are liquids, else none."""
+    laws = [case.materials[body.material] for body in case.bodies.values()]
+    return laws if all(law.LIQUID for law in laws) else []
+
+
+def relaxation_rate(case: Any) -> float:
+    """Return the rate at which all particles' velocities relax to the grid's.
+
+    By `auto` that of the least viscous liquid, if there is nothing but liquids.
+    """
+    if case.method.relaxation != "auto":
+        return float(case.method.relaxation)
+    least, laws = min(case.grid.cell), only_liquids(case)
+    rates = [VISCOUS * law.shear_viscosity / (law.density * least**2) for law in laws]
+    waves = [law.flow_speed / least for law in laws]
+    if not rates or any(rate < LEAST * c for rate, c in zip(rates, waves, strict=True)):
+        return 0.0
+    return float(min(rates))
+
+
+def reflects(case: Any) -> bool:
+    """Whether walls reflect the part of supports beyond them; by `auto` where all is liquid."""
+    wall = getattr(case.method, "wall", "ghost")
+    return wall == "mirror" or (wall == "auto" and bool(only_liquids(case)))
