@@ -66,6 +66,7 @@ FRAGMENTS = (
     ("bodies:\n  ground:\n    material: steel", lambda: scene(3, ("steel",)), ()),
     ("bodies:\n  column:\n    material: clay", lambda: scene(2, ("clay",)), ()),
     ("bodies:\n  part:", lambda: scene(3, ("steel",)), ()),
+    ("bodies:\n  core:", lambda: scene(3, ("steel", "rubber")), ()),
     ("region:\n", lambda: scene(2), ("bodies", "block")),
     ("materials:\n  steel:", lambda: scene(2, ("steel",)), ()),
     ("probes:\n", lambda: file_of("bar-vibration"), ()),
