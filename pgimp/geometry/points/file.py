@@ -57,7 +57,7 @@ def blocks(
         found = read_hdf5(name, dimensions, most, states or {}, wanted)
     elif ending in (".vtu", ".vtp"):
         if wanted and wanted.named:
-            raise CaseError(f"cannot use the particles {name}: a file of VTK has no body: {NO_BODY}")
+            raise CaseError(f"cannot use the particles {name}: VTK knows no body: {NO_BODY}")
         found = read_vtk(name, dimensions, most, states or {})
     elif ending in (".csv", ".txt"):
         if wanted and wanted.named:

@@ -46,6 +46,6 @@ def what_moves(rank: Rank, cycle: float) -> str:
     return (
         f"{text}, most of it near ({place}), back and forth in about {2.0 * cycle:.0f} steps "
         "or more: look there for what yields or flows under loads that no rest can bear, for parts "
-        "that hold to the body by less than a cell, and for contact that opens and closes; a liquid "
-        "flows on under the unevenness of its particles"
+        "that hold to the body by less than a cell, and for contact that opens and closes; "
+        "a liquid flows on under the unevenness of its particles"
     )
