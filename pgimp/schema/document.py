@@ -25,9 +25,9 @@ from ruamel.yaml.events import (
 from ruamel.yaml.scanner import Scanner
 
 from pgimp.errors import CaseError
-from pgimp.schema import lookalikes
 from pgimp.schema.messages import describe, dotted, shorten
 from pgimp.schema.syntax import explain_syntax, position
+from pgimp.schema.words import lookalikes
 from pgimp.storage.plain import read_some
 
 LARGEST_FILE = 4_000_000

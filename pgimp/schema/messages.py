@@ -11,10 +11,10 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails, ValidationError
 
-from pgimp.schema import lookalikes
 from pgimp.schema.pages import page
 from pgimp.schema.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
-from pgimp.schema.trades import beyond, meant_by
+from pgimp.schema.words import lookalikes
+from pgimp.schema.words.trades import beyond, meant_by
 
 _NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*(\.\d*)?|\.\d+)([eEdD][-+]?\d+)?")
 _COMMA = re.compile(r"([-+]?\d+),(\d+([eE][-+]?\d+)?)")

@@ -6,7 +6,7 @@ import re
 
 from ruamel.yaml.error import MarkedYAMLError, StreamMark
 
-from pgimp.schema import lookalikes
+from pgimp.schema.words import lookalikes
 
 _NO_SPACE = re.compile(r"""^\s*(?:-\s+)?([A-Za-z][A-Za-z0-9_-]*):(?![\s/])[^\s'"].*$""")
 

@@ -175,7 +175,7 @@ def test_a_probe_follows_the_particle_that_was_closest_without_load(configuratio
     case = column(configuration, end=0.1, damping={"kinetic": True})
     case |= {"output": {"every": 0.1, "fields": ["displacement"]},
              "probes": {"mark": {"body": "body", "at": [0.25, 5.49]}},
-             "checkpoint": {"every": {"steps": 20}, "keep": 10000}}  # fmt: skip
+             "checkpoint": {"every": {"steps": 10}, "keep": 10000}}  # fmt: skip
     run = pgimp.run(case, output=tmp_path, quiet=True)
 
     def displacements():
@@ -194,8 +194,8 @@ def test_a_probe_follows_the_particle_that_was_closest_without_load(configuratio
     mark = run.probes["mark"]
     assert mark["position-y"][0] == pytest.approx(first["position"][row, 1], abs=1e-15)
     assert np.array_equal(found[-1], run.frames[-1]["displacement"][row, :2])
-    for path in sorted((tmp_path / "checkpoints").iterdir())[5:]:
+    for path in sorted((tmp_path / "checkpoints").iterdir())[2:]:
         path.unlink()
-    assert 0 < 100 < first.step
+    assert first.step > 20
     pgimp.run(case, output=tmp_path, quiet=True, resume=True)
     assert np.array_equal(displacements(), found)

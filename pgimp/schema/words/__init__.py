@@ -1,0 +1,1 @@
+"""Words and signs of a case file that are not what they seem: other programs' names, lookalikes."""
