@@ -20,7 +20,6 @@ from pgimp.case.checks.bodies import (
     check_turning,
 )
 from pgimp.case.checks.configuration import check_configuration, check_initial_output
-from pgimp.case.checks.damping import check_damping, check_mass_scaling
 from pgimp.case.checks.domain import (
     check_body_force,
     check_boundaries,
@@ -44,8 +43,9 @@ from pgimp.case.checks.periodic import (
 from pgimp.case.checks.places.gauges import check_gauges
 from pgimp.case.checks.places.probes import check_probes
 from pgimp.case.checks.regions import check_regions
+from pgimp.case.checks.rest.damping import check_damping, check_mass_scaling
+from pgimp.case.checks.rest.settling import check_settling
 from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
-from pgimp.case.checks.settling import check_settling
 from pgimp.case.checks.variations import check_variations
 from pgimp.case.staging.inflow import check_inflow
 from pgimp.physics.boundaries.base import Boundary

@@ -100,9 +100,9 @@ def require_rest(start: Start, part: float) -> None:
     )
     if relaxation.stagnant:
         text += f"; it has not fallen in the last {relaxation.steps}, from {relaxation.least:.3g}"
-    remedy = f"{key}.tolerance: {1.5 * relaxation.least:.1g}, if that is enough"
-    if not relaxation.stagnant:
-        remedy = f"more steps ({key}.steps), or a larger tolerance"
+    remedy = f"more steps ({key}.steps), or a larger tolerance"
+    if relaxation.stagnant:
+        remedy = f"{key}.tolerance: {min(1.5 * relaxation.least, 1.0):.1g}, if that is enough"
     raise NoRestError(f"{text}\n{what_moves(start.rank, relaxation.cycle)}\n  try: {remedy}")
 
 

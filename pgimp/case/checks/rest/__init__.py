@@ -1,0 +1,1 @@
+"""Checks of damping, and of what settles."""
