@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import nan
+from math import inf, nan
 from typing import TYPE_CHECKING
 
 from pgimp.case.schema import Case
@@ -14,7 +14,7 @@ from pgimp.solver.decomposition import RESORT, rebalance, resort
 from pgimp.solver.each.each import Each, calls_of
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.reduction import Request, StepReduction
-from pgimp.solver.rest.settle import end_at_rest, is_due, require_rest, unbalanced_part
+from pgimp.solver.rest.settle import CALM, end_at_rest, is_due, require_rest, unbalanced_part
 from pgimp.solver.stages import enter
 from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.particle_errors import Failure, collect_errors
@@ -199,12 +199,15 @@ class Simulation(SimulationProgress):
         request = Request.ERROR if rank.failed else self.request
         reduction.begin(rate, request, balance.rebalance_requested, rank.vertex_bounds)
         sort = number % RESORT == 0
-        watch = self.watch if self.watch and self.watch.due(number) else None
+        since = number - self.clock.before if self.settling else inf
+        watch = self.watch if self.watch and self.watch.due(number) and since >= CALM else None
         look = self.settling and is_due(number, number - self.clock.before)
         call = self.calls is not None and not self.preparing and self.calls.due(number)
         if complete or move or sort or watch or look or call or self.comm.size == 1:
             self.complete_reduction()
-        if watch:
+        if watch and since == CALM:
+            watch.begin(rank)
+        elif watch:
             watch.look(rank, self.step, self.time, self.clock)
         if not rank.grid.covers(reduction.vertex_bounds):
             rank.grid.extend(reduction.vertex_bounds)

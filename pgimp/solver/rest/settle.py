@@ -21,6 +21,10 @@ from pgimp.solver.start.start import Start
 from pgimp.solver.time.clock import CourantClock, Step, clock_of, settling_clock
 from pgimp.solver.time.energy_watch import EnergyWatch
 
+#: Steps after which the energy is watched. In the first ones damping takes most of the work of the
+#: loads, and a part of that, of the order of the step, is not in the books.
+CALM = 20
+
 
 def is_due(step: int, since: int) -> bool:
     """Whether forces are compared after this step, the `since`-th of the start or the stage.

@@ -5,7 +5,7 @@ from math import ceil, inf
 from typing import NamedTuple
 
 from pgimp.case.schema import Case
-from pgimp.case.stepping.courant import largest_courant
+from pgimp.case.stepping.courant import vertex_limit
 from pgimp.case.stepping.steps import AUTO
 from pgimp.errors import EndlessError
 from pgimp.solver.time.held_rate import HeldRate
@@ -219,12 +219,17 @@ def settling_clock(
 ) -> StandingClock | StandingCourantClock:
     """Clock of a start, or a stage, that comes to rest; arguments as in `clock_of`.
 
-    Time stands still, so that steps are as long as is stable, see `courant: auto`. Fixed ones stay.
+    Time stands still: with all bodies in the initial configuration steps are as long as is stable,
+    those of `courant: auto`. Long steps disturb free surfaces in the current configuration, where
+    they stay what they are; so do fixed ones.
     """
     end = case.staged.start
     if isinstance(case.time.step, float | int):
         return StandingClock(float(case.time.step), end, case.staged.counted, before)
-    courant = AUTO * largest_courant(case)
+    courant, limit = case.courant, vertex_limit(case)
+    assert courant is not None
+    if limit is not None:
+        courant = AUTO * limit
     return StandingCourantClock(courant, end, rest_rate, before, float(case.time.end))
 
 

@@ -214,7 +214,7 @@ def test_a_profile_that_stands_still_costs_no_step_and_comes_to_rest():
     case = loaded(
         box([0.0, 0.0], [9.0, 5.0]), {"pressure": 0.5}, profile,
         boundaries={"x-min": "slip", "x-max": "slip", "y-min": "fixed"},
-        start={"settle": {"tolerance": 2e-3, "steps": 3000}},
+        step={"courant": 0.3}, start={"settle": {"tolerance": 2e-3, "steps": 3000}},
     )  # fmt: skip
     sim = start(case)
     assert not _surfaces(Case.model_validate(case)).varies
