@@ -79,7 +79,7 @@ def test_the_reference_has_what_is_added(source):
 
 def test_material(source):
     """It passes its test, and disks of it run."""
-    tested = python(source, "-m", "pytest", "-q", "tests/physics/materials/test_fluid.py")
+    tested = python(source, "-m", "pytest", "-q", "--all", "tests/physics/materials/test_fluid.py")
     assert "....." in tested
     water = "materials.jelly={model: fluid, bulk: 1.0e3, shear_viscosity: 1.0, density: 1.0e3}"
     words = ["-m", "pgimp", "cases/disks.yaml", "-o", "water.out"]

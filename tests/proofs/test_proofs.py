@@ -151,7 +151,7 @@ print(scene_runs.compare(Path("case.yaml"), Path("runs"), random.Random(3), 30))
 def test_one_bit_of_one_particle_that_changes_rank_is_noticed(tmp_path, how):
     job = run([sys.executable, "-c", FLIPPED, str(PROOFS.parent), how], 300, cwd=tmp_path)
     assert job.returncode == 0, job.stderr
-    assert ("bits: frames, history.csv" in job.stdout) == (how == "flipped"), job.stdout
+    assert ("frames, history.csv" in job.stdout) == (how == "flipped"), job.stdout
     assert "kind='done'" in job.stdout
 
 

@@ -20,16 +20,18 @@ from pgimp.schema.sizes import Problems
 from pgimp.schema.tables import entries_of
 
 
-def check_geometry(dimensions: int, geometry: str, grid: Grid, method: Shape) -> Problems:
-    """Check that axisymmetry has two dimensions, a radius from 0 on, and a shape that knows it."""
-    if geometry != "axisymmetric":
-        return
-    if dimensions != 2:
+def check_plane(dimensions: int, geometry: str) -> Problems:
+    """Check that axisymmetry and plane stress have two dimensions."""
+    axes = {"axisymmetric": ", the radius x and the axis y", "plane-stress": ""}.get(geometry)
+    if axes is not None and dimensions != 2:
         yield Problem(
-            ("geometry",),
-            f"axisymmetric is for 2 dimensions, the radius x and the axis y, but the case has "
-            f"{dimensions}",
+            ("geometry",), f"{geometry} is for 2 dimensions{axes}, but the case has {dimensions}"
         )
+
+
+def check_geometry(dimensions: int, geometry: str, grid: Grid, method: Shape) -> Problems:
+    """Check that axisymmetry has a radius from 0 on, and a shape that knows it."""
+    if geometry != "axisymmetric" or dimensions != 2:
         return
     if len(grid.origin) == 2 and grid.origin[0] < 0.0:
         yield Problem(
@@ -50,7 +52,6 @@ def check_geometry(dimensions: int, geometry: str, grid: Grid, method: Shape) ->
 
 
 def check_plane_stress(
-    dimensions: int,
     geometry: str,
     materials: Mapping[str, Material],
     method: Shape,
@@ -60,10 +61,6 @@ def check_plane_stress(
     """Check that the stress out of the plane can be zero."""
     if geometry != "plane-stress":
         return
-    if dimensions != 2:
-        yield Problem(
-            ("geometry",), f"plane-stress is for 2 dimensions, but the case has {dimensions}"
-        )
     if method.volumetric == "mean":
         yield Problem(
             ("method", "volumetric"),

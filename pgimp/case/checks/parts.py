@@ -31,7 +31,13 @@ from pgimp.case.checks.domain import (
 )
 from pgimp.case.checks.escape import check_escape
 from pgimp.case.checks.fit import FITS
-from pgimp.case.checks.geometry import check_axis, check_geometry, check_plane_stress, check_rings
+from pgimp.case.checks.geometry import (
+    check_axis,
+    check_geometry,
+    check_plane,
+    check_plane_stress,
+    check_rings,
+)
 from pgimp.case.checks.geostatic import check_geostatic, check_water
 from pgimp.case.checks.numbers import check_numbers
 from pgimp.case.checks.periodic import (
@@ -168,6 +174,7 @@ _CHECKS = (
     _kinds,
     check_grid,
     check_method,
+    check_plane,
     check_geometry,
     check_plane_stress,
     check_axis,
