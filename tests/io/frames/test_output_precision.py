@@ -75,7 +75,7 @@ def test_every_number_of_ranks_writes_the_same_file(tmp_path, mpirun, ranks):
 
 @pytest.mark.parametrize("form", ["packed", "both"])
 def test_any_amount_of_free_space_is_handled(tmp_path, form):
-    sim, _ = make_sim(Serial(), 1500, 3)
+    sim, _ = make_sim(Serial(), 1100, 3)
     with small_disk(tmp_path / "disk") as disk:
         (disk / "frames").mkdir()
         frames = Frames(disk, make_case(**FORMS[form]), sim)
