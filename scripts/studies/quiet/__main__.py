@@ -1,14 +1,14 @@
 """Measures faces without ends and ground at rest; see scripts/quiet."""
 
 from studies.harness import options_of, origin, table
-from studies.quiet import ground, jet, long, oblique, shaken
+from studies.quiet import ground, jet, long, oblique, settle, shaken
 
 
 def main():
     """Measure what is asked for, and write its tables."""
     what = {
         "nargs": "*",
-        "among": ("oblique", "shaken", "ground", "jet", "long"),
+        "among": ("oblique", "shaken", "ground", "settle", "jet", "long"),
         "metavar": "WHAT",
     }
     options = options_of("quiet", what=what, steps={"type": int, "default": 100_000})
@@ -37,6 +37,10 @@ def main():
             "largest velocity over the wave speed",
         )
         print(table(titles, rows, measured))
+    if "settle" in chosen:
+        titles = ["scene", "tolerance", "steps", "highest frequency over the lowest",
+                  "steps over that", "error of the ways"]  # fmt: skip
+        print(table(titles, [settle.row(name) for name in settle.SCENES], measured))
     if "jet" in chosen:
         rows = [[2 * k, *jet.plate(0.025 / k)] for k in (1, 2, 4)]
         titles = ["cells across half the jet", "mean force", "swings by", "steps",
