@@ -34,6 +34,7 @@ from pgimp.utilities.check.bodies import (
     report_inflow,
     report_materials,
     report_rigid,
+    report_walls,
 )
 from pgimp.utilities.check.cost import measure, report_cost, report_memory
 from pgimp.utilities.check.prepare import prepare
@@ -106,6 +107,7 @@ def report(case: Case, verbose: bool = False) -> None:
         print(f"{'':<16} and {len(bodies) - len(shown)} more bodies (-v has them)")
     report_materials(written)
     report_rigid(scene, verbose)
+    report_walls(case)
     report_inflow(case, known.entering, duration)
     chosen = ", chosen by pgimp" if case.watched else ""
     longest = f"; Courant 1 is {1.0 / rate:.4g}" if verbose else ""

@@ -25,7 +25,7 @@ from pgimp.scene.faces import (
     walls,
     walls_approached,
 )
-from pgimp.scene.liquids import reflects
+from pgimp.scene.liquids import reflecting
 from pgimp.scene.settings import Settings
 from pgimp.schema.tables import VectorFunction
 
@@ -64,7 +64,7 @@ class Domain:
 
     def __init__(self, case: Case, settings: Settings) -> None:
         grid, method, remote = case.grid, case.method, settings.by_vertex
-        mirrored = reflects(case)
+        mirrored = reflecting(case)
         self.frame = FRAMES[case.geometry][0](
             origin=tuple(float(x) for x in grid.origin),
             cell=tuple(float(x) for x in grid.cell),
@@ -98,9 +98,7 @@ class Domain:
             (
                 Mirror(face.axis, face.side, number, face.condition.releases, face.condition.sticks)
                 for number, face in enumerate(self.faces)
-                if mirrored
-                and face.condition.mirrors
-                and not (remote and face.condition.approaches)
+                if face.name in mirrored and not (remote and face.condition.approaches)
             ),
             key=lambda mirror: mirror.releases,
         )

@@ -33,7 +33,18 @@ def relaxation_rate(case: Any) -> float:
     return float(min(rates))
 
 
-def reflects(case: Any) -> bool:
-    """Whether walls reflect the part of supports beyond them; by `auto` where all is liquid."""
+def reflecting(case: Any) -> list[str]:
+    """Return the faces that reflect the part of supports beyond them, by name.
+
+    By `auto` those of liquids alone, but not of shapes whose liquids lose nothing there. Nor walls
+    that let go: what they reflect comes and goes, and violent water crowds the more.
+    """
     wall = getattr(case.method, "wall", "ghost")
-    return wall == "mirror" or (wall == "auto" and bool(only_liquids(case)))
+    auto = wall == "auto"
+    if wall == "ghost" or (auto and (case.method.ends or not only_liquids(case))):
+        return []
+    return [
+        name
+        for name, face in case.boundaries.items()
+        if face.mirrors and not (auto and face.releases)
+    ]

@@ -44,14 +44,18 @@ def test_what_rests_is_left_alone():
 
 
 def test_walls_of_liquids():
-    """Told where all is liquid and boxes meet a wall that could reflect."""
+    """Told where all is liquid, and a case turns off what a wall could reflect."""
     water = ("newtonian", ", bulk: 100.0")
-    walls = "boundaries: {x-min: slip}"
-    (line,) = told(law=water, more=walls)
+    walls, ghost = "boundaries: {x-min: slip}", "gimp, wall: ghost"
+    (line,) = told(ghost, law=water, more=walls)
     mentions(line, "method.wall: ghost", "wall: auto")
-    assert told(law=water) == told("bspline-quadratic", law=water, more=walls) == []
-    assert told(law=water, more="boundaries: {x-min: {velocity: [0.0, 0.0]}}") == []
-    assert told(law=SOIL, more=walls) == []
+    assert told(law=water, more=walls) == told(ghost, law=water) == []
+    assert told(ghost, law=water, more="boundaries: {x-min: {velocity: [0.0, 0.0]}}") == []
+    assert told(ghost, law=SOIL, more=walls) == []
+    floor = "gravity: [0.0, -1.0]\nboundaries: {y-min: separating}"
+    (line,) = told(law=water, more=floor)
+    mentions(line, "boundaries.y-min: separating", "slip")
+    assert told(law=SOIL, more=floor) == []
 
 
 def test_points_that_cross_cells():

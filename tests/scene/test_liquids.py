@@ -4,7 +4,7 @@ import pytest
 from scenes import box, scene
 
 import pgimp
-from pgimp.scene.liquids import reflects, relaxation_rate
+from pgimp.scene.liquids import reflecting, relaxation_rate
 from pgimp.scene.scene import Scene
 
 OIL = {"model": "newtonian", "bulk": 100.0, "shear-viscosity": 0.5, "density": 2.0}
@@ -20,7 +20,7 @@ def made(*materials, friction=0.0, **method):
         name: box([2.0 * n, 0.0], [2.0 * n + 2.0, 2.0], material=name)
         for n, name in enumerate(names)
     }
-    floor = {"separating": {"friction": friction}}
+    floor = {"separating": {"friction": friction}} if friction else "slip"
     case = scene(2, bodies, cells=[12, 12], cell=0.5, boundaries={"y-min": floor})
     case["materials"] = dict(zip(names, materials, strict=True))
     case["method"] |= method
@@ -37,18 +37,39 @@ def test_all_liquid():
     assert relaxation_rate(made(OIL, relaxation=3.0)) == 3.0
     thin = OIL | {"shear-viscosity": 1e-3}  # its rate would be 1.4e-6 c/h
     assert relaxation_rate(made(OIL, thin)) == 0.0
-    assert reflects(made(OIL, MUD, wall="auto"))
-    assert not reflects(made(OIL)) and reflects(made(SOFT, wall="mirror"))
-    assert not reflects(made(OIL, shape="mpm"))
+    assert reflecting(made(OIL, MUD)) and reflecting(made(OIL, wall="auto"))
+    assert not reflecting(made(OIL, wall="ghost")) and reflecting(made(SOFT, wall="mirror"))
+    assert not reflecting(made(OIL, shape="mpm")) and not reflecting(made(OIL, shape="cpdi"))
 
 
 def test_beside_a_solid():
-    case = made(OIL, SOFT, wall="auto")
-    assert relaxation_rate(case) == 0.0 and not reflects(case)
+    """What a solid's walls do stays, whatever liquids are there; nor is sand a liquid."""
+    case = made(OIL, SOFT)
+    assert relaxation_rate(case) == 0.0 and not reflecting(case)
+    assert not reflecting(made(SOFT)) and reflecting(made(SOFT, shape="fuzzy-nearest"))
+
+
+FACES = {
+    "x-min": "periodic", "x-max": "periodic", "y-min": "fixed", "y-max": "separating",
+    "z-min": "absorbing", "z-max": {"velocity": [0.0, 0.0, 0.0]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("wall", "which"), [("auto", ["y-min"]), ("mirror", ["y-min", "y-max"]), ("ghost", [])]
+)
+def test_which_faces_reflect(wall, which):
+    """Those that hold a liquid and stand still; that lets go only where the case says so."""
+    water = {"model": "newtonian", "bulk": 100.0, "density": 1.0}
+    case = scene(3, box([0.0] * 3, [4.0, 4.0, 2.0], material="water"), cells=[4] * 3)
+    case |= {"materials": {"water": water}, "boundaries": FACES}
+    case["method"]["wall"] = wall
+    domain = Scene(pgimp.load(case)).domain
+    assert [domain.faces[one.number].name for one in domain.mirrors] == which
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_faces_with_friction_do_not_reflect(friction):
-    for method in ({"wall": "auto"}, {"shape": "bspline-quadratic"}):
+    for method in ({}, {"shape": "bspline-quadratic"}):
         case = made(OIL, friction=friction, **method)
         assert len(Scene(case).domain.mirrors) == (friction == 0.0)

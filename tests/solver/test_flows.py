@@ -34,7 +34,7 @@ def tank(**parts):
     """The tank's solver, with changes to its parts."""
     case = deepcopy(TANK)
     for name, part in parts.items():
-        case[name] = {**case[name], **part} if isinstance(part, dict) else part
+        case[name] = {**case.get(name, {}), **part} if isinstance(part, dict) else part
     return start(case)
 
 
@@ -92,6 +92,28 @@ def test_a_linear_pressure_is_left_as_it_is():
     for (i, j), (_, field) in filling(sim).items():
         if 0 <= i <= 8 and 0 <= j <= 8:
             assert field == pytest.approx(0.99 + 1e-4 * i + 3e-4 * j, abs=1e-12)
+
+
+@pytest.mark.parametrize("wall", ["auto", "ghost"])
+def test_what_sinks_into_a_wall_has_the_pressure_of_the_water_above(wall):
+    """The lowest row is pushed down by a fifth of a cell: rho g depth to a seventh, by default.
+
+    What a wall does not reflect is lost, and presses too little: the rows close in by a third.
+    """
+    sim = tank(method={"relaxation": 0.5, "wall": wall}, start={"stress": {"k0": 1.0}})
+    p, rows = sim.particles, sim.live()
+    lowest = set(p.id[rows[p.x[rows, 1] < 0.5]])
+    p.x[rows[p.x[rows, 1] < 0.5], 1] -= 0.2
+    found = []
+    while sim.time < 4.0 * UNIT:
+        sim.advance()
+        rows = sim.live()
+        if sim.time > 2.0 * UNIT:
+            mine = [i in lowest for i in p.id[rows]]
+            depth = 8.0 - p.x[rows[mine], 1]
+            found.append((-p.sigma[rows[mine], 0] / depth).mean())
+    off = np.mean(found) - 1.0
+    assert abs(off) < 0.15 if wall == "auto" else off > 0.25
 
 
 def test_what_is_crowded_spreads_and_keeps_its_momentum():

@@ -134,15 +134,15 @@ def beyond_walls(default: str) -> Any:
     return Field(
         default=default,
         description="what happens to the part of a particle beyond a face with a condition: "
-        "mirror reflects it, but at faces with friction; ghost gives it to vertices beyond the "
-        "face, where it is lost; auto: mirror where all bodies are liquids, else ghost",
+        "mirror reflects it, but at faces that move or have friction; ghost gives it to vertices "
+        "beyond the face, where it is lost; auto: mirror where all bodies are liquids, else ghost",
     )
 
 
 class WideShape(Shape):
     """Base of the shapes whose particles have a size, and so reach past walls."""
 
-    wall: Literal["ghost", "mirror", "auto"] = beyond_walls("ghost")
+    wall: Literal["ghost", "mirror", "auto"] = beyond_walls("auto")
 
 
 class PointShape(Shape):

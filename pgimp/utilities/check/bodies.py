@@ -3,10 +3,12 @@
 from collections.abc import Mapping, Sequence
 
 from pgimp.case.schema import Case
+from pgimp.physics.boundaries.base import Boundary
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.sanity import strains
 from pgimp.scene.checks.units import in_si
 from pgimp.scene.checks.validity.tearing import stretches
+from pgimp.scene.liquids import reflecting
 from pgimp.scene.scene import Scene
 
 #: Most bodies with lines in a short report.
@@ -45,6 +47,33 @@ def report_materials(case: Case) -> None:
         if found := in_si(case, name):
             texts = (f"{key} {value:.4g} {unit}" for key, (value, unit) in found.items())
             print(f"material {name:<7} {', '.join(texts)}")
+
+
+def report_walls(case: Case) -> None:
+    """Print which faces reflect liquids, where the case leaves that to pgimp."""
+    laws = {name: case.materials[body.material] for name, body in case.bodies.items()}
+    solid = [name for name, law in laws.items() if not law.LIQUID]
+    faces = {name: face for name, face in case.boundaries.items() if not face.joins}
+    if getattr(case.method, "wall", "") != "auto" or len(solid) == len(laws) or not faces:
+        return
+    chosen = reflecting(case)
+    if solid:
+        text = f"do not reflect: '{solid[0]}' is no liquid"
+    elif case.method.ends:
+        text = f"do not reflect: {case.method.shape} needs no mirrors"
+    else:
+        text = "; ".join(
+            f"{name} {'reflects' if name in chosen else _why_not(face)}"
+            for name, face in faces.items()
+        )
+    print(f"walls            {text} (wall: auto)")
+
+
+def _why_not(face: Boundary) -> str:
+    """Why a face of liquids does not reflect, in words after its name."""
+    if face.absorbs:
+        return "absorbs"
+    return "lets go" if face.releases else "moves as prescribed"
 
 
 def report_inflow(case: Case, entering: Mapping[str, int], end: float) -> None:
