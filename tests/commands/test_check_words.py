@@ -14,6 +14,7 @@ from pgimp.scene.checks import nearness
 from pgimp.scene.checks.units import in_si
 from pgimp.scene.geometry import share
 from pgimp.solver.time.stability import stable_courant
+from pgimp.utilities.check.bodies import report_walls
 from pgimp.utilities.check.prepare import prepare
 from pgimp.utilities.model.costs import Costs
 from pgimp.utilities.model.pilot import pilot
@@ -149,3 +150,32 @@ def test_what_makes_the_step_short_is_said_and_advice_knows_it(report):
     assert float(note.split("begin with ")[1].split()[0]) < 1.0 / 4000.0
     slow = data | {"time": {"end": 1.0, "step": 1.0e-6}}
     assert any("{courant: 0.3} takes" in line for line in report(load(slow)))
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (
+            {},
+            "x-min reflects; x-max moves as prescribed; y-min lets go; y-max absorbs (wall: auto)",
+        ),
+        ({"method.shape": "cpdi"}, "do not reflect: cpdi needs no mirrors (wall: auto)"),
+        ({"bodies.rod.material": "soft"}, "do not reflect: 'rod' is no liquid (wall: auto)"),
+        ({"method.wall": "ghost"}, None), ({"method.wall": "mirror"}, None),
+        ({"boundaries": {}}, None),
+        ({"bodies.rod.material": "soft", "bodies.pool.material": "soft"}, None),
+    ],
+)  # fmt: skip
+def test_walls_of_liquids_are_told(change, expected, capsys):
+    """Which reflect, and why others do not, where the case leaves it to pgimp."""
+    bodies = {
+        "pool": box([0, 0], [4, 2], material="water"), "rod": box([5, 0], [6, 2], material="water"),
+    }  # fmt: skip
+    case = scene(2, bodies, boundaries={
+        "x-min": "slip", "x-max": {"velocity": [0.0, None]}, "y-min": "separating",
+        "y-max": "absorbing",
+    })  # fmt: skip
+    case["materials"]["water"] = {"model": "newtonian", "bulk": 100.0, "density": 1.0}
+    report_walls(load(case, change))
+    told = capsys.readouterr().out
+    assert told == (f"walls            {expected}\n" if expected else "")

@@ -34,12 +34,12 @@ ROWS = (
     *(
         (words, 1.0, (problems.settled, wall), place, (0.04, 0.02))
         for words, wall, place in (
-            ("that water at 8 to 10 s, cells of 40 and 20 mm: pressure in the lowest quarter of a "
-             "cell, over that of what is above", "ghost", 0),
+            ("that water at 8 to 10 s, wall: ghost, cells of 40 and 20 mm: pressure in the lowest "
+             "quarter of a cell, over that of what is above", "ghost", 0),
             ("the same in the lowest cell", "ghost", 1),
             ("the same: force of the floor over the weight", "ghost", 2),
-            ("the same with wall: mirror, in the lowest quarter", "mirror", 0),
-            ("the same with wall: mirror, in the lowest cell", "mirror", 1),
+            ("the same with walls that reflect, in the lowest quarter", "mirror", 0),
+            ("the same with walls that reflect, in the lowest cell", "mirror", 1),
         )
     ),
     ("a wave in water throws a plate, cells of 2 and 1 mm: its velocity over the exact", 1.0,
