@@ -34,6 +34,7 @@ from pgimp.kernels.data.record import (
 from pgimp.kernels.data.used_rows import is_used, note_range, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.constraint_flags import also_held
+from pgimp.kernels.grid.mirror_images import beyond_count, box_beyond, image_at, image_of, offset_of
 from pgimp.kernels.grid.wall_gap import clearance_at
 from pgimp.kernels.loads.loads import given, relaxed_part
 
@@ -63,26 +64,6 @@ class Mirror(NamedTuple):
     follows: bool = False
 
 
-class Image(NamedTuple):
-    """A vertex beyond a face, and the vertex inside that stands for it.
-
-    Attributes
-    ----------
-    plane : int
-        The vertex's plane.
-    beyond, inside : int
-        Offsets of both records; -1 if there is no image in the window, or in an active plane: then
-        the vertex has no weight.
-    wall : int
-        Offset of the record between them, on the face.
-    """
-
-    plane: int
-    beyond: int
-    inside: int
-    wall: int
-
-
 @kernel
 def fold(frame, field, mirror, forcing, ledger):
     """Add the sums beyond a face to the sums of the mirror images.
@@ -97,53 +78,64 @@ def fold(frame, field, mirror, forcing, ledger):
     mirror : Mirror
         The face.
     """
-    window, G, owned = field.window, field.G, field.owned
-    dt, gravity, impulse = forcing.dt, forcing.gravity, ledger.impulse
-    axis, motion = mirror.axis, field.motion
+    window, G = field.window, field.G
+    (i0, x), (j0, y), (k0, z) = box_beyond(frame, window, mirror)
     for f in range(field_count(window)):
         begin = f * field_size(window)
-        rate, kept = grid_rate(forcing.loads.relaxation, motion, f), keeps(motion, f)
-        for n in range(beyond_count(frame, window, mirror)):
-            i, g, r, wall = image_of(frame, field, mirror, begin, n)
-            if r < 0 or not is_used(field, i, f):
+        rate, kept = grid_rate(forcing.loads.relaxation, field.motion, f), keeps(field.motion, f)
+        part = relaxed_part(rate, forcing.dt)
+        for i in range(i0, i0 + x):
+            if not is_used(field, i, f):
                 continue
-            if not G[g + MASS] > 0.0 or G[r + MASS] < 0.0:
-                continue
-            if mirror.releases:
-                push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
-                momentum = momentum_before(motion, kept, G, wall, axis)
-                into = (momentum + dt * push) * mirror.side
-                near = clearance_at(forcing.clearances, mirror.number, wall)
-                gap_momentum = G[wall + MASS] * near / dt
-                if not (G[wall + MASS] > 0.0 and into > gap_momentum):
-                    continue
-            # Gravity will act on all mass of the image alike, but on this part in reverse.
-            part = relaxed_part(rate, dt)
-            for d in range(3):
-                if not _turns(mirror, d):
-                    continue
-                weight = G[g + MASS] * gravity[d]
-                G[r + FORCE + d] -= 2.0 * weight
-                if i < owned:
-                    force = G[g + FORCE + d] + weight
-                    momentum = momentum_before(motion, kept, G, g, d)
-                    impulse[i, mirror.number, d] -= 2.0 * dt * force + 2.0 * part * momentum
-            # The image's plane now has this field.
-            plane = r // window.stride[0]
-            low = r - plane * window.stride[0]
-            use(field, plane, low, low + RECORD)
-            _join(motion, kept, mirror, G, g, r)
-            G[r + MASS] += G[g + MASS]
-            G[r + CLEARANCE_SUM] += G[g + CLEARANCE_SUM]
-            for d in range(3):
-                sign = -1.0 if _turns(mirror, d) else 1.0
-                G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
-                G[r + FORCE + d] += sign * G[g + FORCE + d]
-            mass = G[g + MASS]
-            for d in range(RECORD):
-                G[g + d] = 0.0
-            G[g + MASS] = -1.0 - mirror.number
-            G[g + FOLDED_MASS] = mass
+            for j in range(j0, j0 + y):
+                for k in range(k0, k0 + z):
+                    if G[offset_of(window, begin, i, j, k) + MASS] > 0.0:
+                        image = image_at(frame, field, mirror, begin, i, j, k)
+                        _fold_vertex(field, mirror, forcing, ledger, image, part, kept)
+
+
+@inner_kernel
+def _fold_vertex(field, mirror, forcing, ledger, image, part, kept):
+    """Add the sums of a vertex beyond the face to those of its mirror image."""
+    window, G, owned, motion = field.window, field.G, field.owned, field.motion
+    dt, gravity, impulse, axis = forcing.dt, forcing.gravity, ledger.impulse, mirror.axis
+    i, g, r, wall = image
+    if r < 0 or G[r + MASS] < 0.0:
+        return
+    if mirror.releases:
+        push = G[wall + FORCE + axis] + G[wall + MASS] * gravity[axis]
+        momentum = momentum_before(motion, kept, G, wall, axis)
+        into = (momentum + dt * push) * mirror.side
+        near = clearance_at(forcing.clearances, mirror.number, wall)
+        gap_momentum = G[wall + MASS] * near / dt
+        if not (G[wall + MASS] > 0.0 and into > gap_momentum):
+            return
+    # Gravity will act on all mass of the image alike, but on this part in reverse.
+    for d in range(3):
+        if not _turns(mirror, d):
+            continue
+        weight = G[g + MASS] * gravity[d]
+        G[r + FORCE + d] -= 2.0 * weight
+        if i < owned:
+            force = G[g + FORCE + d] + weight
+            momentum = momentum_before(motion, kept, G, g, d)
+            impulse[i, mirror.number, d] -= 2.0 * dt * force + 2.0 * part * momentum
+    # The image's plane now has this field.
+    plane = r // window.stride[0]
+    low = r - plane * window.stride[0]
+    use(field, plane, low, low + RECORD)
+    _join(motion, kept, mirror, G, g, r)
+    G[r + MASS] += G[g + MASS]
+    G[r + CLEARANCE_SUM] += G[g + CLEARANCE_SUM]
+    for d in range(3):
+        sign = -1.0 if _turns(mirror, d) else 1.0
+        G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
+        G[r + FORCE + d] += sign * G[g + FORCE + d]
+    mass = G[g + MASS]
+    for d in range(RECORD):
+        G[g + d] = 0.0
+    G[g + MASS] = -1.0 - mirror.number
+    G[g + FOLDED_MASS] = mass
 
 
 def _join(motion, kept, mirror, G, g, r):
@@ -213,80 +205,47 @@ def reflect(frame, field, mirror, forcing, ledger):
     mirror : Mirror
         The face.
     """
-    window, G, owned = field.window, field.G, field.owned
-    dt, gravity, impulse, work = forcing.dt, forcing.gravity, ledger.impulse, ledger.work
-    axis = mirror.axis
+    window, G = field.window, field.G
+    (i0, x), (j0, y), (k0, z) = box_beyond(frame, window, mirror)
     for f in range(field_count(window)):
         begin = f * field_size(window)
         rate = grid_rate(forcing.loads.relaxation, field.motion, f)
-        for n in range(beyond_count(frame, window, mirror)):
-            i, g, r, _ = image_of(frame, field, mirror, begin, n)
-            if r < 0 or G[g + MASS] != -1.0 - mirror.number:
+        for i in range(i0, i0 + x):
+            if field.active[i] == 0:
                 continue
-            twice = 2.0 * G[g + FOLDED_MASS]
-            for d in range(3):
-                if i < owned and _turns(mirror, d):
-                    v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
-                    impulse[i, mirror.number, d] -= given(rate, twice, dt, 0.0, 0.0, v, a)
-                    work[i] -= twice * dt * gravity[d] * v
-            if not mirror.follows:
-                G[r + HELD] = also_held(G[r + HELD], axis)
-            G[g + HELD] = G[r + HELD]
-            if not keeps(field.motion, f):  # for the filled part of mean dilatation
-                G[g + MASS] = G[r + MASS]
-            for d in range(3):
-                sign = -1.0 if _turns(mirror, d) else 1.0
-                G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
-                G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
+            for j in range(j0, j0 + y):
+                for k in range(k0, k0 + z):
+                    if G[offset_of(window, begin, i, j, k) + MASS] == -1.0 - mirror.number:
+                        image = image_at(frame, field, mirror, begin, i, j, k)
+                        _reflect_vertex(field, mirror, forcing, ledger, image, rate, f)
+
+
+@inner_kernel
+def _reflect_vertex(field, mirror, forcing, ledger, image, rate, f):
+    """Set velocity and acceleration of a vertex beyond the face from its image."""
+    G, owned, axis = field.G, field.owned, mirror.axis
+    dt, gravity, impulse, work = forcing.dt, forcing.gravity, ledger.impulse, ledger.work
+    i, g, r, _ = image
+    if r < 0:
+        return
+    twice = 2.0 * G[g + FOLDED_MASS]
+    for d in range(3):
+        if i < owned and _turns(mirror, d):
+            v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
+            impulse[i, mirror.number, d] -= given(rate, twice, dt, 0.0, 0.0, v, a)
+            work[i] -= twice * dt * gravity[d] * v
+    if not mirror.follows:
+        G[r + HELD] = also_held(G[r + HELD], axis)
+    G[g + HELD] = G[r + HELD]
+    if not keeps(field.motion, f):  # for the filled part of mean dilatation
+        G[g + MASS] = G[r + MASS]
+    for d in range(3):
+        sign = -1.0 if _turns(mirror, d) else 1.0
+        G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
+        G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
 
 
 @inner_kernel
 def _turns(mirror, d):
     """Whether a mirror reverses component `d`."""
     return (mirror.sticks or d == mirror.axis) and not mirror.follows
-
-
-@inner_kernel
-def _range_beyond(frame, window, mirror, d):
-    """First vertex along direction `d` that may lie beyond the face, and the number of them."""
-    if d != mirror.axis:
-        return 0, window.extent[d]
-    if mirror.side < 0:
-        return 0, min(window.extent[d], max(0, frame.ghost - window.lower[d]))
-    first = max(0, frame.ghost + frame.cells[d] + 1 - window.lower[d])
-    return first, max(0, window.extent[d] - first)
-
-
-@inner_kernel
-def beyond_count(frame, window, mirror):
-    """Number of the window's vertices that may lie beyond the face."""
-    x, y = _range_beyond(frame, window, mirror, 0)[1], _range_beyond(frame, window, mirror, 1)[1]
-    return x * y * _range_beyond(frame, window, mirror, 2)[1]
-
-
-@inner_kernel
-def image_of(frame, field, mirror, begin, n):
-    """The `n`-th vertex beyond the face and its image.
-
-    Offsets are in the velocity field that starts at `begin` in each plane.
-    """
-    window, axis, side = field.window, mirror.axis, mirror.side
-    i0, _ = _range_beyond(frame, window, mirror, 0)
-    j0, y = _range_beyond(frame, window, mirror, 1)
-    k0, z = _range_beyond(frame, window, mirror, 2)
-    i, j, k = i0 + n // (y * z), j0 + n // z % y, k0 + n % z
-    if field.active[i] == 0:
-        return Image(i, -1, -1, -1)
-    number = window.lower[axis] + (i if axis == 0 else (j if axis == 1 else k))
-    wall = frame.ghost if side < 0 else frame.ghost + frame.cells[axis]
-    away = number - wall
-    shift = -away if mirror.follows else -2 * away
-    image = number - window.lower[axis] + shift
-    if image < 0 or image >= window.extent[axis]:
-        return Image(i, -1, -1, -1)
-    if axis == 0 and field.active[image] == 0:
-        return Image(i, -1, -1, -1)
-    beyond = begin + i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-    step = shift * window.stride[axis]
-    on_wall = beyond + step if mirror.follows else beyond + step // 2
-    return Image(i, beyond, beyond + step, on_wall)
