@@ -34,11 +34,11 @@ from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.data.frame import Window
+from pgimp.kernels.data.mirror_images import beyond_count, image_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.used_rows import is_used, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.calming import Calming, find_motion
-from pgimp.kernels.grid.mirror_images import beyond_count, image_of
 from pgimp.kernels.rigid.fill import fill
 from pgimp.kernels.transfer.first_vertex import deformation
 

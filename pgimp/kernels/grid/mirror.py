@@ -19,6 +19,7 @@ Beyond an absorbing face nothing is reversed: what lies there moves as the face 
 from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.kernels.data.mirror_images import beyond_count, box_beyond, image_at, image_of, offset_of
 from pgimp.kernels.data.motion import KEPT_VELOCITY, grid_rate, keeps, momentum_before
 from pgimp.kernels.data.record import (
     ACCELERATION,
@@ -34,7 +35,6 @@ from pgimp.kernels.data.record import (
 from pgimp.kernels.data.used_rows import is_used, note_range, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.constraint_flags import also_held
-from pgimp.kernels.grid.mirror_images import beyond_count, box_beyond, image_at, image_of, offset_of
 from pgimp.kernels.grid.wall_gap import clearance_at
 from pgimp.kernels.loads.loads import given, relaxed_part
 
