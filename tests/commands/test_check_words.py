@@ -162,6 +162,10 @@ def test_what_makes_the_step_short_is_said_and_advice_knows_it(report):
         ({"method.shape": "cpdi"}, "do not reflect: cpdi needs no mirrors (wall: auto)"),
         ({"bodies.rod.material": "soft"}, "do not reflect: 'rod' is no liquid (wall: auto)"),
         ({"method.wall": "ghost"}, None), ({"method.wall": "mirror"}, None),
+        (
+            {"method.wall": "mirror", "boundaries.y-min": {"separating": {"friction": 0.2}}},
+            "no mirrors where there is friction: y-min",
+        ),
         ({"boundaries": {}}, None),
         ({"bodies.rod.material": "soft", "bodies.pool.material": "soft"}, None),
     ],

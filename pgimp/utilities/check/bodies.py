@@ -50,11 +50,18 @@ def report_materials(case: Case) -> None:
 
 
 def report_walls(case: Case) -> None:
-    """Print which faces reflect liquids, where the case leaves that to pgimp."""
+    """Print which faces reflect liquids, where the case leaves that to pgimp.
+
+    Besides, which do not though it asks for it, as friction would miss what they press.
+    """
     laws = {name: case.materials[body.material] for name, body in case.bodies.items()}
     solid = [name for name, law in laws.items() if not law.LIQUID]
     faces = {name: face for name, face in case.boundaries.items() if not face.joins}
-    if getattr(case.method, "wall", "") != "auto" or len(solid) == len(laws) or not faces:
+    wall = getattr(case.method, "wall", "")
+    rough = [name for name, face in faces.items() if face.releases and not face.mirrors]
+    if wall == "mirror" and rough:
+        print(f"walls            no mirrors where there is friction: {', '.join(rough)}")
+    if wall != "auto" or len(solid) == len(laws) or not faces:
         return
     chosen = reflecting(case)
     if solid:
