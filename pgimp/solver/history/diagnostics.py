@@ -68,7 +68,7 @@ def _reduced(
 
 
 def _impulses(own: Ledger) -> np.ndarray:
-    """Impulses by plane: of faces, constraints, contact and rigid bodies, and their moments.
+    """Impulses by plane: of faces, constraints, tractions, contact and rigid bodies, and moments.
 
     What crossed the surfaces of flux gauges, too: see `Totals.force`.
     """
@@ -76,6 +76,7 @@ def _impulses(own: Ledger) -> np.ndarray:
         [
             own.impulse,
             own.constraint_impulse,
+            own.traction_impulse,
             own.contact[:, :, IMPULSE : IMPULSE + 3],
             own.crossed,
             own.rigid_bodies[:, :, RIGID_IMPULSE : RIGID_IMPULSE + 3],
@@ -131,7 +132,8 @@ def column_names(scene: Scene) -> list[str]:
     contact = np.zeros((len(scene.interaction.pairs.way) if scene.interaction.pairs else 0, BOOKED))
     rigid_bodies = np.zeros((len(scene.interaction.rigid_bodies), TOOLED))
     moved = np.zeros((len(scene.case.constraints), 3))
-    held = len(scene.interaction.loads.booked_constraints)
+    loads = scene.interaction.loads
+    held = len(loads.booked_constraints) + len(loads.booked_tractions)
     crossed = 2 * len(flux_gauges(scene))
     force = np.zeros((faces + held + len(contact) + crossed + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
