@@ -11,7 +11,7 @@ from scenes import box, scene
 
 import pgimp
 from pgimp.utilities.plot.camera import camera, upright
-from pgimp.utilities.plot.changes import Changes, axis_label, moving_mean
+from pgimp.utilities.plot.curves.changes import Changes, axis_label, moving_mean
 from pgimp.utilities.plot.look import pieces
 from pgimp.utilities.plot.picture import columns_of
 from pgimp.utilities.plot.quantity import Quantity
