@@ -75,10 +75,11 @@ def enter(now: Start, case: Case) -> Start:
         records.changed += float(after[STRAIN] - before[STRAIN])
         records.told[: new.materials.sums - SUMS] += after[SUMS:] - before[SUMS:]
     particles = _carried(rank, old, new)
-    if records.last:
-        time, *parts = records.last
-        impulse, force = (_rows(_forces(old), _forces(new), part) for part in parts)
-        records.last = (time, impulse, force)
+    for name in ("last", "read"):
+        if since := getattr(records, name):
+            time, *parts = since
+            impulse, force = (_rows(_forces(old), _forces(new), part) for part in parts)
+            setattr(records, name, (time, impulse, force))
 
     counts = np.concatenate(comm.allgather(np.diff(rank.population.start)))
     _, balance, _ = partition(new, comm, counts + arrivals.layers if arrivals else counts)
