@@ -2,8 +2,8 @@
 
 import shutil
 
+import each_probe
 import numpy as np
-import press_probe
 import pytest
 from processes import PROGRAMS
 from run_files import digests, go_back
@@ -14,7 +14,7 @@ from pgimp.errors import RunError
 
 pytestmark = pytest.mark.slow(60)
 
-PROBE = PROGRAMS / "press_probe.py"
+PROBE = PROGRAMS / "each_probe.py"
 
 
 def seen(case, function, steps=4):
@@ -32,10 +32,10 @@ def test_a_ram_stops_at_a_force_that_is_the_momentum_it_gave():
     felt, lines = [], []
 
     def control(now):
-        press_probe.control(now)
+        each_probe.hold(now)
         felt[:] = now.state["felt"].tolist()
 
-    sim = pgimp.Simulation(press_probe.CASE, each=pgimp.Each(control, 4, press_probe.each().state))
+    sim = pgimp.Simulation(each_probe.RAM, each=pgimp.Each(control, 4, each_probe.ram().state))
     for _ in range(25):
         sim.step(4)
         lines.append(sim.diagnostics())
@@ -48,22 +48,20 @@ def test_a_ram_stops_at_a_force_that_is_the_momentum_it_gave():
     for name, values in (("gauge.top.height", level), ("gauge.half.force-x", cut)):
         np.testing.assert_array_equal(values[asked], [lines[k][name] for k in asked])
     assert level[2] > 1.0 and np.abs(cut).max() > 0.1
-    stop = int(np.argmax(force < press_probe.MOST))
-    way = press_probe.SPEED * time[stop]
-    assert 0.0 < way < 1.0 and force.min() < press_probe.MOST
+    stop = int(np.argmax(force < each_probe.MOST))
+    way = each_probe.SPEED * time[stop]
+    assert 0.0 < way < 1.0 and force.min() < each_probe.MOST
     assert lines[-1]["tool.ram.displacement-x"] == pytest.approx(way, rel=1e-12)
 
 
 def test_bits_do_not_depend_on_ranks_nor_on_a_kill(mpirun, tmp_path):
-    alone = pgimp.run(
-        press_probe.CASE, output=tmp_path / "1", each=press_probe.each(), quiet=True
-    ).path
-    done = mpirun(3, [PROBE, tmp_path / "3"], 300)
+    alone = pgimp.run(each_probe.RAM, output=tmp_path / "1", each=each_probe.ram(), quiet=True).path
+    done = mpirun(3, [PROBE, tmp_path / "3", "ram"], 300)
     assert done.returncode == 0, done.stderr
     assert digests(tmp_path / "3") == digests(alone)
     shutil.copytree(alone, resumed := tmp_path / "2")
     go_back(resumed, 0.5)
-    done = mpirun(2, [PROBE, resumed, "resume"], 300)
+    done = mpirun(2, [PROBE, resumed, "ram", "resume"], 300)
     assert done.returncode == 0, done.stderr
     assert digests(resumed) == digests(alone)
 
