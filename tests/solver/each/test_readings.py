@@ -60,10 +60,31 @@ def test_bits_do_not_depend_on_ranks_nor_on_a_kill(mpirun, tmp_path):
     assert done.returncode == 0, done.stderr
     assert digests(tmp_path / "3") == digests(alone)
     shutil.copytree(alone, resumed := tmp_path / "2")
-    go_back(resumed, 0.5)
+    go_back(resumed, 0.2)
     done = mpirun(2, [PROBE, resumed, "ram", "resume"], 300)
     assert done.returncode == 0, done.stderr
     assert digests(resumed) == digests(alone)
+
+
+def test_a_resumed_run_feels_what_it_would_have_felt(tmp_path):
+    """The mean that is asked for first began before the checkpoint."""
+    felt = {}
+
+    def control(now):
+        each_probe.hold(now)
+        felt[now.step] = now.history["tool.ram.force-x"]
+
+    def run(**how):
+        felt.clear()
+        function = pgimp.Each(control, 4, each_probe.ram().state)
+        pgimp.run(each_probe.RAM, output=tmp_path / "run", each=function, quiet=True, **how)
+        return dict(felt)
+
+    whole = run()
+    go_back(tmp_path / "run", 0.2)
+    again = run(resume=True)
+    assert min(again) == 24 and again[24] < -0.5
+    assert again == {step: whole[step] for step in again}
 
 
 def test_forces_go_on_into_the_next_stage():
