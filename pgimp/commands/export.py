@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from pgimp.commands.plot import listed, numbers
 from pgimp.errors import UsageError, explain
 from pgimp.utilities.plot.runs import frames_of, open_runs
+from pgimp.utilities.plot.words import listed, numbers
 
 _CHOICES = ("field", "frame", "time", "output", "revolve")
 

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from pgimp.errors import UsageError
-from pgimp.utilities.plot.changes import add_arguments as add_changes
-from pgimp.utilities.plot.changes import changes
+from pgimp.utilities.plot.curves.changes import add_arguments as add_changes
+from pgimp.utilities.plot.curves.changes import changes
+from pgimp.utilities.plot.curves.spectra import add_arguments as add_spectra
+from pgimp.utilities.plot.curves.spectra import band
 from pgimp.utilities.plot.look import Look, look, planes, rate, revolved, settings
 from pgimp.utilities.plot.look import add_arguments as add_looks
 from pgimp.utilities.plot.output import MOVIES, output_path, rendered, write
 from pgimp.utilities.plot.runs import AXES, PlotRun, every_snapshot, open_runs, snapshots
 from pgimp.utilities.plot.tables import Table
+from pgimp.utilities.plot.words import limits, listed, numbers
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,10 +28,10 @@ if TYPE_CHECKING:
 _PICTURE_ONLY = (
     "slice", "camera", "range", "map", "panels", "mirror", "contours", "outline", "revolve",
 )  # fmt: skip
+_CURVES_ONLY = (
+    "columns", "x", "probe", "factor", "factor_x", "over", "mean", "fft", "frequencies", "between",
+)  # fmt: skip
 _LONGEST_NAME = 120
-
-
-N = TypeVar("N")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,6 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--y constraint.top-y",
     )
     add_changes(history)
+    add_spectra(history)
     frame = parser.add_argument_group("a frame")
     frame.add_argument(
         "--field",
@@ -137,7 +141,7 @@ def execute(args: argparse.Namespace) -> int:
         if _wants_frame(args):
             figure, table, remarks, name = _frame(args, runs)
         else:
-            from pgimp.utilities.plot.curves import curves
+            from pgimp.utilities.plot.curves.curves import curves
 
             probes = listed(args.probe)
             figure, table, remarks = curves(
@@ -148,8 +152,10 @@ def execute(args: argparse.Namespace) -> int:
                 args.log,
                 look(args, None),
                 changes(args),
+                band(args),
             )
             name = "-".join(dict.fromkeys(probes)) or "history"
+            name += "-spectrum" * args.fft
         output = output or output_path(_default_name(runs, name))
         if output.suffix.lower() == ".csv":
             write(output, table.text())
@@ -177,8 +183,8 @@ def _check(args: argparse.Namespace) -> None:
     if args.at is not None and args.along is None:
         raise UsageError("--at is for a line: give --along too, or cut a slice with --slice")
     if _wants_frame(args):
-        for name in ("columns", "x", "probe", "factor", "factor_x", "over", "mean"):
-            if getattr(args, name) is not None:
+        for name in _CURVES_ONLY:
+            if getattr(args, name) not in (None, False):
                 option = name.replace("_", "-")
                 raise UsageError(
                     f"--{option} is for curves over time, the other options for a frame"
@@ -240,11 +246,11 @@ def _seen(args: argparse.Namespace, shown: PlotRun) -> tuple[Selection, Camera, 
     if args.revolve is not None:
         view, angles = revolved(args, shown.case.get("geometry", "plane-strain"))
         selection = Selection(tuple(listed(args.body)), spacing=shown.spacing, angles=angles)
-        return selection, view, look(args, _limits(args.range))
+        return selection, view, look(args, limits(args.range, "--range"))
     view = camera(args.camera, dimension, next(iter(place), None))
     mirrored = planes(args.mirror, *shown.corners) if args.mirror is not None else ()
     selection = Selection(tuple(listed(args.body)), place, shown.spacing, mirrored)
-    return selection, view, look(args, _limits(args.range))
+    return selection, view, look(args, limits(args.range, "--range"))
 
 
 def _movie(args: argparse.Namespace, runs: Sequence[PlotRun], kind: str) -> bytes:
@@ -263,31 +269,6 @@ def _movie(args: argparse.Namespace, runs: Sequence[PlotRun], kind: str) -> byte
     first = quantity(args.field, chosen[0].frame, shown.dimension)
     quantities = [quantity(first.text, each.frame, shown.dimension) for each in chosen]
     return movie(kind, chosen, quantities, *_seen(args, shown), rate(args))
-
-
-def listed(text: str | None) -> list[str]:
-    """Return the words of an option, with commas between them."""
-    return [part.strip() for part in text.split(",") if part.strip()] if text else []
-
-
-def numbers(text: str | None, option: str, kind: Callable[[str], N]) -> list[N]:
-    """Return the numbers of an option, with commas between them; a UsageError if they are none."""
-    if text is None:
-        return []
-    try:
-        return [kind(part) for part in text.split(",")]
-    except ValueError:
-        what = "whole numbers" if kind is int else "numbers"
-        raise UsageError(f"{option} {text}: {what}, with commas between them") from None
-
-
-def _limits(text: str | None) -> tuple[float, float] | None:
-    if text is None:
-        return None
-    found = numbers(text, "--range", float)
-    if len(found) != 2 or not float("-inf") < found[0] < found[1] < float("inf"):
-        raise UsageError(f"--range {text}: two numbers, the lower one first, such as 0,5e4")
-    return found[0], found[1]
 
 
 def _default_name(runs: Sequence[PlotRun], name: str) -> str:

@@ -95,7 +95,7 @@ class RigidFrames(Series):
             if self.comm.rank == 0:
                 for place, data in says.items():
                     file.write(place, data)
-                file.write(offsets["position"], rigid_bodies.surface_at(poses))
+                file.write(offsets["position"], rigid_bodies.surface_at(poses, sharp=True))
                 file.write(offsets["body"], rigid_bodies.surface.body)
                 file.write(offsets["connectivity"], rigid_bodies.surface.cells)
             unfinished = Unfinished(part, path, file, self.comm, what)

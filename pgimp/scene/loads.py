@@ -167,6 +167,13 @@ class SceneLoads:
         """Names of the rows of constraints in the ledger: impulses, then moments of what turns."""
         return [*self.case.constraints, *((name, "moment") for name in self.turning)]
 
+    @property
+    def booked_tractions(self) -> list[Hashable]:
+        """Names of the rows of tractions in the ledger: on faces, then on regions' surfaces."""
+        entries = self.case.tractions.items()
+        faces = [name for name, entry in entries if entry.face is not None]
+        return [*faces, *self.surfaces.entries]
+
     def angle(self, number: int, t: float) -> float:
         """Angle by which a constraint of `turning` has turned until `t`, with previous stages."""
         name = self.turning[number]

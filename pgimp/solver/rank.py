@@ -159,7 +159,8 @@ class Rank:
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
             (bodies if scene.interaction.flows else 0,
-             DAMPED if settings.damps or settings.settles else 0, len(flux_gauges(scene))),
+             DAMPED if settings.damps or settings.settles else 0, len(flux_gauges(scene)),
+             len(scene.interaction.loads.booked_tractions)),
         )  # fmt: skip
 
     @property

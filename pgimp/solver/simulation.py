@@ -120,6 +120,8 @@ class Simulation(SimulationProgress):
         else:
             start = setup.resume(scenes, comm, self.reduction, source, state)
         self.take(start)
+        if self.calls:
+            self.calls.resume()
 
     def take(self, start: Start) -> None:
         """Continue from a start."""

@@ -75,10 +75,11 @@ def enter(now: Start, case: Case) -> Start:
         records.changed += float(after[STRAIN] - before[STRAIN])
         records.told[: new.materials.sums - SUMS] += after[SUMS:] - before[SUMS:]
     particles = _carried(rank, old, new)
-    if records.last:
-        time, *parts = records.last
-        impulse, force = (_rows(_forces(old), _forces(new), part) for part in parts)
-        records.last = (time, impulse, force)
+    for name in ("last", "read"):
+        if since := getattr(records, name):
+            time, *parts = since
+            impulse, force = (_rows(_forces(old), _forces(new), part) for part in parts)
+            setattr(records, name, (time, impulse, force))
 
     counts = np.concatenate(comm.allgather(np.diff(rank.population.start)))
     _, balance, _ = partition(new, comm, counts + arrivals.layers if arrivals else counts)
@@ -196,27 +197,30 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
 
 def _forces(scene: Scene) -> list[Hashable]:
     """Names of the rows of `Diagnostics.last`, in their order."""
-    faces, constraints, contact, rigid_bodies = _booked(scene)
+    faces, constraints, tractions, contact, rigid_bodies = _booked(scene)
     fluxes: list[Hashable] = [(name, i) for name in flux_gauges(scene) for i in range(2)]
-    kinds = ("face", "constraint", "contact", "flux", "impulse", "moment")
-    return [
-        (kind, name)
-        for kind, names in zip(
-            kinds, (faces, constraints, contact, fluxes, rigid_bodies, rigid_bodies), strict=True
-        )
-        for name in names
-    ]
+    kinds = {
+        "face": faces,
+        "constraint": constraints,
+        "traction": tractions,
+        "contact": contact,
+        "flux": fluxes,
+        "impulse": rigid_bodies,
+        "moment": rigid_bodies,
+    }
+    return [(kind, name) for kind, names in kinds.items() for name in names]
 
 
 def _booked(scene: Scene) -> tuple[list[Hashable], ...]:
-    """Names of the faces, constraints, entries of contact and rigid bodies in the ledger."""
+    """Names of faces, constraints, tractions, entries of contact and rigid bodies in the ledger."""
     # The last law of contact is for pairs without an entry.
     contact: list[Hashable] = []
     if scene.interaction.pairs:
         contact = [*(entry.name for entry in scene.case.contact), ""]
     faces: list[Hashable] = [face.name for face in scene.domain.faces]
-    constraints = scene.interaction.loads.booked_constraints
-    return faces, constraints, contact, list(scene.interaction.rigid_bodies.names)
+    loads = scene.interaction.loads
+    held, pulled = loads.booked_constraints, loads.booked_tractions
+    return faces, held, pulled, contact, list(scene.interaction.rigid_bodies.names)
 
 
 def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) -> np.ndarray:
@@ -231,11 +235,14 @@ def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) 
 
 def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
     """Copy the ledger into the ledger of the next stage."""
-    faces, constraints, contact, rigid_bodies = zip(_booked(old), _booked(new), strict=True)
+    faces, constraints, tractions, contact, rigid_bodies = zip(
+        _booked(old), _booked(new), strict=True
+    )
     kinds = {
         "impulse": faces,
         "outside_mass": faces,
         "constraint_impulse": constraints,
+        "traction_impulse": tractions,
         "wall_energy": faces,
         "contact": contact,
         "rigid_bodies": rigid_bodies,

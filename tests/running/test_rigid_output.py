@@ -38,11 +38,13 @@ def test_surfaces_are_where_the_bodies_are(run):
             assert list(file["body"].attrs["names"]) == ["ball", "block"]
         centre = np.array([4.0 + 0.5 * time, 4.0, 4.0])
         distance = np.linalg.norm(x[body == 0] - centre, axis=1)
-        assert np.abs(distance - 1.5).max() < 0.07  # chords of a lattice of half a cell
+        assert np.abs(distance - 1.5).max() < 1e-8
         own = x[body == 1] - np.array([6.0, 1.5, 1.5])
         c, s = np.cos(0.3 * time), np.sin(0.3 * time)
         own[:, :2] = own[:, :2] @ np.array([[c, -s], [s, c]])
         assert np.abs(own).max() == pytest.approx(1.0, abs=1e-9)
+        corners = np.abs(np.abs(own) - 1.0).max(axis=1) < 1e-9
+        assert len(np.unique(np.sign(own[corners]), axis=0)) == 8
         assert (np.bincount(cells.ravel(), minlength=len(x)) >= 3).all()  # closed
 
 

@@ -50,7 +50,11 @@ def test_pressure_all_round_holds_a_uniform_stress(shape, configuration, inner):
         )
     )
     sim.core.particles.sigma[:, :3] = -1.0
+    sim.diagnostics()
     sim.step(100)
+    line, ring = sim.diagnostics(), np.pi * (1.5**2 - inner**2)
+    assert line["traction.y-max-y"] == pytest.approx(-ring, rel=1e-12)
+    assert line["traction.x-max-x"] == pytest.approx(-2.0 * np.pi * 1.5 * 1.2, rel=1e-12)
     assert np.abs(sim.particles["velocity"]).max() < 1e-12
     assert np.abs(sim.particles["stress"][:, :3] + 1.0).max() < 1e-12
 

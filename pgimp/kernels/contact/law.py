@@ -193,7 +193,8 @@ def exchange(contact, holding, number, held, pair, last):
     if row.normal_impulse < 0.0:
         shear_adhesion *= sqrt(1.0 - (row.normal_impulse / row.adhesion) ** 2)
     stress = row.area * holding.forcing.dt
-    part = sliding_part(contact.pairs, entry, shear_adhesion, pressed, stress, length)
+    slip = length * most
+    part = sliding_part(contact.pairs, entry, shear_adhesion, pressed, stress, length, slip)
     row.sticking = part
     for d in range(3):
         stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most

@@ -160,5 +160,9 @@ def _slopes(contact, pair, other, mobility, dt):
         return along, across, 0.0, 0.0
     if push < 0.0:
         return along, across, 0.0, across
-    slope = sliding_slope(contact.pairs, entry, push, row.area * dt)
+    slip = 0.0
+    for d in range(3):
+        slip += row.tangential_impulse[d] ** 2
+    slip = sqrt(slip) * most / row.sticking if row.sticking > 0.0 else 0.0
+    slope = sliding_slope(contact.pairs, entry, push, row.area * dt, slip)
     return along, across, slope * along, across

@@ -59,6 +59,8 @@ class Ledger(NamedTuple):
         Sums of damping and of settling; (planes, 0) without them.
     crossed : (planes, 2 flux gauges, 3) float64
         What has left through each surface: (mass, 0, 0), momentum.
+    traction_impulse : (planes, tractions, 3) float64
+        Impulse of each traction on a face, and then of each on a region's surface.
     """
 
     work: np.ndarray
@@ -72,6 +74,7 @@ class Ledger(NamedTuple):
     filled: np.ndarray
     damping: np.ndarray
     crossed: np.ndarray
+    traction_impulse: np.ndarray
 
     @classmethod
     def empty(
@@ -82,7 +85,7 @@ class Ledger(NamedTuple):
         escaped: tuple[int, int] = (0, 0),
         contacts: int = 0,
         rigid_bodies: int = 0,
-        others: tuple[int, int, int] = (0, 0, 0),
+        others: tuple[int, int, int, int] = (0, 0, 0, 0),
     ) -> Ledger:
         """Return the ledger of `planes` planes before the first step.
 
@@ -96,13 +99,14 @@ class Ledger(NamedTuple):
             Entries of contact.
         rigid_bodies : int
             Rigid bodies.
-        others : (int, int, int)
-            Bodies, in scenes where any flows; `DAMPED` with damping; flux gauges.
+        others : (int, int, int, int)
+            Bodies, in scenes where any flows; `DAMPED` with damping; flux gauges; tractions.
         """
-        flows, damping, fluxes = others
+        flows, damping, fluxes, tractions = others
         shapes = (
             (), (faces, 3), (faces,), (constraints, 3), (faces, WALL_BOOKED), (contacts, BOOKED),
             (rigid_bodies, TOOLED), escaped, (flows, VOLUMES), (damping,), (2 * fluxes, 3),
+            (tractions, 3),
         )  # fmt: skip
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 

@@ -11,7 +11,7 @@ from pgimp.jit.kernel import specialise
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.kernels.grid.wall_gap import Sides
 from pgimp.kernels.loads.surfaces import scatter_surfaces, surface_power
-from pgimp.kernels.loads.tractions import scatter_tractions, traction_power
+from pgimp.kernels.loads.tractions import Booking, scatter_tractions, traction_power
 from pgimp.physics.exact.base import BodyForce
 from pgimp.physics.loads.surfaces import SurfaceLoad
 from pgimp.physics.loads.tractions import Traction
@@ -144,27 +144,29 @@ def _scatter_loads(loads, setting, field, particles, rows, span, layer):
     )
 
 
-def layer_power(loads, setting, field, particles, rows, span, layer, dt):
-    """Power of the loads on a layer's particles, without the body force."""
+def layer_power(loads, setting, field, particles, rows, span, layer, booking):
+    """Power of the loads on a layer's particles, without the body force; see `Booking`."""
 
 
 @specialise(layer_power)
-def _layer_power(loads, setting, field, particles, rows, span, layer, dt):
-    faces, surfaces = len(loads.types[1]) > 0, _has_surfaces(loads)
+def _layer_power(loads, setting, field, particles, rows, span, layer, booking):
+    faces, surfaces = len(loads.types[1]), _has_surfaces(loads)
 
-    def power_of_both(loads, setting, field, particles, rows, span, layer, dt):
-        own = traction_power(loads.tractions, setting, field, particles, rows, span, layer, dt)
-        more = surface_power(loads.surfaces, setting, field, particles, rows, span, layer, dt)
-        return own + more
+    def power_of_both(loads, setting, field, particles, rows, span, layer, booking):
+        own = traction_power(loads.tractions, setting, field, particles, rows, span, layer, booking)
+        next_rows = Booking(booking.dt, booking.impulse, faces)
+        return own + surface_power(
+            loads.surfaces, setting, field, particles, rows, span, layer, next_rows
+        )
 
     if faces and surfaces:
         return power_of_both
     if surfaces:
-        return lambda loads, setting, field, particles, rows, span, layer, dt: surface_power(
-            loads.surfaces, setting, field, particles, rows, span, layer, dt
+        return lambda loads, setting, field, particles, rows, span, layer, booking: surface_power(
+            loads.surfaces, setting, field, particles, rows, span, layer, booking
         )
     if not faces:
-        return lambda loads, setting, field, particles, rows, span, layer, dt: 0.0
-    return lambda loads, setting, field, particles, rows, span, layer, dt: traction_power(
-        loads.tractions, setting, field, particles, rows, span, layer, dt
+        return lambda loads, setting, field, particles, rows, span, layer, booking: 0.0
+    return lambda loads, setting, field, particles, rows, span, layer, booking: traction_power(
+        loads.tractions, setting, field, particles, rows, span, layer, booking
     )

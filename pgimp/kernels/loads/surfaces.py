@@ -16,7 +16,7 @@ from pgimp.kernels.data.velocity_fields import field_of
 from pgimp.kernels.loads.following import followed
 from pgimp.kernels.loads.profiles import profiled
 from pgimp.kernels.loads.strips import strip_weights
-from pgimp.kernels.loads.tractions import columns, half_step, means
+from pgimp.kernels.loads.tractions import book_force, columns, half_step, means
 from pgimp.kernels.transfer.first_vertex import (
     coordinate,
     first_vertex,
@@ -250,7 +250,7 @@ def scatter_surfaces(loads, setting, field, particles, rows, span, layer):
 
 
 @inner_kernel
-def surface_power(loads, setting, field, particles, rows, span, layer, dt):
+def surface_power(loads, setting, field, particles, rows, span, layer, booking):
     """Power of the loads on a layer's parts of surfaces, as of tractions."""
     shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
     start = (layer - window.lower[0]) * window.stride[0]
@@ -267,6 +267,7 @@ def surface_power(loads, setting, field, particles, rows, span, layer, dt):
             support, at = Support(buffer, 0), start + offset
             like = frame.origin
             U, A = gather_products(shape, G, support, at, window.stride, like, (), ())[:2]
-            u = U - half_step(loads[t].follows, dt) * A
+            u = U - half_step(loads[t].follows, booking.dt) * A
+            book_force(booking, layer - window.lower[0], t, f)
             power += f[0] * lane(u, 1) + f[1] * lane(u, 2) + f[2] * lane(u, 3)
     return power

@@ -16,6 +16,9 @@ the right second moments, within the particle's own box, beyond which there may 
 """
 
 from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
 
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.vectors.lanes import zeros
@@ -242,11 +245,38 @@ def half_step(follows, dt):
     return 0.5 * dt if follows else 0.0
 
 
+class Booking(NamedTuple):
+    """Where a step books the impulses of loads.
+
+    Attributes
+    ----------
+    dt : float
+        Length of the step.
+    impulse : (planes, tractions, 3) float64
+        See `Ledger.traction_impulse`.
+    first : int
+        Row of the first load.
+    """
+
+    dt: float
+    impulse: np.ndarray
+    first: int
+
+
 @inner_kernel
-def traction_power(tractions, setting, field, particles, rows, span, layer, dt):
+def book_force(booking, plane, number, f):
+    """Add the impulse of a force in a step to the row of its load."""
+    own = booking.impulse[plane, booking.first + number]
+    own[0] += booking.dt * f[0]
+    own[1] += booking.dt * f[1]
+    own[2] += booking.dt * f[2]
+
+
+@inner_kernel
+def traction_power(tractions, setting, field, particles, rows, span, layer, booking):
     """Power of the tractions on a layer: the patches' forces times the vertices' velocities.
 
-    For the arguments see `scatter_tractions`; `dt` is the length of the step.
+    For the arguments see `scatter_tractions` and `Booking`.
     """
     shape, frame, window, G = setting.shape, setting.frame, field.window, field.G
     start = (layer - window.lower[0]) * window.stride[0]
@@ -265,6 +295,7 @@ def traction_power(tractions, setting, field, particles, rows, span, layer, dt):
             support, at = Support(buffer, 0), start + offset
             like = frame.origin
             U, A = gather_products(shape, G, support, at, window.stride, like, (), ())[:2]
-            u = U - half_step(tractions[t].follows, dt) * A
+            u = U - half_step(tractions[t].follows, booking.dt) * A
+            book_force(booking, layer - window.lower[0], t, f)
             power += f[0] * lane(u, 1) + f[1] * lane(u, 2) + f[2] * lane(u, 3)
     return power

@@ -240,7 +240,7 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
     mass = m / (1.0 + _answer(keepers.yields[t], arm))  # never too much for all of them together
     part, law = 1.0, abs(entry) - 1
     if pairs.way[law] == UNILATERAL:
-        part = sliding_part(pairs, law, 0.0, -normal, inf, across)
+        part = sliding_part(pairs, law, 0.0, -normal, inf, across, across)
     booked, mine = ledger.contact[layer, law], ledger.rigid_bodies[layer, t]
     J, done, heat = (0.0, 0.0, 0.0), 0.0, 0.0
     for d in range(D):

@@ -6,6 +6,7 @@ from pgimp.jit.vectors.simd import lane, stack, vector
 from pgimp.kernels.data.arguments import FourParticles
 from pgimp.kernels.loads.body_forces import add_force_power
 from pgimp.kernels.loads.loads import layer_power
+from pgimp.kernels.loads.tractions import Booking
 from pgimp.kernels.rigid.hold import hold_outside
 from pgimp.kernels.transfer.gather_shared import take_from_grid
 from pgimp.kernels.transfer.lane_io import LANES, four_rows, put, put_row, take
@@ -59,7 +60,8 @@ def grid_to_particles(
         Filled by this.
     ledger : Ledger
         Grows, layer by layer, by the work of loads, constraints and walls on particles.
-        `constraint_impulse` and `impulse` grow by the momentum from constraints and from walls.
+        `constraint_impulse`, `impulse` and `traction_impulse` grow by the momentum from
+        constraints, from walls and from tractions.
 
     Returns
     -------
@@ -87,7 +89,8 @@ def grid_to_particles(
     for layer in layers:
         number = layer + window.lower[0]
         span = (start[layer], start[layer + 1])
-        power = layer_power(loads, setting, field, particles, order.rows, span, number, dt)
+        booking = Booking(dt, ledger.traction_impulse, 0)
+        power = layer_power(loads, setting, field, particles, order.rows, span, number, booking)
         for k in range(start[layer], start[layer + 1], LANES):
             rows = four_rows(order.rows, k, start[layer + 1])
             count = min(LANES, start[layer + 1] - k)

@@ -34,12 +34,15 @@ class ContactLaw(Model):
 class Sliding(NamedTuple):
     """Parameters of a unilateral law, floats, with its kernels as static methods.
 
-    - ``sliding_part(law, cohesion, pressed, stress, sticking)``: transmitted fraction of the
+    - ``sliding_part(law, cohesion, pressed, stress, sticking, slip)``: transmitted fraction of the
       tangential impulse of sticking, 1 where the surfaces stick.
-    - ``slope(law, pressed, stress)``: derivative of the sliding impulse with respect to `pressed`.
+    - ``slope(law, pressed, stress, slip)``: derivative of the sliding impulse with respect to
+      `pressed`.
 
     `cohesion` is the pair's shear adhesion (key ``adhesion``) as an impulse, 0 beyond its reach;
     `pressed` the normal impulse, at least 0. `sticking` is the tangential impulse that would stop
-    all slip. `stress` is the impulse of a unit of stress, area times dt; inf where the area is
-    unknown. Kernels are called for every pair, also apart and without pressure.
+    all slip. `slip` is the velocity at which the surfaces slide at the end of the step if they
+    transmit none; with a fraction f they slide at (1 - f) `slip`. `stress` is the impulse of a
+    unit of stress, area times dt; inf where the area is unknown. Kernels are called for every
+    pair, also apart and without pressure.
     """

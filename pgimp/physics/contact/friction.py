@@ -60,12 +60,12 @@ class CoulombParameters(NamedTuple):
     kinetic: float
 
     @staticmethod
-    def sliding_part(law, cohesion, pressed, stress, sticking):
+    def sliding_part(law, cohesion, pressed, stress, sticking, slip):
         """Transmitted fraction of the tangential impulse of sticking."""
         return coulomb_part(law.static, law.kinetic, cohesion, pressed, sticking)
 
     @staticmethod
-    def slope(law, pressed, stress):
+    def slope(law, pressed, stress, slip):
         """Derivative of the tangential impulse by the normal impulse during sliding."""
         return law.kinetic
 

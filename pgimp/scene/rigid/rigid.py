@@ -15,6 +15,7 @@ from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.geometry.distancefield import DistanceField
 from pgimp.geometry.outline import outline
+from pgimp.geometry.sharpen import sharpened
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.rigid.bodies import LATTICE, MOTION, POINT, RESPONSE, RigidBodies
 from pgimp.mpi.collective import on_root
@@ -149,6 +150,17 @@ class SceneRigidBodies:
             np.concatenate([np.zeros(0, np.int64), *body]),
         )
 
+    @cached_property
+    def sharp(self) -> NDArray[np.float64]:
+        """Vertices of `surface` with the corners of the bodies' regions, (n, 3), for pictures."""
+        each = zip(self.fields, self.entries, strict=True)
+        return np.concatenate(
+            [
+                sharpened(self.surface.points[self.surface.body == number], field, entry.region)
+                for number, (field, entry) in enumerate(each)
+            ]
+        )
+
     @property
     def first(self) -> list[State]:
         """Initial states of the free bodies, in order."""
@@ -189,9 +201,9 @@ class SceneRigidBodies:
         field = self.fields[self.names.index(name)]
         return nearest_image(x, field.middle[: x.shape[1]], self.periods)
 
-    def surface_at(self, poses: list[Pose]) -> NDArray[np.float64]:
-        """Return the vertices of `surface` for these poses, (n, 3)."""
-        points = self.surface.points.copy()
+    def surface_at(self, poses: list[Pose], sharp: bool = False) -> NDArray[np.float64]:
+        """Return the vertices of `surface` for these poses, (n, 3), or those of `sharp`."""
+        points = (self.sharp if sharp else self.surface.points).copy()
         for number, (centre, turn) in enumerate(poses):
             mine = self.surface.body == number
             own = points[mine] - np.array(self.reference(number))

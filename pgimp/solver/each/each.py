@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from pgimp.solver.state.progress import SimulationProgress
     from pgimp.solver.state.state import State
 
+#: Names of `Diagnostics.read` in a checkpoint.
+_READING = ("time", "impulse", "force")
+
 
 class Each:
     """A function that is called after every N steps, by all ranks.
@@ -78,8 +81,10 @@ class Calls:
         self._each, self._core = each, core
         self._levels = levels_of(core.cases)
         self._state = decoded(encoded(each.state, "each"))
+        self._read: dict[str, Any] = {}
         if stored is not None:
             self._state = decoded(stored.get("state", {}))
+            self._read = decoded(stored.get("reading", {}))
             for name, numbers in stored.get("loads", {}).items():
                 self._restore(name, numbers)
 
@@ -90,6 +95,23 @@ class Calls:
                 level.value, level.since, level.passed = (float.fromhex(n) for n in numbers)
             except (TypeError, ValueError):
                 raise DamagedError(f"its load '{name}' is not what it must be") from None
+
+    def resume(self) -> None:
+        """Give the simulation the last reading of the history, where it goes on.
+
+        Raises
+        ------
+        DamagedError
+            If that is not of its stage.
+        """
+        if not self._read:
+            return
+        found: Any = tuple(self._read.get(name) for name in _READING)
+        rows = (self._core.diagnostic_sums.rows(self._core.rank), 3)
+        shapes = [np.shape(part) for part in found]
+        if shapes != [(), rows, rows] or not all(np.isfinite(part).all() for part in found):
+            raise DamagedError("its reading of the history is not of its stage")
+        self._core.diagnostic_sums.read = found
 
     def due(self, step: int) -> bool:
         """Whether the function is called after a step."""
@@ -126,7 +148,10 @@ class Calls:
             name: [number.hex() for number in (level.value, level.since, level.passed)]
             for name, level in self._levels.items()
         }
-        return {"state": encoded(self._state, where), "loads": loads}
+        found = {"state": encoded(self._state, where), "loads": loads}
+        if read := self._core.diagnostic_sums.read:
+            found["reading"] = encoded(dict(zip(_READING, read, strict=True)), where)
+        return found
 
 
 def calls_of(each: Each | None, core: SimulationProgress, state: State | None) -> Calls | None:

@@ -13,6 +13,7 @@ from pgimp.schema.messages import unknown
 from pgimp.solver.each.exact_sum import parts_of, rounded
 from pgimp.solver.each.exchange import Exchange
 from pgimp.solver.each.particles import Particles
+from pgimp.solver.each.readings import History
 
 if TYPE_CHECKING:
     from pgimp.solver.state.progress import SimulationProgress
@@ -68,6 +69,8 @@ class Now:
         Number of this rank, and of all.
     particles : Particles
         The particles of this rank, by the names of a frame's fields.
+    history : History
+        The columns of the history, as after the step.
     loads : Loads
         The controlled loads, which may be set.
     state : dict
@@ -85,6 +88,7 @@ class Now:
         self.step, self.stage = core.step, core.stage
         self.rank, self.ranks = core.comm.rank, core.comm.size
         self.particles, self.loads, self.state = Particles(core), Loads(levels, core.time), state
+        self.history = History(core, exchange)
         self._core, self._exchange = core, exchange
         self._made = True
 

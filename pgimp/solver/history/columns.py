@@ -252,6 +252,19 @@ HISTORY = (
         ),
     ),
     Group(
+        lambda scene: [*scene.case.tractions],
+        (
+            Column(
+                "traction.NAME-AXIS",
+                "force",
+                "mean force of each traction or pressure on the material since the last line, with "
+                "the areas, normals and sizes that its steps had; of whole rings in axisymmetry, "
+                "along the radius as a sum of magnitudes",
+                lambda s, k: s.traction(k),
+            ),
+        ),
+    ),
+    Group(
         _faces,
         (
             Column(

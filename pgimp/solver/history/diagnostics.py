@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy, deepcopy
 from math import frexp, ldexp
 from typing import TYPE_CHECKING
 
@@ -68,7 +69,7 @@ def _reduced(
 
 
 def _impulses(own: Ledger) -> np.ndarray:
-    """Impulses by plane: of faces, constraints, contact and rigid bodies, and their moments.
+    """Impulses by plane: of faces, constraints, tractions, contact and rigid bodies, and moments.
 
     What crossed the surfaces of flux gauges, too: see `Totals.force`.
     """
@@ -76,6 +77,7 @@ def _impulses(own: Ledger) -> np.ndarray:
         [
             own.impulse,
             own.constraint_impulse,
+            own.traction_impulse,
             own.contact[:, :, IMPULSE : IMPULSE + 3],
             own.crossed,
             own.rigid_bodies[:, :, RIGID_IMPULSE : RIGID_IMPULSE + 3],
@@ -131,7 +133,8 @@ def column_names(scene: Scene) -> list[str]:
     contact = np.zeros((len(scene.interaction.pairs.way) if scene.interaction.pairs else 0, BOOKED))
     rigid_bodies = np.zeros((len(scene.interaction.rigid_bodies), TOOLED))
     moved = np.zeros((len(scene.case.constraints), 3))
-    held = len(scene.interaction.loads.booked_constraints)
+    loads = scene.interaction.loads
+    held = len(loads.booked_constraints) + len(loads.booked_tractions)
     crossed = 2 * len(flux_gauges(scene))
     force = np.zeros((faces + held + len(contact) + crossed + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
@@ -161,6 +164,8 @@ class Diagnostics:
         self.tearing = TearingWatch()
         #: Time (with `settling_time`), impulses and forces of the last line.
         self.last: tuple[float, np.ndarray, np.ndarray] | None = None
+        #: Likewise of the last reading by a function of a program, on every rank.
+        self.read: tuple[float, np.ndarray, np.ndarray] | None = None
         #: Time that the steps of stages that settle have taken, on every rank.
         self.settling_time = 0.0
         #: Sums of earlier stages, see `Totals`; of use on rank 0.
@@ -187,19 +192,43 @@ class Diagnostics:
         energy plus external work plus additions between stages, less kinetic and strain energy,
         also of removed particles.
         """
+        torn = self.tearing.look(rank, done)
+        line = self._line(rank, done, bool(rank.scene.case.gauges))
+        self.said += torn if line is not None else []
+        return line
+
+    def reading(self, rank: Rank, done: Step, gauges: bool) -> dict[str, float] | None:
+        """As `line`, for a function of a program: lines stay as they are without it; collective.
+
+        Mean forces are over the time since the last reading; `read` on rank 0 is then this one.
+        Without `gauges` their columns are nan.
+        """
+        own = copy(self)
+        own.means, own.said, own.lost = deepcopy(self.means), [], set(self.lost)
+        none = np.zeros((self.rows(rank), 3))
+        own.last = self.read or (0.0, none, none)
+        line = own._line(rank, done, gauges and bool(rank.scene.case.gauges))
+        self.read = own.last
+        return line
+
+    @staticmethod
+    def rows(rank: Rank) -> int:
+        """Number of mean forces and moments in a line, see `Totals.force`."""
+        return _impulses(rank.booked()).shape[1]
+
+    def _line(self, rank: Rank, done: Step, gauged: bool) -> dict[str, float] | None:
         scene = rank.scene
         sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)
         own = rank.booked()
         impulse = _impulses(own)
         errors = self._own_errors(rank, done.end)
-        gauges = measure(rank, done.end) if scene.case.gauges else {}
+        gauges = measure(rank, done.end) if gauged else {}
         particles = rank.particles if scene.interaction.rigid_bodies else rank.population.stored
         inside = rank.keeping.inside(particles, rank.population.order, done.end, QUARTER)
         booked = (
             impulse, own.outside_mass, own.contact, own.rigid_bodies, own.wall_energy, own.filled,
             own.damping,
         )  # fmt: skip
-        torn = self.tearing.look(rank, done)
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None or gauges is None:
             return None
@@ -211,7 +240,6 @@ class Diagnostics:
         inside = np.sum([part[6] for part in parts], axis=0)
         self._tell_inside(scene, done.end, inside)
         self._tell_volumes(scene, done.end, filled)
-        self.said += torn
         total = np.add.reduce(bodies, axis=0)
         total[MASS] = every
         if self.first_energy is None:
@@ -233,6 +261,7 @@ class Diagnostics:
         force = self._forces(done.end + self.settling_time, impulse)
         if counted:
             gauges |= _fluxes(scene, force)
+        means = self.means.add(scene, done.end, gauges) if gauged else {}
         moved = rank.grips.moved if rank.grips else np.zeros((len(scene.case.constraints), 3))
         return line_of(
             Totals(
@@ -241,7 +270,7 @@ class Diagnostics:
                 self.settling_time, self.told, self.first_energy, work,
                 force, outside_mass, walls, contact, rigid_bodies, inside,
                 filled, damping, rank.free.now if rank.free else {}, moved, added, most,
-                gauges, self.means.add(scene, done.end, gauges),
+                gauges, means,
             )
         )  # fmt: skip
 

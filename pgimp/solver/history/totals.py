@@ -50,10 +50,10 @@ class Totals(NamedTuple):
         Kinetic and strain energy at the start.
     work : float
         External work since the start.
-    force : (faces + constraints + turning + entries of contact + rows below, 3) float64
+    force : (faces + constraints + turning + tractions + entries of contact + rows below, 3) float64
         Mean force of each on the material since the last line, mean moment of each constraint that
-        turns. Then two rows for each flux gauge: (mass, 0, 0) and momentum that left per time. For
-        rigid bodies mean forces on them, then mean moments.
+        turns. At the end two rows for each flux gauge: (mass, 0, 0) and momentum that left per
+        time. For rigid bodies mean forces on them, then mean moments.
     outside_mass : (faces,) float64
         Mass beyond each face in the last step.
     walls : (faces, WALL_BOOKED) float64
@@ -131,9 +131,16 @@ class Totals(NamedTuple):
         """Return the force of an entry of contact, nothing for an entry of more than two bodies."""
         if len(self.scene.case.contact[k].bodies) != 2:
             return ()
-        others = len(self.scene.domain.faces)
-        others += len(self.scene.interaction.loads.booked_constraints)
-        return self.along(self.force[others + k], 0)
+        loads = self.scene.interaction.loads
+        others = len(self.scene.domain.faces) + len(loads.booked_constraints)
+        return self.along(self.force[others + len(loads.booked_tractions) + k], 0)
+
+    def traction(self, k: int) -> np.ndarray:
+        """Return the mean force of the k-th traction of the case."""
+        loads = self.scene.interaction.loads
+        first = len(self.scene.domain.faces) + len(loads.booked_constraints)
+        number = loads.booked_tractions.index([*self.scene.case.tractions][k])
+        return self.along(self.force[first + number], 0)
 
     def torque(self, k: int) -> tuple[float | None, ...]:
         """Return the mean moment of the k-th constraint that turns."""

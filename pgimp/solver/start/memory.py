@@ -180,6 +180,7 @@ def estimate(
         40
         + 32 * faces
         + 24 * len(scene.interaction.loads.booked_constraints)
+        + 24 * len(scene.interaction.loads.booked_tractions)
         + line * bool(scene.settings.escapes)
     )
     plane_sums += 8 * BOOKED * len(scene.interaction.pairs.way) if scene.interaction.pairs else 0

@@ -19,6 +19,7 @@ from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.scene.scene import Scene
+    from pgimp.solver.history.diagnostics import Diagnostics
 
 
 class SimulationProgress:
@@ -32,6 +33,8 @@ class SimulationProgress:
     rank: Rank
     balance: Balance
     reduction: StepReduction
+    diagnostic_sums: Diagnostics
+    columns: list[str]
     done: Step
     doing: Step | None
     settling: bool

@@ -153,6 +153,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             rows = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
             rows += 2 * len(scene.interaction.rigid_bodies) + len(scene.domain.faces)
             rows += 2 * len(flux_gauges(scene))
+            rows += len(scene.interaction.loads.booked_tractions)
             shape = (len(scene.interaction.loads.booked_constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
                 found[name] = _whole(source, name, shape)

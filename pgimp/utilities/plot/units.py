@@ -18,6 +18,7 @@ _NAMES = {
     ("mm", "kg", "ms"): {"stress": "GPa", "energy": "J", "force": "kN"},
     ("cm", "g", "us"): {"stress": "Mbar", "energy": "1e5 J", "force": "1e7 N"},
 }
+_FREQUENCIES = {"s": "Hz", "ms": "kHz", "us": "MHz"}
 # Units that take a prefix; not those of a power.
 _PREFIXES = {"n": -9, "u": -6, "m": -3, "c": -2, "": 0, "k": 3, "M": 6, "G": 9}
 _SIMPLE = re.compile(r"([numckMG]?)(Pa|N|J|m|s)(/.*)?")
@@ -55,6 +56,8 @@ def unit(kind: str, units: str, dimension: int) -> str:
     if kind in ("", "1"):
         return ""
     length, mass, time = base
+    if kind == "frequency":
+        return _FREQUENCIES.get(time, f"1/{time}")
     if kind == "mass/length^dimensions":
         kind = "mass/length^3"  # per section and per thickness are handled above and below
         dimension = 3
@@ -81,7 +84,9 @@ def kind_of_field(name: str) -> str:
 
 
 def kind_of_column(name: str) -> str:
-    """Return the kind of a column of the history or of a probe, empty if it has none."""
+    """Return the kind of a column of the history, a probe or a spectrum, empty if it has none."""
+    if name == "frequency":
+        return name
     units = {column.name: column.unit for group in HISTORY for column in group.columns}
     probes = columns.POINT | {name: mean.meaning for name, mean in columns.PLACE.items()}
     units |= {key: _bracketed(meaning) for key, meaning in probes.items()}

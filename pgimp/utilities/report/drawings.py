@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import PgimpError, UsageError
-from pgimp.utilities.plot.curves import curves
+from pgimp.utilities.plot.curves.curves import curves
 from pgimp.utilities.plot.runs import PlotFrame, PlotRun
 from pgimp.utilities.plot.selection import Selection
 from pgimp.utilities.plot.style import STYLE

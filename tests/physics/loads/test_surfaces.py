@@ -35,9 +35,13 @@ def force(sim):
 def test_a_liquid_lifts_by_its_weight(region, configuration):
     load = {"hydrostatic": {"level": 8.0, "density": 0.7}}
     case = loaded(region, load, gravity=[0.0, -2.0], body={"configuration": configuration})
-    found, mass = force(start(case))
+    sim = start(case)
+    found, mass = force(sim)
     exact = 2.0 * (0.7 - 1.0) * mass
     np.testing.assert_allclose(found, [0.0, exact], rtol=0, atol=2e-4 * 0.7 * mass)
+    line = sim.diagnostics()
+    lift = [line["traction.load-x"], line["traction.load-y"]]
+    np.testing.assert_allclose(lift, [0.0, 2.0 * 0.7 * mass], rtol=0, atol=2e-4 * 0.7 * mass)
 
 
 def test_a_liquid_does_not_press_above_its_level():
@@ -60,6 +64,9 @@ def test_a_dead_load_keeps_its_direction_and_a_follower_turns():
         sim.population.sort()
         # The ends of the side reach half a cell along the other faces, which balance each other.
         np.testing.assert_allclose(force(sim)[0], expected, atol=1e-9)
+        line = sim.diagnostics()
+        told = [line["traction.load-x"], line["traction.load-y"]]
+        np.testing.assert_allclose(told, expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("configuration", ["current", "initial"])

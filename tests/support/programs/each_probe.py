@@ -1,4 +1,4 @@
-"""A controller of gravity on all ranks: each_probe.py OUTPUT [resume | fail | local]."""
+"""Controllers on all ranks: each_probe.py OUTPUT [resume | fail | local | ram | ram resume]."""
 
 import sys
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1] / "cases"))
+from rams import struck
 from two_blocks import flying
 
 import pgimp
@@ -17,6 +18,15 @@ CASE = flying(
     history={"every": {"steps": 20}},
     output={"every": 1.0, "fields": ["velocity", "stress"]},
 )
+
+#: The ram's velocity, and the force at which it stops.
+SPEED, MOST = 1.0, -4.0
+RAM = struck(2, {"friction": 0.3}, velocity=[{"control": "feed", "start": SPEED}, 0.0]) | {
+    "gauges": {"top": {"level": [5.5]}, "half": {"cut": {"box": {"min": [5.5, 0], "max": [9, 8]}}}},
+    "checkpoint": {"every": {"steps": 20}, "keep": 9},
+    "history": {"every": {"steps": 15}},
+    "output": {"every": 1.0},
+}
 
 
 def control(now):
@@ -42,5 +52,22 @@ def each():
     return pgimp.Each(control, steps=4, state=state)
 
 
+def hold(now):
+    """Stop at the force; note what was felt every time, and a gauge every third time."""
+    felt = now.state["felt"]
+    row = [now.time, now.history["tool.ram.force-x"], now.history["momentum-x"], 0.0, 0.0]
+    if now.step % 12 == 0:
+        row[3:] = now.history["gauge.top.height"], now.history["gauge.half.force-x"]
+    now.state["felt"] = np.concatenate([felt, [row]])
+    if row[1] < MOST:
+        now.loads["feed"] = 0.0
+
+
+def ram():
+    """That of the ram."""
+    return pgimp.Each(hold, steps=4, state={"felt": np.zeros((0, 5))})
+
+
 if __name__ == "__main__":
-    pgimp.run(CASE, output=sys.argv[1], each=each(), resume="resume" in sys.argv, quiet=True)
+    case, function = (RAM, ram()) if "ram" in sys.argv else (CASE, each())
+    pgimp.run(case, output=sys.argv[1], each=function, resume="resume" in sys.argv, quiet=True)

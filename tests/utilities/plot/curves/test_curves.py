@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from plotted import history, numbers, table
+from plotted import history, invented, numbers, table
 from scenes import SOFT, box, scene
 
 import pgimp
@@ -105,17 +105,6 @@ def test_force_against_displacement_in_one_command(runs, plot, tmp_path):
     assert np.abs(numbers(drawn, "constraint.grip-x")).max() > 0.0
 
 
-def invented(runs, folder, name, **columns):
-    """A run directory with a history of one's own."""
-    directory = folder / f"{name}.out"
-    directory.mkdir()
-    for file in ("case.yaml", "run.json"):
-        shutil.copy(runs / "plates.out" / file, directory)
-    columns = {"time": [0.0, 0.5, 1.0], "step": [0, 1, 2]} | columns
-    rows = [columns, *zip(*columns.values(), strict=True)]
-    (directory / "history.csv").write_text("".join(f"{','.join(map(str, r))}\n" for r in rows))
-
-
 def test_the_greatest_component_of_each_force_by_default(runs, plot, tmp_path):
     """Of all runs together; signs do not matter, nor lines without a value."""
     names = [f"{name}-{axis}" for name in ("reaction.y-min", "constraint.a") for axis in "xy"]
@@ -140,7 +129,7 @@ def drawn_texts(figure):
 
 def test_single_lines_and_columns_without_a_value(runs, tmp_path):
     """A single line is a point, which a curve alone would not show."""
-    from pgimp.utilities.plot.curves import curves
+    from pgimp.utilities.plot.curves.curves import curves
 
     nothing = ["nan"] * 3
     invented(runs, tmp_path, "a", **{"mass": [1, 2, 3], "body.low.centre-x": nothing})

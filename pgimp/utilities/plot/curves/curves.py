@@ -11,10 +11,11 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.schema.messages import unknown
-from pgimp.utilities.plot.changes import Changes, axis_label, times
+from pgimp.utilities.plot.curves.changes import Changes, axis_label, times
+from pgimp.utilities.plot.curves.series import Series, open_series
+from pgimp.utilities.plot.curves.spectra import FREQUENCY, Band, Peak, label_peaks, spectra
 from pgimp.utilities.plot.look import Look
 from pgimp.utilities.plot.runs import AXES, PlotRun
-from pgimp.utilities.plot.series import Series, open_series
 from pgimp.utilities.plot.style import COLOURS, DASHES, log_ticks, plain
 from pgimp.utilities.plot.tables import Table
 from pgimp.utilities.plot.units import kind_of_column
@@ -46,8 +47,9 @@ def curves(
     logarithmic: bool,
     look: Look = Look(),
     changes: Changes = Changes(),
+    band: Band | None = None,
 ) -> tuple[Figure, Table, list[str]]:
-    """Draw the history, or probes.
+    """Draw the history, or probes, or their spectra.
 
     Parameters
     ----------
@@ -66,6 +68,8 @@ def curves(
         Title and width.
     changes : Changes
         Factors, a divisor, and a moving mean of the columns.
+    band : Band, optional
+        For spectra in place of curves over time.
 
     Returns
     -------
@@ -90,9 +94,12 @@ def curves(
     names = _named(series, columns) if columns else _default(series)
     if len(names) > _MOST_COLUMNS:
         raise UsageError(f"{len(names)} columns in one figure; {_MOST_COLUMNS} is the most")
-    heads = [times(changes.factor_x, across), *map(changes.label, names)]
+    if band and (across != "time" or changes.factor_x != 1.0):
+        raise UsageError("--fft is over time: leave --x and --factor-x out")
+    drawn_over = FREQUENCY if band else across
+    heads = [times(changes.factor_x, drawn_over), *map(changes.label, names)]
     table = Table(["run", *(["probe"] if probes else []), *heads])
-    drawn, remarks = [], []
+    drawn, remarks, peaks = [], [], []
     for one in series:
         missing = [name for name in names if name not in one.columns]
         if missing:
@@ -102,12 +109,16 @@ def curves(
         if left_out:
             text = f"{left_out:,} lines left out: only of the probe, or only of the history"
             remarks.append(f"{one.shown.path}: {text}")
+        if band:
+            values, found, told = spectra(one, values, names, band)
+            peaks.append(found)
+            remarks += told
         drawn.append(values)
         same = [one.shown.name, *([one.probe] if probes else [])]
-        table.add(same, [values[name] for name in (across, *names)])
+        table.add(same, [values[name] for name in (drawn_over, *names)])
     if len({one.shown.units for one in series}) > 1:
         remarks.append(f"the runs have different units; those shown are of {series[0].shown.path}")
-    figure = _draw(series, drawn, (across, names), logarithmic, look, changes)
+    figure = _draw(series, drawn, (drawn_over, names), logarithmic, look, changes, peaks)
     return figure, table, remarks
 
 
@@ -162,8 +173,9 @@ def _draw(
     logarithmic: bool,
     look: Look,
     changes: Changes,
+    peaks: Sequence[Mapping[str, Sequence[Peak]]],
 ) -> Figure:
-    """Draw columns, the first along the horizontal axis."""
+    """Draw columns, the first along the horizontal axis, and the peaks of spectra."""
     from matplotlib.figure import Figure
 
     across, names = columns
@@ -180,6 +192,7 @@ def _draw(
     axes = figure.subplots(rows, wide, squeeze=False).ravel()
     for axis, (kind, members) in zip(axes, groups.items(), strict=False):
         alone = len(members) == 1
+        tops: list[tuple[Peak, str]] = []
         for i, (one, values) in enumerate(zip(series, drawn, strict=True)):
             for j, name in enumerate(members):
                 if name not in one.columns:
@@ -195,7 +208,12 @@ def _draw(
                     ms=4,
                     label=plain(one.label) if not single else _words(name, members),
                 )
+                colour = COLOURS[number % len(COLOURS)]
+                tops += [(peak, colour) for peak in peaks[i].get(name, ())] if peaks else []
         text = _words(members[0], []) if alone else _common(members, kind)
+        if peaks:
+            axis.set_title(changes.label(text) if alone else "", fontsize="medium")
+            text = "amplitude"
         of_x, of_y = (shown.unit(kind_of_column(name)) for name in (across, members[0]))
         axis.set(
             xlabel=axis_label(changes.factor_x, _words(across, []), of_x),
@@ -204,6 +222,10 @@ def _draw(
         if logarithmic:
             axis.set_yscale("log", nonpositive="mask")
             log_ticks(axis.yaxis)
+        elif peaks:
+            axis.margins(y=0.12)
+            axis.set_ylim(bottom=0.0)
+        label_peaks(axis, tops, 1 if single else _FEW)
         curves_there = [values[name] for values in drawn for name in members]
         if not any((one > (0.0 if logarithmic else -np.inf)).any() for one in curves_there):
             what = "no positive value" if logarithmic else "no value"

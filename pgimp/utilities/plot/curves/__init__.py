@@ -1,0 +1,1 @@
+"""Curves of histories and probes, and their spectra."""
