@@ -1,8 +1,9 @@
-"""Numba's compiler without the passes that kernels do not need, with their parts kept on disk.
+"""Kernels by tracing (`pgimp.jit.tracing`), and others by Numba's compiler.
 
-A kernel consists of some ten to some hundred functions, chosen by types, that are inlined into it.
-Most of them are shared with other scenes' kernels. So each is kept in the form that LLVM needs to
-inline it. Machine code is made and kept of kernels only.
+Numba compiles what counts references, as kernels that make arrays, and functions from outside the
+package. It does so without the passes that they do not need. A kernel consists of some ten to some
+hundred functions, chosen by types, that are inlined into it. Each is kept on disk in the form that
+LLVM needs to inline it. Machine code is made and kept of kernels only.
 """
 
 import gc
@@ -24,6 +25,8 @@ from numba.core.environment import lookup_environment
 import pgimp.jit.compiled.arguments  # noqa: F401  so that records are passed whole
 from pgimp.jit.compiled.cache import Store
 from pgimp.jit.outside import NumbaObject, part_of
+from pgimp.jit.tracing.kernel import compiled
+from pgimp.jit.tracing.values import is_package
 
 with suppress(AttributeError):
     # Numba's timers are told of every call of LLVM: a fiftieth of the time of a compilation.
@@ -86,7 +89,7 @@ def _captured(function: FunctionType) -> tuple[object, ...] | None:
 
     It consists of its line and of the variables captured from the function that made it.
     """
-    if function.__module__.partition(".")[0] != "pgimp" or function.__defaults__:
+    if not is_package(function.__module__) or function.__defaults__:
         return None
     found: list[object] = [function.__code__.co_firstlineno]
     for cell in function.__closure__ or ():
@@ -105,7 +108,7 @@ def _captured(function: FunctionType) -> tuple[object, ...] | None:
 
 
 class Compiler(compiler.Compiler):
-    """Numba's compiler, with machine code of kernels alone, and without garbage collection.
+    """Numba's compiler, but kernels are traced, and without garbage collection.
 
     Python would search its many objects for garbage again and again, which takes an eighth of the
     time; the garbage is found afterwards.
@@ -121,7 +124,7 @@ class Compiler(compiler.Compiler):
     def define_pipelines(self) -> list[PassManager]:
         """Return Numba's pipeline, for the package's own functions without unneeded passes."""
         pipelines = super().define_pipelines()
-        if self.state.func_id.modname.partition(".")[0] == "pgimp":
+        if is_package(self.state.func_id.modname):
             for pipeline in pipelines:
                 pipeline.passes = [
                     (one, what) for one, what in pipeline.passes if one not in _NOT_NEEDED
@@ -144,7 +147,10 @@ class Compiler(compiler.Compiler):
         codegen = self.state.targetctx.codegen()
         self.state.library = _Kernel(codegen, self.state.func_id.func_qualname)
         self.state.library.enable_object_caching()
-        found = super()._compile_core()
+        if is_package(self.state.func_id.modname) and not self.state.flags.nrt:
+            found = compiled(self.state, self.state.library)
+        else:
+            found = super()._compile_core()
         for variable in found.library._final_module.global_variables:
             if environment := lookup_environment(variable.name):
                 codegen.set_env(variable.name, environment)

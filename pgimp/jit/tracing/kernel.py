@@ -1,0 +1,110 @@
+"""A kernel: from its source to machine code, with Numba's entry for Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from numba.core import compiler, funcdesc, types
+from numba.core.lowering import Environment
+from numba.core.typing.templates import signature
+
+from pgimp.jit.outside import NumbaObject
+from pgimp.jit.tracing.emitter import AgainError, Builder
+from pgimp.jit.tracing.statements import Tracer
+from pgimp.jit.tracing.values import Value, is_tuple, running
+
+
+class _Description:
+    """What a description of a function needs of Numba's form of it."""
+
+    def __init__(self, function: NumbaObject) -> None:
+        self.func_id, self.arg_names = function, function.arg_names
+
+
+def compiled(state: NumbaObject, library: NumbaObject) -> NumbaObject:
+    """Compile a kernel.
+
+    Parameters
+    ----------
+    state
+        State of Numba's compiler: function, types of arguments, options, contexts.
+    library
+        Where the code goes.
+
+    Returns
+    -------
+    numba.core.compiler.CompileResult
+
+    Raises
+    ------
+    UntraceableError
+        With notes on where.
+    """
+    widened: dict[tuple, NumbaObject] = {}
+    while True:  # each turn widens a variable, of which there are not many
+        try:
+            return _compiled(state, library, widened)
+        except AgainError:
+            continue
+
+
+def _compiled(state: NumbaObject, library: NumbaObject, widened: dict) -> NumbaObject:
+    function, kinds, target = state.func_id, tuple(state.args), state.targetctx
+    named = {f"arg.{n}": kind for n, kind in zip(function.arg_names, kinds, strict=True)}
+    describe: Any = funcdesc.PythonFunctionDescriptor
+    description = describe.from_specialized_function(
+        _Description(function), named, types.none, {}, mangler=target.mangler, inline=False,
+        noalias=False, abi_tags=[state.flags.get_mangle_string()],
+    )  # fmt: skip
+    environment = Environment.from_fndesc(description)
+    context = target.subtarget(environment=environment, fndesc=description)
+    convention, module = context.call_conv, library.create_ir_module(description.unique_name)
+    with target.push_code_library(library):
+        context.declare_env_global(module, context.get_env_name(description))
+        entry = context.declare_function(module, description)
+        builder = Builder(entry.append_basic_block("entry"))
+        helper = convention.init_call_helper(builder)
+        tracer = Tracer(state.typingctx, context, builder, widened)
+        args = [*_arguments(context, builder, kinds, convention.get_arguments(entry))]
+        first, start = builder.block, builder.append_basic_block("start")
+        builder.position_at_end(start)
+        contracts = "contract" in (state.flags.fastmath.flags if state.flags.fastmath else ())
+        found = tracer.inlined(function.func, contracts, args)
+        result, content = tracer.kind_of(found), tracer.content(found)
+        # Its type is known only now: so is the type of the first argument, where it goes.
+        description.restype = result
+        entry.args[0].type = convention.get_return_type(result)
+        entry.ftype.args = entry.args[0].type, *entry.ftype.args[1:]
+        convention.return_value(builder, content)
+        builder.position_at_end(first)
+        builder.branch(start)
+        context.post_lowering(module, library)
+        library.add_ir_module(module)
+        context.create_cpython_wrapper(library, description, environment, helper)
+    code = target.get_executable(library, description, environment)
+    target.insert_user_function(code, description, [library])
+    return compiler.compile_result(
+        target_context=target, typing_context=state.typingctx, library=library,
+        environment=environment, entry_point=code, fndesc=description, type_annotation="",
+        signature=signature(result, *kinds), objectmode=False, lifted=(), reload_init=[],
+        referenced_envs=(), call_helper=helper,
+    )  # fmt: skip
+
+
+def _arguments(
+    context: NumbaObject, builder: Builder, kinds: Sequence[NumbaObject], given: Sequence
+) -> Iterator[Value]:
+    """Values of the arguments, whose numbers and arrays come one by one."""
+    left = iter(given)
+
+    def nested(form: Any) -> Any:
+        return tuple(map(nested, form)) if isinstance(form, tuple) else next(left)
+
+    def value(kind: NumbaObject) -> Value:
+        if is_tuple(kind):
+            return running(kind, [value(each) for each in kind])
+        model = context.data_model_manager[kind]
+        return running(kind, model.from_argument(builder, nested(model.get_argument_type())))
+
+    return map(value, kinds)
