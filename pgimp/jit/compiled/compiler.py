@@ -26,7 +26,6 @@ import pgimp.jit.compiled.arguments  # noqa: F401  so that records are passed wh
 from pgimp.jit.compiled.cache import Store
 from pgimp.jit.outside import NumbaObject, part_of
 from pgimp.jit.tracing.kernel import compiled
-from pgimp.jit.tracing.values import is_package
 
 with suppress(AttributeError):
     # Numba's timers are told of every call of LLVM: a fiftieth of the time of a compilation.
@@ -89,7 +88,7 @@ def _captured(function: FunctionType) -> tuple[object, ...] | None:
 
     It consists of its line and of the variables captured from the function that made it.
     """
-    if not is_package(function.__module__) or function.__defaults__:
+    if function.__module__.partition(".")[0] != "pgimp" or function.__defaults__:
         return None
     found: list[object] = [function.__code__.co_firstlineno]
     for cell in function.__closure__ or ():
@@ -124,7 +123,7 @@ class Compiler(compiler.Compiler):
     def define_pipelines(self) -> list[PassManager]:
         """Return Numba's pipeline, for the package's own functions without unneeded passes."""
         pipelines = super().define_pipelines()
-        if is_package(self.state.func_id.modname):
+        if self.state.func_id.modname.partition(".")[0] == "pgimp":
             for pipeline in pipelines:
                 pipeline.passes = [
                     (one, what) for one, what in pipeline.passes if one not in _NOT_NEEDED
@@ -147,7 +146,7 @@ class Compiler(compiler.Compiler):
         codegen = self.state.targetctx.codegen()
         self.state.library = _Kernel(codegen, self.state.func_id.func_qualname)
         self.state.library.enable_object_caching()
-        if is_package(self.state.func_id.modname) and not self.state.flags.nrt:
+        if not self.state.flags.nrt:
             found = compiled(self.state, self.state.library)
         else:
             found = super()._compile_core()

@@ -4,26 +4,17 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, reduce
 from types import FunctionType
 from typing import Any
 
 from numba.core.dispatcher import Dispatcher
-from numba.core.typing.templates import _OverloadFunctionTemplate
 
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tracing.expressions import Expressions
 from pgimp.jit.tracing.frame import Frame
 from pgimp.jit.tracing.source import source_of
-from pgimp.jit.tracing.values import (
-    NONE,
-    UntraceableError,
-    Value,
-    constant,
-    is_package,
-    is_tuple,
-    tuple_of,
-)
+from pgimp.jit.tracing.values import NONE, UntraceableError, Value, constant, is_tuple, tuple_of
 
 #: Functions in functions up to this depth; a recursion ends before, when types are at their end.
 _DEEPEST = 200
@@ -58,7 +49,7 @@ class Calls(Expressions):
     def _result(self, function: Any, args: list[Value], named: dict[str | None, Value]) -> Value:
         fields = getattr(function, "_fields", None)
         if fields is not None:
-            given = dict(zip(fields, args, strict=False)) | named
+            given = {**dict(zip(fields, args, strict=False)), **named}
             rest = {name: constant(value) for name, value in function._field_defaults.items()}
             items = [self.typed({**rest, **given}[name]) for name in fields]
             return tuple_of(items, function)
@@ -78,10 +69,8 @@ class Calls(Expressions):
         if function in _FOLDED and all(each.known for each in args):
             return constant(function(*(each.constant for each in args)))
         if function in (min, max):
-            found, *rest = self.items(args[0]) if len(args) == 1 else args
-            for each in rest:
-                found = self.call(function, [found, each])
-            return found
+            values = self.items(args[0]) if len(args) == 1 else args
+            return reduce(lambda one, other: self.call(function, [one, other]), values)
         return self.call(function, args)
 
     def _implementation(
@@ -142,14 +131,13 @@ class Calls(Expressions):
 
 
 def is_traced(function: NumbaObject) -> bool:
-    """Whether a compiled function is one of the package's, without arrays of its own."""
-    return is_package(function.py_func.__module__) and not function.targetoptions.get("_nrt", True)
+    """Whether a compiled function is a kernel that makes no arrays."""
+    options = function.targetoptions
+    return "pipeline_class" in options and not options.get("_nrt", True)
 
 
 @cache
 def choosers(stub: FunctionType, typing: NumbaObject) -> tuple[NumbaObject, ...]:
-    """What chooses implementations of a function of the package by types; () for others."""
-    if not is_package(stub.__module__):
-        return ()
+    """What chooses implementations of a function for kernels by types; () for other functions."""
     found = getattr(typing.resolve_value_type(stub), "templates", ())
-    return tuple(found) if all(issubclass(t, _OverloadFunctionTemplate) for t in found) else ()
+    return tuple(each for each in found if "pipeline_class" in getattr(each, "_jit_options", ()))

@@ -263,8 +263,8 @@ class Emitter:
         """Attribute of a value."""
         if value.known and not isinstance(value.constant, bool | int | float):
             return constant(getattr(value.constant, name))
-        kind = self.kind_of(value)
-        if isinstance(kind, types.BaseNamedTuple) and name in kind.fields:
+        kind: NumbaObject = self.kind_of(value)
+        if hasattr(kind, "fields") and is_tuple(kind) and name in kind.fields:
             return self.items(value)[kind.fields.index(name)]
         found = self.typing.resolve_getattr(kind, name)
         if found is None:

@@ -160,7 +160,7 @@ class Expressions(Emitter):
                 this = self.call(function, [left, right])
             if not found.known and not this.known:
                 this = self.call(operator.and_, [found, this])
-            elif found.known and not found.constant or this.known and this.constant:
+            elif (found.known and not found.constant) or (this.known and this.constant):
                 this = found
             left, found = right, this
         return found

@@ -58,7 +58,8 @@ def _compiled(state: NumbaObject, library: NumbaObject, widened: dict) -> NumbaO
         noalias=False, abi_tags=[state.flags.get_mangle_string()],
     )  # fmt: skip
     environment = Environment.from_fndesc(description)
-    context = target.subtarget(environment=environment, fndesc=description)
+    # Instructions have their own flags: some functions are not contracted.
+    context = target.subtarget(environment=environment, fndesc=description, fastmath=False)
     convention, module = context.call_conv, library.create_ir_module(description.unique_name)
     with target.push_code_library(library):
         context.declare_env_global(module, context.get_env_name(description))
@@ -71,7 +72,8 @@ def _compiled(state: NumbaObject, library: NumbaObject, widened: dict) -> NumbaO
         builder.position_at_end(start)
         contracts = "contract" in (state.flags.fastmath.flags if state.flags.fastmath else ())
         found = tracer.inlined(function.func, contracts, args)
-        result, content = tracer.kind_of(found), tracer.content(found)
+        result = tracer.kind_of(found)
+        content = context.get_return_value(builder, result, tracer.content(found))
         # Its type is known only now: so is the type of the first argument, where it goes.
         description.restype = result
         entry.args[0].type = convention.get_return_type(result)

@@ -9,6 +9,7 @@ from typing import Any
 from llvmlite import ir
 from numba.core import types
 
+from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tracing.calls import Calls, Range
 from pgimp.jit.tracing.emitter import Builder
 from pgimp.jit.tracing.frame import Frame
@@ -23,7 +24,6 @@ from pgimp.jit.tracing.values import (
     running,
     tuple_of,
 )
-from pgimp.jit.outside import NumbaObject
 
 _INTEGER = ir.IntType(64)
 

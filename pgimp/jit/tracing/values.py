@@ -29,7 +29,7 @@ class Value:
 
     __slots__ = ("constant", "content", "kind")
 
-    def __init__(self, kind: NumbaObject, content: Any, constant: object) -> None:
+    def __init__(self, kind: NumbaObject, content: Any, constant: Any) -> None:
         self.kind, self.content, self.constant = kind, content, constant
 
     @property
@@ -79,11 +79,6 @@ def _named_tuple(kind: type) -> type | None:
 def is_tuple(kind: NumbaObject) -> bool:
     """Whether a Numba type is that of a tuple."""
     return isinstance(kind, types.BaseTuple)
-
-
-def is_package(module: str) -> bool:
-    """Whether a module is one of the package, whose functions are inlined."""
-    return module.partition(".")[0] == "pgimp"
 
 
 class Cell:
