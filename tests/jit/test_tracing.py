@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba.core import types
+from numba.core.runtime import _nrt_python, rtsys
 
-from pgimp.jit.kernel import exact, inner_kernel, kernel, specialise
+from pgimp.jit.kernel import allocating_kernel, exact, inner_kernel, kernel, specialise
 from pgimp.jit.tracing.source import kept, living, source_of
 from pgimp.jit.tracing.values import UntraceableError
 
@@ -70,6 +71,8 @@ def first_above(values, bound):
 def loops(values, bound):
     """Variables that loops keep, change in type, or leave behind."""
     total, last, count = 0, -1.0, 0
+    for i in range(4, 0, -2) if bound > 1.0 else range(len(values)):
+        count = 2 * count + i
     for i in range(len(values)):
         if values[i] < 0.0:
             continue
@@ -306,3 +309,60 @@ def test_loops_keep_what_is_read_again_and_no_more():
     assert kept(outer, tree) == {"first", "second", "third", "fourth"}
     assert kept(inner, tree) == {"first", "fourth"}
     assert "temporary" not in living(tree)[outer.body[1]]
+
+
+@allocating_kernel
+def made(values, n):
+    """Arrays made, in part for results, in inlined functions too; an argument is returned."""
+    scratch, (low, high) = np.empty(n), np.zeros((2, 3))
+    total = 0.0
+    for i in range(n):
+        scratch[i] = sum_of_squares(values, i)
+        total += scratch[i]
+    low[0], high[1] = total, 2.0 * total
+    some = scratch[: n - 1].copy()
+    if n > 3:
+        some = np.full(2, total)
+    return values, low, some, high[1:], total
+
+
+@allocating_kernel
+def sum_of_squares(values, n):
+    squares = np.empty(n + 1)
+    for i in range(n + 1):
+        squares[i] = values[i] ** 2
+    part = squares[1:]
+    return part.sum() + squares[0]
+
+
+@pytest.mark.parametrize("n", [3, 5])
+def test_arrays_made_by_a_kernel_are_right_and_none_is_lost(n):
+    values = np.arange(1.0, 9.0)
+    squares = np.cumsum(values**2)[:n]
+    total = squares.sum()
+    before = None
+    made(values, n)
+    _nrt_python.memsys_enable_stats()
+    for _ in range(3):
+        given, low, some, high, found = made(values, n)
+        assert given is values or np.shares_memory(given, values)
+        assert found == pytest.approx(total) and low[0] == found
+        assert [*some] == pytest.approx([total, total] if n > 3 else [*squares[:-1]])
+        assert [*high] == pytest.approx([2.0 * total, 0.0])
+        del given, low, some, high
+        now = rtsys.get_allocation_stats()
+        assert before is None or now.alloc - now.free == before.alloc - before.free
+        assert now.alloc - now.free >= 0
+        before = now
+
+
+def test_an_array_made_in_a_loop_is_refused():
+    @allocating_kernel
+    def grows(n):
+        found = np.empty(1)
+        for i in range(n):
+            found = np.empty(i)
+        return found
+
+    with pytest.raises(UntraceableError, match="made in a loop"):
+        grows(3)

@@ -8,13 +8,23 @@ from functools import cache, reduce
 from types import FunctionType
 from typing import Any
 
+from numba.core import cgutils, types
 from numba.core.dispatcher import Dispatcher
 
 from pgimp.jit.outside import NumbaObject
+from pgimp.jit.tracing.emitter import Builder
 from pgimp.jit.tracing.expressions import Expressions
 from pgimp.jit.tracing.frame import Frame
 from pgimp.jit.tracing.source import source_of
-from pgimp.jit.tracing.values import NONE, UntraceableError, Value, constant, is_tuple, tuple_of
+from pgimp.jit.tracing.values import (
+    NONE,
+    Range,
+    UntraceableError,
+    Value,
+    constant,
+    is_tuple,
+    tuple_of,
+)
 
 #: Functions in functions up to this depth; a recursion ends before, when types are at their end.
 _DEEPEST = 200
@@ -23,23 +33,23 @@ _DEEPEST = 200
 _FOLDED = (min, max, abs, int, float, bool)
 
 
-class Range:
-    """The numbers of a loop: begin, end and step."""
-
-    def __init__(self, args: Sequence[Value]) -> None:
-        begin = args[0] if len(args) > 1 else constant(0)
-        self.bounds = begin, args[len(args) > 1], args[2] if len(args) > 2 else constant(1)
-
-
 class Calls(Expressions):
     """Calls of functions."""
 
-    _depth = 0
-    #: Implementations chosen by types of arguments, and whether they may be contracted.
-    _chosen: dict[tuple, tuple[FunctionType, bool]]
+    def __init__(
+        self, typing: NumbaObject, context: NumbaObject, builder: Builder, widened: dict
+    ) -> None:
+        super().__init__(typing, context, builder, widened)
+        self._frames: list[Frame] = []
+        # Implementations by types of arguments, and whether they may be contracted.
+        self._chosen: dict[tuple, tuple[FunctionType, bool]] = {}
 
     def called(self, node: ast.Call, frame: Frame) -> Value:
         """Value of a call."""
+        if isinstance(node.func, ast.Attribute):
+            array = self.expression(node.func.value, frame)
+            if isinstance(array.kind, types.Array) and not array.known:
+                return self.call(node.func.attr, self.listed(node.args, frame), array)
         callee, args = self.expression(node.func, frame), self.listed(node.args, frame)
         named = {each.arg: self.expression(each.value, frame) for each in node.keywords}
         if not callee.known:
@@ -98,16 +108,16 @@ class Calls(Expressions):
         given = [*args, *(constant(each) for each in defaults[len(defaults) - missing :])]
         frame = Frame(function, node, given)
         before, self.builder.contracts = self.builder.contracts, contracts
-        self._depth += 1
-        if self._depth > _DEEPEST:
+        if len(self._frames) > _DEEPEST:
             raise UntraceableError("a recursion without an end")
-        try:
-            if isinstance(node, ast.Lambda):
-                return self.expression(node.body, frame)
-            return self._body(node.body, frame)
-        finally:
-            self.builder.contracts = before
-            self._depth -= 1
+        self._frames.append(frame)
+        if isinstance(node, ast.Lambda):
+            found = self.expression(node.body, frame)
+        else:
+            found = self._body(node.body, frame)
+        self._frames.pop()
+        self.builder.contracts = before
+        return self._released(found, frame)
 
     def _body(self, body: list[ast.stmt], frame: Frame) -> Value:
         found = self.block(body, frame)
@@ -117,6 +127,44 @@ class Calls(Expressions):
             self.leave(NONE, frame)
         self.builder.position_at_end(frame.exit)
         return self.met(frame.returned)
+
+    def owned(self, value: Value, is_part: bool) -> Value:
+        """A new value; arrays in it are released at the end of the present function.
+
+        Parts of arrays live as long as these, and are released at once.
+
+        Raises
+        ------
+        UntraceableError
+            If an array is made in a loop: the one before would be lost.
+        """
+        count = self.context.nrt
+        for each in arrays_of(value) if self.context.enable_nrt else ():
+            if is_part:
+                count.decref(self.builder, each.kind, each.content)
+                continue
+            if not self._frames:
+                continue
+            if self._frames[-1].loops:
+                raise UntraceableError("an array is made in a loop")
+            form = self.context.get_value_type(each.kind)
+            address = cgutils.alloca_once(self.builder, form, zfill=True)
+            self.builder.store(each.content, address)
+            self._frames[-1].owned.append((each.kind, address))
+        return value
+
+    def _released(self, result: Value, frame: Frame) -> Value:
+        """The result of a function, whose other arrays are released."""
+        if not self.context.enable_nrt:
+            return result
+        builder, count = self.builder, self.context.nrt
+        if frame.owned or not self._frames:
+            for each in arrays_of(result):
+                count.incref(builder, each.kind, each.content)
+        for kind, address in frame.owned:
+            count.decref(builder, kind, builder.load(address))
+            builder.store(cgutils.get_null_value(address.type.pointee), address)
+        return self.owned(result, False) if frame.owned else result
 
     def leave(self, value: Value, frame: Frame) -> None:
         """Jump to the end of the function with its result."""
@@ -130,10 +178,16 @@ class Calls(Expressions):
         raise NotImplementedError
 
 
+def arrays_of(value: Value) -> list[Value]:
+    """Arrays in a value."""
+    if isinstance(value.content, list):
+        return [array for each in value.content for array in arrays_of(each)]
+    return [value] if isinstance(value.kind, types.Array) and not value.known else []
+
+
 def is_traced(function: NumbaObject) -> bool:
-    """Whether a compiled function is a kernel that makes no arrays."""
-    options = function.targetoptions
-    return "pipeline_class" in options and not options.get("_nrt", True)
+    """Whether a compiled function is a kernel, or one of the package's that is inlined."""
+    return "pipeline_class" in function.targetoptions and not function.targetoptions.get("_nrt")
 
 
 @cache

@@ -233,13 +233,16 @@ class Emitter:
 
     # What Numba knows.
 
-    def call(self, function: Any, args: Sequence[Value]) -> Value:
-        """Result of a function or operation that Numba knows."""
+    def call(self, function: Any, args: Sequence[Value], array: Value | None = None) -> Value:
+        """Result of a function or operation that Numba knows; of a method with its array."""
         kinds = tuple(self.kind_of(each, True) for each in args)
-        key = function, kinds
+        key = function, array and array.kind, kinds
         if key not in self._resolved:
-            kind = self.typing.resolve_value_type(function)
-            signature = self.typing.resolve_function_type(kind, kinds, {})
+            if array is None:
+                kind = self.typing.resolve_value_type(function)
+            else:
+                kind = self.typing.resolve_getattr(array.kind, function)
+            signature = kind and self.typing.resolve_function_type(kind, kinds, {})
             if signature is None:
                 raise UntraceableError(f"{getattr(function, '__name__', function)} of {kinds}")
             self._resolved[key] = signature, self.context.get_function(kind, signature)
@@ -249,15 +252,25 @@ class Emitter:
             fixed = len(wanted) - 1
             args = [*args[:fixed], running(wanted[-1], [*args[fixed:]])]
         self.context.add_linking_libs(getattr(emit, "libs", ()))
-        found = emit(self.builder, self._as(args, wanted))
-        return self.value(signature.return_type, found)
+        values = [] if array is None else [self.content(array)]
+        found = emit(self.builder, values + self._as(args, wanted))
+        return self.owned(self.value(signature.return_type, found), function is operator.getitem)
+
+    def owned(self, value: Value, is_part: bool) -> Value:
+        """A new value; arrays in it are released when they are not needed any more."""
+        return value
 
     def _as(self, args: Sequence[Value], kinds: Sequence[NumbaObject]) -> list:
         """LLVM values of arguments as those of given types."""
-        return [
+        given = [
             self.content(value if isinstance(kind, types.Literal) else self.cast(value, kind))
-            for value, kind in zip(args, kinds, strict=True)
+            for value, kind in zip(args, kinds, strict=False)
         ]
+        for kind in kinds[len(given) :]:
+            if not isinstance(kind, types.Omitted):
+                raise UntraceableError(f"{len(given)} arguments in place of {len(kinds)}")
+            given.append(self.context.get_constant_generic(self.builder, kind, None))
+        return given
 
     def attribute(self, value: Value, name: str) -> Value:
         """Attribute of a value."""
@@ -270,7 +283,8 @@ class Emitter:
         if found is None:
             raise UntraceableError(f"{kind} has no attribute {name}")
         emit = self.context.get_getattr(kind, name)
-        return self.value(found, emit(self.context, self.builder, kind, self.content(value), name))
+        part = emit(self.context, self.builder, kind, self.content(value), name)
+        return self.owned(self.value(found, part), True)
 
     def set_attribute(self, record: Value, name: str, value: Value) -> None:
         """Set an attribute of a record."""

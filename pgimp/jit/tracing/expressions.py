@@ -10,11 +10,12 @@ from typing import Any
 from llvmlite import ir
 from numba.core import types
 
-from pgimp.jit.tracing.emitter import Emitter
+from pgimp.jit.tracing.emitter import Emitter, Meeting
 from pgimp.jit.tracing.frame import Frame
 from pgimp.jit.tracing.values import (
     NONE,
     Cell,
+    Range,
     UntraceableError,
     Value,
     constant,
@@ -174,11 +175,21 @@ class Expressions(Emitter):
         builder.cbranch(self.content(test), *blocks)
         for block, each in zip(blocks, (node.body, node.orelse), strict=True):
             builder.position_at_end(block)
-            meeting.append((self.typed(self.expression(each, frame)), builder.block))
-            meeting[-1] = meeting[-1][0], builder.block
+            value = self.expression(each, frame)
+            meeting.append((value, builder.block))
             builder.branch(after)
         builder.position_at_end(after)
+        if all(isinstance(value.constant, Range) for value, _ in meeting):
+            return self._range(meeting)
         return self.met(meeting)
+
+    def _range(self, meeting: Meeting) -> Value:
+        """Range that is one of several."""
+        bounds = [
+            self.met([(value.constant.bounds[i], block) for value, block in meeting if value])
+            for i in range(3)
+        ]
+        return Value(None, None, Range(bounds))
 
     def new_block(self) -> Any:
         """A block of instructions, still empty."""

@@ -29,6 +29,8 @@ class Frame:
         The block after the function, if anything jumps there.
     returned : list
         Results, and the blocks that jump there.
+    owned : list
+        Types and addresses of the arrays that it makes.
     """
 
     def __init__(self, function: FunctionType, node: Function, args: list[Value]) -> None:
@@ -41,6 +43,7 @@ class Frame:
         self.depth = 0
         self.exit: Any = None
         self.returned: list[tuple[Value, Any]] = []
+        self.owned: list[tuple[NumbaObject, Any]] = []
         self._key = function.__code__, tuple(each.kind for each in args)
 
     def key(self, name: str) -> tuple[Any, tuple[NumbaObject, ...], str]:

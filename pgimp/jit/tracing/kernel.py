@@ -7,6 +7,7 @@ from typing import Any
 
 from numba.core import compiler, funcdesc, types
 from numba.core.lowering import Environment
+from numba.core.targetconfig import ConfigStack
 from numba.core.typing.templates import signature
 
 from pgimp.jit.outside import NumbaObject
@@ -22,15 +23,13 @@ class _Description:
         self.func_id, self.arg_names = function, function.arg_names
 
 
-def compiled(state: NumbaObject, library: NumbaObject) -> NumbaObject:
-    """Compile a kernel.
+def compiled(state: NumbaObject) -> NumbaObject:
+    """Compile a kernel, or a function that other compiled functions call.
 
     Parameters
     ----------
     state
-        State of Numba's compiler: function, types of arguments, options, contexts.
-    library
-        Where the code goes.
+        State of Numba's compiler: function, types of arguments, options, contexts, library.
 
     Returns
     -------
@@ -42,20 +41,22 @@ def compiled(state: NumbaObject, library: NumbaObject) -> NumbaObject:
         With notes on where.
     """
     widened: dict[tuple, NumbaObject] = {}
-    while True:  # each turn widens a variable, of which there are not many
-        try:
-            return _compiled(state, library, widened)
-        except AgainError:
-            continue
+    with ConfigStack().enter(state.flags.copy()):  # for what Numba compiles meanwhile
+        while True:  # each turn widens a variable, of which there are not many
+            try:
+                return _compiled(state, widened)
+            except AgainError:
+                continue
 
 
-def _compiled(state: NumbaObject, library: NumbaObject, widened: dict) -> NumbaObject:
+def _compiled(state: NumbaObject, widened: dict) -> NumbaObject:
     function, kinds, target = state.func_id, tuple(state.args), state.targetctx
+    flags, library = state.flags, state.library
     named = {f"arg.{n}": kind for n, kind in zip(function.arg_names, kinds, strict=True)}
     describe: Any = funcdesc.PythonFunctionDescriptor
     description = describe.from_specialized_function(
-        _Description(function), named, types.none, {}, mangler=target.mangler, inline=False,
-        noalias=False, abi_tags=[state.flags.get_mangle_string()],
+        _Description(function), named, types.none, {}, mangler=target.mangler,
+        inline=flags.forceinline, noalias=False, abi_tags=[flags.get_mangle_string()],
     )  # fmt: skip
     environment = Environment.from_fndesc(description)
     # Instructions have their own flags: some functions are not contracted.
@@ -70,7 +71,7 @@ def _compiled(state: NumbaObject, library: NumbaObject, widened: dict) -> NumbaO
         args = [*_arguments(context, builder, kinds, convention.get_arguments(entry))]
         first, start = builder.block, builder.append_basic_block("start")
         builder.position_at_end(start)
-        contracts = "contract" in (state.flags.fastmath.flags if state.flags.fastmath else ())
+        contracts = "contract" in (flags.fastmath.flags if flags.fastmath else ())
         found = tracer.inlined(function.func, contracts, args)
         result = tracer.kind_of(found)
         content = context.get_return_value(builder, result, tracer.content(found))
@@ -83,7 +84,8 @@ def _compiled(state: NumbaObject, library: NumbaObject, widened: dict) -> NumbaO
         builder.branch(start)
         context.post_lowering(module, library)
         library.add_ir_module(module)
-        context.create_cpython_wrapper(library, description, environment, helper)
+        if not flags.no_cpython_wrapper:
+            context.create_cpython_wrapper(library, description, environment, helper)
     code = target.get_executable(library, description, environment)
     target.insert_user_function(code, description, [library])
     return compiler.compile_result(

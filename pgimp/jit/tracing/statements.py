@@ -10,13 +10,14 @@ from llvmlite import ir
 from numba.core import types
 
 from pgimp.jit.outside import NumbaObject
-from pgimp.jit.tracing.calls import Calls, Range
+from pgimp.jit.tracing.calls import Calls
 from pgimp.jit.tracing.emitter import Builder
 from pgimp.jit.tracing.frame import Frame
 from pgimp.jit.tracing.source import kept, living
 from pgimp.jit.tracing.values import (
     NONE,
     Cell,
+    Range,
     UntraceableError,
     Value,
     constant,
@@ -38,7 +39,8 @@ class Tracer(Calls):
         self, typing: NumbaObject, context: NumbaObject, builder: Builder, widened: dict
     ) -> None:
         super().__init__(typing, context, builder, widened)
-        self._chosen = {}
+        #: Blocks after loops that a ``break`` reaches.
+        self._left: set[Any] = set()
 
     def block(self, body: Sequence[ast.stmt], frame: Frame) -> Value | None:
         """Emit statements; return the function's result if it is known at their end."""
@@ -80,6 +82,7 @@ class Tracer(Calls):
                 self.builder.branch(frame.loops[-1][0])
             case ast.Break():
                 self.builder.branch(frame.loops[-1][1])
+                self._left.add(frame.loops[-1][1])
             case ast.Expr():
                 if not isinstance(node.value, ast.Constant):
                     self.expression(node.value, frame)
@@ -95,6 +98,9 @@ class Tracer(Calls):
         match target:
             case ast.Name():
                 self._name(target.id, value, frame)
+            case ast.Tuple() if isinstance(value.kind, types.Array):
+                items = [self.item(value, constant(i)) for i in range(len(target.elts))]
+                self._unpack(target.elts, items, frame)
             case ast.Tuple():
                 self._unpack(target.elts, self.items(value), frame)
             case ast.Subscript():
@@ -214,7 +220,7 @@ class Tracer(Calls):
         return None
 
     def _unrolled(self, node: ast.For, items: list[Value], frame: Frame) -> Value | None:
-        if not any(isinstance(each, ast.Continue | ast.Break) for each in ast.walk(node)):
+        if not _jumps(node.body):
             for item in items:
                 self._assign(node.target, item, frame)
                 found = self.block(node.body, frame)
@@ -274,6 +280,8 @@ class Tracer(Calls):
         builder.position_at_end(body)
         self._turn(node, (head, after), frame)
         self._go_on(after, new, frame)
+        if test.known and test.constant and after not in self._left:
+            builder.unreachable()  # it ends with a return
 
     def _enter(self, loop: ast.For | ast.While, frame: Frame) -> list[str]:
         """Make cells of what the loop keeps; return their names."""
@@ -306,6 +314,15 @@ class Tracer(Calls):
             cell = frame.cells.pop(name)
             if cell is not None:
                 frame.names[name] = self.loaded(cell)
+
+
+def _jumps(body: Sequence[ast.stmt]) -> bool:
+    """Whether statements of a loop jump to its next turn or out of it."""
+    return any(
+        isinstance(each, ast.Continue | ast.Break)
+        or (isinstance(each, ast.If) and (_jumps(each.body) or _jumps(each.orelse)))
+        for each in body
+    )
 
 
 def _indexes(node: ast.For) -> bool:

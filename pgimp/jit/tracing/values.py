@@ -81,6 +81,22 @@ def is_tuple(kind: NumbaObject) -> bool:
     return isinstance(kind, types.BaseTuple)
 
 
+class Range:
+    """The numbers of a loop.
+
+    Attributes
+    ----------
+    bounds : tuple of 3 Value
+        Begin, end and step.
+    """
+
+    __slots__ = ("bounds",)
+
+    def __init__(self, args: Sequence[Value]) -> None:
+        begin = args[0] if len(args) > 1 else constant(0)
+        self.bounds = begin, args[len(args) > 1], args[2] if len(args) > 2 else constant(1)
+
+
 class Cell:
     """Variable that changes in a loop: an address for each number and array of its type.
 
