@@ -60,6 +60,15 @@ def collatz(n):
 
 
 @inner_kernel
+def applied(function, values, pair):
+    """A function, given as an argument, of each value and a part of a pair."""
+    found = 0.0
+    for each in values:
+        found += function(each, pair.y)
+    return found
+
+
+@inner_kernel
 def first_above(values, bound):
     """Offset of the first value above a bound; -1 without one."""
     for i in range(len(values)):
@@ -300,6 +309,16 @@ def lives(a):
             first -= fourth
             fourth = 1
     return third
+
+
+@kernel
+def applications(values, pair):
+    return applied(max, values, pair), applied(min, values, pair), applied(max, values, Pair(0, 1))
+
+
+def test_functions_are_given_to_functions():
+    values = np.array([1.0, 2.5, 4.0])
+    assert applications(values, Pair(1.0, 2.0)) == (8.5, 5.0, 7.5)
 
 
 def test_loops_keep_what_is_read_again_and_no_more():

@@ -39,6 +39,9 @@ class Compiler(compiler.Compiler):
     time; the garbage is found afterwards.
     """
 
+    #: By this kernels are known among Numba's functions.
+    traces = True
+
     def _compile_core(self) -> NumbaObject:
         if not gc.isenabled():  # as within the compilation of another function
             return self._compile()

@@ -54,6 +54,8 @@ class Emitter:
     ----------
     typing, context
         Numba's contexts: types of operations, and their instructions.
+    module : llvmlite.ir.Module
+        The kernel's functions.
     builder : Builder
         Where instructions go.
     widened : dict
@@ -61,9 +63,10 @@ class Emitter:
     """
 
     def __init__(
-        self, typing: NumbaObject, context: NumbaObject, builder: Builder, widened: dict
+        self, typing: NumbaObject, context: NumbaObject, module: ir.Module, widened: dict
     ) -> None:
-        self.typing, self.context, self.builder = typing, context, builder
+        self.typing, self.context, self.module = typing, context, module
+        self.builder = Builder()
         self.widened: dict[tuple, NumbaObject] = widened
         self._resolved: dict[tuple, tuple] = {}
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from typing import Any
 
 from numba.core import compiler, funcdesc, types
@@ -11,9 +10,9 @@ from numba.core.targetconfig import ConfigStack
 from numba.core.typing.templates import signature
 
 from pgimp.jit.outside import NumbaObject
-from pgimp.jit.tracing.emitter import AgainError, Builder
+from pgimp.jit.tracing.emitter import AgainError
 from pgimp.jit.tracing.statements import Tracer
-from pgimp.jit.tracing.values import Value, is_tuple, running
+from pgimp.jit.tracing.values import running
 
 
 class _Description:
@@ -61,54 +60,23 @@ def _compiled(state: NumbaObject, widened: dict) -> NumbaObject:
     environment = Environment.from_fndesc(description)
     # Instructions have their own flags: some functions are not contracted.
     context = target.subtarget(environment=environment, fndesc=description, fastmath=False)
-    convention, module = context.call_conv, library.create_ir_module(description.unique_name)
+    module = library.create_ir_module(description.unique_name)
     with target.push_code_library(library):
         context.declare_env_global(module, context.get_env_name(description))
         entry = context.declare_function(module, description)
-        builder = Builder(entry.append_basic_block("entry"))
-        helper = convention.init_call_helper(builder)
-        tracer = Tracer(state.typingctx, context, builder, widened)
-        args = [*_arguments(context, builder, kinds, convention.get_arguments(entry))]
-        first, start = builder.block, builder.append_basic_block("start")
-        builder.position_at_end(start)
         contracts = "contract" in (flags.fastmath.flags if flags.fastmath else ())
-        found = tracer.inlined(function.func, contracts, args)
-        result = tracer.kind_of(found)
-        content = context.get_return_value(builder, result, tracer.content(found))
-        # Its type is known only now: so is the type of the first argument, where it goes.
-        description.restype = result
-        entry.args[0].type = convention.get_return_type(result)
-        entry.ftype.args = entry.args[0].type, *entry.ftype.args[1:]
-        convention.return_value(builder, content)
-        builder.position_at_end(first)
-        builder.branch(start)
+        tracer = Tracer(state.typingctx, context, module, widened)
+        args = [running(kind, None) for kind in kinds]
+        result = description.restype = tracer.define(entry, function.func, contracts, args)
         context.post_lowering(module, library)
         library.add_ir_module(module)
         if not flags.no_cpython_wrapper:
-            context.create_cpython_wrapper(library, description, environment, helper)
+            context.create_cpython_wrapper(library, description, environment, None)
     code = target.get_executable(library, description, environment)
     target.insert_user_function(code, description, [library])
     return compiler.compile_result(
         target_context=target, typing_context=state.typingctx, library=library,
         environment=environment, entry_point=code, fndesc=description, type_annotation="",
         signature=signature(result, *kinds), objectmode=False, lifted=(), reload_init=[],
-        referenced_envs=(), call_helper=helper,
+        referenced_envs=(),
     )  # fmt: skip
-
-
-def _arguments(
-    context: NumbaObject, builder: Builder, kinds: Sequence[NumbaObject], given: Sequence
-) -> Iterator[Value]:
-    """Values of the arguments, whose numbers and arrays come one by one."""
-    left = iter(given)
-
-    def nested(form: Any) -> Any:
-        return tuple(map(nested, form)) if isinstance(form, tuple) else next(left)
-
-    def value(kind: NumbaObject) -> Value:
-        if is_tuple(kind):
-            return running(kind, [value(each) for each in kind])
-        model = context.data_model_manager[kind]
-        return running(kind, model.from_argument(builder, nested(model.get_argument_type())))
-
-    return map(value, kinds)

@@ -11,7 +11,6 @@ from numba.core import types
 
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tracing.calls import Calls
-from pgimp.jit.tracing.emitter import Builder
 from pgimp.jit.tracing.frame import Frame
 from pgimp.jit.tracing.source import kept, living
 from pgimp.jit.tracing.values import (
@@ -36,9 +35,9 @@ class Tracer(Calls):
     """Walk over the statements of a kernel and of all that it calls."""
 
     def __init__(
-        self, typing: NumbaObject, context: NumbaObject, builder: Builder, widened: dict
+        self, typing: NumbaObject, context: NumbaObject, module: ir.Module, widened: dict
     ) -> None:
-        super().__init__(typing, context, builder, widened)
+        super().__init__(typing, context, module, widened)
         #: Blocks after loops that a ``break`` reaches.
         self._left: set[Any] = set()
 
