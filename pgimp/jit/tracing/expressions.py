@@ -10,8 +10,9 @@ from typing import Any
 from llvmlite import ir
 from numba.core import types
 
-from pgimp.jit.tracing.emitter import Emitter, Meeting
+from pgimp.jit.tracing.emitter import Meeting
 from pgimp.jit.tracing.frame import Frame
+from pgimp.jit.tracing.operations import Operations
 from pgimp.jit.tracing.values import (
     NONE,
     Cell,
@@ -38,7 +39,7 @@ OPERATIONS: dict[type, Callable] = {
 Index = Any
 
 
-class Expressions(Emitter):
+class Expressions(Operations):
     """Values of expressions. What is known, by types or constants, is computed on the way."""
 
     def expression(self, node: ast.expr, frame: Frame) -> Value:

@@ -10,7 +10,7 @@ from numba.core.targetconfig import ConfigStack
 from numba.core.typing.templates import signature
 
 from pgimp.jit.outside import NumbaObject
-from pgimp.jit.tracing.emitter import AgainError
+from pgimp.jit.tracing.operations import AgainError
 from pgimp.jit.tracing.statements import Tracer
 from pgimp.jit.tracing.values import running
 
