@@ -23,8 +23,6 @@ from pgimp.jit.compiled.compiler import Compiler  # noqa: E402
 from pgimp.jit.outside import NumbaObject  # noqa: E402
 from pgimp.jit.rehearsal import notable  # noqa: E402
 
-Compiler.folder = FOLDER.path
-
 #: Options of every kernel and of all functions inlined into it. Contraction only: full fastmath
 #: would let LLVM reorder sums and delete the checks for NaN. The others save compile time: no entry
 #: for programs in C, and no reference counts, of which tuples of arrays need very many.

@@ -251,7 +251,7 @@ def find_reach(frame, table, motion, slack, vertices, patches, rank, entries) ->
     rows = np.empty(len(table), np.int64)
     particle = np.empty(0, np.uint32)
     filled = start
-    for fill in range(2):
+    for fill in (0, 1):  # count, then fill
         count = 0
         for i in range(len(table)):
             p, any_entry = patches.patch[i], False

@@ -1,0 +1,82 @@
+"""A kernel: from its source to machine code, with Numba's entry for Python."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core import compiler, funcdesc, types
+from numba.core.lowering import Environment
+from numba.core.targetconfig import ConfigStack
+from numba.core.typing.templates import signature
+
+from pgimp.jit.outside import NumbaObject
+from pgimp.jit.tracing.operations import AgainError
+from pgimp.jit.tracing.statements import Tracer
+from pgimp.jit.tracing.values import running
+
+
+class _Description:
+    """What a description of a function needs of Numba's form of it."""
+
+    def __init__(self, function: NumbaObject) -> None:
+        self.func_id, self.arg_names = function, function.arg_names
+
+
+def compiled(state: NumbaObject) -> NumbaObject:
+    """Compile a kernel, or a function that other compiled functions call.
+
+    Parameters
+    ----------
+    state
+        State of Numba's compiler: function, types of arguments, options, contexts, library.
+
+    Returns
+    -------
+    numba.core.compiler.CompileResult
+
+    Raises
+    ------
+    UntraceableError
+        With notes on where.
+    """
+    widened: dict[tuple, NumbaObject] = {}
+    with ConfigStack().enter(state.flags.copy()):  # for what Numba compiles meanwhile
+        while True:  # each turn widens a variable, of which there are not many
+            try:
+                return _compiled(state, widened)
+            except AgainError:
+                continue
+
+
+def _compiled(state: NumbaObject, widened: dict) -> NumbaObject:
+    function, kinds, target = state.func_id, tuple(state.args), state.targetctx
+    flags, library = state.flags, state.library
+    named = {f"arg.{n}": kind for n, kind in zip(function.arg_names, kinds, strict=True)}
+    describe: Any = funcdesc.PythonFunctionDescriptor
+    description = describe.from_specialized_function(
+        _Description(function), named, types.none, {}, mangler=target.mangler,
+        inline=flags.forceinline, noalias=False, abi_tags=[flags.get_mangle_string()],
+    )  # fmt: skip
+    environment = Environment.from_fndesc(description)
+    # Instructions have their own flags: some functions are not contracted.
+    context = target.subtarget(environment=environment, fndesc=description, fastmath=False)
+    module = library.create_ir_module(description.unique_name)
+    with target.push_code_library(library):
+        context.declare_env_global(module, context.get_env_name(description))
+        entry = context.declare_function(module, description)
+        contracts = "contract" in (flags.fastmath.flags if flags.fastmath else ())
+        tracer = Tracer(state.typingctx, context, module, widened)
+        args = [running(kind, None) for kind in kinds]
+        result = description.restype = tracer.define(entry, function.func, contracts, args)
+        context.post_lowering(module, library)
+        library.add_ir_module(module)
+        if not flags.no_cpython_wrapper:
+            context.create_cpython_wrapper(library, description, environment, None)
+    code = target.get_executable(library, description, environment)
+    target.insert_user_function(code, description, [library])
+    return compiler.compile_result(
+        target_context=target, typing_context=state.typingctx, library=library,
+        environment=environment, entry_point=code, fndesc=description, type_annotation="",
+        signature=signature(result, *kinds), objectmode=False, lifted=(), reload_init=[],
+        referenced_envs=(),
+    )  # fmt: skip

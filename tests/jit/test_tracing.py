@@ -1,0 +1,387 @@
+"""Traced kernels: the same results as the Python that they are written in."""
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numba.core import types
+from numba.core.runtime import _nrt_python, rtsys
+
+from pgimp.jit.kernel import allocating_kernel, exact, inner_kernel, kernel, specialise
+from pgimp.jit.tracing.source import kept, living, source_of
+from pgimp.jit.tracing.values import UntraceableError
+
+pytestmark = pytest.mark.slow(8)
+
+
+class Pair(NamedTuple):
+    """A record with a default."""
+
+    x: float
+    y: float = 2.0
+
+
+def named_sum(pair, more):
+    """Sum of a pair and of what a tuple has."""
+
+
+@specialise(named_sum)
+def _named_sum(pair, more):
+    if len(more) == 0:
+        return lambda pair, more: pair.x + pair.y
+    return lambda pair, more: more[0] + named_sum(pair, more[1:])
+
+
+def chosen(a):
+    """One of two lambdas on a line."""
+
+
+@specialise(chosen)
+def _chosen(a):
+    one, other = (lambda a: a + 1, lambda a: a - 0.25)
+    return one if isinstance(a, types.Integer) else other
+
+
+@inner_kernel
+def collatz(n):
+    """Steps to 1; leaves a loop in its middle."""
+    steps = 0
+    while True:
+        if n == 1:
+            return steps
+        if n % 2 == 0:
+            n //= 2
+        else:
+            n = 3 * n + 1
+        steps += 1
+
+
+@inner_kernel
+def applied(function, values, pair):
+    """A function, given as an argument, of each value and a part of a pair."""
+    found = 0.0
+    for each in values:
+        found += function(each, pair.y)
+    return found
+
+
+@inner_kernel
+def first_above(values, bound):
+    """Offset of the first value above a bound; -1 without one."""
+    for i in range(len(values)):
+        if not values[i] <= bound:
+            return i
+    return -1
+
+
+def loops(values, bound):
+    """Variables that loops keep, change in type, or leave behind."""
+    total, last, count = 0, -1.0, 0
+    for i in range(4, 0, -2) if bound > 1.0 else range(len(values)):
+        count = 2 * count + i
+    for i in range(len(values)):
+        if values[i] < 0.0:
+            continue
+        if values[i] > bound:
+            break
+        part = values[i]
+        for k in range(3, 0, -1):
+            part = part * 0.5 + k
+            if k == 2 and part > 4.0:
+                break
+        total = total + part
+        last, count = part, count + 1
+    else_value = last if count else 0.5
+    return total, last, count, else_value
+
+
+def numbers(a, b, n):
+    """Operations on integers and floats, signs and constants included."""
+    quotient, rest = a // n, a % n
+    shifted = (n << 3) ^ (n >> 1) | (n & 5)
+    between = 0.0 < a <= b < 10.0 and not (a == b or n > 3)
+    either = n if a > b else b
+    return (
+        quotient, rest, -n // 3, -n % 3, shifted, between, either, a**3, a**-2, max(a, b, 0.5),
+        min((a, b)), abs(-a), int(b), 1.0 / 3.0 + 2**3, ~n, +a,
+    )  # fmt: skip
+
+
+def tuples(a, n):
+    """Tuples: packed, unpacked, sliced, joined, chosen by a number of the run, walked through."""
+    pair = Pair(a)
+    x, *rest = (pair.x, 1.0, *pair)
+    total = 0.0
+    for each in rest:
+        total += each * x
+    items = (a, 2.0 * a, 3.0)
+    found = items[n]
+    for d in range(3):
+        if d != n:
+            found += items[d]
+    changed = (a, 1.0)
+    for i in range(n):
+        changed = (changed[1] + i, changed[0])
+    return named_sum(pair, (total, found)), *items[1:], *changed, len(rest), chosen(n), chosen(a)
+
+
+def branches(a, n):
+    """Values that meet after branches, some with a value in one of them only."""
+    kind = 0
+    if a > 1.0:
+        kind, value = 1, (a, n)
+    elif a > 0.5:
+        value = (0.25, 7)
+    else:
+        value = (1, n)
+        if n > 2:
+            return 9.0, 1.0, 0, collatz(n + 1)
+    if kind == 1 or value[1] > 5:
+        only = value[0] * 2.0
+        kind += only > 3.0
+    return value[0], value[1] + 0.0, kind, collatz(n + 1)
+
+
+@pytest.mark.parametrize("function", [numbers, tuples, branches])
+def test_expressions_and_branches_are_those_of_python(function):
+    traced = kernel(function)
+    for a, b, n in product((0.3, 0.7, 2.5, 4.0), (0.5, 2.5, 7.25), (1, 2)):
+        args = (a, b, n) if function is numbers else (a, n)
+        plain, found = function_of(function)(*args), traced(*args)
+        assert [*map(float, found)] == pytest.approx([*map(float, plain)], rel=1e-14)
+    assert any(type(each) is int for each in found)
+
+
+def function_of(function):
+    """The function with plain ones in place of those that only kernels have."""
+    own = {
+        "named_sum": lambda pair, more: pair.x + pair.y + sum(reversed(more)),
+        "chosen": lambda a: a + 1 if isinstance(a, int) else a - 0.25,
+        "collatz": collatz.py_func,
+    }
+    return type(function)(function.__code__, {**function.__globals__, **own})
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.floats(-1.0, 3.0), max_size=7), st.floats(0.0, 3.0))
+def test_loops_are_those_of_python(values, bound):
+    values = np.array(values)
+    assert traced_loops(values, bound) == pytest.approx(loops(values, bound), rel=1e-15)
+    assert traced_first(values, bound) == first_above.py_func(values, bound)
+
+
+traced_loops = kernel(loops)
+
+
+@kernel
+def traced_first(values, bound):
+    return first_above(values, bound)
+
+
+POINT = np.dtype([("x", np.float64), ("normal", np.float64, 2), ("count", np.int64)])
+
+
+@kernel
+def traced_arrays(matrix, rows, points, scale):
+    """Entries, rows, parts and records of arrays, read and set."""
+    matrix[1:, 0] = scale
+    for j in range(2):
+        matrix[0, j] += 1.0
+    for row in rows:
+        matrix[row, -1] = matrix[row, 0] + matrix.shape[1] * len(rows)
+        point = points[row]
+        point.x, point.count = matrix[row, 1], point.count + row
+        point.normal[0] = point.normal[1] = point.x
+        points[0].count += 1
+    line = matrix[rows[0]]
+    line[1] -= 4.0
+    found = line[0]
+    if scale > 1.0:
+        for j in range(1, len(line)):
+            found += line[j]
+    return found
+
+
+@pytest.mark.parametrize("scale", [0.5, 2.0])
+def test_arrays_are_those_of_python(scale):
+    rng = np.random.default_rng(7)
+    matrix, rows = rng.random((4, 3)), np.array([2, 0, 3], np.int32)
+    points = np.zeros(4, POINT).view(np.recarray)
+    other = matrix.copy(), points.copy()
+    found = traced_arrays(matrix, rows, points.view(np.ndarray), scale)
+
+    def plain(matrix, rows, points, scale):
+        matrix[1:, 0] = scale
+        matrix[0, :2] += 1.0
+        for row in rows:
+            matrix[row, -1] = matrix[row, 0] + 9
+            points["x"][row] = matrix[row, 1]
+            points["count"][row] += row
+            points["normal"][row] = matrix[row, 1]
+            points["count"][0] += 1
+        matrix[rows[0], 1] -= 4.0
+        return matrix[rows[0]].sum() if scale > 1.0 else matrix[rows[0], 0]
+
+    assert found == plain(other[0], rows, other[1], scale)
+    assert np.array_equal(matrix, other[0])
+    assert all(np.array_equal(points[name], other[1][name]) for name in POINT.names)
+
+
+def product_sum(a, b, c):
+    """a b + c, rounded twice."""
+
+
+@exact(product_sum)
+def _product_sum(a, b, c):
+    return lambda a, b, c: a * b + c
+
+
+def test_what_is_exact_is_not_contracted():
+    """In a kernel that contracts: (1 + e)^2 - (1 + 2 e) is e^2 if rounded once, else 0."""
+    once = kernel(lambda a, b, c: a * b + c)
+    twice = kernel(lambda a, b, c: product_sum(a, b, c))
+    e = 2.0**-30
+    assert twice(1.0 + e, 1.0 + e, -1.0 - 2.0 * e) == 0.0
+    assert once(1.0 + e, 1.0 + e, -1.0 - 2.0 * e) in (0.0, e * e)  # without such an instruction 0
+
+
+def unknown(a):
+    """No implementation for anything."""
+
+
+@specialise(unknown)
+def _unknown(a):
+    return None
+
+
+def fails(a):
+    b = a + 1.0
+    return unknown(b)
+
+
+def two_types(a):
+    if a > 0.0:
+        b = (a, a)
+    else:
+        b = a
+    return b
+
+
+def endless(a):
+    """A recursion without an end."""
+
+
+@specialise(endless)
+def _endless(a):
+    return lambda a: endless(a + 1.0)
+
+
+@pytest.mark.parametrize(
+    ("function", "message"),
+    [
+        (fails, "unknown is not for"),
+        (two_types, "b may be of two types"),
+        (lambda a: endless(a), "recursion without an end"),
+        (lambda a: [a], "List is not for kernels"),
+        (lambda a: not_there(a), "not_there has no value"),  # noqa: F821
+    ],
+)
+def test_what_cannot_be_traced_says_why_and_where(function, message):
+    with pytest.raises(UntraceableError, match=message) as found:
+        kernel(function)(1.0)
+    if function is fails:
+        line = fails.__code__.co_firstlineno + 2
+        assert any(f"test_tracing.py:{line}, in fails" in note for note in found.value.__notes__)
+
+
+def lives(a):
+    first = second = third = fourth = 0
+    for i in range(a):
+        temporary = i + first
+        if temporary > 2:
+            second = temporary
+        first = second
+        third = i
+        while first > 9:
+            first -= fourth
+            fourth = 1
+    return third
+
+
+@kernel
+def applications(values, pair):
+    return applied(max, values, pair), applied(min, values, pair), applied(max, values, Pair(0, 1))
+
+
+def test_functions_are_given_to_functions():
+    values = np.array([1.0, 2.5, 4.0])
+    assert applications(values, Pair(1.0, 2.0)) == (8.5, 5.0, 7.5)
+
+
+def test_loops_keep_what_is_read_again_and_no_more():
+    tree = source_of(lives)
+    outer = tree.body[1]
+    inner = outer.body[-1]
+    assert kept(outer, tree) == {"first", "second", "third", "fourth"}
+    assert kept(inner, tree) == {"first", "fourth"}
+    assert "temporary" not in living(tree)[outer.body[1]]
+
+
+@allocating_kernel
+def made(values, n):
+    """Arrays made, in part for results, in inlined functions too; an argument is returned."""
+    scratch, (low, high) = np.empty(n), np.zeros((2, 3))
+    total = 0.0
+    for i in range(n):
+        scratch[i] = sum_of_squares(values, i)
+        total += scratch[i]
+    low[0], high[1] = total, 2.0 * total
+    some = scratch[: n - 1].copy()
+    if n > 3:
+        some = np.full(2, total)
+    return values, low, some, high[1:], total
+
+
+@allocating_kernel
+def sum_of_squares(values, n):
+    squares = np.empty(n + 1)
+    for i in range(n + 1):
+        squares[i] = values[i] ** 2
+    part = squares[1:]
+    return part.sum() + squares[0]
+
+
+@pytest.mark.parametrize("n", [3, 5])
+def test_arrays_made_by_a_kernel_are_right_and_none_is_lost(n):
+    values = np.arange(1.0, 9.0)
+    squares = np.cumsum(values**2)[:n]
+    total = squares.sum()
+    before = None
+    made(values, n)
+    _nrt_python.memsys_enable_stats()
+    for _ in range(3):
+        given, low, some, high, found = made(values, n)
+        assert given is values or np.shares_memory(given, values)
+        assert found == pytest.approx(total) and low[0] == found
+        assert [*some] == pytest.approx([total, total] if n > 3 else [*squares[:-1]])
+        assert [*high] == pytest.approx([2.0 * total, 0.0])
+        del given, low, some, high
+        now = rtsys.get_allocation_stats()
+        assert before is None or now.alloc - now.free == before.alloc - before.free
+        assert now.alloc - now.free >= 0
+        before = now
+
+
+def test_an_array_made_in_a_loop_is_refused():
+    @allocating_kernel
+    def grows(n):
+        found = np.empty(1)
+        for i in range(n):
+            found = np.empty(i)
+        return found
+
+    with pytest.raises(UntraceableError, match="made in a loop"):
+        grows(3)
