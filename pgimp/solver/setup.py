@@ -85,7 +85,7 @@ def begin(
     verify_checkpoints(scene, comm)
     share(start.case, comm)
     require(scene, comm)
-    scene.interaction.rigid_bodies.measure(comm)
+    scene.interaction.rigid_bodies.measure(comm, keep=True)
     lattice, counts, notes = count_particles(scene, comm)
     start.notes += notes
     entering = to_enter(scene.case, counts, scenes[-1].case.time.end)

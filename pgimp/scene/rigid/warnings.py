@@ -81,8 +81,9 @@ def _edges_on_axis(scene: Scene) -> list[str]:
     if not scene.case.axisymmetric:
         return []
     found, cell = [], scene.case.grid.cell[0]
-    for name, entry in scene.case.rigid_bodies.items():
-        (low, _), (high, _) = (end[:2] for end in entry.region.bounds())
+    bodies = scene.interaction.rigid_bodies
+    for name, ends in zip(bodies.names, bodies.ends, strict=True):
+        low, high = ends[:, 0].tolist()
         if -cell < low < _ON_AXIS * cell:
             found.append(
                 f"bodies.{name}.region: its section ends on the axis, where contact sees an edge; "
