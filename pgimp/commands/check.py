@@ -24,7 +24,7 @@ from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.checks.sanity import body_warnings, case_warnings
 from pgimp.scene.checks.validity import impedance, repose, tearing, tool_edges
 from pgimp.scene.mass_scaling import scaling_notes
-from pgimp.scene.rigid.warnings import motion_warnings
+from pgimp.scene.rigid.warnings import known_in_part, motion_warnings
 from pgimp.solver.start.memory import size_text
 from pgimp.solver.start.require_memory import MemoryShortError
 from pgimp.solver.time.stability import stability_warning, stable_courant
@@ -140,6 +140,7 @@ def report(case: Case, verbose: bool = False) -> None:
         *scaling_notes(case),
         *(one.text for one in sent if not (no_result and one.lasts)),
         *tool_edges.notes(scene, bodies, duration),
+        *known_in_part(scene),
         *repose.notes(case, bodies),
         *nearness.notes(case),
         *stripes(case, poisson),
