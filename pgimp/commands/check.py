@@ -38,6 +38,7 @@ from pgimp.utilities.check.bodies import (
 from pgimp.utilities.check.cost import measure, report_cost, report_memory
 from pgimp.utilities.check.prepare import prepare
 from pgimp.utilities.check.savings import ordered_advice
+from pgimp.utilities.check.settling import Settling, settling_steps
 from pgimp.utilities.check.steps import (
     pilot_warnings,
     report_settling,
@@ -115,17 +116,23 @@ def report(case: Case, verbose: bool = False) -> None:
     costs, crossing = measure(scene, count, steps)
     tried = pilot(written, count, steps, costs, _thinnest(case, bodies)) if costs else None
     steps = report_steps(case, steps, tried, first)
-    report_settling(case)
-    settles = bool(case.start.settle or any(stage.settle for stage in whole.time.stages))
+    settling = [settling_steps(each, bodies) for each in whole.stages]
+    report_settling(case, settling[0])
+    to_rest = sum(settling, Settling())
     if whole.time.stages:
         # A pilot run does not settle.
         factor = 1.0 if case.start.settle else steps * dt / case.time.end
-        steps += report_stages(whole, known.scenes, factor, known.varied)
-    number = forecast.frames(whole, steps)
-    size = size_text(number * forecast.frame_size(case, scene.fields, count))
-    report_memory(known.memory, verbose, f"; output about {size}, in {number:,} frames")
+        steps += report_stages(whole, known.scenes, factor, known.varied, settling)
+    least, most = (
+        forecast.frames(whole, steps, [one[k] for one in settling]) for k in range(len(to_rest))
+    )
+    size = size_text(most * forecast.frame_size(case, scene.fields, count))
+    output = f"about {size}, in {most:,} frames"
+    if most > least:
+        output = f"up to {size}, in {least:,} to {most:,} frames"
+    report_memory(known.memory, verbose, f"; output {output}")
     if costs:
-        report_cost(scene, known.lattice, known.counts, costs, crossing, steps, verbose)
+        report_cost(scene, known.lattice, known.counts, costs, crossing, steps, to_rest, verbose)
     else:
         print("time             unknown: no step of a sample of the case could be timed")
     boxes = {body.name: (body.low, body.high) for body in bodies}
@@ -154,7 +161,7 @@ def report(case: Case, verbose: bool = False) -> None:
         short_step_warnings(scene, bodies, dt, rate),
         known.of_stages,
         pilot_warnings(case, dt * rate, tried),
-        *(body_warnings(case, body, duration, settles) for body in bodies),
+        *(body_warnings(case, body, duration, to_rest.high > 0.0) for body in bodies),
         *(tearing.warnings(whole.stages, body) for body in bodies),
         (one.text for one in sent if no_result and one.lasts),
         locking(case, poisson),
