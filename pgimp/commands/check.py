@@ -16,7 +16,7 @@ from pgimp.mpi.comm import say
 from pgimp.running import forecast
 from pgimp.running.accuracy.find import of_case
 from pgimp.running.accuracy.rules import line
-from pgimp.scene.checks import nearness, overstress, series
+from pgimp.scene.checks import bonds, nearness, overstress, series
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.later_constraints import idle_warnings
 from pgimp.scene.checks.locking import locking, stripes
@@ -150,6 +150,7 @@ def report(case: Case, verbose: bool = False) -> None:
         *known_in_part(scene),
         *repose.notes(case, bodies),
         *nearness.notes(case),
+        *bonds.bonded(scene, known.lattice, known.counts, touching=True),
         *stripes(case, poisson),
         *ordered_advice(case, bodies, known.crossing, dt, quick),
         *forecast.notes(whole, steps),
@@ -169,8 +170,8 @@ def report(case: Case, verbose: bool = False) -> None:
         case_warnings(case, known.found),
         idle_warnings(known.found.later, known.found.held_later),
         motion_warnings(known.scenes),
-        nearness.bonded(scene, known.lattice, known.counts),
-        nearness.warnings(case),
+        bonds.bonded(scene, known.lattice, known.counts, touching=False),
+        nearness.warnings(case, scene.interaction.rigid_bodies),
         series.warnings(whole),
         unquiet(case),
         forecast.warnings(whole, steps),

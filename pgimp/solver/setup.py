@@ -142,7 +142,7 @@ def begin(
         require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
     start.warnings += locking(start.case)
     start.notes += stripes(start.case)
-    start.warnings += nearness.warnings(start.case)
+    start.warnings += nearness.warnings(start.case, scene.interaction.rigid_bodies)
     start.warnings += unquiet(start.case)
     release(start.case)
     rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)
