@@ -16,7 +16,7 @@ from pgimp.mpi.comm import say
 from pgimp.running import forecast
 from pgimp.running.accuracy.find import of_case
 from pgimp.running.accuracy.rules import line
-from pgimp.scene.checks import nearness, overstress, series
+from pgimp.scene.checks import bonds, nearness, overstress, series
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.later_constraints import idle_warnings
 from pgimp.scene.checks.locking import locking, stripes
@@ -24,7 +24,7 @@ from pgimp.scene.checks.quiet import unquiet
 from pgimp.scene.checks.sanity import body_warnings, case_warnings
 from pgimp.scene.checks.validity import impedance, repose, tearing, tool_edges
 from pgimp.scene.mass_scaling import scaling_notes
-from pgimp.scene.rigid.warnings import motion_warnings
+from pgimp.scene.rigid.warnings import known_in_part, motion_warnings
 from pgimp.solver.start.memory import size_text
 from pgimp.solver.start.require_memory import MemoryShortError
 from pgimp.solver.time.stability import stability_warning, stable_courant
@@ -39,6 +39,7 @@ from pgimp.utilities.check.bodies import (
 from pgimp.utilities.check.cost import measure, report_cost, report_memory
 from pgimp.utilities.check.prepare import prepare
 from pgimp.utilities.check.savings import ordered_advice
+from pgimp.utilities.check.settling import Settling, settling_steps
 from pgimp.utilities.check.steps import (
     pilot_warnings,
     report_settling,
@@ -117,17 +118,23 @@ def report(case: Case, verbose: bool = False) -> None:
     costs, crossing = measure(scene, count, steps)
     tried = pilot(written, count, steps, costs, _thinnest(case, bodies)) if costs else None
     steps = report_steps(case, steps, tried, first)
-    report_settling(case)
-    settles = bool(case.start.settle or any(stage.settle for stage in whole.time.stages))
+    settling = [settling_steps(each, bodies) for each in whole.stages]
+    report_settling(case, settling[0])
+    to_rest = sum(settling, Settling())
     if whole.time.stages:
         # A pilot run does not settle.
         factor = 1.0 if case.start.settle else steps * dt / case.time.end
-        steps += report_stages(whole, known.scenes, factor, known.varied)
-    number = forecast.frames(whole, steps)
-    size = size_text(number * forecast.frame_size(case, scene.fields, count))
-    report_memory(known.memory, verbose, f"; output about {size}, in {number:,} frames")
+        steps += report_stages(whole, known.scenes, factor, known.varied, settling)
+    least, most = (
+        forecast.frames(whole, steps, [one[k] for one in settling]) for k in range(len(to_rest))
+    )
+    size = size_text(most * forecast.frame_size(case, scene.fields, count))
+    output = f"about {size}, in {most:,} frames"
+    if most > least:
+        output = f"up to {size}, in {least:,} to {most:,} frames"
+    report_memory(known.memory, verbose, f"; output {output}")
     if costs:
-        report_cost(scene, known.lattice, known.counts, costs, crossing, steps, verbose)
+        report_cost(scene, known.lattice, known.counts, costs, crossing, steps, to_rest, verbose)
     else:
         print("time             unknown: no step of a sample of the case could be timed")
     boxes = {body.name: (body.low, body.high) for body in bodies}
@@ -142,8 +149,10 @@ def report(case: Case, verbose: bool = False) -> None:
         *scaling_notes(case),
         *(one.text for one in sent if not (no_result and one.lasts)),
         *tool_edges.notes(scene, bodies, duration),
+        *known_in_part(scene),
         *repose.notes(case, bodies),
         *nearness.notes(case),
+        *bonds.bonded(scene, known.lattice, known.counts, touching=True),
         *stripes(case, poisson),
         *ordered_advice(case, bodies, known.crossing, dt, quick),
         *forecast.notes(whole, steps),
@@ -155,7 +164,7 @@ def report(case: Case, verbose: bool = False) -> None:
         short_step_warnings(scene, bodies, dt, rate),
         known.of_stages,
         pilot_warnings(case, dt * rate, tried),
-        *(body_warnings(case, body, duration, settles) for body in bodies),
+        *(body_warnings(case, body, duration, to_rest.high > 0.0) for body in bodies),
         *(tearing.warnings(whole.stages, body) for body in bodies),
         (one.text for one in sent if no_result and one.lasts),
         locking(case, poisson),
@@ -163,8 +172,8 @@ def report(case: Case, verbose: bool = False) -> None:
         case_warnings(case, known.found),
         idle_warnings(known.found.later, known.found.held_later),
         motion_warnings(known.scenes),
-        nearness.bonded(scene, known.lattice, known.counts),
-        nearness.warnings(case),
+        bonds.bonded(scene, known.lattice, known.counts, touching=False),
+        nearness.warnings(case, scene.interaction.rigid_bodies),
         series.warnings(whole),
         unquiet(case),
         forecast.warnings(whole, steps),

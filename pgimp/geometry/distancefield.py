@@ -96,32 +96,16 @@ def extent(
 def distance_field(
     region: Region, cell: tuple[float, ...], within: tuple[NDArray, NDArray] | None = None
 ) -> DistanceField:
-    """Compute the distances of a region; see `extent`.
-
-    Of surfaces from files only normals that contact may need are as exact as distances. Those
-    farther away come from differences between the lattice's points.
-    """
+    """Compute the distances of a region, and normals from their differences; see `extent`."""
     low, spacing, shape = extent(region, cell, within)
     D, count = len(cell), int(np.prod(shape))
     values = np.zeros((count, 5))
     field = DistanceField(low, spacing, shape, values)
-    reach = (MARGIN + 1.0) * max(cell) if region.FROM_FILE else np.inf
     for begin in range(0, count, _BLOCK):
         numbers = np.arange(begin, min(begin + _BLOCK, count))
-        values[numbers, 0] = region.signed_distance(field.points(numbers, D))
-    if region.FROM_FILE:
-        for d in range(D):
-            if shape[d] > 1:
-                values[:, 1 + d] = np.gradient(values[:, 0].reshape(shape), axis=d).ravel()
-    near = np.flatnonzero(np.abs(values[:, 0]) <= reach)
-    for begin in range(0, len(near), _BLOCK):
-        numbers = near[begin : begin + _BLOCK]
-        points, known = field.points(numbers, D), values[numbers, 0]
-        for d in range(D):
-            step = np.zeros(D)
-            step[d] = _STEP * spacing
-            ahead = region.distance_beside(points + step, known, step[d])
-            values[numbers, 1 + d] = ahead - region.distance_beside(points - step, known, step[d])
+        found = region.distances_around(field.points(numbers, D), _STEP * spacing)
+        values[numbers, 0] = found[:, 0]
+        values[numbers, 1 : 1 + D] = found[:, 1 : 1 + D] - found[:, 1 + D :]
     length = np.sqrt(np.square(values[:, 1:4]).sum(axis=1))
     values[:, 1:4] /= np.where(length > 0.0, length, 1.0)[:, None]
     mean = values[:, 0].reshape(shape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import floor
 from typing import TYPE_CHECKING, Any
 
@@ -19,16 +19,22 @@ _ROUNDING = 1e-9
 _MANY = 10_000
 
 
-def frames(case: Case, steps: float) -> int:
-    """Number of frames of a run of `steps` steps, including the first and the last."""
+def frames(case: Case, steps: float, settling: Sequence[float] = ()) -> int:
+    """Number of frames of a run of `steps` steps, including the first and the last.
+
+    `settling` are the steps in which its stages come to rest. Of the start these write none.
+    """
     last = case.time.last
     times = {0.0, *case.output.at, *(stage.time.end for stage in case.stages)}
     between = 0.0
     for stage in case.stages:
         length = stage.time.end - stage.staged.start
-        between += _between(stage.output.every, length, steps * length / last)
+        every = stage.output.every
+        between += _between(every, length, steps * length / last)
+        if isinstance(every, Steps) and stage.staged.number and settling:
+            between += settling[stage.staged.number] // every.steps
     rests = sum(stage.rests for stage in case.stages)  # a frame more at the same time
-    return int(min(steps + 1, len(times) + between)) + rests
+    return int(min(steps + sum(settling[1:]) + 1, len(times) + between)) + rests
 
 
 def frame_size(case: Case, fields: Mapping[str, Field], particles: int) -> float:
@@ -72,12 +78,14 @@ def warnings(case: Case, steps: float) -> Iterator[str]:
     for name, probe in case.probes.items():
         requested.append((f"probes.{name}.every", probe.every, f"lines only {ends}"))
     end = case.time.last
-    if any(stage.start.settle for stage in case.stages) and isinstance(
-        case.checkpoint.every, Steps
-    ):
-        del requested[1]  # steps to rest, which nobody knows before, have checkpoints, too
+    # Nobody knows the number of steps to rest before. They count, but those of the start write
+    # checkpoints alone.
+    rests = [stage.start.settle is not None for stage in case.stages]
     for key, every, what in requested:
         if every is None or isinstance(every, WallTime):
+            continue
+        settles = any(rests if key == "checkpoint.every" else rests[1:])
+        if settles and isinstance(every, Steps):
             continue
         count = every.steps if isinstance(every, Steps) else 0
         if not isinstance(every, Steps) and every > end * (1.0 + _ROUNDING):

@@ -64,7 +64,7 @@ def share(case: Case, comm: Communicator, only: Collection[str] | None = None) -
 def _share(case: Case, comm: Communicator, only: Collection[str] | None) -> None:
     if only is None:
         release(case)
-    known: dict[Enclosed, object] = {}
+    known: dict[Region, object] = {}
     for key, mesh in _meshes(case, only):
         mesh.__dict__.pop("surface", None)
 
@@ -77,6 +77,10 @@ def _share(case: Case, comm: Communicator, only: Collection[str] | None) -> None
         if mesh not in known:
             known[mesh] = on_root(comm, read)
         mesh.__dict__["surface"] = known[mesh]
+    for entry in case.rigid_bodies.values() if only is None else ():
+        for region in entry.region.simple():
+            if region in known:  # as terrain, and what lies on it
+                region.__dict__["surface"] = known[region]
     if known:
         with one_rank_first(comm):
             _warm_up()

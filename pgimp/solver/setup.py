@@ -85,7 +85,7 @@ def begin(
     verify_checkpoints(scene, comm)
     share(start.case, comm)
     require(scene, comm)
-    scene.interaction.rigid_bodies.measure(comm)
+    scene.interaction.rigid_bodies.measure(comm, keep=True)
     lattice, counts, notes = count_particles(scene, comm)
     start.notes += notes
     entering = to_enter(scene.case, counts, scenes[-1].case.time.end)
@@ -142,7 +142,7 @@ def begin(
         require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
     start.warnings += locking(start.case)
     start.notes += stripes(start.case)
-    start.warnings += nearness.warnings(start.case)
+    start.warnings += nearness.warnings(start.case, scene.interaction.rigid_bodies)
     start.warnings += unquiet(start.case)
     release(start.case)
     rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)

@@ -290,7 +290,7 @@ def test_stages_are_listed_with_their_steps_and_changes(capsys):
     ]
     staged = type(case).model_validate(data)
     (body,) = facts(first)
-    steps = report_stages(staged, [Scene(each) for each in staged.stages], 1.0, {})
+    steps = report_stages(staged, [Scene(each) for each in staged.stages], 1.0, {}, [])
     lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
     # Twice the wave speed takes twice the steps: 0.3 cells each.
     hot = 2.0 * body.wave_speed * 1.0e-3 / (0.3 * 0.01)

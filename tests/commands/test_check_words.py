@@ -126,7 +126,7 @@ def test_a_short_time_is_not_doubted_where_a_run_settles(report, later):
     said = report(read_case(text + SETTLING, "x"))
     assert not [line for line in said if "a wave crosses only" in line]
     (line,) = (line for line in said if line.startswith("settling"))
-    mentions(line, "at most 700 steps", "not counted", "no pilot run")
+    mentions(line, "by estimate in", "at most 700", "not among those above")
 
 
 def test_a_pilot_run_does_not_count_steps_of_settling():

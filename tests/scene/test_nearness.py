@@ -7,7 +7,7 @@ from tiers import wide
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
-from pgimp.scene.checks import nearness
+from pgimp.scene.checks import bonds, nearness
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.simulation import Simulation
 
@@ -40,7 +40,7 @@ def line(bodies, method=None, **more):
 def bonded(case):
     scene = Scene(case)
     lattice, counts, notes = count_particles(scene, Serial())
-    return list(nearness.bonded(scene, lattice, counts)), notes
+    return list(bonds.bonded(scene, lattice, counts, touching=False)), notes
 
 
 @pytest.mark.parametrize(("shape", "n"), [("gimp", 2), wide("mpm", 2), wide("fuzzy-constant", 2)])

@@ -96,13 +96,22 @@ class Surface(NamedTuple):
         found = self.reach(points)
         return np.where(self.contains(points), -found, found)
 
-    def reach(self, points: Reals) -> Reals:
-        """Distance to the surface, exact; zero or more."""
+    def reach(self, points: Reals, step: float | None = None) -> Reals:
+        """Distance to the surface, exact; zero or more.
+
+        With a `step` (n, 1 + 2 D): of the points, and of those a step ahead along each direction,
+        and behind.
+        """
         from pgimp.geometry.mesh.treekernels import distances
 
-        out = np.empty(len(points))
-        distances(self.triangles, self.low, self.high, self.leaves, self._lift(points), out)
-        return out
+        beside = np.zeros((0, 3))
+        if step is not None:
+            ahead = step * np.eye(3)[[0, 2] if self.dimensions == 2 else [0, 1, 2]]
+            beside = np.concatenate([ahead, -ahead])
+        out = np.empty((len(points), 1 + len(beside)))
+        tree = self.triangles, self.low, self.high, self.leaves
+        distances(*tree, self._lift(points), beside, out)
+        return out[:, 0] if step is None else out
 
     def crossings(self, points: Reals, axis: int) -> Reals:
         """Intersections of lines through points with the surface, (n, k), NaN where fewer."""

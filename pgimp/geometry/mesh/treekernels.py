@@ -15,6 +15,9 @@ from pgimp.jit.kernel import allocating_kernel, exact, kernel
 LEAF = 4
 _DEEP = 64
 
+#: Triangles listed as near to a point, before the list grows.
+_LISTED = 64
+
 
 def _beside(u0, v0, u1, v1, u, v):
     """Side of a point with respect to the line from (u0, v0) to (u1, v1): always the same bits."""
@@ -167,32 +170,92 @@ def _to_triangle(T, t, x, y, z):
 
 
 @allocating_kernel
-def distances(T, low, high, leaves, points, out):
-    """Set `out` to the distances of points, (n, 3), to the nearest triangle."""
-    stack = np.empty(_DEEP, np.int64)
-    near = np.empty(_DEEP)
+def distances(T, low, high, leaves, points, beside, out):
+    """Distances to the nearest triangle, of points and of places beside each of them.
+
+    A triangle that is nearest to a place is hardly farther from the point than the nearest one.
+    So a point and its places take one search.
+
+    Parameters
+    ----------
+    T, low, high, leaves
+        The tree.
+    points : (n, 3) float64
+        The points.
+    beside : (k, 3) float64
+        The places, from the point.
+    out : (n, 1 + k) float64
+        Set to the distances of the point and of its places.
+    """
+    stack, near = np.empty(_DEEP, np.int64), np.empty(_DEEP)
+    listed, squares = np.empty(_LISTED, np.int64), np.empty(_LISTED)
+    places, far = len(beside), 0.0
+    for k in range(places):
+        far = max(far, beside[k, 0] ** 2 + beside[k, 1] ** 2 + beside[k, 2] ** 2)
+    far = 2.0 * np.sqrt(far)
+    last = 0
     for p in range(len(points)):
         x, y, z = points[p, 0], points[p, 1], points[p, 2]
-        best = np.inf
+        # Points come in lines, and the nearest triangle to the last one is not far.
+        best = _to_triangle(T, last, x, y, z) if len(T) else np.inf
+        limit, number = _beyond(best, far), 0
         stack[0], near[0], top = 1, _to_box(low, high, 1, x, y, z), 1
         while top:
             top -= 1
             node = stack[top]
-            if near[top] >= best:
+            if near[top] > limit:
                 continue
-            if node >= leaves:
-                first = (node - leaves) * LEAF
-                for t in range(first, min(first + LEAF, len(T))):
-                    best = min(best, _to_triangle(T, t, x, y, z))
+            if node < leaves:
+                one, two = 2 * node, 2 * node + 1
+                a, b = _to_box(low, high, one, x, y, z), _to_box(low, high, two, x, y, z)
+                if a < b:  # the nearer one first
+                    one, two, a, b = two, one, b, a
+                if a <= limit:
+                    stack[top], near[top] = one, a
+                    top += 1
+                if b <= limit:
+                    stack[top], near[top] = two, b
+                    top += 1
                 continue
-            one, two = 2 * node, 2 * node + 1
-            a, b = _to_box(low, high, one, x, y, z), _to_box(low, high, two, x, y, z)
-            if a < b:  # the nearer one first
-                one, two, a, b = two, one, b, a
-            stack[top], near[top] = one, a
-            stack[top + 1], near[top + 1] = two, b
-            top += 2
-        out[p] = np.sqrt(best)
+            first = (node - leaves) * LEAF
+            for t in range(first, min(first + LEAF, len(T))):
+                square = _to_triangle(T, t, x, y, z)
+                if square < best:
+                    best, last = square, t
+                    limit = _beyond(best, far)
+                if places and square <= limit:
+                    if number == len(listed):
+                        number = _shorten(listed, squares, number, limit)
+                        if 2 * number > len(listed):
+                            listed = np.append(listed, listed)
+                            squares = np.append(squares, squares)
+                    listed[number], squares[number] = t, square
+                    number += 1
+        out[p, 0] = np.sqrt(best)
+        number = _shorten(listed, squares, number, limit)
+        for k in range(places):
+            u, v, w = x + beside[k, 0], y + beside[k, 1], z + beside[k, 2]
+            best = np.inf
+            for n in range(number):
+                best = min(best, _to_triangle(T, listed[n], u, v, w))
+            out[p, 1 + k] = np.sqrt(best)
+
+
+@kernel
+def _beyond(square, far):
+    """Square of a distance that is longer by `far`, and by what rounding may hide."""
+    return square if far == 0.0 else (np.sqrt(square) + far) ** 2 * (1.0 + 1e-12)
+
+
+@kernel
+def _shorten(listed, squares, number, limit):
+    """Keep the listed triangles within a distance, squared; return their number."""
+    kept = 0
+    for n in range(number):
+        if squares[n] <= limit:
+            listed[kept], squares[kept] = listed[n], squares[n]
+            kept += 1
+    return kept
 
 
 @allocating_kernel

@@ -171,9 +171,9 @@ class Region(ABC):
         """
         return self.distance(points)
 
-    def distance_beside(self, points: Points, known: Lengths, step: float) -> Lengths:
-        """Return `signed_distance` of points `step` away from others, of which it is known."""
-        return self.signed_distance(points)
+    def distances_around(self, points: Points, step: float) -> Lengths:
+        """Return `signed_distance` of points and a step beside them, see `around`, (n, 1 + 2 D)."""
+        return np.stack([self.signed_distance(place) for place in around(points, step)], axis=1)
 
     @abstractmethod
     def curved(self, points: Points) -> Lengths:
@@ -205,6 +205,12 @@ class Region(ABC):
         ndarray of float64, shape (n, k)
             Coordinates along the axis in any order; NaN where a line has fewer than k.
         """
+
+
+def around(points: Points, step: float) -> list[Points]:
+    """Return points, those a step ahead of them along each direction, and those behind."""
+    ahead = step * np.eye(points.shape[1])
+    return [points, *(points + one for one in ahead), *(points - one for one in ahead)]
 
 
 def roots(a: Lengths | float, b: Lengths, c: Lengths) -> Lengths:

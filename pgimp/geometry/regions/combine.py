@@ -88,6 +88,10 @@ class Combination(RootModel[Annotated[tuple[RegionEntry, ...], Field(min_length=
         """See `Region.signed_distance`."""
         return self._combined(part.signed_distance(points) for part in self.root)
 
+    def distances_around(self, points: Points, step: float) -> Lengths:
+        """See `Region.distances_around`."""
+        return self._combined(part.distances_around(points, step) for part in self.root)
+
     def curved(self, points: Points) -> Lengths:
         """See `Region.curved`."""
         nearest = self.root[0].curved(points)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
-from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Points, Region
+from pgimp.geometry.regions.base import Bounds, Lengths, Mask, Plane, Points, Region, around
 from pgimp.schema.base import Model
 
 if TYPE_CHECKING:
@@ -63,11 +63,13 @@ class Enclosed(Model, Region):
         """See `Region.distance`; exact."""
         return self.surface.distance(points)
 
-    def distance_beside(self, points: Points, known: Lengths, step: float) -> Lengths:
-        """See `Region.distance_beside`; the side is the same, unless the surface is near."""
-        found = np.copysign(self.surface.reach(points), known)
-        near = np.flatnonzero(np.abs(known) <= 2.0 * step)
-        found[near] = self.distance(points[near])
+    def distances_around(self, points: Points, step: float) -> Lengths:
+        """See `Region.distances_around`; the side is the same, unless the surface is near."""
+        found = self.surface.reach(points, step)
+        found[self.contains(points)] *= -1.0
+        near = np.flatnonzero(np.abs(found[:, 0]) <= 2.0 * step)
+        for k, place in enumerate(around(points[near], step)):
+            found[near, k] = np.where(self.contains(place), -1.0, 1.0) * np.abs(found[near, k])
         return found
 
     def curved(self, points: Points) -> Lengths:

@@ -141,22 +141,23 @@ def _field(found: Heights, bottom: float) -> Surface:
     near = np.stack([i, j, np.zeros_like(i)], axis=1).astype(np.uint64)
     order = np.argsort(interleave(near), kind="stable")
     i, j = i[order], j[order]
-    cells = np.empty((len(i), 4, 3, 3))
+    sides = 2 * (n + m - 2)
+    triangles = np.empty((4 * len(i) + 2 * sides + 2, 3, 3))
+    cells = triangles[: 4 * len(i)].reshape(-1, 4, 3, 3)
     corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
     for k, (a, b) in enumerate(corners):
-        for own in (cells[:, k, 0], cells[:, k - 1, 1]):
-            own[:, 0], own[:, 1], own[:, 2] = x[a], y[b], z[a, b]
-    middles = 0.25 * (cells[:, 0, 0] + cells[:, 1, 0] + cells[:, 2, 0] + cells[:, 3, 0])
-    cells[:, :, 2] = middles[:, None]
+        for axis, values in enumerate((x[a], y[b], z[a, b])):
+            cells[:, k, 0, axis] = cells[:, k - 1, 1, axis] = values
+    cells[:, :, 2] = (0.25 * cells[:, :, 0].sum(axis=1))[:, None]
     # The nodes round the edge, anticlockwise, and what lies below them.
     nodes = np.stack([*np.meshgrid(x, y, indexing="ij"), z], axis=2)
     edge = np.concatenate([nodes[:-1, 0], nodes[-1, :-1], nodes[:0:-1, -1], nodes[0, :0:-1]])
     foot = np.column_stack([edge[:, :2], np.full(len(edge), bottom)])
     next_edge, next_foot = np.roll(edge, -1, axis=0), np.roll(foot, -1, axis=0)
-    sides = [[edge, foot, next_foot], [edge, next_foot, next_edge]]
-    around = np.stack([np.stack(side, axis=1) for side in sides], axis=1).reshape(-1, 3, 3)
+    around = triangles[4 * len(i) : -2].reshape(-1, 2, 3, 3)
+    around[:, 0] = np.stack([edge, foot, next_foot], axis=1)
+    around[:, 1] = np.stack([edge, next_foot, next_edge], axis=1)
     low, high = (x[0], y[0], bottom), (x[-1], y[-1], bottom)
-    below = [[low, (x[0], y[-1], bottom), high], [low, high, (x[-1], y[0], bottom)]]
-    triangles = np.concatenate([cells.reshape(-1, 3, 3), around, np.array(below)])
+    triangles[-2:] = [[low, (x[0], y[-1], bottom), high], [low, high, (x[-1], y[0], bottom)]]
     one = np.zeros(len(triangles), np.int64)
     return Surface(triangles, one, *boxes_of(triangles), 3, facets=len(triangles))

@@ -51,12 +51,15 @@ class EnergyBook(NamedTuple):
         last of `taken` closes the balance: what the method lost, artificial viscosity included.
     scale : float
         The greatest energy that was present or given.
+    moved : float
+        Energy set in motion: kinetic at the start, and whenever it rose from line to line.
     """
 
     given: list[Entry]
     stored: list[Entry]
     taken: list[Entry]
     scale: float
+    moved: float
 
     @property
     def lost(self) -> Array:
@@ -101,7 +104,9 @@ def energy_book(history: Array) -> EnergyBook | None:
     supplied = sum((entry.values for entry in given), np.zeros(len(history)))
     present = sum((entry.values for entry in stored), np.zeros(len(history)))
     scale = float(np.nanmax(np.abs(np.concatenate([supplied, present]))))
-    return EnergyBook(given, stored, taken, scale) if scale > 0.0 else None
+    motion = _known(kinetic)
+    moved = float(motion[0] + np.maximum(np.diff(motion), 0.0).sum())
+    return EnergyBook(given, stored, taken, scale, moved) if scale > 0.0 else None
 
 
 def _has(names: tuple[str, ...], name: str) -> bool:

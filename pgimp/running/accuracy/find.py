@@ -12,7 +12,8 @@ from pgimp.errors import PgimpError
 from pgimp.io.results.history import read_sums
 from pgimp.running.accuracy.books import edited_functions, energy_book, momentum_books
 from pgimp.running.accuracy.particles import BodyState, body_states
-from pgimp.running.accuracy.rules import Indicator
+from pgimp.running.accuracy.rules import RULES, Indicator
+from pgimp.scene.checks.locking import locked
 from pgimp.scene.checks.supports import held_at
 from pgimp.scene.checks.validity.tearing import flows
 from pgimp.solver.time.stability import stable_courant
@@ -27,6 +28,8 @@ Boxes = Mapping[str, tuple[Sequence[float], Sequence[float]]]
 
 #: Shapes whose boxes keep their size, and those whose boxes do not part when stretched.
 _CONSTANT, _JOINED = ("gimp", "bspline-quadratic"), ("cpdi", "cpdi-corners")
+#: Energy set in motion over the greatest, from which a loss is compared with both.
+_TO_AND_FRO = 2.0
 #: Cells from a face within which a body lies at it.
 _AT = 0.5
 AXES = "xyz"
@@ -73,7 +76,11 @@ def of_history(case: Case, history: Array, edited: Collection[str] = ()) -> Iter
         lost = np.nan_to_num(book.lost)
         if -lost.min() > 0.0:
             yield Indicator("gained", float(-lost.min()))
-        yield Indicator("lost", max(float(lost[-1]), 0.0))
+        part, of = max(float(lost[-1]), 0.0), ""
+        if part > 0.0 and book.moved > _TO_AND_FRO * book.scale:
+            share = RULES["lost"].number(part * book.scale / book.moved)
+            of = f", {share} of what was set in motion"
+        yield Indicator("lost", part, of=of)
     if case.time.mass_scaling != 1.0 and float(history["strain-energy"][-1]) > 0.0:
         part = float(history["kinetic-energy"][-1]) / float(history["strain-energy"][-1])
         yield Indicator("inertia", part)
@@ -127,6 +134,8 @@ def of_case(case: Case, boxes: Boxes, courant: Any = None) -> Iterator[Indicator
         across = _cells_across(case, np.array(low, float), np.array(high, float))
         if np.isfinite(across):
             yield Indicator("cells", across, name)
+    for name, ratio in locked(case):
+        yield Indicator("locked", ratio, name)
     if any(body.configuration == "current" for body in case.bodies.values()):
         if case.method.shape not in (*_JOINED, "mpm"):
             yield Indicator("per-cell", float(min(case.method.particles_per_cell)))

@@ -124,6 +124,13 @@ RULES = {
     "cells": Rule(
         "cells across", 8.0, "", "hard-cases.md#locking", "smaller cells (grid.cell)", least=True
     ),
+    "locked": Rule(
+        "Poisson's ratio with pointwise volumes",
+        0.45,
+        "",
+        "hard-cases.md#locking",
+        "method.volumetric: mean",
+    ),
     "per-cell": Rule(
         "particles a cell and direction",
         2.0,
@@ -194,11 +201,14 @@ class Indicator(NamedTuple):
     value : float
     where : str
         The body or rigid body that it is about; may be empty.
+    of : str
+        What else the value is relative to, with the value in that measure; may be empty.
     """
 
     name: str
     value: float
     where: str = ""
+    of: str = ""
 
     @property
     def rule(self) -> Rule:
@@ -224,7 +234,7 @@ class Indicator(NamedTuple):
         rule = self.rule
         of = f" '{self.where}'" if self.where else ""
         bound = f"{'from' if rule.least else 'up to'} {rule.number(rule.bound)}"
-        return f"{rule.label}{of} {rule.beyond(self.value)}{rule.of} (well {bound})"
+        return f"{rule.label}{of} {rule.beyond(self.value)}{rule.of}{self.of} (well {bound})"
 
 
 def line(found: list[Indicator]) -> str:

@@ -39,6 +39,13 @@ def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
         )
 
 
+def locked(case: Case) -> Iterator[tuple[str, float]]:
+    """Yield each body with pointwise volumes, and its Poisson's ratio, where that is known."""
+    for body, _, material in _pointwise(case):
+        if ratio := _ratio(body, material, None):
+            yield body, ratio
+
+
 def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[str]:
     """Yield a note for each plastically flowing solid, whose stress shows stripes.
 

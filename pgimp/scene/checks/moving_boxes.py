@@ -1,6 +1,7 @@
-"""Bounding boxes of the bodies, and their motion if only walls and constraints stop them.
+"""Bounding boxes of the bodies, and their motion if walls, constraints and supports stop them.
 
-Only the case is used: gravity, initial velocities, constraints, and faces that hold.
+Only the case is used: gravity, initial velocities, constraints, faces that hold, and bodies at rest
+on which others lie.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pgimp.geometry.regions import Points
+from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.loads.own_velocity import OwnVelocity
 from pgimp.physics.loads.turning import rotation_matrix
 from pgimp.scene.checks.supports import held_at
@@ -28,6 +30,8 @@ AXES = "xyz"
 
 #: Number of instants at which distances of bodies are checked; fewer if there are many bodies.
 _INSTANTS, _FEWEST_INSTANTS, _PLACES = 129, 9, 20_000
+#: Bodies on each other that are seen; most bodies among which supports are looked for.
+_STACKED, _MOST_BODIES = 4, 60
 #: Distances below this part of a cell count as contact.
 TOUCH = 1e-6
 
@@ -56,7 +60,7 @@ def instants(case: Case) -> np.ndarray:
 def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
     """Bounding boxes of all bodies of a material at `times`, the first of which is the start."""
     fall = _integral(_fall(case, times), times)
-    boxes = []
+    starts, ways, widths, turned = [], [], [], {}
     for name, body in case.bodies.items():
         low, high = (np.array(end, float) for end in body.region.bounds())
         if isinstance(body.region, Points):  # bounds of centres; half a particle lies beyond
@@ -72,15 +76,83 @@ def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
             displacement = np.zeros((len(times), len(low)))
         else:
             displacement = velocity * times[:, None] + _integral(fall, times)
-        displacement = _stopped(case, low, high, displacement)
+        starts.append(np.stack([low, high]))
+        ways.append(_stopped(case, low, high, displacement))
         wider = np.zeros_like(displacement)
         if turns:
             wider[1:] = 0.5 * (float(np.linalg.norm(high - low)) - (high - low))
-        first, last = low - wider, high + wider
+        widths.append(wider)
         if moved and moved[-1].rotation:
-            first, last = _turned(low, high, moved[-1].rotation, times)
-        boxes.append(Box(name, first + displacement, last + displacement))
+            turned[name] = _turned(low, high, moved[-1].rotation, times)
+    _borne(case, np.array(starts), ways)
+    boxes = []
+    for name, (low, high), way, wider in zip(case.bodies, starts, ways, widths, strict=True):
+        first, last = turned.get(name, (low - wider, high + wider))
+        boxes.append(Box(name, first + way, last + way))
     return boxes
+
+
+def _borne(case: Case, starts: np.ndarray, ways: list[np.ndarray]) -> None:
+    """Stop boxes where they come to bodies at rest, on which they then lie.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    starts : (bodies, 2, D) float64
+        Low and high corners at the start.
+    ways : list of (instants, D) float64
+        Displacements, which are limited in place.
+    """
+    if len(starts) > _MOST_BODIES:
+        return
+    acts, cell = felt(case), np.array(case.grid.cell)
+    fixed = [
+        (number, np.array(entry.region.bounds(), float))
+        for number, entry in enumerate(case.rigid_bodies.values(), len(starts))
+        if not (entry.free or entry.moves or any(p.FROM_FILE for p in entry.region.simple()))
+    ]
+    for _ in range(_STACKED):
+        before = [way.copy() for way in ways]
+        still = [(np.abs(way) <= TOUCH * cell).all() for way in ways]
+        for i, way in enumerate(ways):
+            for j, (other, rests) in enumerate(zip(starts, still, strict=True)):
+                if i != j and rests and acts[i, j]:
+                    _stop(starts[i], other, way)
+            for j, other in fixed:
+                if acts[i, j]:
+                    _stop(starts[i], other, way)
+        if all(np.array_equal(way, old) for way, old in zip(ways, before, strict=True)):
+            return
+
+
+def _stop(own: np.ndarray, other: np.ndarray, way: np.ndarray) -> None:
+    """Limit the displacement of a box along each axis by another one that lies there, at rest."""
+    low, high = own[0] + way, own[1] + way
+    beside = (low < other[1]) & (high > other[0])
+    for axis in range(own.shape[1]):
+        facing = np.delete(beside, axis, axis=1).all(axis=1)
+        if own[0, axis] > other[0, axis] and own[1, axis] > other[1, axis]:
+            least = min(0.0, other[1, axis] - own[0, axis])
+            way[facing, axis] = np.maximum(way[facing, axis], least)
+        elif own[1, axis] < other[1, axis] and own[0, axis] < other[0, axis]:
+            most = max(0.0, other[0, axis] - own[1, axis])
+            way[facing, axis] = np.minimum(way[facing, axis], most)
+
+
+def felt(case: Case) -> np.ndarray:
+    """Pairs of bodies, also rigid ones, that feel each other, (n, n) bool.
+
+    They do by contact, or by a shared field, which bodies in the initial configuration have not.
+    """
+    names = [*case.bodies, *case.rigid_bodies]
+    entry = Pairs.of(case.contact, names).entry
+    initial = np.array([body.configuration == "initial" for body in case.bodies.values()])
+    alone = np.zeros(len(names), bool)
+    alone[: len(initial)] = initial
+    shares = np.abs(entry) > len(case.contact)
+    acts = np.triu(np.where(shares, ~(alone[:, None] | alone), entry != 0), 1)
+    return acts | acts.T
 
 
 def _turned(

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from functools import partial
+from itertools import chain
 from math import hypot
 from operator import sub
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,9 @@ from pgimp.scene.rigid.rigid import SceneRigidBodies
 #: In cells: contact tolerance between surfaces of regions, and between surfaces rounded by a
 #: lattice of distances; allowed depth in walls and rigid bodies; distance for the closer check.
 _TOUCH, _ROUNDED, _PAST, _NEAR = 0.05, 0.2, 0.5, 0.3
+
+#: An overlap: depth, negative, the position, and the names of body and rigid body.
+_Overlap = tuple[float, tuple[float, ...], int, str]
 
 
 def require_slow(rigid_bodies: SceneRigidBodies, dt: float) -> None:
@@ -54,7 +56,7 @@ def require_apart(
     blocks: Iterable[tuple[NDArray[np.float64], NDArray[np.int32]]],
     comm: Communicator,
 ) -> None:
-    """Refuse bodies that overlap rigid ones at the start; collective.
+    """Refuse bodies that overlap rigid ones at the start, and free surfaces; collective.
 
     The depth follows from the regions, at particles that lie in both. Bodies from files have no
     depth: there a particle's centre may be inside by half its size.
@@ -69,22 +71,27 @@ def require_apart(
     CaseError
         On every rank.
     """
-    regions = [body.region for body in rigid_bodies.case.bodies.values()]
-    placed, found = rigid_bodies.at(0.0, 0.0), []
+    placed, near = rigid_bodies.at(0.0, 0.0), []
     for x, body in blocks:
         distance = np.empty(len(x))
         for t, name in enumerate(rigid_bodies.names):
             distances(placed, t, rigid_bodies.frame, x, distance)
-            near = np.flatnonzero(distance < _NEAR * min(rigid_bodies.frame.cell))
-            for number in np.unique(body[near]):
-                own = near[body[near] == number]
-                depth = _depths(rigid_bodies, name, regions[number], x[own], distance[own])
-                deepest = int(depth.argmax())
-                if depth[deepest] > 0.0:
-                    position = tuple(x[own[deepest]].tolist())
-                    found.append((-float(depth[deepest]), position, int(number), name))
-    every = [one for some in comm.allgather(found) for one in some]
-    every += on_root(comm, partial(_within_bodies, rigid_bodies))
+            rows = np.flatnonzero(distance < _NEAR * min(rigid_bodies.frame.cell))
+            for number in np.unique(body[rows]).tolist():
+                own = rows[body[rows] == number]
+                near.append((name, number, x[own], distance[own]))
+    gathered = comm.gather(near)
+
+    def overlaps() -> list[_Overlap]:  # surfaces from files are on rank 0
+        every = [
+            found
+            for name, number, x, distance in chain.from_iterable(gathered)
+            for found in _overlap(rigid_bodies, name, number, x, distance)
+        ]
+        return every + _within_bodies(rigid_bodies)
+
+    every = on_root(comm, overlaps)
+    rigid_bodies.release()
     if not every:
         return
     deep, position, inside, name = min(every)
@@ -97,30 +104,29 @@ def require_apart(
         )
 
 
-def _depths(
+def _overlap(
     rigid_bodies: SceneRigidBodies,
     name: str,
-    region: Any,
+    number: int,
     x: NDArray[np.float64],
     distance: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Depth of a body in a rigid one, at each particle nearby; zero without overlap.
+) -> Iterator[_Overlap]:
+    """Yield the greatest overlap of a body with a rigid one, at its particles nearby.
 
     Between two overlapping surfaces the distances from both add up to the depth.
     """
-    cell = np.array(rigid_bodies.frame.cell)
+    cell, case = np.array(rigid_bodies.frame.cell), rigid_bodies.case
+    region = [*case.bodies.values()][number].region
     if region.WHOLE_BODY:
-        size = cell / np.array(rigid_bodies.case.method.particles_per_cell)
+        size = cell / np.array(case.method.particles_per_cell)
         depth, least = -distance, 0.5 * float(np.sqrt(np.square(size).sum()))
     else:
-        ends = [
-            rigid_bodies.case.rigid_bodies[name].region.signed_distance(
-                rigid_bodies.nearest(name, x)
-            ),
-            region.signed_distance(x),
-        ]
+        rigid = case.rigid_bodies[name].region.signed_distance(rigid_bodies.nearest(name, x))
+        ends = [rigid, region.signed_distance(x)]
         depth, least = np.where(np.max(ends, axis=0) < 0.0, -np.sum(ends, axis=0), 0.0), 0.0
-    return np.where(depth > max(least, _TOUCH * float(cell.min())), depth, 0.0)
+    deepest = int(depth.argmax())
+    if depth[deepest] > max(least, _TOUCH * float(cell.min())):
+        yield -float(depth[deepest]), tuple(x[deepest].tolist()), number, name
 
 
 def may_collide(rigid_bodies: SceneRigidBodies, faces: Sequence[Face], states: list[State]) -> bool:
@@ -245,9 +251,7 @@ def require_clear(
     on_root(comm, look)
 
 
-def _within_bodies(
-    rigid_bodies: SceneRigidBodies,
-) -> list[tuple[float, tuple[float, ...], int, str]]:
+def _within_bodies(rigid_bodies: SceneRigidBodies) -> list[_Overlap]:
     """Find overlaps too small to contain particles: depth, position and body.
 
     They show at points of a rigid body's surface; of a body that is within, at the deepest ones.

@@ -76,7 +76,7 @@ def require_densities(case: Case) -> None:
 
 
 def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
-    """Measure a rigid body; its mesh is in memory only meanwhile.
+    """Measure a rigid body.
 
     Raises
     ------
@@ -94,9 +94,6 @@ def measure(case: Case, frame: Frame, name: str, entry: RigidBody) -> Measured:
         return Measured(field, thickness(entry.region, D), inertia, ends)
     except CaseError as error:
         raise CaseError(f"bodies.{name}.region: {error}") from None
-    finally:
-        for part in entry.region.simple():
-            part.__dict__.pop("surface", None)
 
 
 def is_symmetry(face: str, condition: Boundary, free: Free, D: int) -> bool:

@@ -95,8 +95,10 @@ class SceneRigidBodies:
             if not any(part.FROM_FILE for part in entry.region.simple())
         )
 
-    def measure(self, comm: Communicator) -> None:
+    def measure(self, comm: Communicator, keep: bool = False) -> None:
         """Compute the distances on rank 0, and share them with all ranks; collective.
+
+        Surfaces from files are freed then, unless they are to be kept, see `release`.
 
         Raises
         ------
@@ -122,6 +124,14 @@ class SceneRigidBodies:
         self.rate = on_root(comm, self._greatest_rate)
         self.arms = on_root(comm, self._greatest_arms)
         self._kept = None
+        if not keep:
+            self.release()
+
+    def release(self) -> None:
+        """Free surfaces from files."""
+        for entry in self.entries:
+            for part in entry.region.simple():
+                part.__dict__.pop("surface", None)
 
     def borrow(self, other: SceneRigidBodies) -> None:
         """Reuse another stage's measures of the same bodies as placeholders for compiling."""

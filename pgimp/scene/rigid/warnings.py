@@ -1,8 +1,11 @@
-"""Warnings of rigid bodies: fast, through a plane of symmetry, without a load, on an axis."""
+"""Warnings of rigid bodies: fast, through a plane of symmetry, without a load, on an axis.
+
+And notes on those that are known in part.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -76,13 +79,52 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
     return found + _through_planes(scenes)
 
 
+def known_in_part(scene: Scene) -> Iterator[str]:
+    """Yield a note on each rigid body whose surface is known only so far beyond the domain.
+
+    A run ends where a body in the initial configuration comes farther, see
+    `pgimp.solver.contact.lagrangian.known`.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its rigid bodies are measured.
+    """
+    case, every, pairs = scene.case, scene.interaction.rigid_bodies, scene.interaction.pairs
+    if pairs is None:
+        return
+    D, first = scene.dimension, len(scene.body_names)
+    initial = np.array([body.configuration == "initial" for body in case.bodies.values()])
+    closed = np.asarray(scene.domain.periods) > 0.0
+    domain = np.array([case.grid.origin, case.grid.corner])
+    times = np.linspace(0.0, case.time.end, _INSTANTS)
+    for number, (field, ends) in enumerate(zip(every.fields, every.ends, strict=True)):
+        known = np.array([field.low, field.low + field.spacing * (field.shape - 1)])[:, :D]
+        short = np.array([ends[0] < known[0], ends[1] > known[1]]) & ~closed
+        if not (short.any() and (initial & (pairs.entry[:first, first + number] != 0)).any()):
+            continue
+        motion = every.entries[number].rigid
+        ways = [motion.displacement(t)[:D] for t in times] if isinstance(motion, Motion) else [0.0]
+        beyond = np.min(
+            [[domain[0] - known[0] - way, known[1] + way - domain[1]] for way in ways], 0
+        )
+        side, axis = np.unravel_index(np.where(short, beyond, inf).argmin(), short.shape)
+        yield (
+            f"bodies.{every.names[number]}.region: it is large, and known only to "
+            f"{beyond[side, axis]:.3g} beyond the domain at {'xyz'[axis]}-{('min', 'max')[side]}; "
+            "where a body in the initial configuration comes farther the run ends: a larger grid "
+            "costs nothing where it is empty, or end the region where nothing comes"
+        )
+
+
 def _edges_on_axis(scene: Scene) -> list[str]:
     """Warnings of bodies whose section ends on the axis, or less than a cell beyond it."""
     if not scene.case.axisymmetric:
         return []
     found, cell = [], scene.case.grid.cell[0]
-    for name, entry in scene.case.rigid_bodies.items():
-        (low, _), (high, _) = (end[:2] for end in entry.region.bounds())
+    bodies = scene.interaction.rigid_bodies
+    for name, ends in zip(bodies.names, bodies.ends, strict=True):
+        low, high = ends[:, 0].tolist()
         if -cell < low < _ON_AXIS * cell:
             found.append(
                 f"bodies.{name}.region: its section ends on the axis, where contact sees an edge; "

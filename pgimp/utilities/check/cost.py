@@ -9,6 +9,7 @@ from pgimp.scene.bodies.extent import extents
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.scene import Scene
 from pgimp.solver.start.memory import Estimate, estimate, size_text
+from pgimp.utilities.check.settling import Settling
 from pgimp.utilities.model.costs import Costs, Network
 from pgimp.utilities.model.layout import layout_now, layout_of
 from pgimp.utilities.model.measure import costs_of, run_in_turn
@@ -52,6 +53,7 @@ def report_cost(
     costs: Costs,
     crossing: float,
     steps: float,
+    settling: Settling,
     verbose: bool,
 ) -> None:
     """Print the time on this machine, the number of ranks that pays off, and its limit's reason."""
@@ -70,6 +72,9 @@ def report_cost(
         f"time             {_time_text(steps * one)} on one rank of this machine, without output "
         f"({1e-6 * count / one:.3g} million particle-steps/s measured){alone}"
     )
+    if settling.high:
+        low, high = (_time_text(number * one) for number in settling)
+        print(f"{'':<16} and {low} to {high} more until all is at rest, by estimate")
     if steps * one >= _YEAR:
         print("warning: nobody will see the end; is time.end or time.step what it should be?")
     there = f"there {_time_text(steps * best['seconds'])}, {size_text(best['memory'])} a rank"

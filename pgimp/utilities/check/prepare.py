@@ -125,7 +125,7 @@ def pace_of(courant: float, bodies: Sequence[BodyFacts], inverse: float) -> floa
 
 def _look_at_rigid(scene: Scene, lattice: Lattice, counts: np.ndarray) -> None:
     """Refuse rigid bodies that are too thin or overlap others, as in a run."""
-    scene.interaction.rigid_bodies.measure(Serial())
+    scene.interaction.rigid_bodies.measure(Serial(), keep=True)
     blocks = (
         (block.positions, np.full(len(block.ids), body, np.int32))
         for body in range(len(lattice.bodies))

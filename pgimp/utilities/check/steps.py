@@ -11,6 +11,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.start.validate_stages import stage_rate
 from pgimp.solver.time.limiting import limiting
 from pgimp.solver.time.stability import stable_courant
+from pgimp.utilities.check.settling import Settling
 from pgimp.utilities.model.pilot import Pilot
 
 #: Relative error up to which a number of steps is only "about".
@@ -36,22 +37,28 @@ def report_steps(case: Case, steps: float, tried: Pilot | None, first: str) -> f
     return tried.steps
 
 
-def report_settling(case: Case) -> None:
-    """Say that the steps in which the start comes to rest are not among those reported."""
+def report_settling(case: Case, settling: Settling) -> None:
+    """Say in how many steps the start may come to rest; they are not among those reported."""
     if case.start.settle:
         print(
-            f"settling         before, at t = 0, in at most {case.start.settle.steps:,} steps, "
-            "which are not counted here or in the time, and which no pilot run predicts"
+            f"settling         before, at t = 0, by estimate in {settling.text()} steps, at most "
+            f"{case.start.settle.steps:,}; they are not among those above, and write checkpoints "
+            "alone"
         )
 
 
 def report_stages(
-    case: Case, scenes: Sequence[Scene], factor: float, varied: Mapping[str, float]
+    case: Case,
+    scenes: Sequence[Scene],
+    factor: float,
+    varied: Mapping[str, float],
+    settling: Sequence[Settling],
 ) -> float:
     """Describe the changes by the stages after the first; return their approximate steps.
 
     `factor` is the number of the first stage's steps over the number at rest, if waves set their
-    length. `varied` has rates of bodies whose materials vary, see `stage_rate`.
+    length. `varied` has rates of bodies whose materials vary, see `stage_rate`; `settling` the
+    steps to rest of all stages.
     """
     total = 0.0
     for stage, scene in zip(case.time.stages, scenes[1:], strict=True):
@@ -67,8 +74,8 @@ def report_stages(
         if stage.settle:
             print(
                 f"stage {one.staged.number + 1:<10} '{stage.name}' settles at t = "
-                f"{one.time.end:g}, in at most {stage.settle.steps:,} steps, which are not "
-                f"counted here; changes {what}"
+                f"{one.time.end:g}, by estimate in {settling[one.staged.number].text()} steps, "
+                f"at most {stage.settle.steps:,}; changes {what}"
             )
             continue
         print(

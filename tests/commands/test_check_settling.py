@@ -1,0 +1,92 @@
+"""``pgimp check`` on steps to rest: an estimate against measured numbers, and their output."""
+
+import re
+from pathlib import Path
+
+import pytest
+from checked import PLATE, facts
+from mentioned import mentions
+from scenes import box, scene
+from studies.quiet import settle
+
+import pgimp
+from pgimp.case.reader import read_case
+from pgimp.case.schema import Case
+from pgimp.running import forecast
+from pgimp.utilities.check.settling import settling_steps
+
+PAGE = Path(__file__).parents[2] / "docs" / "case-file.md"
+
+
+def measured():
+    """Steps of the page's table, in the order of the scenes."""
+    text = PAGE.read_text().partition("steps over that | error of the ways |")[2]
+    rows = re.findall(r"^\| [^|]+ \| \S+ \| (\d+) \|", text, re.MULTILINE)
+    return [int(steps) for steps in rows]
+
+
+@pytest.mark.parametrize(
+    ("name", "steps"), [*zip(settle.SCENES, measured(), strict=True)], ids=range(len(settle.SCENES))
+)
+def test_steps_to_rest_are_within_their_estimate(name, steps):
+    """Compact bodies, slender ones that bend, a plate, and water that sloshes."""
+    make, tolerance, _ = settle.SCENES[name]
+    case = Case.model_validate(make()[0] | {"start": {"settle": {"tolerance": tolerance}}})
+    low, high = settling_steps(case, facts(case))
+    assert low < steps < high
+    assert low > 0.05 * steps and high < 3.0 * steps
+
+
+def test_no_more_than_are_allowed_and_none_without():
+    case = read_case(PLATE + "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\n", "x")
+    assert settling_steps(case, facts(case)) == (0.0, 0.0)
+    case = read_case(
+        PLATE + "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {settle: {steps: 9}}\n",
+        "x",
+    )
+    assert settling_steps(case, facts(case)) == (9.0, 9.0)
+
+
+def test_frames_while_a_stage_settles_are_counted(tmp_path):
+    """As many as a run writes; of the steps before time 0 there are none."""
+    body = box([0.0], [16.0]) | {"configuration": "initial"}
+    rest = {"settle": {"tolerance": 1e-3}}
+    case = scene(1, body, cells=[20], step=0.05, gravity=[-1e-2], boundaries={"x-min": "fixed"},
+                 end=0.2, start=rest, output={"every": {"steps": 3}})  # fmt: skip
+    case["materials"]["soft"]["young"] = 1e2
+    case["time"]["stages"] = [{"name": "more", "gravity": [-2e-2], **rest}]
+    checked = Case.model_validate(case)
+    run = pgimp.run(case, output=tmp_path / "run", quiet=True)
+    log = (tmp_path / "run" / "log.txt").read_text()
+    steps = [float(number) for number in re.findall(r"settled in (\d+) steps", log)]
+    assert len(steps) == 2 and min(steps) > 20
+    # Frames of stages begin at a whole number of steps.
+    assert forecast.frames(checked, 4.0, steps) == pytest.approx(len(run.frames), abs=1)
+    assert forecast.frames(checked, 4.0) < len(run.frames) - 5
+
+
+def test_output_by_steps_is_not_doubted_where_a_stage_settles():
+    every = "every: {steps: 3000}"
+    text = PLATE.replace("{courant: 0.3}}", "{courant: 0.3}, stages: [{name: on, settle: {}}]}")
+    assert "stages" in text
+    for key in ("output", "history"):
+        assert not list(forecast.warnings(read_case(text + f"{key}: {{{every}}}", "x"), 2000.0))
+
+
+def test_check_says_the_estimate_and_what_it_does_not_count(capsys, monkeypatch):
+    from pgimp.commands import check
+
+    monkeypatch.setattr(check, "measure", lambda *scene: (None, 0.0))
+    text = PLATE.replace(
+        "{courant: 0.3}}", "{courant: 0.3}, stages: [{name: on, settle: {steps: 600}}]}"
+    ) + "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {settle: {}}\n" \
+        "output: {every: {steps: 20}}\n"  # fmt: skip
+    check.report(read_case(text, "x"))
+    lines = capsys.readouterr().out.splitlines()
+    (first,) = (line for line in lines if line.startswith("settling"))
+    mentions(first, "by estimate in", "at most 100,000", "not among those above", "checkpoints")
+    (stage,) = (line for line in lines if line.startswith("stage 2"))
+    mentions(stage, "settles at t = 1", "by estimate in", "at most 600")
+    (memory,) = (line for line in lines if line.startswith("memory"))
+    low, high = re.search(r"up to .*, in (\d+) to (\d+) frames", memory).groups()
+    assert int(low) < int(high)

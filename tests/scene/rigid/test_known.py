@@ -1,0 +1,75 @@
+"""Rigid bodies beyond the domain: how far they are known, and that `check` says it."""
+
+import pytest
+
+from pgimp.case.schema import Case
+from pgimp.mpi.comm import Serial
+from pgimp.scene.rigid.warnings import known_in_part
+from pgimp.scene.scene import Scene
+
+CASE = {
+    "format": 1,
+    "dimensions": 2,
+    "grid": {"size": [0.4, 0.4], "cell": [0.02, 0.02]},
+    "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+    "time": {"end": 0.5, "step": {"courant": 0.4}},
+    "materials": {
+        "rubber": {"model": "neo-hookean", "young": 1.0e6, "poisson": 0.3, "density": 1000.0}
+    },
+    "bodies": {
+        "block": {
+            "material": "rubber",
+            "configuration": "initial",
+            "region": {"box": {"min": [0.1, 0.1], "max": [0.3, 0.3]}},
+        },
+        "floor": {"rigid": {}, "region": {"box": {"min": [-5.0, -5.0], "max": [5.0, -0.2]}}},
+    },
+    "contact": [{"bodies": ["block", "floor"]}],
+}
+
+
+def scene(**changes):
+    made = Scene(Case.model_validate(CASE | changes))
+    made.interaction.rigid_bodies.measure(Serial())
+    return made
+
+
+def with_floor(block=None, **floor):
+    bodies = CASE["bodies"]
+    return {"bodies": {"block": bodies["block"] | (block or {}), "floor": bodies["floor"] | floor}}
+
+
+def test_a_large_body_is_known_in_part():
+    """The distance is that at which the lattice of distances ends."""
+    one = scene()
+    (field,) = one.interaction.rigid_bodies.fields
+    assert len(field.values) <= 250_000 < (10.0 / 0.01) * (4.8 / 0.01)
+    first, last = field.low[:2], field.low[:2] + field.spacing * (field.shape[:2] - 1)
+    away = min(*(-first), last[0] - 0.4)
+    assert 0.5 < away < 4.6
+    (text,) = known_in_part(one)
+    assert "bodies.floor.region: it is large, and known only to" in text
+    assert float(text.split("known only to ")[1].split()[0]) == pytest.approx(away, rel=5e-3)
+
+
+def test_what_moves_takes_its_lattice_along():
+    """On its way of 0.4 one end comes nearer to the domain; it counts where it is nearest."""
+    made = scene(**with_floor(rigid={"velocity": [0.8, 0.0]}))
+    (text,) = known_in_part(made)
+    (field,) = made.interaction.rigid_bodies.fields
+    first, last = field.low[0], field.low[0] + field.spacing * (field.shape[0] - 1)
+    away = min(0.0 - (first + 0.4), last - 0.4)
+    assert float(text.split("known only to ")[1].split()[0]) == pytest.approx(away, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        with_floor(region={"box": {"min": [-0.5, -0.5], "max": [1.0, -0.2]}}),  # all of it
+        with_floor(block={"configuration": "current"}),  # ends at the domain
+        {"contact": [{"bodies": ["block", "floor"], "law": "ignore"}]},
+    ],
+    ids=["small", "current", "ignored"],
+)
+def test_no_note_where_nothing_is_missed(changes):
+    assert not [*known_in_part(scene(**changes))]
