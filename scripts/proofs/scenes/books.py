@@ -4,10 +4,10 @@
 - Momentum (of rings along their axis) grows by the impulses of gravity, of tractions, and of what
   faces and constraints say that they gave, less what damping took, to rounding. Gravity and
   tractions are summed here from the particles.
-- External work is, to rounding, gravity's (weight times way of each particle), that of rigid
-  bodies, and that of a prescribed motion (force times velocity), where there is no traction and at
-  most one such motion. Faces at rest, and bodies that meet, do none: so books of what is at rest
-  are closed.
+- External work is, to rounding, that of gravity and body forces (force times way of each particle,
+  but for rings), that of rigid bodies, and that of a prescribed motion (force times velocity), where
+  there is no traction and at most one such motion. Faces at rest, and bodies that meet, do none: so
+  books of what is at rest are closed.
 - Energy: kinetic and strain energy exceed those of the start and the external work by no more than
   the time integration explains: by a part of the energy that becomes smaller with the step. Not
   with `volume: initial`, whose forces are those of the strain energy at small strains only. What
@@ -156,7 +156,8 @@ class Books:
             self._momentum.append((off, sim.step, text))
         moves = any(hasattr(entry, "velocity") for entry in _conditions(self.case))
         # The mass of rings moves by the way of its centroid, their positions by that of the middle.
-        known = not self.case.tractions and not (self.case.axisymmetric and self.case.gravity)
+        pulled = self.case.gravity or self.case.body_force
+        known = not self.case.tractions and not (self.case.axisymmetric and pulled)
         # Absorbing faces do the work of the forces with which they hold what was there at first.
         known &= not any(entry.absorbs for entry in self.case.boundaries.values())
         known &= not any(entry.placed for entry in self.case.constraints.values())
