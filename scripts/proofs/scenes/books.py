@@ -5,9 +5,9 @@
   faces and constraints say that they gave, less what damping took, to rounding. Gravity and
   tractions are summed here from the particles.
 - External work is, to rounding, that of gravity and body forces (force times way of each particle,
-  but for rings), that of rigid bodies, and that of a prescribed motion (force times velocity), where
-  there is no traction and at most one such motion. Faces at rest, and bodies that meet, do none: so
-  books of what is at rest are closed.
+  but for rings), that of rigid bodies, and that of a prescribed motion (force times velocity),
+  where there is no traction and at most one such motion. Faces at rest, and bodies that meet, do
+  none: so books of what is at rest are closed.
 - Energy: kinetic and strain energy exceed those of the start and the external work by no more than
   the time integration explains: by a part of the energy that becomes smaller with the step. Not
   with `volume: initial`, whose forces are those of the strain energy at small strains only. What
@@ -33,7 +33,7 @@ import math
 
 import numpy as np
 from proofs.scenes.energy import Seen
-from proofs.scenes.own.by_hand import forces_by_hand
+from proofs.scenes.own.by_hand import pulls_of_step
 
 from pgimp.errors import RunError
 from pgimp.scene.checks.facts import wave_speed
@@ -123,16 +123,16 @@ class Books:
             self.case, self._line = sim.case, sim.diagnostics()
         rows, start, last = sim.live(), sim.time, self._line
         gravity = np.array(sim.scene.domain.gravity(start)[:D])
-        pull = gravity + forces_by_hand(sim, rows)  # per mass of each particle
-        impulse = last["mass"] * gravity + patch_forces(sim)
-        impulse += ((pull - gravity) * sim.particles.m[rows, None]).sum(axis=0)
-        ids, p = sim.particles.id[rows].tolist(), sim.particles
-        x = unwrapped(sim, rows)
-        weight = pull * p.m[rows, None]
-        before, weight = (dict(zip(ids, of, strict=True)) for of in (x, weight))
+        impulse = patch_forces(sim)
+        ids = sim.particles.id[rows].tolist()
+        before = dict(zip(ids, unwrapped(sim, rows), strict=True))
         seen, affine = Seen(), self.case.method.affine
-        with seen.step() if self._accelerates or affine else contextlib.nullcontext():
+        with contextlib.ExitStack() as stack:
+            weight = stack.enter_context(pulls_of_step(sim, gravity))
+            if self._accelerates or affine:
+                stack.enter_context(seen.step())
             sim.advance()
+        impulse += sum(weight.values())
         gained = seen.accelerated() if self._accelerates else 0.0
         if affine:
             gained -= seen.unbalanced()

@@ -1,6 +1,29 @@
 """The body forces of `random_functions.py`, and of water in the ground, once more, by NumPy."""
 
+import contextlib
+from unittest import mock
+
 import numpy as np
+
+from pgimp.solver import step as stepping
+
+
+@contextlib.contextmanager
+def pulls_of_step(sim, gravity):
+    """Gravity's and body forces' force on each particle, by id, in the one step done meanwhile.
+
+    Seen where particles are summed: damping may have stopped them since the step before.
+    """
+    found, sums = {}, stepping.sum_particles
+
+    def summed(*words, **keys):
+        rows, p = sim.live(), sim.particles
+        pull = p.m[rows, None] * (gravity + forces_by_hand(sim, rows))
+        found.update(zip(p.id[rows].tolist(), pull, strict=True))
+        sums(*words, **keys)
+
+    with mock.patch.object(stepping, "sum_particles", summed):
+        yield found
 
 
 def forces_by_hand(sim, rows):
