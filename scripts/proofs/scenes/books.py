@@ -33,7 +33,7 @@ import math
 
 import numpy as np
 from proofs.scenes.energy import Seen
-from proofs.scenes.own.by_hand import pulls_of_step
+from proofs.scenes.own.by_hand import patch_forces, pulls_of_step
 
 from pgimp.errors import RunError
 from pgimp.scene.checks.facts import wave_speed
@@ -55,26 +55,6 @@ RATE = 0.15
 RIGID = 0.002
 #: Of mass times speed times size.
 ANGULAR = 0.02
-
-
-def patch_forces(sim):
-    """Force of all tractions, from the particles' deformation and areas by Nanson's formula."""
-    D, rows, p = sim.scene.dimension, sim.live(), sim.particles
-    total = np.zeros(3)
-    loads = sim.scene.interaction.loads.at(sim.time)
-    for load in loads.tractions:
-        area = p.patch[rows, load.column]
-        F = np.tile(np.eye(3), (len(rows), 1, 1))
-        F[:, :D, :D] = p.F[rows, : D * D].reshape(-1, D, D)
-        if sim.case.axisymmetric:
-            F[:, 2, 2] = p.F[rows, D * D]
-        normal = np.zeros(3)
-        normal[load.axis] = load.side
-        cofactor = np.linalg.det(F)[:, None, None] * np.linalg.inv(F).transpose(0, 2, 1)
-        n = (cofactor @ normal) * area[:, None]
-        size = np.linalg.norm(n, axis=1).sum()
-        total += np.array(load.traction) * size - load.pressure * n.sum(axis=0)
-    return total[:D]
 
 
 def _passed(line):
@@ -171,13 +151,16 @@ class Books:
             return
         ids, x = sim.particles.id[rows].tolist(), unwrapped(sim, rows)
         work = sum(weight[i] @ (x[n] - before[i]) for n, i in enumerate(ids))
-        for kind in ("boundaries", "constraints"):
+        time = _passed(line) - _passed(last)
+        for kind, column in ("boundaries", "reaction"), ("constraints", "constraint"):
             for name, entry in getattr(self.case, kind).items():
-                if hasattr(entry, "velocity"):
-                    force = ("reaction." if kind == "boundaries" else "constraint.") + name
-                    speed = np.array(prescribed(entry.velocity, start, sim.time)[1][: self.D])
-                    time = _passed(line) - _passed(last)
-                    work += time * self._vector(line, force) @ speed
+                if hasattr(entry, "velocity"):  # where it has none a given force may move it
+                    held, speed, _ = prescribed(entry.velocity, start, sim.time)
+                    to, since = (
+                        self._vector(each, f"displacement.{name}") for each in (line, last)
+                    )
+                    way = np.where(held[: self.D], time * np.array(speed[: self.D]), to - since)
+                    work += way @ self._vector(line, f"{column}.{name}")
         for name in self.case.rigid_bodies:
             work += line[f"tool.{name}.work"] - last[f"tool.{name}.work"]
         done = line["external-work"] - last["external-work"]
