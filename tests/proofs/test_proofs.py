@@ -117,6 +117,16 @@ def books_of_a_push(axis, kind):
     return books
 
 
+def test_books_know_the_way_of_a_constraint_that_a_force_moves():
+    region = {"box": {"min": [2.0, 2.0], "max": [3.5, 3.5]}}
+    grip = {"body": "body", "region": region, "force": [9.0, None], "velocity": [None, 0.1]}
+    case = scene(2, box([2.0, 2.0], [5.0, 5.0]), end=0.2, constraints={"grip": grip})
+    books = scene_books.Books(Simulation(pgimp.load(case), Serial()))
+    books.run()
+    assert not books.wrong and len(books._work) == 21
+    assert books._lines[-1]["external-work"] > 0.1
+
+
 @pytest.mark.parametrize("kind", ["boundaries", "constraints"])
 @pytest.mark.filterwarnings("error")
 def test_books_know_what_accelerated_walls_make_along_each_axis(kind):

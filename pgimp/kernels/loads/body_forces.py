@@ -3,11 +3,14 @@
 from pgimp.jit.kernel import inner_kernel, specialise
 from pgimp.jit.tuples import read
 from pgimp.jit.vectors.lanes import of_lane
-from pgimp.jit.vectors.simd import pack
+from pgimp.jit.vectors.simd import number, pack, store
 from pgimp.kernels.grid.wall_gap import divergence
 from pgimp.physics.exact.base import BodyForce, body_force
 from pgimp.physics.functions.call import call
 from pgimp.physics.loads.bodyforce import acceleration
+
+#: Numbers of a buffer with the forces on four particles.
+FORCES = 16
 
 
 @inner_kernel
@@ -139,23 +142,51 @@ def _weight(force, walls, frame, particles, p):
     return weight_near_walls if near else weight_of
 
 
-def add_force_power(force, frame, particles, four, u, power):
-    """Power so far plus the power of the body force on four particles, which moves at `u`."""
+def add_force_power(force, frame, particles, four, u, forces, power):
+    """Power so far plus the power of the body force on four particles, which moves at `u`.
+
+    `forces`, a buffer on the stack of `FORCES` numbers, is for `book_shifts`.
+    """
 
 
 @specialise(add_force_power)
-def _add_force_power(force, frame, particles, four, u, power):
+def _add_force_power(force, frame, particles, four, u, forces, power):
     if not hasattr(force, "instance_class"):
-        return lambda force, frame, particles, four, u, power: power
+        return lambda force, frame, particles, four, u, forces, power: power
 
-    def add(force, frame, particles, four, u, power):
+    def add(force, frame, particles, four, u, forces, power):
         for j in range(four.size):
             p, w = four.rows[j], of_lane(u, j)
-            b = _force(force, frame, particles, p)
+            b, m = _force(force, frame, particles, p), particles.m[p]
             rate = 0.0
             for d in range(len(w)):
                 rate += b[d] * w[d]
-            power += particles.m[p] * rate
+            power += m * rate
+            store(forces, 4 * j, pack(m * b[0], m * b[1], m * b[2], 0.0))
         return power
 
     return add
+
+
+def book_shifts(force, forces, particles, four, x, ledger):
+    """Book the work of the body force where particles are not at `x`, to which the grid moved them.
+
+    Walls and rigid bodies hold them, and flows shift them to free space. As of gravity, the work is
+    then the force times the whole way.
+    """
+
+
+@specialise(book_shifts)
+def _book_shifts(force, forces, particles, four, x, ledger):
+    if not hasattr(force, "instance_class"):
+        return lambda force, forces, particles, four, x, ledger: None
+
+    def book(force, forces, particles, four, x, ledger):
+        work = 0.0
+        for j in range(four.size):
+            p, at = four.rows[j], of_lane(x, j)
+            for d in range(len(at)):
+                work += number(forces, 4 * j + d) * (particles.x[p, d] - at[d])
+        ledger.work[four.layer] += work
+
+    return book

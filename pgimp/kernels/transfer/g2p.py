@@ -4,7 +4,7 @@ from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.vectors.simd import lane, stack, vector
 from pgimp.kernels.data.arguments import FourParticles
-from pgimp.kernels.loads.body_forces import add_force_power
+from pgimp.kernels.loads.body_forces import FORCES, add_force_power, book_shifts
 from pgimp.kernels.loads.loads import layer_power
 from pgimp.kernels.loads.tractions import Booking
 from pgimp.kernels.rigid.hold import hold_outside
@@ -86,6 +86,7 @@ def grid_to_particles(
     buffer = stack(SUPPORT_SIZE)
     weights = stack(SUPPORT_SIZE)
     sums = stack(SUMS)
+    forces = stack(FORCES)
     for layer in layers:
         number = layer + window.lower[0]
         span = (start[layer], start[layer + 1])
@@ -101,9 +102,9 @@ def grid_to_particles(
             u, a, grad, codes, hoop = take_from_grid(  # (30)
                 (shape, frame), field, loads.mean, four, buffer, sums
             )
-            power = add_force_power(loads.force, frame, particles, four, u, power)
+            power = add_force_power(loads.force, frame, particles, four, u, forces, power)
             u, v = update_velocity(frame, forcing, particles, four, (u, a, hoop), ledger)  # (27)
-            x = update_position(forcing, particles, four, u)  # (26)
+            moved_to = update_position(forcing, particles, four, u)  # (26)
             moved = when_moved(loads.affine, dt, grad)
             keep_gradients(loads.affine, particles, rows, moved, codes)
             grad = with_means(  # the cells' rates of dilatation
@@ -115,7 +116,7 @@ def grid_to_particles(
             m = materials_of(setting.material_of, particles.body, rows)
             L, F = deform(cells, setting, forcing, particles, four, m, grad)  # (29)
             x, F, v = refill(
-                forcing, setting, field, particles, four, (buffer, sums), (x, F, v), ledger
+                forcing, setting, field, particles, four, (buffer, sums), (moved_to, F, v), ledger
             )
             J = determinant(F)
             own = substitute_parameters(setting, particles, rows)
@@ -137,6 +138,7 @@ def grid_to_particles(
             margin = margins(own, m, F, J, sigma, state)
             found = (u, v, x, F, J, state, margin)
             counts = check(limits, field, particles, four, found, report, ledger, counts)
+            book_shifts(loads.force, forces, particles, four, moved_to, ledger)
         work[layer] += dt * power
     failed, outflow, moved, clamped, held = counts
     rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))

@@ -4,10 +4,10 @@
 - Momentum (of rings along their axis) grows by the impulses of gravity, of tractions, and of what
   faces and constraints say that they gave, less what damping took, to rounding. Gravity and
   tractions are summed here from the particles.
-- External work is, to rounding, gravity's (weight times way of each particle), that of rigid
-  bodies, and that of a prescribed motion (force times velocity), where there is no traction and at
-  most one such motion. Faces at rest, and bodies that meet, do none: so books of what is at rest
-  are closed.
+- External work is, to rounding, that of gravity and body forces (force times way of each particle,
+  but for rings), that of rigid bodies, and that of a prescribed motion (force times velocity),
+  where there is no traction and at most one such motion. Faces at rest, and bodies that meet, do
+  none: so books of what is at rest are closed.
 - Energy: kinetic and strain energy exceed those of the start and the external work by no more than
   the time integration explains: by a part of the energy that becomes smaller with the step. Not
   with `volume: initial`, whose forces are those of the strain energy at small strains only. What
@@ -33,7 +33,7 @@ import math
 
 import numpy as np
 from proofs.scenes.energy import Seen
-from proofs.scenes.own.by_hand import forces_by_hand
+from proofs.scenes.own.by_hand import patch_forces, pulls_of_step
 
 from pgimp.errors import RunError
 from pgimp.scene.checks.facts import wave_speed
@@ -55,26 +55,6 @@ RATE = 0.15
 RIGID = 0.002
 #: Of mass times speed times size.
 ANGULAR = 0.02
-
-
-def patch_forces(sim):
-    """Force of all tractions, from the particles' deformation and areas by Nanson's formula."""
-    D, rows, p = sim.scene.dimension, sim.live(), sim.particles
-    total = np.zeros(3)
-    loads = sim.scene.interaction.loads.at(sim.time)
-    for load in loads.tractions:
-        area = p.patch[rows, load.column]
-        F = np.tile(np.eye(3), (len(rows), 1, 1))
-        F[:, :D, :D] = p.F[rows, : D * D].reshape(-1, D, D)
-        if sim.case.axisymmetric:
-            F[:, 2, 2] = p.F[rows, D * D]
-        normal = np.zeros(3)
-        normal[load.axis] = load.side
-        cofactor = np.linalg.det(F)[:, None, None] * np.linalg.inv(F).transpose(0, 2, 1)
-        n = (cofactor @ normal) * area[:, None]
-        size = np.linalg.norm(n, axis=1).sum()
-        total += np.array(load.traction) * size - load.pressure * n.sum(axis=0)
-    return total[:D]
 
 
 def _passed(line):
@@ -123,16 +103,16 @@ class Books:
             self.case, self._line = sim.case, sim.diagnostics()
         rows, start, last = sim.live(), sim.time, self._line
         gravity = np.array(sim.scene.domain.gravity(start)[:D])
-        pull = gravity + forces_by_hand(sim, rows)  # per mass of each particle
-        impulse = last["mass"] * gravity + patch_forces(sim)
-        impulse += ((pull - gravity) * sim.particles.m[rows, None]).sum(axis=0)
-        ids, p = sim.particles.id[rows].tolist(), sim.particles
-        x = unwrapped(sim, rows)
-        weight = pull * p.m[rows, None]
-        before, weight = (dict(zip(ids, of, strict=True)) for of in (x, weight))
+        impulse = patch_forces(sim)
+        ids = sim.particles.id[rows].tolist()
+        before = dict(zip(ids, unwrapped(sim, rows), strict=True))
         seen, affine = Seen(), self.case.method.affine
-        with seen.step() if self._accelerates or affine else contextlib.nullcontext():
+        with contextlib.ExitStack() as stack:
+            weight = stack.enter_context(pulls_of_step(sim, gravity))
+            if self._accelerates or affine:
+                stack.enter_context(seen.step())
             sim.advance()
+        impulse += sum(weight.values())
         gained = seen.accelerated() if self._accelerates else 0.0
         if affine:
             gained -= seen.unbalanced()
@@ -156,7 +136,8 @@ class Books:
             self._momentum.append((off, sim.step, text))
         moves = any(hasattr(entry, "velocity") for entry in _conditions(self.case))
         # The mass of rings moves by the way of its centroid, their positions by that of the middle.
-        known = not self.case.tractions and not (self.case.axisymmetric and self.case.gravity)
+        pulled = self.case.gravity or self.case.body_force
+        known = not self.case.tractions and not (self.case.axisymmetric and pulled)
         # Absorbing faces do the work of the forces with which they hold what was there at first.
         known &= not any(entry.absorbs for entry in self.case.boundaries.values())
         known &= not any(entry.placed for entry in self.case.constraints.values())
@@ -170,13 +151,16 @@ class Books:
             return
         ids, x = sim.particles.id[rows].tolist(), unwrapped(sim, rows)
         work = sum(weight[i] @ (x[n] - before[i]) for n, i in enumerate(ids))
-        for kind in ("boundaries", "constraints"):
+        time = _passed(line) - _passed(last)
+        for kind, column in ("boundaries", "reaction"), ("constraints", "constraint"):
             for name, entry in getattr(self.case, kind).items():
-                if hasattr(entry, "velocity"):
-                    force = ("reaction." if kind == "boundaries" else "constraint.") + name
-                    speed = np.array(prescribed(entry.velocity, start, sim.time)[1][: self.D])
-                    time = _passed(line) - _passed(last)
-                    work += time * self._vector(line, force) @ speed
+                if hasattr(entry, "velocity"):  # where it has none a given force may move it
+                    held, speed, _ = prescribed(entry.velocity, start, sim.time)
+                    to, since = (
+                        self._vector(each, f"displacement.{name}") for each in (line, last)
+                    )
+                    way = np.where(held[: self.D], time * np.array(speed[: self.D]), to - since)
+                    work += way @ self._vector(line, f"{column}.{name}")
         for name in self.case.rigid_bodies:
             work += line[f"tool.{name}.work"] - last[f"tool.{name}.work"]
         done = line["external-work"] - last["external-work"]
