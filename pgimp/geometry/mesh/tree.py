@@ -102,7 +102,7 @@ class Surface(NamedTuple):
         With a `step` (n, 1 + 2 D): of the points, and of those a step ahead along each direction,
         and behind.
         """
-        from pgimp.geometry.mesh.treekernels import distances
+        from pgimp.geometry.mesh.treekernels import LISTED, distances
 
         beside = np.zeros((0, 3))
         if step is not None:
@@ -110,7 +110,10 @@ class Surface(NamedTuple):
             beside = np.concatenate([ahead, -ahead])
         out = np.empty((len(points), 1 + len(beside)))
         tree = self.triangles, self.low, self.high, self.leaves
-        distances(*tree, self._lift(points), beside, out)
+        lifted, done, size = self._lift(points), 0, LISTED
+        while done < len(lifted):
+            space = np.empty(size, np.int64), np.empty(size)
+            done, size = distances(tree, lifted, beside, done, space, out), 2 * size
         return out[:, 0] if step is None else out
 
     def crossings(self, points: Reals, axis: int) -> Reals:

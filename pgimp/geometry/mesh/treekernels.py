@@ -16,7 +16,7 @@ LEAF = 4
 _DEEP = 64
 
 #: Triangles listed as near to a point, before the list grows.
-_LISTED = 64
+LISTED = 64
 
 
 def _beside(u0, v0, u1, v1, u, v):
@@ -170,7 +170,7 @@ def _to_triangle(T, t, x, y, z):
 
 
 @allocating_kernel
-def distances(T, low, high, leaves, points, beside, out):
+def distances(tree, points, beside, begin, near_ones, out) -> int:
     """Distances to the nearest triangle, of points and of places beside each of them.
 
     A triangle that is nearest to a place is hardly farther from the point than the nearest one.
@@ -178,23 +178,32 @@ def distances(T, low, high, leaves, points, beside, out):
 
     Parameters
     ----------
-    T, low, high, leaves
-        The tree.
+    tree
+        T, low, high, leaves.
     points : (n, 3) float64
         The points.
     beside : (k, 3) float64
         The places, from the point.
+    begin : int
+        The first point to look at.
+    near_ones : (int64, float64), each (m,)
+        Space for the triangles that may be nearest to a place, and for their distances.
     out : (n, 1 + k) float64
         Set to the distances of the point and of its places.
+
+    Returns
+    -------
+    int
+        The first point that has not been done: the space is too small for it; n at the end.
     """
+    (T, low, high, leaves), (listed, squares) = tree, near_ones
     stack, near = np.empty(_DEEP, np.int64), np.empty(_DEEP)
-    listed, squares = np.empty(_LISTED, np.int64), np.empty(_LISTED)
     places, far = len(beside), 0.0
     for k in range(places):
         far = max(far, beside[k, 0] ** 2 + beside[k, 1] ** 2 + beside[k, 2] ** 2)
     far = 2.0 * np.sqrt(far)
     last = 0
-    for p in range(len(points)):
+    for p in range(begin, len(points)):
         x, y, z = points[p, 0], points[p, 1], points[p, 2]
         # Points come in lines, and the nearest triangle to the last one is not far.
         best = _to_triangle(T, last, x, y, z) if len(T) else np.inf
@@ -227,8 +236,7 @@ def distances(T, low, high, leaves, points, beside, out):
                     if number == len(listed):
                         number = _shorten(listed, squares, number, limit)
                         if 2 * number > len(listed):
-                            listed = np.append(listed, listed)
-                            squares = np.append(squares, squares)
+                            return p
                     listed[number], squares[number] = t, square
                     number += 1
         out[p, 0] = np.sqrt(best)
@@ -239,6 +247,7 @@ def distances(T, low, high, leaves, points, beside, out):
             for n in range(number):
                 best = min(best, _to_triangle(T, listed[n], u, v, w))
             out[p, 1 + k] = np.sqrt(best)
+    return len(points)
 
 
 @kernel
