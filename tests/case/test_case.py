@@ -149,7 +149,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "  affine: false\n"
         "  volumetric: pointwise\n"
         "  volume: tracked\n"
-        "  wall: ghost\n"
+        "  wall: auto\n"
         "time: {end: 2.0, step: 0.0001, mass-scaling: 1.0, stages: []}\n"
         "start: {stress: null, settle: null}\n"
         "materials:\n"

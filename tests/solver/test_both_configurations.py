@@ -49,8 +49,11 @@ def apart(D, shape, **parts):
     (2, "finite-gimp", True, {"volumetric": "mean"}),
     pytest.param(3, "gimp", False, {}, marks=pytest.mark.wide),
 ])  # fmt: skip
-def test_bodies_that_do_not_meet_have_the_bits_they_have_alone(D, shape, affine, more):
-    """Each body as in a case without the other, also while both are at the same place."""
+def test_bodies_that_do_not_meet_move_as_they_do_alone(D, shape, affine, more):
+    """Each body as in a case without the other, also while both are at the same place.
+
+    To rounding: the kernels are others, and products may be contracted otherwise.
+    """
     case = apart(D, shape)
     case["method"] |= {"affine": affine, **more}
     together, n = finish(start(case)), {}
@@ -64,10 +67,8 @@ def test_bodies_that_do_not_meet_have_the_bits_they_have_alone(D, shape, affine,
         n[name] = int(mine.sum())
         for column in ("x", "v", "F", "sigma", "V"):
             pair = field(together, column)[mine], field(sim, column)
-            if sim.scene.by_cells:  # which a case of both configurations is not
-                np.testing.assert_allclose(*pair, rtol=1e-9, atol=1e-9, err_msg=f"{name} {column}")
-            else:
-                np.testing.assert_array_equal(*pair, err_msg=f"{name} {column}")
+            small = 1e-9 if sim.scene.by_cells else 1e-11
+            np.testing.assert_allclose(*pair, rtol=small, atol=small, err_msg=f"{name} {column}")
     assert min(n.values()) > 0
 
 
