@@ -89,6 +89,22 @@ def specialise(stub: Callable) -> Callable[[Callable], Callable]:
     return overload(stub, jit_options=INLINE_OPTIONS, strict=False)
 
 
+def inlined(function: Callable) -> Callable:
+    """Inline a plain function into the kernels that call it.
+
+    What types decide is decided while a kernel is traced: branches on the length of a tuple or by
+    `of_types`, loops and ``tuple(.. for ..)`` over tuples, ``sum(.. for ..)`` from its first term.
+    """
+    overload(function, jit_options=INLINE_OPTIONS, strict=False)(lambda *_: function)
+    return function
+
+
+def of_types(predicate: Callable) -> Callable:
+    """Have functions that are inlined ask a predicate of Numba types about their values."""
+    predicate.of_types = True  # type: ignore[attr-defined]
+    return predicate
+
+
 def exact(stub: Callable) -> Callable[[Callable], Callable]:
     """As `specialise`, without contraction: the same bits wherever the function is inlined.
 
