@@ -105,6 +105,18 @@ def of_types(predicate: Callable) -> Callable:
     return predicate
 
 
+@of_types
+def is_record(kind: NumbaObject) -> bool:
+    """Whether a value is a NamedTuple, and not the () that may be in its place."""
+    return hasattr(kind, "instance_class")
+
+
+@of_types
+def is_empty(kind: NumbaObject) -> bool:
+    """Whether a value is the () that is in the place of a record or a number."""
+    return hasattr(kind, "count")
+
+
 def exact(stub: Callable) -> Callable[[Callable], Callable]:
     """As `specialise`, without contraction: the same bits wherever the function is inlined.
 
