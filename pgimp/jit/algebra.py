@@ -6,47 +6,41 @@ A symmetric tensor (stress, left Cauchy-Green) is (xx, yy, zz) in 1D, with xy in
 in 3D. Each is a prefix of the next, so that zz is always there.
 """
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.tuples import scaled
 
 
+@inlined
 def determinant(A):
     """Determinant of a matrix; in 2D without zz of its plane-strain extension."""
-
-
-@specialise(determinant)
-def _determinant(A):
     if len(A) == 1:
-        return lambda A: A[0]
+        return A[0]
     if len(A) == 4:
-        return lambda A: A[0] * A[3] - A[1] * A[2]
+        return A[0] * A[3] - A[1] * A[2]
     if len(A) == 5:
-        return lambda A: (A[0] * A[3] - A[1] * A[2]) * A[4]
-    return lambda A: (
+        return (A[0] * A[3] - A[1] * A[2]) * A[4]
+    return (
         A[0] * (A[4] * A[8] - A[5] * A[7])
         - A[1] * (A[3] * A[8] - A[5] * A[6])
         + A[2] * (A[3] * A[7] - A[4] * A[6])
     )
 
 
+@inlined
 def multiply(A, B):
     """Matrix product A B."""
-
-
-@specialise(multiply)
-def _multiply(A, B):
     if len(A) == 1:
-        return lambda A, B: (A[0] * B[0],)
+        return (A[0] * B[0],)
     if len(A) == 4:
-        return lambda A, B: (
+        return (
             A[0] * B[0] + A[1] * B[2],
             A[0] * B[1] + A[1] * B[3],
             A[2] * B[0] + A[3] * B[2],
             A[2] * B[1] + A[3] * B[3],
         )
     if len(A) == 5:
-        return lambda A, B: (*multiply(A[:4], B[:4]), A[4] * B[4])
-    return lambda A, B: (
+        return (*multiply(A[:4], B[:4]), A[4] * B[4])
+    return (
         A[0] * B[0] + A[1] * B[3] + A[2] * B[6],
         A[0] * B[1] + A[1] * B[4] + A[2] * B[7],
         A[0] * B[2] + A[1] * B[5] + A[2] * B[8],
@@ -59,150 +53,117 @@ def _multiply(A, B):
     )
 
 
+@inlined
 def inverse(A):
     """Inverse of a nonsingular matrix."""
-
-
-@specialise(inverse)
-def _inverse(A):
     if len(A) == 1:
-        return lambda A: (1.0 / A[0],)
+        return (1.0 / A[0],)
     if len(A) == 4:
-
-        def inverse2(A):
-            r = 1.0 / (A[0] * A[3] - A[1] * A[2])
-            return (A[3] * r, -A[1] * r, -A[2] * r, A[0] * r)
-
-        return inverse2
+        r = 1.0 / (A[0] * A[3] - A[1] * A[2])
+        return (A[3] * r, -A[1] * r, -A[2] * r, A[0] * r)
     if len(A) == 5:
-        return lambda A: (*inverse(A[:4]), 1.0 / A[4])
-
-    def inverse3(A):
-        c0 = A[4] * A[8] - A[5] * A[7]
-        c1 = A[5] * A[6] - A[3] * A[8]
-        c2 = A[3] * A[7] - A[4] * A[6]
-        r = 1.0 / (A[0] * c0 + A[1] * c1 + A[2] * c2)
-        return (
-            c0 * r,
-            (A[2] * A[7] - A[1] * A[8]) * r,
-            (A[1] * A[5] - A[2] * A[4]) * r,
-            c1 * r,
-            (A[0] * A[8] - A[2] * A[6]) * r,
-            (A[2] * A[3] - A[0] * A[5]) * r,
-            c2 * r,
-            (A[1] * A[6] - A[0] * A[7]) * r,
-            (A[0] * A[4] - A[1] * A[3]) * r,
-        )
-
-    return inverse3
+        return (*inverse(A[:4]), 1.0 / A[4])
+    c0 = A[4] * A[8] - A[5] * A[7]
+    c1 = A[5] * A[6] - A[3] * A[8]
+    c2 = A[3] * A[7] - A[4] * A[6]
+    r = 1.0 / (A[0] * c0 + A[1] * c1 + A[2] * c2)
+    return (
+        c0 * r,
+        (A[2] * A[7] - A[1] * A[8]) * r,
+        (A[1] * A[5] - A[2] * A[4]) * r,
+        c1 * r,
+        (A[0] * A[8] - A[2] * A[6]) * r,
+        (A[2] * A[3] - A[0] * A[5]) * r,
+        c2 * r,
+        (A[1] * A[6] - A[0] * A[7]) * r,
+        (A[0] * A[4] - A[1] * A[3]) * r,
+    )
 
 
+@inlined
 def cofactor(A):
     """Cofactor matrix det(A) A^-T; in 2D of the plane-strain extension, except its zz."""
-
-
-@specialise(cofactor)
-def _cofactor(A):
     if len(A) == 1:
-        return lambda A: (1.0,)
+        return (1.0,)
     if len(A) == 4:
-        return lambda A: (A[3], -A[2], -A[1], A[0])
+        return (A[3], -A[2], -A[1], A[0])
     if len(A) == 5:
-        return lambda A: (*scaled(A[4], cofactor(A[:4])), A[0] * A[3] - A[1] * A[2])
-    return lambda A: (
+        return (*scaled(A[4], cofactor(A[:4])), A[0] * A[3] - A[1] * A[2])
+    return (
         A[4] * A[8] - A[5] * A[7], A[5] * A[6] - A[3] * A[8], A[3] * A[7] - A[4] * A[6],
         A[2] * A[7] - A[1] * A[8], A[0] * A[8] - A[2] * A[6], A[1] * A[6] - A[0] * A[7],
         A[1] * A[5] - A[2] * A[4], A[2] * A[3] - A[0] * A[5], A[0] * A[4] - A[1] * A[3],
     )  # fmt: skip
 
 
+@inlined
 def full(S):
     """The matrix, row-major, of a symmetric tensor, in the directions of the scene."""
-
-
-@specialise(full)
-def _full(S):
     if len(S) == 3:
-        return lambda S: (S[0],)
+        return (S[0],)
     if len(S) == 4:
-        return lambda S: (S[0], S[3], S[3], S[1])
-    return lambda S: (S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2])
+        return (S[0], S[3], S[3], S[1])
+    return (S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2])
 
 
+@inlined
 def one_plus(c, A):
     """The matrix 1 + c A."""
-
-
-@specialise(one_plus)
-def _one_plus(c, A):
     if len(A) == 1:
-        return lambda c, A: (1.0 + c * A[0],)
+        return (1.0 + c * A[0],)
     if len(A) == 4:
-        return lambda c, A: (1.0 + c * A[0], c * A[1], c * A[2], 1.0 + c * A[3])
+        return (1.0 + c * A[0], c * A[1], c * A[2], 1.0 + c * A[3])
     if len(A) == 5:
-        return lambda c, A: (*one_plus(c, A[:4]), 1.0 + c * A[4])
-    return lambda c, A: (
+        return (*one_plus(c, A[:4]), 1.0 + c * A[4])
+    return (
         1.0 + c * A[0], c * A[1], c * A[2],
         c * A[3], 1.0 + c * A[4], c * A[5],
         c * A[6], c * A[7], 1.0 + c * A[8],
     )  # fmt: skip
 
 
+@inlined
 def skew(A):
     """Skew part (A - A^T)/2 of a matrix."""
-
-
-@specialise(skew)
-def _skew(A):
     if len(A) == 1:
-        return lambda A: (0.0,)
+        return (0.0,)
     if len(A) == 4:
-        return lambda A: (0.0, 0.5 * (A[1] - A[2]), -(0.5 * (A[1] - A[2])), 0.0)
+        return (0.0, 0.5 * (A[1] - A[2]), -(0.5 * (A[1] - A[2])), 0.0)
     if len(A) == 5:
-        return lambda A: (*skew(A[:4]), 0.0)
-
-    def skew3(A):
-        xy, xz, yz = 0.5 * (A[1] - A[3]), 0.5 * (A[2] - A[6]), 0.5 * (A[5] - A[7])
-        return (0.0, xy, xz, -xy, 0.0, yz, -xz, -yz, 0.0)
-
-    return skew3
+        return (*skew(A[:4]), 0.0)
+    xy, xz, yz = 0.5 * (A[1] - A[3]), 0.5 * (A[2] - A[6]), 0.5 * (A[5] - A[7])
+    return (0.0, xy, xz, -xy, 0.0, yz, -xz, -yz, 0.0)
 
 
+@inlined
 def symmetric(A):
     """Symmetric part (A + A^T)/2 of a matrix, as a symmetric tensor."""
-
-
-@specialise(symmetric)
-def _symmetric(A):
     if len(A) == 1:
-        return lambda A: (A[0], 0.0, 0.0)
+        return (A[0], 0.0, 0.0)
     if len(A) == 4:
-        return lambda A: (A[0], A[3], 0.0, 0.5 * (A[1] + A[2]))
+        return (A[0], A[3], 0.0, 0.5 * (A[1] + A[2]))
     if len(A) == 5:
-        return lambda A: (A[0], A[3], A[4], 0.5 * (A[1] + A[2]))
-    return lambda A: (
+        return (A[0], A[3], A[4], 0.5 * (A[1] + A[2]))
+    return (
         A[0], A[4], A[8], 0.5 * (A[1] + A[3]), 0.5 * (A[5] + A[7]), 0.5 * (A[2] + A[6]),
     )  # fmt: skip
 
 
+@inlined
 def left_cauchy_green(F):
     """The symmetric tensor b = F F^T; missing directions of a scene are not stretched."""
-
-
-@specialise(left_cauchy_green)
-def _left_cauchy_green(F):
     if len(F) == 1:
-        return lambda F: (F[0] * F[0], 1.0, 1.0)
+        return (F[0] * F[0], 1.0, 1.0)
     if len(F) == 4:
-        return lambda F: (
+        return (
             F[0] * F[0] + F[1] * F[1],
             F[2] * F[2] + F[3] * F[3],
             1.0,
             F[0] * F[2] + F[1] * F[3],
         )
     if len(F) == 5:
-        return lambda F: (*left_cauchy_green(F[:4])[:2], F[4] * F[4], left_cauchy_green(F[:4])[3])
-    return lambda F: (
+        return (*left_cauchy_green(F[:4])[:2], F[4] * F[4], left_cauchy_green(F[:4])[3])
+    return (
         F[0] * F[0] + F[1] * F[1] + F[2] * F[2],
         F[3] * F[3] + F[4] * F[4] + F[5] * F[5],
         F[6] * F[6] + F[7] * F[7] + F[8] * F[8],
@@ -212,87 +173,62 @@ def _left_cauchy_green(F):
     )
 
 
+@inlined
 def isotropic(a, S, c):
     """The symmetric tensor a S + c 1."""
-
-
-@specialise(isotropic)
-def _isotropic(a, S, c):
     if len(S) == 3:
-        return lambda a, S, c: (a * S[0] + c, a * S[1] + c, a * S[2] + c)
+        return (a * S[0] + c, a * S[1] + c, a * S[2] + c)
     if len(S) == 4:
-        return lambda a, S, c: (a * S[0] + c, a * S[1] + c, a * S[2] + c, a * S[3])
-    return lambda a, S, c: (a * S[0] + c, a * S[1] + c, a * S[2] + c, a * S[3], a * S[4], a * S[5])
+        return (a * S[0] + c, a * S[1] + c, a * S[2] + c, a * S[3])
+    return (a * S[0] + c, a * S[1] + c, a * S[2] + c, a * S[3], a * S[4], a * S[5])
 
 
+@inlined
 def add(A, B):
     """Sum of two tuples of equal length."""
-
-
-@specialise(add)
-def _add(A, B):
     if len(A) == 1:
-        return lambda A, B: (A[0] + B[0],)
-    return lambda A, B: (A[0] + B[0], *add(A[1:], B[1:]))
+        return (A[0] + B[0],)
+    return (A[0] + B[0], *add(A[1:], B[1:]))
 
 
+@inlined
 def contract(S, T):
     """Double contraction S : T of two symmetric tensors."""
-
-
-@specialise(contract)
-def _contract(S, T):
     if len(S) == 3:
-        return lambda S, T: S[0] * T[0] + S[1] * T[1] + S[2] * T[2]
+        return S[0] * T[0] + S[1] * T[1] + S[2] * T[2]
     if len(S) == 4:
-        return lambda S, T: S[0] * T[0] + S[1] * T[1] + S[2] * T[2] + 2.0 * S[3] * T[3]
-    return lambda S, T: (
-        S[0] * T[0] + S[1] * T[1] + S[2] * T[2] + 2.0 * (S[3] * T[3] + S[4] * T[4] + S[5] * T[5])
+        return S[0] * T[0] + S[1] * T[1] + S[2] * T[2] + 2.0 * S[3] * T[3]
+    return S[0] * T[0] + S[1] * T[1] + S[2] * T[2] + 2.0 * (S[3] * T[3] + S[4] * T[4] + S[5] * T[5])
+
+
+@inlined
+def rotate(Q, S):
+    """The symmetric tensor Q S Q^T."""
+    if len(S) == 3:
+        return S
+    if len(S) == 4:
+        a, b = Q[0] * S[0] + Q[1] * S[3], Q[0] * S[3] + Q[1] * S[1]
+        c, d = Q[2] * S[0] + Q[3] * S[3], Q[2] * S[3] + Q[3] * S[1]
+        return (a * Q[0] + b * Q[1], c * Q[2] + d * Q[3], S[2], a * Q[2] + b * Q[3])
+    M = multiply(Q, (S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2]))
+    return (
+        M[0] * Q[0] + M[1] * Q[1] + M[2] * Q[2],
+        M[3] * Q[3] + M[4] * Q[4] + M[5] * Q[5],
+        M[6] * Q[6] + M[7] * Q[7] + M[8] * Q[8],
+        M[0] * Q[3] + M[1] * Q[4] + M[2] * Q[5],
+        M[3] * Q[6] + M[4] * Q[7] + M[5] * Q[8],
+        M[0] * Q[6] + M[1] * Q[7] + M[2] * Q[8],
     )
 
 
-def rotate(Q, S):
-    """The symmetric tensor Q S Q^T."""
-
-
-@specialise(rotate)
-def _rotate(Q, S):
-    if len(S) == 3:
-        return lambda Q, S: S
-    if len(S) == 4:
-
-        def rotate2(Q, S):
-            a, b = Q[0] * S[0] + Q[1] * S[3], Q[0] * S[3] + Q[1] * S[1]
-            c, d = Q[2] * S[0] + Q[3] * S[3], Q[2] * S[3] + Q[3] * S[1]
-            return (a * Q[0] + b * Q[1], c * Q[2] + d * Q[3], S[2], a * Q[2] + b * Q[3])
-
-        return rotate2
-
-    def rotate3(Q, S):
-        M = multiply(Q, (S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2]))
-        return (
-            M[0] * Q[0] + M[1] * Q[1] + M[2] * Q[2],
-            M[3] * Q[3] + M[4] * Q[4] + M[5] * Q[5],
-            M[6] * Q[6] + M[7] * Q[7] + M[8] * Q[8],
-            M[0] * Q[3] + M[1] * Q[4] + M[2] * Q[5],
-            M[3] * Q[6] + M[4] * Q[7] + M[5] * Q[8],
-            M[0] * Q[6] + M[1] * Q[7] + M[2] * Q[8],
-        )
-
-    return rotate3
-
-
+@inlined
 def largest_stretch_squared(b):
     """Bound of the largest eigenvalue of b (largest row sum); exact when b is diagonal."""
-
-
-@specialise(largest_stretch_squared)
-def _largest_stretch_squared(b):
     if len(b) == 3:
-        return lambda b: b[0]
+        return b[0]
     if len(b) == 4:
-        return lambda b: max(b[0], b[1]) + abs(b[3])
-    return lambda b: max(
+        return max(b[0], b[1]) + abs(b[3])
+    return max(
         max(b[0] + abs(b[3]) + abs(b[5]), b[1] + abs(b[3]) + abs(b[4])),
         b[2] + abs(b[4]) + abs(b[5]),
     )

@@ -89,6 +89,34 @@ def specialise(stub: Callable) -> Callable[[Callable], Callable]:
     return overload(stub, jit_options=INLINE_OPTIONS, strict=False)
 
 
+def inlined(function: Callable) -> Callable:
+    """Inline a plain function into the kernels that call it.
+
+    What types decide is decided while a kernel is traced: branches on the length of a tuple or by
+    `of_types`, loops and ``tuple(.. for ..)`` over tuples, ``sum(.. for ..)`` from its first term.
+    """
+    overload(function, jit_options=INLINE_OPTIONS, strict=False)(lambda *_: function)
+    return function
+
+
+def of_types(predicate: Callable) -> Callable:
+    """Have functions that are inlined ask a predicate of Numba types about their values."""
+    predicate.of_types = True  # type: ignore[attr-defined]
+    return predicate
+
+
+@of_types
+def is_record(kind: NumbaObject) -> bool:
+    """Whether a value is a NamedTuple, and not the () that may be in its place."""
+    return hasattr(kind, "instance_class")
+
+
+@of_types
+def is_empty(kind: NumbaObject) -> bool:
+    """Whether a value is the () that is in the place of a record or a number."""
+    return hasattr(kind, "count")
+
+
 def exact(stub: Callable) -> Callable[[Callable], Callable]:
     """As `specialise`, without contraction: the same bits wherever the function is inlined.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 from functools import cache, reduce
-from types import FunctionType
+from types import BuiltinFunctionType, FunctionType
 from typing import Any
 
 from llvmlite import ir
@@ -45,11 +45,17 @@ class Calls(Expressions):
         self._frames: list[Frame] = []
         # Functions of their own by types of arguments, and the types of their results.
         self._functions: dict[tuple, tuple[ir.Function, NumbaObject]] = {}
-        # Implementations by types of arguments, and whether they may be contracted.
-        self._chosen: dict[tuple, tuple[FunctionType, bool]] = {}
+        # Implementations by types of arguments, and their options.
+        self._chosen: dict[tuple, tuple[FunctionType, dict] | None] = {}
 
     def called(self, node: ast.Call, frame: Frame) -> Value:
         """Value of a call."""
+        if isinstance(node.func, ast.Name) and node.args:
+            if node.func.id in ("tuple", "sum") and isinstance(node.args[0], ast.GeneratorExp):
+                items = [self.typed(each) for each in self._generated(node.args[0], frame)]
+                if node.func.id == "tuple":
+                    return tuple_of(items)
+                return reduce(lambda one, other: self.operation(ast.Add(), one, other), items)
         if isinstance(node.func, ast.Attribute):
             array = self.expression(node.func.value, frame)
             if isinstance(array.kind, types.Array) and not array.known:
@@ -60,6 +66,25 @@ class Calls(Expressions):
             raise UntraceableError("a call of what is known only when the kernel runs")
         return self._result(callee.constant, args, named)
 
+    def _generated(self, node: ast.GeneratorExp, frame: Frame) -> list[Value]:
+        """Values of an expression for each item of a tuple, or each number of a known range."""
+        (loop,), found, before = node.generators, [], dict(frame.names)
+        over = self.expression(loop.iter, frame)
+        if isinstance(over.constant, Range):
+            items = [constant(i) for i in range(*(each.constant for each in over.constant.bounds))]
+        else:
+            items = self.items(over)
+        for item in items:
+            self.assign(loop.target, item, frame)
+            if all(self.condition(each, frame).constant for each in loop.ifs):
+                found.append(self.expression(node.elt, frame))
+        frame.names = before
+        return found
+
+    def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
+        """Give a value to names, or to what is in an array or a record."""
+        raise NotImplementedError
+
     def _result(self, function: Any, args: list[Value], named: dict[str | None, Value]) -> Value:
         fields = getattr(function, "_fields", None)
         if fields is not None:
@@ -67,16 +92,17 @@ class Calls(Expressions):
             rest = {name: constant(value) for name, value in function._field_defaults.items()}
             items = [self.typed({**rest, **given}[name]) for name in fields]
             return tuple_of(items, function)
-        if isinstance(function, FunctionType) and (found := choosers(function, self.typing)):
+        if isinstance(function, FunctionType):
             names = function.__code__.co_varnames[: function.__code__.co_argcount]
-            args = [*args, *(named[each] for each in names[len(args) :])]
-            return self.inlined(*self._implementation(function, found, args), args)
+            args = [*args, *(named.pop(each) for each in names[len(args) :] if each in named)]
+            if hasattr(function, "of_types"):
+                return constant(function(*map(self.kind_of, args)))
         if isinstance(function, Dispatcher) and is_traced(function):
             contracts = "contract" in (function.targetoptions.get("fastmath") or ())
             if function.targetoptions.get("no_cpython_wrapper"):
                 return self._outlined(function, contracts, args)
             return self.inlined(function.py_func, contracts, args)
-        if named:
+        if named and function is not zip:
             raise UntraceableError(f"{function} with named arguments")
         if function is range:
             return Value(None, None, Range(args))
@@ -84,27 +110,34 @@ class Calls(Expressions):
             return constant(len(self.items(args[0])))
         if function in _FOLDED and all(each.known for each in args):
             return constant(function(*(each.constant for each in args)))
+        if function in (zip, enumerate):
+            lists = [self.items(each) for each in args]
+            if function is enumerate:
+                lists.insert(0, [constant(i) for i in range(len(lists[0]))])
+            return tuple_of([tuple_of(row) for row in zip(*lists, strict=True)])
         if function in (min, max):
             values = self.items(args[0]) if len(args) == 1 else args
-            return reduce(lambda one, other: self.call(function, [one, other]), values)
-        return self.call(function, args)
+            return reduce(lambda one, other: self._chosen_or_known(function, [one, other]), values)
+        return self._chosen_or_known(function, args)
 
-    def _implementation(
-        self, stub: FunctionType, found: Sequence[NumbaObject], args: Sequence[Value]
-    ) -> tuple[FunctionType, bool]:
-        """Implementation of a function for the types of arguments, and whether it contracts."""
+    def _chosen_or_known(self, function: Any, args: Sequence[Value]) -> Value:
+        """Result of a function by an implementation chosen by types, else of one Numba knows."""
+        found = choosers(function, self.typing)
+        if not found:
+            return self.call(function, args)
         literal = any(each.prefer_literal for each in found)
         kinds = tuple(self.kind_of(each, literal) for each in args)
-        key = stub, kinds
+        key = function, kinds
         if key not in self._chosen:
-            for each in found:
-                if (implementation := each._overload_func(*kinds)) is not None:
-                    contracts = bool(each._jit_options.get("fastmath"))
-                    self._chosen[key] = implementation, contracts
-                    break
-            else:
-                raise UntraceableError(f"{stub.__qualname__} is not for {kinds}")
-        return self._chosen[key]
+            made = [(each._overload_func(*kinds), each._jit_options) for each in found]
+            made = [each for each in made if each[0] is not None]
+            self._chosen[key] = made[0] if made else None
+        chosen = self._chosen[key]
+        if chosen is not None:
+            return self.inlined(chosen[0], bool(chosen[1].get("fastmath")), args)
+        if isinstance(function, FunctionType):
+            raise UntraceableError(f"{function.__qualname__} is not for {kinds}")
+        return self.call(function, args)
 
     def define(
         self, entry: ir.Function, function: FunctionType, contracts: bool, args: Sequence[Value]
@@ -279,7 +312,9 @@ def is_traced(function: NumbaObject) -> bool:
 
 
 @cache
-def choosers(stub: FunctionType, typing: NumbaObject) -> tuple[NumbaObject, ...]:
+def choosers(stub: Any, typing: NumbaObject) -> tuple[NumbaObject, ...]:
     """What chooses implementations of a function for kernels by types; () for other functions."""
+    if not isinstance(stub, FunctionType | BuiltinFunctionType):
+        return ()
     found = getattr(typing.resolve_value_type(stub), "templates", ())
     return tuple(each for each in found if "pipeline_class" in getattr(each, "_jit_options", ()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 from numba.core import compiler, funcdesc, types
@@ -13,6 +14,9 @@ from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tracing.operations import AgainError
 from pgimp.jit.tracing.statements import Tracer
 from pgimp.jit.tracing.values import running
+
+#: Depth of Python's stack for functions in functions in functions.
+_DEEPEST = 10_000
 
 
 class _Description:
@@ -40,6 +44,7 @@ def compiled(state: NumbaObject) -> NumbaObject:
         With notes on where.
     """
     widened: dict[tuple, NumbaObject] = {}
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEPEST))
     with ConfigStack().enter(state.flags.copy()):  # for what Numba compiles meanwhile
         while True:  # each turn widens a variable, of which there are not many
             try:

@@ -42,7 +42,8 @@ class Loops(Calls):
 
     # Assignments.
 
-    def _assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
+    def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
+        """Give a value to names, or to what is in an array or a record."""
         match target:
             case ast.Name():
                 self._name(target.id, value, frame)
@@ -69,7 +70,7 @@ class Loops(Calls):
         if len(targets) != len(items):
             raise UntraceableError(f"{len(items)} items for {len(targets)} names")
         for each, item in zip(targets, items, strict=True):
-            self._assign(each, item, frame)
+            self.assign(each, item, frame)
 
     def _name(self, name: str, value: Value, frame: Frame) -> None:
         if name not in frame.cells:
@@ -123,7 +124,7 @@ class Loops(Calls):
     def _unrolled(self, node: ast.For, items: list[Value], frame: Frame) -> Value | None:
         if not _jumps(node.body):
             for item in items:
-                self._assign(node.target, item, frame)
+                self.assign(node.target, item, frame)
                 found = self.block(node.body, frame)
                 if found is not None or self.builder.block.is_terminated:
                     return found
@@ -131,7 +132,7 @@ class Loops(Calls):
         new, after = self._enter(node, frame), self.new_block()
         for item in items:
             more = self.new_block()
-            self._assign(node.target, item, frame)
+            self.assign(node.target, item, frame)
             self._turn(node, (more, after), frame)
             self.builder.position_at_end(more)
         self.builder.branch(after)
@@ -162,7 +163,7 @@ class Loops(Calls):
         outer, frame.names = frame.names, dict(frame.names)
         if array is not None:
             item = self.item(array, item)
-        self._assign(node.target, item, frame)
+        self.assign(node.target, item, frame)
         self._turn(node, (end, after), frame)
         outer.update({k: v for k, v in frame.names.items() if isinstance(v, Cell)})
         frame.names = outer

@@ -35,11 +35,11 @@ class Tracer(Loops):
             case ast.Assign():
                 value = self.typed(self.expression(node.value, frame))
                 for target in node.targets:
-                    self._assign(target, value, frame)
+                    self.assign(target, value, frame)
             case ast.AugAssign():
                 self._augment(node, frame)
             case ast.AnnAssign() if node.value:
-                self._assign(node.target, self.typed(self.expression(node.value, frame)), frame)
+                self.assign(node.target, self.typed(self.expression(node.value, frame)), frame)
             case ast.If():
                 return self._branch(node, frame)
             case ast.For():

@@ -6,6 +6,7 @@ from llvmlite import ir
 from numba.core import types
 from numba.extending import models, register_model
 
+from pgimp.jit.kernel import of_types
 from pgimp.jit.outside import NumbaObject
 
 DOUBLES = ir.VectorType(ir.DoubleType(), 4)
@@ -32,11 +33,13 @@ vec4, vec8 = VectorType(4), VectorType(8)
 MASKS = {kind: MaskType(kind.lanes) for kind in (vec4, vec8)}
 
 
+@of_types
 def is_vector(kind: NumbaObject) -> bool:
     """Whether a Numba type is that of a vector."""
     return isinstance(kind, VectorType)
 
 
+@of_types
 def is_mask(kind: NumbaObject) -> bool:
     """Whether a Numba type is that of the truth values of a vector's elements."""
     return isinstance(kind, MaskType)

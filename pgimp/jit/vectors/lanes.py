@@ -2,17 +2,19 @@
 
 from numba.core import types
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, of_types, specialise
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.own import named
 from pgimp.jit.vectors.kinds import is_vector
 from pgimp.jit.vectors.simd import halves, lane, number, vector, vector_as, where, with_lane
 
 
+@of_types
 def _is_tuple(kind):
     return isinstance(kind, types.BaseTuple)
 
 
+@of_types
 def has_vectors(kind: NumbaObject) -> bool:
     """Whether values of a Numba type are vectors, or tuples with vectors in them."""
     return any(map(has_vectors, kind)) if _is_tuple(kind) else is_vector(kind)
@@ -25,68 +27,50 @@ def lanes_of(kind: NumbaObject) -> int:
     return kind.lanes if is_vector(kind) else 0
 
 
+@inlined
 def vectors(values):
     """The values with vectors in place of numbers."""
-
-
-@specialise(vectors)
-def _vectors(values):
     if not _is_tuple(values):
-        return lambda values: vector(values)
+        return vector(values)
     if len(values) == 1:
-        return lambda values: (vector(values[0]),)
-    return lambda values: (vector(values[0]), *vectors(values[1:]))
+        return (vector(values[0]),)
+    return (vector(values[0]), *vectors(values[1:]))
 
 
+@inlined
 def vectors_as(values, like):
     """The values with vectors as long as `like` in place of numbers."""
-
-
-@specialise(vectors_as)
-def _vectors_as(values, like):
     if not _is_tuple(values):
-        return lambda values, like: vector_as(values, like)
+        return vector_as(values, like)
     if len(values) == 1:
-        return lambda values, like: (vector_as(values[0], like),)
-    return lambda values, like: (vector_as(values[0], like), *vectors_as(values[1:], like))
+        return (vector_as(values[0], like),)
+    return (vector_as(values[0], like), *vectors_as(values[1:], like))
 
 
+@inlined
 def half_of(values, i):
     """Vectors of the first or second four of eight particles, `i` a literal 0 or 1."""
-
-
-@specialise(half_of)
-def _half_of(values, i):
     if is_vector(values):
-        return lambda values, i: halves(values)[i]
+        return halves(values)[i]
     if len(values) == 1:
-        return lambda values, i: (halves(values[0])[i],)
-    return lambda values, i: (halves(values[0])[i], *half_of(values[1:], i))
+        return (halves(values[0])[i],)
+    return (halves(values[0])[i], *half_of(values[1:], i))
 
 
+@inlined
 def zeros(like):
     """Zero vectors, as many as `like` has entries."""
-
-
-@specialise(zeros)
-def _zeros(like):
     if len(like) == 0:
-        return lambda like: ()
-    return lambda like: (vector(0.0), *zeros(like[1:]))
+        return ()
+    return (vector(0.0), *zeros(like[1:]))
 
 
+@inlined
 def numbers(buffer, at, step, like):
     """Every `step`-th number of a buffer on the stack from `at` on, as many as `like` has."""
-
-
-@specialise(numbers)
-def _numbers(buffer, at, step, like):
     if len(like) == 0:
-        return lambda buffer, at, step, like: ()
-    return lambda buffer, at, step, like: (
-        number(buffer, at),
-        *numbers(buffer, at + step, step, like[1:]),
-    )
+        return ()
+    return (number(buffer, at), *numbers(buffer, at + step, step, like[1:]))
 
 
 def of_lane(values, j):
@@ -106,41 +90,29 @@ def _of_lane(values, j):
     return lambda values, j: _each_of_lane(values, j)
 
 
+@inlined
 def _each_of_lane(values, j):
     """The entries of a tuple for particle `j`, see `of_lane`, as a plain tuple."""
-
-
-@specialise(_each_of_lane)
-def _each(values, j):
     if len(values) == 1:
-        return lambda values, j: (of_lane(values[0], j),)
-    return lambda values, j: (of_lane(values[0], j), *_each_of_lane(values[1:], j))
+        return (of_lane(values[0], j),)
+    return (of_lane(values[0], j), *_each_of_lane(values[1:], j))
 
 
+@inlined
 def with_lanes(values, j, one):
     """The vectors `values` with the numbers `one` for particle `j`."""
-
-
-@specialise(with_lanes)
-def _with_lanes(values, j, one):
     if is_vector(values):
-        return lambda values, j, one: with_lane(values, j, one)
+        return with_lane(values, j, one)
     if len(values) == 1:
-        return lambda values, j, one: (with_lane(values[0], j, one[0]),)
-    return lambda values, j, one: (
-        with_lane(values[0], j, one[0]),
-        *with_lanes(values[1:], j, one[1:]),
-    )
+        return (with_lane(values[0], j, one[0]),)
+    return (with_lane(values[0], j, one[0]), *with_lanes(values[1:], j, one[1:]))
 
 
+@inlined
 def where_all(mask, a, b):
     """Vectors of `a` where the mask is true, else of `b`."""
-
-
-@specialise(where_all)
-def _where_all(mask, a, b):
     if is_vector(a):
-        return lambda mask, a, b: where(mask, a, b)
+        return where(mask, a, b)
     if len(a) == 1:
-        return lambda mask, a, b: (where(mask, a[0], b[0]),)
-    return lambda mask, a, b: (where(mask, a[0], b[0]), *where_all(mask, a[1:], b[1:]))
+        return (where(mask, a[0], b[0]),)
+    return (where(mask, a[0], b[0]), *where_all(mask, a[1:], b[1:]))

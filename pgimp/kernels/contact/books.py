@@ -2,7 +2,7 @@
 
 from math import inf, sqrt
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
 from pgimp.kernels.contact.data import fields_of, impulse_of
 from pgimp.kernels.contact.law import held_field_velocity
 from pgimp.kernels.data.ledger import (
@@ -56,39 +56,32 @@ def book(contact, holding, number, pair, part, last, ledger, plane):
     book_rigid_bodies(contact, contact.rigid_bodies, x, pair, part, (u, v), ledger, plane)
 
 
+@inlined
 def book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, plane):
     """Book the impulse on a pair's rigid body, its moment, and its work on the other body.
 
     `x` is the vertex's position; `velocities` has both ends of the pair.
     """
-
-
-@specialise(book_rigid_bodies)
-def _book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, plane):
-    if not hasattr(rigid_bodies, "instance_class"):
-        return lambda contact, rigid_bodies, x, pair, part, velocities, ledger, plane: None
-
-    def book_each(contact, rigid_bodies, x, pair, part, velocities, ledger, plane):
-        row, (u, v), (a, b) = contact.pair_states[pair], velocities, fields_of(contact, pair)
-        for sign, end, w in ((-part, a, u), (part, b, v)):
-            if contact.fields[end].mass < inf:
-                continue
-            t = contact.bodies[end] - rigid_bodies.bodies
-            booked, arm = ledger.rigid_bodies[plane, t], arm_of(rigid_bodies, t, x)
-            J = (sign * impulse_of(row, 0), sign * impulse_of(row, 1), sign * impulse_of(row, 2))
-            done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
-            lost = _lost(rigid_bodies, t, arm, J, w)
-            done += lost
-            ledger.contact[plane, contact.ends[pair].law - 1, LOSS] += lost
-            for d in range(3):
-                e, f = (d + 1) % 3, (d + 2) % 3
-                booked[RIGID_IMPULSE + d] += J[d]
-                booked[RIGID_MOMENT + d] += arm[e] * J[f] - arm[f] * J[e]
-            booked[RIGID_WORK] += done
-            ledger.work[plane] += done
-            _take(rigid_bodies, t, plane, arm, J)
-
-    return book_each
+    if not is_record(rigid_bodies):
+        return None
+    row, (u, v), (a, b) = contact.pair_states[pair], velocities, fields_of(contact, pair)
+    for sign, end, w in ((-part, a, u), (part, b, v)):
+        if contact.fields[end].mass < inf:
+            continue
+        t = contact.bodies[end] - rigid_bodies.bodies
+        booked, arm = ledger.rigid_bodies[plane, t], arm_of(rigid_bodies, t, x)
+        J = (sign * impulse_of(row, 0), sign * impulse_of(row, 1), sign * impulse_of(row, 2))
+        done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
+        lost = _lost(rigid_bodies, t, arm, J, w)
+        done += lost
+        ledger.contact[plane, contact.ends[pair].law - 1, LOSS] += lost
+        for d in range(3):
+            e, f = (d + 1) % 3, (d + 2) % 3
+            booked[RIGID_IMPULSE + d] += J[d]
+            booked[RIGID_MOMENT + d] += arm[e] * J[f] - arm[f] * J[e]
+        booked[RIGID_WORK] += done
+        ledger.work[plane] += done
+        _take(rigid_bodies, t, plane, arm, J)
 
 
 def _lost(rigid_bodies, t, arm, J, w):

@@ -2,65 +2,52 @@
 
 from math import inf
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.kernels.rigid.around import way_around
 from pgimp.kernels.rigid.bodies import arm_of, position_of
 from pgimp.kernels.rigid.fill import FAR, fill
 
 
+@inlined
 def has_rigid_bodies(rigid_bodies):
     """Whether there are rigid bodies."""
+    if is_record(rigid_bodies):
+        return True
+    return False
 
 
-@specialise(has_rigid_bodies)
-def _has_rigid_bodies(rigid_bodies):
-    if hasattr(rigid_bodies, "instance_class"):
-        return lambda rigid_bodies: True
-    return lambda rigid_bodies: False
-
-
+@inlined
 def may_be_near(near, rigid_bodies, i, j, k):
     """Whether rigid bodies may be near a vertex, given by its offsets in the window."""
+    if is_record(rigid_bodies):
+        return near[i, j, k] != FAR
+    return False
 
 
-@specialise(may_be_near)
-def _may_be_near(near, rigid_bodies, i, j, k):
-    if hasattr(rigid_bodies, "instance_class"):
-        return lambda near, rigid_bodies, i, j, k: near[i, j, k] != FAR
-    return lambda near, rigid_bodies, i, j, k: False
-
-
+@inlined
 def load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
     """Add the rigid bodies near a vertex to the `count` fields there; returns their number.
 
     The velocity from particles is paired with the rigid velocity at the step's beginning, after
     forces at its end. So the material gets its support's acceleration.
     """
-
-
-@specialise(load_rigid_bodies)
-def _load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
-    if not hasattr(rigid_bodies, "instance_class"):
-        return lambda contact, rigid_bodies, frame, number, sides, count, last: 0
-
-    def find(contact, rigid_bodies, frame, number, sides, count, last):
-        found, point = count, rigid_bodies.point[0]
-        for t in range(len(rigid_bodies.motion)):
-            if (rigid_bodies.lattice[t].free >= 0 and not last) or not fill(
-                rigid_bodies, t, frame, number, sides
-            ):
-                continue
-            row = contact.fields[found]
-            contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
-            row.mass, row.filled, row.curvature_gap = inf, point.filled, point.curvature_gap
-            around = way_around(frame, number, sides)
-            for d in range(3):
-                row.surface[d] = point.surface[d] * around
-            set_rigid_velocity(row, rigid_bodies, t, frame, number, last)
-            found += 1
-        return found - count
-
-    return find
+    if not is_record(rigid_bodies):
+        return 0
+    found, point = count, rigid_bodies.point[0]
+    for t in range(len(rigid_bodies.motion)):
+        if (rigid_bodies.lattice[t].free >= 0 and not last) or not fill(
+            rigid_bodies, t, frame, number, sides
+        ):
+            continue
+        row = contact.fields[found]
+        contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
+        row.mass, row.filled, row.curvature_gap = inf, point.filled, point.curvature_gap
+        around = way_around(frame, number, sides)
+        for d in range(3):
+            row.surface[d] = point.surface[d] * around
+        set_rigid_velocity(row, rigid_bodies, t, frame, number, last)
+        found += 1
+    return found - count
 
 
 @inner_kernel

@@ -1,6 +1,6 @@
 """Contact vertices: their search, and the law of contact at them."""
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.books import book
 from pgimp.kernels.contact.data import SWEEPS
 from pgimp.kernels.contact.law import exchange, find_held
@@ -51,6 +51,7 @@ def find_contact_vertices(field, where, present, vertex_counts, vertex_ranges):
                         include(vertex_ranges[i], j, k)
 
 
+@inlined
 def apply_contact(contact, faces, frame, field, forcing, i, ledger, last):
     """Apply contact at the vertices of plane `i`.
 
@@ -63,18 +64,10 @@ def apply_contact(contact, faces, frame, field, forcing, i, ledger, last):
     last : bool
         Whether the grid holds velocities and accelerations; else it holds momenta.
     """
-
-
-@specialise(apply_contact)
-def _apply_contact(contact, faces, frame, field, forcing, i, ledger, last):
-    if not hasattr(contact, "instance_class"):
-        return lambda contact, faces, frame, field, forcing, i, ledger, last: None
-
-    def apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
-        if contact.listed.start[i] < contact.listed.start[i + 1]:
-            _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last)
-
-    return apply_in_plane
+    if not is_record(contact):
+        return None
+    if contact.listed.start[i] < contact.listed.start[i + 1]:
+        _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last)
 
 
 @inner_kernel

@@ -3,7 +3,7 @@
 from math import inf
 from typing import Any, NamedTuple
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.listed import FIELDS, PAIRS, VERTICES
 from pgimp.kernels.contact.rigid_fields import (
@@ -188,17 +188,10 @@ def load_vertex(contact, frame, field, n, last):
     return row.fields, row.rigid, row.pairs
 
 
+@inlined
 def _set_velocity(contact, rigid_bodies, a, frame, number, last):
     """Set the velocity of field `a`, a rigid body, at a vertex."""
-
-
-@specialise(_set_velocity)
-def _set_velocity_of(contact, rigid_bodies, a, frame, number, last):
-    if not hasattr(rigid_bodies, "instance_class"):
-        return lambda contact, rigid_bodies, a, frame, number, last: None
-
-    def set_velocity(contact, rigid_bodies, a, frame, number, last):
-        t = contact.bodies[a] - rigid_bodies.bodies
-        set_rigid_velocity(contact.fields[a], rigid_bodies, t, frame, number, last)
-
-    return set_velocity
+    if not is_record(rigid_bodies):
+        return None
+    t = contact.bodies[a] - rigid_bodies.bodies
+    set_rigid_velocity(contact.fields[a], rigid_bodies, t, frame, number, last)

@@ -9,7 +9,7 @@ have the weights of whole particles, corrected by their gradient over the offset
 
 from numba.core import types
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.kernels.transfer.contribution import VolumeSums, moved
 from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_axial
@@ -54,51 +54,36 @@ def _summed_supports(loads, shape, frame, window, particles, rows, layer, buffer
     return left
 
 
+@inlined
 def _narrow(shape, frame, buffer, d, half, x, offset, vertex):
     """Store the weights of four cut boxes, from direction `d` on, in the buffer.
 
     Along `d` they begin at `vertex`.
     """
-
-
-@specialise(_narrow)
-def _narrow_along(shape, frame, buffer, d, half, x, offset, vertex):
-    def last(shape, frame, buffer, d, half, x, offset, vertex):
+    if len(x) == 1:
         inverse = frame.inverse[d]
         f = (x[0] + offset[0] - frame.origin[d]) * inverse - (vertex - frame.ghost)
         w, g = cut_weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
         keep_support(buffer, d, w, scaled(inverse, g))
-
-    def more(shape, frame, buffer, d, half, x, offset, vertex):
+    else:
         _narrow(shape, frame, buffer, d, half[:1], x[:1], offset[:1], vertex)
         first = first_vertex(frame, d + 1, half[1], x[1])
         _narrow(shape, frame, buffer, d + 1, half[1:], x[1:], offset[1:], first)
 
-    return last if len(x) == 1 else more
 
-
+@inlined
 def _narrow_ring(shape, frame, buffer, half, x, offset, vertex):
     """In axisymmetry, store the weights of four cut boxes along the radius."""
-
-
-@specialise(_narrow_ring)
-def _narrow_ring_of(shape, frame, buffer, half, x, offset, vertex):
     if not is_axial(frame):
-        return lambda shape, frame, buffer, half, x, offset, vertex: None
-
-    def narrow(shape, frame, buffer, half, x, offset, vertex):
-        inverse = frame.inverse[0]
-        r = max((x[0] + offset[0]) * inverse, LEAST)
-        f = r - frame.origin[0] * inverse - (vertex - frame.ghost)
-        left = min(max(half[0] - abs(offset[0]) * inverse, LEAST), r)
-        by, (w, g) = 1.0 / r, cut_weights(shape, left, f)
-        first, ends = cut_moments(shape, left, f)
-        keep_support(
-            buffer, 0, plus_scaled(by, first, w), scaled(inverse, plus_scaled(by, ends, g))
-        )
-        keep_hoop(buffer, scaled(inverse * by, w))
-
-    return narrow
+        return None
+    inverse = frame.inverse[0]
+    r = max((x[0] + offset[0]) * inverse, LEAST)
+    f = r - frame.origin[0] * inverse - (vertex - frame.ghost)
+    left = min(max(half[0] - abs(offset[0]) * inverse, LEAST), r)
+    by, (w, g) = 1.0 / r, cut_weights(shape, left, f)
+    first, ends = cut_moments(shape, left, f)
+    keep_support(buffer, 0, plus_scaled(by, first, w), scaled(inverse, plus_scaled(by, ends, g)))
+    keep_hoop(buffer, scaled(inverse * by, w))
 
 
 def cut_moments(shape, half, f):
@@ -124,19 +109,13 @@ def _moments_of(shape, half, f):
     return three if shape.instance_class.vertices() == 3 else four
 
 
+@inlined
 def _kink(half, f):
     """Moment and end values, as of `moments`, of max(x, 0) over a box about f."""
-
-
-@specialise(_kink)
-def _kink_at(half, f):
-    def kink(half, f):
-        a, b, q = max(f + half, 0.0), max(f - half, 0.0), 0.25 / half
-        A, B = a * a, b * b
-        K = ((a * A - b * B) * (1.0 / 3.0) - 0.5 * (a - half) * (A - B)) * (2.0 * q)
-        return K, 0.5 * (a + b) - (A - B) * q
-
-    return kink
+    a, b, q = max(f + half, 0.0), max(f - half, 0.0), 0.25 / half
+    A, B = a * a, b * b
+    K = ((a * A - b * B) * (1.0 / 3.0) - 0.5 * (a - half) * (A - B)) * (2.0 * q)
+    return K, 0.5 * (a + b) - (A - B) * q
 
 
 def cut_weights(shape, half, f):

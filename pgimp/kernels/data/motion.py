@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, is_record
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.data.record import MASS, MOMENTUM
 
@@ -36,57 +36,41 @@ class VertexMotion(NamedTuple):
     fields: NDArray[np.bool_]
 
 
+@inlined
 def keeps(motion, f):
     """Whether the vertices of velocity field `f` keep their motion; `motion` may be ()."""
+    if not is_record(motion):
+        return False
+    return motion.fields[f]
 
 
-@specialise(keeps)
-def _keeps(motion, f):
-    if not hasattr(motion, "instance_class"):  # ()
-        return lambda motion, f: False
-    return lambda motion, f: motion.fields[f]
-
-
+@inlined
 def velocity_before(motion, kept, G, r, d, inverse):
     """Component `d` of the velocity of the vertex at `r`, at the step's beginning.
 
     It is the vertex's own where it is `kept`, else momentum times `inverse`, 1 over the mass.
     """
+    if not is_record(motion):
+        return G[r + MOMENTUM + d] * inverse
+    return motion.values[r + KEPT_VELOCITY + d] if kept else G[r + MOMENTUM + d] * inverse
 
 
-@specialise(velocity_before)
-def _velocity_before(motion, kept, G, r, d, inverse):
-    if not hasattr(motion, "instance_class"):  # ()
-        return lambda motion, kept, G, r, d, inverse: G[r + MOMENTUM + d] * inverse
-    return lambda motion, kept, G, r, d, inverse: (
-        motion.values[r + KEPT_VELOCITY + d] if kept else G[r + MOMENTUM + d] * inverse
-    )
-
-
+@inlined
 def momentum_before(motion, kept, G, r, d):
     """Component `d` of the momentum of the vertex at `r`, at the step's beginning."""
+    if not is_record(motion):
+        return G[r + MOMENTUM + d]
+    return G[r + MASS] * motion.values[r + KEPT_VELOCITY + d] if kept else G[r + MOMENTUM + d]
 
 
-@specialise(momentum_before)
-def _momentum_before(motion, kept, G, r, d):
-    if not hasattr(motion, "instance_class"):  # ()
-        return lambda motion, kept, G, r, d: G[r + MOMENTUM + d]
-    return lambda motion, kept, G, r, d: (
-        G[r + MASS] * motion.values[r + KEPT_VELOCITY + d] if kept else G[r + MOMENTUM + d]
-    )
-
-
+@inlined
 def grid_rate(relaxation, motion, f):
     """Rate at which field `f` takes the grid's velocity, see `pgimp.kernels.loads.loads.given`.
 
     Vertices that keep their motion gain all of what conditions add to their velocities.
     """
-
-
-@specialise(grid_rate)
-def _grid_rate(relaxation, motion, f):
-    if not hasattr(motion, "instance_class"):  # ()
-        return lambda relaxation, motion, f: relaxation
-    if hasattr(relaxation, "count"):  # ()
-        return lambda relaxation, motion, f: inf if motion.fields[f] else 0.0
-    return lambda relaxation, motion, f: inf if motion.fields[f] else relaxation
+    if not is_record(motion):
+        return relaxation
+    if is_empty(relaxation):
+        return inf if motion.fields[f] else 0.0
+    return inf if motion.fields[f] else relaxation

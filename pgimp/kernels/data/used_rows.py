@@ -4,7 +4,7 @@ A body fills a small part of its field's planes. So the rows along z with sums a
 `Field.used`, and others are left out. A scene that always has one field notes nothing.
 """
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, kernel, of_types
 from pgimp.jit.vectors.simd import load, pack, store
 from pgimp.jit.words import lowest_bit
 from pgimp.kernels.data.record import RECORD
@@ -14,17 +14,13 @@ from pgimp.kernels.data.velocity_fields import field_count, field_size
 _BITS = 63
 
 
+@inlined
 def clear_plane(field, i):
     """Set plane `i` to zero; of several fields, only the used rows."""
-
-
-@specialise(clear_plane)
-def _clear_plane(field, i):
-    def clear(field, i):
+    if is_single(field):
         plane = field.window.stride[0]
         field.G[i * plane : (i + 1) * plane] = 0.0
-
-    def clear_used(field, i):
+    else:
         window, size = field.window, field_size(field.window)
         for f in range(field_count(window)):
             left = used_rows(field, i, f)
@@ -34,8 +30,6 @@ def _clear_plane(field, i):
                 field.G[first + begin * window.stride[1] : first + end * window.stride[1]] = 0.0
             field.used[i, f] = 0
 
-    return clear if is_single(field) else clear_used
-
 
 @kernel
 def clear_planes(field):
@@ -44,63 +38,43 @@ def clear_planes(field):
         clear_plane(field, i)
 
 
+@of_types
 def is_single(field):
     """Whether scenes with such a `Field` always have one field."""
     return hasattr(field.types[field.fields.index("used")], "count")  # ()
 
 
+@inlined
 def used_rows(field, i, f):
     """Bits of the rows of field `f` of plane `i` that may be nonzero, see `next_rows`."""
-
-
-@specialise(used_rows)
-def _used_rows(field, i, f):
     if is_single(field):
-        return lambda field, i, f: 1
-
-    def rows(field, i, f):
-        if len(field.window.bodies) == 0:
-            ny = field.window.extent[1]
-            return (1 << (ny + rows_of_bit(field.window) - 1) // rows_of_bit(field.window)) - 1
-        return field.used[i, f]
-
-    return rows
+        return 1
+    if len(field.window.bodies) == 0:
+        ny = field.window.extent[1]
+        return (1 << (ny + rows_of_bit(field.window) - 1) // rows_of_bit(field.window)) - 1
+    return field.used[i, f]
 
 
+@inlined
 def next_rows(field, left):
     """The first run of rows of some bits: its beginning, its end, and the bits behind it."""
-
-
-@specialise(next_rows)
-def _next_rows(field, left):
     if is_single(field):
-        return lambda field, left: (0, field.window.extent[1], 0)
-
-    def run(field, left):
-        each, ny = rows_of_bit(field.window), field.window.extent[1]
-        first = lowest_bit(left)
-        count = lowest_bit(~(left >> first))
-        left &= ~(((1 << count) - 1) << first)
-        return first * each, min((first + count) * each, ny), left
-
-    return run
+        return (0, field.window.extent[1], 0)
+    each, ny = rows_of_bit(field.window), field.window.extent[1]
+    first = lowest_bit(left)
+    count = lowest_bit(~(left >> first))
+    left &= ~(((1 << count) - 1) << first)
+    return first * each, min((first + count) * each, ny), left
 
 
+@inlined
 def next_bit(field, left):
     """The rows of the first of some bits: beginning, end, that bit, and the others."""
-
-
-@specialise(next_bit)
-def _next_bit(field, left):
     if is_single(field):
-        return lambda field, left: (0, field.window.extent[1], 1, 0)
-
-    def one(field, left):
-        each, first = rows_of_bit(field.window), lowest_bit(left)
-        end = min((first + 1) * each, field.window.extent[1])
-        return first * each, end, 1 << first, left & (left - 1)
-
-    return one
+        return (0, field.window.extent[1], 1, 0)
+    each, first = rows_of_bit(field.window), lowest_bit(left)
+    end = min((first + 1) * each, field.window.extent[1])
+    return first * each, end, 1 << first, left & (left - 1)
 
 
 @inner_kernel
@@ -137,15 +111,12 @@ def is_used(field, i, f):
     return used_rows(field, i, f) != 0
 
 
+@inlined
 def use(field, i, low, high):
     """Note that plane `i` is not zero between `low` and `high`, in float64 from its beginning."""
-
-
-@specialise(use)
-def _use(field, i, low, high):
     if is_single(field):
-        return lambda field, i, low, high: None
-    return lambda field, i, low, high: note_range(field.window, field.used[i], low, high)
+        return None
+    return note_range(field.window, field.used[i], low, high)
 
 
 @inner_kernel
@@ -158,72 +129,47 @@ def note_range(window, used, low, high):
         used[f] |= (2 << last) - (1 << first)
 
 
+@inlined
 def use_layer(field, low, high):
     """Note that a layer's own planes are not zero between `low` and `high`."""
-
-
-@specialise(use_layer)
-def _use_layer(field, low, high):
     if is_single(field):
-        return lambda field, low, high: None
-
-    def note(field, low, high):
-        if high > low:
-            note_range(field.window, field.used[len(field.active)], low, high)
-
-    return note
+        return None
+    if high > low:
+        note_range(field.window, field.used[len(field.active)], low, high)
 
 
+@inlined
 def layer_marks(field, vertices, D):
     """What `mark_support` needs to mark rows in a layer's own planes; () with a single field."""
-
-
-@specialise(layer_marks)
-def _layer_marks(field, vertices, D):
     if is_single(field):
-        return lambda field, vertices, D: ()
-
-    def marks(field, vertices, D):
-        window = field.window
-        reach = (vertices - 1) * window.stride[1] if D > 1 else 0
-        span = rows_of_bit(window) * window.stride[1]
-        return 1.0 / field_size(window), 1.0 / span, reach, field.used[len(field.active)]
-
-    return marks
+        return ()
+    window = field.window
+    reach = (vertices - 1) * window.stride[1] if D > 1 else 0
+    span = rows_of_bit(window) * window.stride[1]
+    return 1.0 / field_size(window), 1.0 / span, reach, field.used[len(field.active)]
 
 
+@inlined
 def mark_support(marks, window, body, offset):
     """Mark the rows of a particle's support, whose first vertex is at `offset` in a plane."""
-
-
-@specialise(mark_support)
-def _mark_support(marks, window, body, offset):
     if len(marks) == 0:
-        return lambda marks, window, body, offset: None
-
-    def mark(marks, window, body, offset):
-        if len(window.bodies) == 0:
-            return
-        by_size, by_span, reach, used = marks
-        begin = window.bodies[body]
-        # By products, as quotients of whole numbers are slow; half a record is far from rounding.
-        first = int((offset - begin + 0.5 * RECORD) * by_span)
-        last = int((offset - begin + reach + 0.5 * RECORD) * by_span)
-        used[int(begin * by_size + 0.5)] |= (2 << last) - (1 << first)
-
-    return mark
+        return None
+    if len(window.bodies) == 0:
+        return
+    by_size, by_span, reach, used = marks
+    begin = window.bodies[body]
+    # By products, as quotients of whole numbers are slow; half a record is far from rounding.
+    first = int((offset - begin + 0.5 * RECORD) * by_span)
+    last = int((offset - begin + reach + 0.5 * RECORD) * by_span)
+    used[int(begin * by_size + 0.5)] |= (2 << last) - (1 << first)
 
 
+@inlined
 def add_layer(field, source, target, low, high):
     """Add a layer's own plane at `source` to plane `target` where it is used, leaving zeros."""
-
-
-@specialise(add_layer)
-def _add_layer(field, source, target, low, high):
-    def add_range(field, source, target, low, high):
+    if is_single(field):
         _add_between(field, source, target * field.window.stride[0], low, high)
-
-    def add_rows(field, source, target, low, high):
+    else:
         window, layer = field.window, len(field.active)
         if len(window.bodies) == 0:
             _add_between(field, source, target * window.stride[0], low, high)
@@ -244,8 +190,6 @@ def _add_layer(field, source, target, low, high):
                     first + end * window.stride[1],
                 )
 
-    return add_range if is_single(field) else add_rows
-
 
 @inner_kernel
 def _add_between(field, source, target, low, high):
@@ -256,16 +200,9 @@ def _add_between(field, source, target, low, high):
         store(scratch, source + i, zero)
 
 
+@inlined
 def end_layer(field):
     """Forget the marks of a layer's own planes."""
-
-
-@specialise(end_layer)
-def _end_layer(field):
     if is_single(field):
-        return lambda field: None
-
-    def forget(field):
-        field.used[len(field.active)] = 0
-
-    return forget
+        return None
+    field.used[len(field.active)] = 0

@@ -19,7 +19,7 @@ Constrained particles move as prescribed, and have no part in it either.
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
 from pgimp.jit.tuples import plus_first
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import lane, load, pack, store
@@ -72,25 +72,18 @@ def _motion_share(calming, frame, particles, p):
     return share
 
 
+@inlined
 def find_motion(calming, field, i, first, count, size):
     """Turn momenta at a vertex of plane `i`, whose first record is at `first`, into velocities."""
-
-
-@specialise(find_motion)
-def _find_motion(calming, field, i, first, count, size):
-    if not hasattr(calming, "instance_class"):  # ()
-        return lambda calming, field, i, first, count, size: None
-
-    def find(calming, field, i, first, count, size):
-        G = field.G
-        for f in range(count):
-            if is_used(field, i, f):
-                r = first + f * size
-                inverse = 1.0 / G[r + WEIGHT] if G[r + WEIGHT] > 0.0 else 0.0
-                for d in range(3):
-                    G[r + MOTION + d] *= inverse
-
-    return find
+    if not is_record(calming):
+        return None
+    G = field.G
+    for f in range(count):
+        if is_used(field, i, f):
+            r = first + f * size
+            inverse = 1.0 / G[r + WEIGHT] if G[r + WEIGHT] > 0.0 else 0.0
+            for d in range(3):
+                G[r + MOTION + d] *= inverse
 
 
 def keep_gain(calming, frame, particles, p, A, scratch, offset):
@@ -112,22 +105,15 @@ def _keep_gain(calming, frame, particles, p, A, scratch, offset):
     return keep
 
 
+@inlined
 def with_gains(calming, v, scratch, offset):
     """Velocities v of four particles with the gains that `keep_gain` stored from `offset` on."""
-
-
-@specialise(with_gains)
-def _with_gains(calming, v, scratch, offset):
-    if not hasattr(calming, "instance_class"):  # ()
-        return lambda calming, v, scratch, offset: v
-
-    def gained(calming, v, scratch, offset):
-        gain = transpose(
-            load(scratch, offset),
-            load(scratch, offset + 4),
-            load(scratch, offset + 8),
-            load(scratch, offset + 12),
-        )
-        return plus_first(v, gain)
-
-    return gained
+    if not is_record(calming):
+        return v
+    gain = transpose(
+        load(scratch, offset),
+        load(scratch, offset + 4),
+        load(scratch, offset + 8),
+        load(scratch, offset + 12),
+    )
+    return plus_first(v, gain)

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.ledger import WALL_HEAT, WALL_LOSS
@@ -115,19 +115,13 @@ def _book_losses(holding, number, r, motion, last, mass, lost):
     return book_each
 
 
+@inlined
 def held_velocity(holding, number, r, v, last):
     """Velocity v of the vertex at `r` after faces and constraints.
 
     Conditions are taken at the step's end (`last`), or at its beginning.
     """
-
-
-@specialise(held_velocity)
-def _held_velocity(holding, number, r, v, last):
-    def held(holding, number, r, v, last):
-        u, _ = hold(holding, number, r, v, (0.0, 0.0, 0.0), 0.0)
-        if last:
-            return constrained_velocity(holding.forcing.marked, r, u)
-        return former_velocity(holding.forcing.marked, r, u, holding.forcing.dt)
-
-    return held
+    u, _ = hold(holding, number, r, v, (0.0, 0.0, 0.0), 0.0)
+    if last:
+        return constrained_velocity(holding.forcing.marked, r, u)
+    return former_velocity(holding.forcing.marked, r, u, holding.forcing.dt)

@@ -6,7 +6,7 @@ plane of vertices; else it is up to a cell further, and changes as the region mo
 Marks in planes that two ranks share are combined with ``or``, so that their order does not matter.
 """
 
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inlined, kernel, specialise
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.constraint_flags import LEAST_WEIGHT
@@ -17,57 +17,35 @@ from pgimp.kernels.transfer.transfer import Support
 from pgimp.physics.shapes.base import by_corners
 
 
+@inlined
 def _any_held(particles, rows):
     """Whether a constraint holds one of four particles."""
+    held = particles.constraint
+    return (held[rows[0], 0] | held[rows[1], 0] | held[rows[2], 0] | held[rows[3], 0]) > 0
 
 
-@specialise(_any_held)
-def _any_held_of(particles, rows):
-    def any_held(particles, rows):
-        held = particles.constraint
-        return (held[rows[0], 0] | held[rows[1], 0] | held[rows[2], 0] | held[rows[3], 0]) > 0
-
-    return any_held
-
-
+@inlined
 def _mark(shape, mask, bit, offset, support, d, stride, like):
     """Set a bit at the vertices in a particle's support; `like` has its number of directions."""
-
-
-@specialise(_mark)
-def _mark_along(shape, mask, bit, offset, support, d, stride, like):
     if len(like) == 0:
-
-        def vertex(shape, mask, bit, offset, support, d, stride, like):
-            mask[offset // RECORD] |= bit
-
-        return vertex
-
-    def line(shape, mask, bit, offset, support, d, stride, like):
+        mask[offset // RECORD] |= bit
+    else:
         buffer, j = support
         for i in range(extent(shape, buffer, d, j)):
             if entry(buffer, d, 0, i, j) >= LEAST_WEIGHT:
                 at = offset + i * stride[0]
                 _mark(shape, mask, bit, at, support, d + 1, stride[1:], like[1:])
 
-    return line
 
-
+@inlined
 def _mark_cell(mask, bit, offset, w, t, stride):
     """Set a bit at the vertices round the position t in a cell, as `spread` in `cornertransfer`."""
-
-
-@specialise(_mark_cell)
-def _mark_cell_along(mask, bit, offset, w, t, stride):
-    def vertex(mask, bit, offset, w, t, stride):
+    if len(t) == 0:
         if w >= LEAST_WEIGHT:
             mask[offset // RECORD] |= bit
-
-    def both(mask, bit, offset, w, t, stride):
+    else:
         _mark_cell(mask, bit, offset, w * (1.0 - t[0]), t[1:], stride[1:])
         _mark_cell(mask, bit, offset + stride[0], w * t[0], t[1:], stride[1:])
-
-    return vertex if len(t) == 0 else both
 
 
 def _mark_support(shape, mask, bit, offset, support, stride, like):

@@ -8,7 +8,7 @@ theirs, and their neighbourhood a rotation without strain.
 
 from numba.core import types
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, kernel, specialise
 from pgimp.jit.vectors.simd import bits, lane, pack, where
 from pgimp.kernels.data.motion import grid_rate
 from pgimp.kernels.data.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
@@ -26,6 +26,7 @@ from pgimp.kernels.loads.prescribed import (
 from pgimp.kernels.transfer.lane_io import take
 
 
+@inlined
 def constrained_velocity(marked, r, v):
     """Velocity of the vertex at `r` with all constraints applied to `v`.
 
@@ -35,58 +36,40 @@ def constrained_velocity(marked, r, v):
         The constraints and their vertices, see `mark_constrained_vertices`, with `Places` where
         velocities depend on the place. Where constraints share a vertex, the later one applies.
     """
-
-
-@specialise(constrained_velocity)
-def _constrained_velocity(marked, r, v):
     if len(marked) == 0:
-        return lambda marked, r, v: v
-
-    def by_constraints(marked, r, v):
-        constraints, mask = marked[0], marked[1]
-        for k in range(len(constraints)):
-            if mask[r // RECORD] >> k & 1:
-                h, u = constraints[k].held, velocity_at(constraints[k], place_of(marked, r))
-                v = (u[0] if h[0] else v[0], u[1] if h[1] else v[1], u[2] if h[2] else v[2])
         return v
+    constraints, mask = marked[0], marked[1]
+    for k in range(len(constraints)):
+        if mask[r // RECORD] >> k & 1:
+            h, u = constraints[k].held, velocity_at(constraints[k], place_of(marked, r))
+            v = (u[0] if h[0] else v[0], u[1] if h[1] else v[1], u[2] if h[2] else v[2])
+    return v
 
-    return by_constraints
 
-
+@inlined
 def former_velocity(marked, r, v, dt):
     """As `constrained_velocity`, at the beginning of a step of the length `dt`."""
-
-
-@specialise(former_velocity)
-def _former_velocity(marked, r, v, dt):
     if len(marked) == 0:
-        return lambda marked, r, v, dt: v
-
-    def by_constraints(marked, r, v, dt):
-        constraints, mask = marked[0], marked[1]
-        for k in range(len(constraints)):
-            if mask[r // RECORD] >> k & 1:
-                h, x = constraints[k].held, place_of(marked, r)
-                u, a = velocity_at(constraints[k], x), rate_at(constraints[k], x)
-                v = (
-                    u[0] - dt * a[0] if h[0] else v[0],
-                    u[1] - dt * a[1] if h[1] else v[1],
-                    u[2] - dt * a[2] if h[2] else v[2],
-                )
         return v
+    constraints, mask = marked[0], marked[1]
+    for k in range(len(constraints)):
+        if mask[r // RECORD] >> k & 1:
+            h, x = constraints[k].held, place_of(marked, r)
+            u, a = velocity_at(constraints[k], x), rate_at(constraints[k], x)
+            v = (
+                u[0] - dt * a[0] if h[0] else v[0],
+                u[1] - dt * a[1] if h[1] else v[1],
+                u[2] - dt * a[2] if h[2] else v[2],
+            )
+    return v
 
-    return by_constraints
 
-
+@inlined
 def is_marked(marked, r):
     """Whether a constraint holds the vertex at `r`."""
-
-
-@specialise(is_marked)
-def _is_marked(marked, r):
     if len(marked) == 0:
-        return lambda marked, r: False
-    return lambda marked, r: marked[1][r // RECORD] != 0
+        return False
+    return marked[1][r // RECORD] != 0
 
 
 @kernel
@@ -136,6 +119,7 @@ def apply_constraints(field, forcing, ledger):
                         work[i] += change * last[d]
 
 
+@inlined
 def constrain_particles(constraints, particles, four, u, v, ledger):
     """Velocities of four particles, and velocities of its motion, after its constraints.
 
@@ -148,8 +132,23 @@ def constrain_particles(constraints, particles, four, u, v, ledger):
     ledger : Ledger
         `constraint_impulse` and `work` grow.
     """
+    if len(constraints) == 0:
+        return (u, v)
+    column, rows = particles.constraint, four.rows
+    number = pack(
+        float(column[rows[0], 0]),
+        float(column[rows[1], 0]),
+        float(column[rows[2], 0]),
+        float(column[rows[3], 0]),
+    )
+    if bits(number > 0.0) == 0:
+        return u, v
+    m = where(pack(0.0, 1.0, 2.0, 3.0) < four.size, take(particles.m, rows), 0.0)
+    x = places_of_four(constraints, particles, rows, u)
+    return _held(constraints, 0, (number, m, x), u, v, ledger, four.layer)
 
 
+@inlined
 def _held(constraints, k, which, u, v, ledger, plane):
     """Apply the constraints from number `k` on, given in `constraints`.
 
@@ -157,51 +156,36 @@ def _held(constraints, k, which, u, v, ledger, plane):
     count; and their places, where these matter. Branches for single particles would slow down the
     loop over all.
     """
-
-
-@specialise(_held)
-def _held_by_each(constraints, k, which, u, v, ledger, plane):
     if len(constraints) == 0:
-        return lambda constraints, k, which, u, v, ledger, plane: (u, v)
-
-    def held(constraints, k, which, u, v, ledger, plane):
-        number, m, x = which
-        one, chosen = constraints[0], number == k + 1.0
-        w = velocities_at(one, x, chosen)
-        _book_moment(one, x, chosen, m, w, v, ledger, plane)
-        U, V = _hold(one, (plane, k, 0), (chosen, m), w, u, v, ledger)
-        return _held(constraints[1:], k + 1, which, U, V, ledger, plane)
-
-    return held
+        return (u, v)
+    number, m, x = which
+    one, chosen = constraints[0], number == k + 1.0
+    w = velocities_at(one, x, chosen)
+    _book_moment(one, x, chosen, m, w, v, ledger, plane)
+    U, V = _hold(one, (plane, k, 0), (chosen, m), w, u, v, ledger)
+    return _held(constraints[1:], k + 1, which, U, V, ledger, plane)
 
 
+@inlined
 def _hold(one, entry, which, w, u, v, ledger):
     """Apply one constraint in the directions from `d` on, one vector each of `u` and `v`.
 
     `w` are the prescribed velocities from there on; `entry` is the plane and the constraint's
     number in the ledger, and d; `which` are the particles, and their masses.
     """
-
-
-@specialise(_hold)
-def _hold_along(one, entry, which, w, u, v, ledger):
     if len(u) == 0:
-        return lambda one, entry, which, w, u, v, ledger: (u, v)
-
-    def hold(one, entry, which, w, u, v, ledger):
-        plane, k, d = entry
-        chosen, m = which
-        U, V = _hold(one, (plane, k, d + 1), which, w[1:], u[1:], v[1:], ledger)
-        if not one.held[d]:
-            return (u[0], *U), (v[0], *V)
-        prescribed = w[0]
-        given = where(chosen, m * (prescribed - v[0]), 0.0)
-        total = _sum(given)
-        ledger.constraint_impulse[plane, k, d] += total
-        ledger.work[plane] += _times(given, total, prescribed)
-        return (where(chosen, prescribed, u[0]), *U), (where(chosen, prescribed, v[0]), *V)
-
-    return hold
+        return (u, v)
+    plane, k, d = entry
+    chosen, m = which
+    U, V = _hold(one, (plane, k, d + 1), which, w[1:], u[1:], v[1:], ledger)
+    if not one.held[d]:
+        return (u[0], *U), (v[0], *V)
+    prescribed = w[0]
+    given = where(chosen, m * (prescribed - v[0]), 0.0)
+    total = _sum(given)
+    ledger.constraint_impulse[plane, k, d] += total
+    ledger.work[plane] += _times(given, total, prescribed)
+    return (where(chosen, prescribed, u[0]), *U), (where(chosen, prescribed, v[0]), *V)
 
 
 @inner_kernel
@@ -220,22 +204,17 @@ def _times_each(given, total, w):
     return lambda given, total, w: _sum(given * w)
 
 
+@inlined
 def _book_moment(one, x, chosen, m, w, v, ledger, plane):
     """Book the moment of what a constraint gives to four particles, where it turns."""
-
-
-@specialise(_book_moment)
-def _book_moment_of(one, x, chosen, m, w, v, ledger, plane):
     if len(x) < 2:
-        return lambda one, x, chosen, m, w, v, ledger, plane: None
-
-    def in_plane(one, x, chosen, m, w, v, ledger, plane):
+        return None
+    if len(x) == 2:
         if one.moment >= 0:
             c, m = one.centre, where(chosen, m, 0.0)
             each = (x[0] - c[0]) * (m * (w[1] - v[1])) - (x[1] - c[1]) * (m * (w[0] - v[0]))
             ledger.constraint_impulse[plane, one.moment, 2] += _sum(each)
-
-    def in_space(one, x, chosen, m, w, v, ledger, plane):
+    else:
         if one.moment >= 0:
             c, h, m = one.centre, one.held, where(chosen, m, 0.0)
             a, b, e = x[0] - c[0], x[1] - c[1], x[2] - c[2]
@@ -245,27 +224,3 @@ def _book_moment_of(one, x, chosen, m, w, v, ledger, plane):
             ledger.constraint_impulse[plane, one.moment, 0] += _sum(b * i - e * g)
             ledger.constraint_impulse[plane, one.moment, 1] += _sum(e * f - a * i)
             ledger.constraint_impulse[plane, one.moment, 2] += _sum(a * g - b * f)
-
-    return in_plane if len(x) == 2 else in_space
-
-
-@specialise(constrain_particles)
-def _constrain_particles(constraints, particles, four, u, v, ledger):
-    if len(constraints) == 0:
-        return lambda constraints, particles, four, u, v, ledger: (u, v)
-
-    def constrain_particles(constraints, particles, four, u, v, ledger):
-        column, rows = particles.constraint, four.rows
-        number = pack(
-            float(column[rows[0], 0]),
-            float(column[rows[1], 0]),
-            float(column[rows[2], 0]),
-            float(column[rows[3], 0]),
-        )
-        if bits(number > 0.0) == 0:
-            return u, v
-        m = where(pack(0.0, 1.0, 2.0, 3.0) < four.size, take(particles.m, rows), 0.0)
-        x = places_of_four(constraints, particles, rows, u)
-        return _held(constraints, 0, (number, m, x), u, v, ledger, four.layer)
-
-    return constrain_particles

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from numba.core import types
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, specialise
 from pgimp.jit.outside import NumbaObject
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.physics.boundaries.base import constrain
@@ -33,13 +33,12 @@ class Faces(NamedTuple):
     rows: FloatArray
 
 
+@inlined
 def face_count(faces):
     """Number of the faces."""
-
-
-@specialise(face_count)
-def _face_count(faces):
-    return (lambda faces: len(faces.rows)) if len(faces) else (lambda faces: 0)
+    if len(faces):
+        return len(faces.rows)
+    return 0
 
 
 @inner_kernel
@@ -68,19 +67,15 @@ def _is_on(faces, n, frame, number):
     return number[side_of(faces, n)[0]] == wall_of(faces, n, frame)
 
 
+@inlined
 def beyond_any(faces, count, frame, number):
     """Whether a vertex is on one of the first `count` faces or beyond it."""
-
-
-@specialise(beyond_any)
-def _beyond_any(faces, count, frame, number):
-    def any_of(faces, count, frame, number):
+    if len(faces):
         for n in range(count):
             if is_beyond(faces, n, frame, number):
                 return True
         return False
-
-    return any_of if len(faces) else lambda faces, count, frame, number: False
+    return False
 
 
 def _read(like, rows, n, at):
@@ -142,41 +137,27 @@ def _lets_go(kinds, k, kind):
     return lambda kinds, k, kind: unilateral_walls(kinds[1:], k + 1, kind)
 
 
+@inlined
 def on_walls(faces, frame, number):
     """Number of the faces that a vertex is on."""
-
-
-@specialise(on_walls)
-def _on_walls(faces, frame, number):
     if len(faces) == 0:
-        return lambda faces, frame, number: 0
-
-    def count_of(faces, frame, number):
-        count = 0
-        for n in range(face_count(faces)):
-            count += _is_on(faces, n, frame, number)
-        return count
-
-    return count_of
+        return 0
+    count = 0
+    for n in range(face_count(faces)):
+        count += _is_on(faces, n, frame, number)
+    return count
 
 
+@inlined
 def wall_sides(faces, frame, number):
     """For each direction -1 or 1 where the vertex is on a low or a high wall, else 0."""
-
-
-@specialise(wall_sides)
-def _wall_sides(faces, frame, number):
     if len(faces) == 0:
-        return lambda faces, frame, number: (0, 0, 0)
-
-    def sides(faces, frame, number):
-        x, y, z = 0, 0, 0
-        for n in range(len(faces.rows)):
-            axis, side = side_of(faces, n)
-            if _is_on(faces, n, frame, number):
-                x += side * (axis == 0)
-                y += side * (axis == 1)
-                z += side * (axis == 2)
-        return x, y, z
-
-    return sides
+        return (0, 0, 0)
+    x, y, z = 0, 0, 0
+    for n in range(len(faces.rows)):
+        axis, side = side_of(faces, n)
+        if _is_on(faces, n, frame, number):
+            x += side * (axis == 0)
+            y += side * (axis == 1)
+            z += side * (axis == 2)
+    return x, y, z

@@ -29,7 +29,7 @@ excess volume.
 from typing import NamedTuple
 
 from pgimp.jit.algebra import determinant
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import pack
@@ -109,46 +109,31 @@ class Filling(NamedTuple):
     calming: Calming | tuple[()] = ()
 
 
+@inlined
 def filling_share(loads, frame, particles, p):
     """The vector (V, m, m J, 0) of particle `p`, and its columns of stress, which are zero."""
+    V, m, J = particles.V0[p], particles.m[p], determinant(deformation(frame, particles, p))
+    most = loads.most[particles.body[p]]
+    if not most > 0.0:
+        return pack(V * J, 0.0, 0.0, 0.0), zeros(frame.origin)
+    J = min(J, most)
+    return pack(V * J, m, m * J, 0.0), zeros(frame.origin)
 
 
-@specialise(filling_share)
-def _filling_share(loads, frame, particles, p):
-    def share(loads, frame, particles, p):
-        V, m, J = particles.V0[p], particles.m[p], determinant(deformation(frame, particles, p))
-        most = loads.most[particles.body[p]]
-        if not most > 0.0:
-            return pack(V * J, 0.0, 0.0, 0.0), zeros(frame.origin)
-        J = min(J, most)
-        return pack(V * J, m, m * J, 0.0), zeros(frame.origin)
-
-    return share
-
-
+@inlined
 def ratio_arms(loads, frame, particles, p):
     """Gradient of m_p J for each direction, as in `affine_momentum`."""
+    if not loads.most[particles.body[p]] > 0.0:
+        return zeros(frame.origin)
+    return _in_ratio(scaled(particles.m[p], read(particles.slope, p, 0, frame.origin)))
 
 
-@specialise(ratio_arms)
-def _ratio_arms(loads, frame, particles, p):
-    def arms(loads, frame, particles, p):
-        if not loads.most[particles.body[p]] > 0.0:
-            return zeros(frame.origin)
-        return _in_ratio(scaled(particles.m[p], read(particles.slope, p, 0, frame.origin)))
-
-    return arms
-
-
+@inlined
 def _in_ratio(g):
     """Vectors with the entries of `g` at RATIO."""
-
-
-@specialise(_in_ratio)
-def _in_ratio_of(g):
     if len(g) == 1:
-        return lambda g: (pack(0.0, 0.0, g[0], 0.0),)
-    return lambda g: (pack(0.0, 0.0, g[0], 0.0), *_in_ratio(g[1:]))
+        return (pack(0.0, 0.0, g[0], 0.0),)
+    return (pack(0.0, 0.0, g[0], 0.0), *_in_ratio(g[1:]))
 
 
 @kernel
@@ -238,23 +223,16 @@ def _sides(frame, walls, number):
     return x, y, z
 
 
+@inlined
 def _rigid_part(rigid_bodies, fills, frame, number, sides):
     """Part of a vertex's neighbourhood that rigid bodies fill."""
-
-
-@specialise(_rigid_part)
-def _rigid_part_of(rigid_bodies, fills, frame, number, sides):
-    if not hasattr(rigid_bodies, "instance_class"):  # ()
-        return lambda rigid_bodies, fills, frame, number, sides: 0.0
-
-    def part(rigid_bodies, fills, frame, number, sides):
-        filled = 0.0
-        for t in range(len(rigid_bodies.motion)):
-            if fills[t] and fill(rigid_bodies, t, frame, number, sides):
-                filled += rigid_bodies.point[0].filled
-        return filled
-
-    return part
+    if not is_record(rigid_bodies):
+        return 0.0
+    filled = 0.0
+    for t in range(len(rigid_bodies.motion)):
+        if fills[t] and fill(rigid_bodies, t, frame, number, sides):
+            filled += rigid_bodies.point[0].filled
+    return filled
 
 
 @kernel

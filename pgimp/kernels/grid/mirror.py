@@ -18,7 +18,7 @@ Beyond an absorbing face nothing is reversed: what lies there moves as the face 
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.data.mirror_images import beyond_count, box_beyond, image_at, image_of, offset_of
 from pgimp.kernels.data.motion import KEPT_VELOCITY, grid_rate, keeps, momentum_before
 from pgimp.kernels.data.record import (
@@ -138,29 +138,22 @@ def _fold_vertex(field, mirror, forcing, ledger, image, part, kept):
     G[g + FOLDED_MASS] = mass
 
 
+@inlined
 def _join(motion, kept, mirror, G, g, r):
     """Give the image at `r` the mean velocity of it and of the vertex at `g`, where they keep it.
 
     The two differ as a run, a stage or contact with the face begins. Momentum is conserved.
     """
-
-
-@specialise(_join)
-def _join_motions(motion, kept, mirror, G, g, r):
-    if not hasattr(motion, "instance_class"):  # ()
-        return lambda motion, kept, mirror, G, g, r: None
-
-    def join(motion, kept, mirror, G, g, r):
-        if not kept:
-            return
-        m, mass, values = G[r + MASS], G[g + MASS], motion.values
-        for d in range(3):
-            sign = -1.0 if _turns(mirror, d) else 1.0
-            u, v = values[r + KEPT_VELOCITY + d], sign * values[g + KEPT_VELOCITY + d]
-            if u != v:
-                values[r + KEPT_VELOCITY + d] = u + mass / (m + mass) * (v - u)
-
-    return join
+    if not is_record(motion):
+        return None
+    if not kept:
+        return
+    m, mass, values = G[r + MASS], G[g + MASS], motion.values
+    for d in range(3):
+        sign = -1.0 if _turns(mirror, d) else 1.0
+        u, v = values[r + KEPT_VELOCITY + d], sign * values[g + KEPT_VELOCITY + d]
+        if u != v:
+            values[r + KEPT_VELOCITY + d] = u + mass / (m + mass) * (v - u)
 
 
 @kernel

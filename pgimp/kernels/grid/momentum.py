@@ -1,6 +1,6 @@
 """Momentum update (14) of the vertices, boundary conditions, and reactions of the faces."""
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.kernels.contact.vertex import apply_contact
 from pgimp.kernels.data.motion import grid_rate, keeps, velocity_before
 from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, RECORD, VELOCITY
@@ -101,21 +101,16 @@ def _accelerate(G, kept, begin, end, dt, gravity, mass_cutoff, clearances):
             clear(clearances, G, r)
 
 
+@inlined
 def constrain_plane(faces, n, frame, field, forcing, i, ledger):
     """Apply the conditions at the vertices of plane `i` on or beyond face `n` but none before it.
 
     Where faces join, a vertex is treated by all of them at once. The work of each is its force
     times the velocity after the last face, or after a constraint.
     """
-
-
-@specialise(constrain_plane)
-def _constrain_plane(faces, n, frame, field, forcing, i, ledger):
     if len(faces) == 0:
-        return lambda faces, n, frame, field, forcing, i, ledger: None
-    return lambda faces, n, frame, field, forcing, i, ledger: _constrain_face(
-        faces, n, frame, field, forcing, i, ledger
-    )
+        return None
+    return _constrain_face(faces, n, frame, field, forcing, i, ledger)
 
 
 @inner_kernel

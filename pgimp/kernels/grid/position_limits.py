@@ -9,7 +9,7 @@ wall's, as in an inelastic impact. Its loss is the wall's impulse and work.
 
 from math import isfinite
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel
 
 #: Columns of `walls`: number of the face or -1, coordinate to which particles are moved, velocity
 #: of the wall, and gravity across it. Then number of the face in any case, whether it holds every
@@ -17,15 +17,12 @@ from pgimp.jit.kernel import inner_kernel, specialise
 FACE, COORDINATE, VELOCITY, GRAVITY, NUMBER, HOLDS, MOTION, WALL = 0, 1, 2, 3, 4, 5, 6, 9
 
 
+@inlined
 def prescribed_by(constraints, number, d):
     """Whether constraint `number`, from 1, prescribes component `d`; 0 is no constraint."""
-
-
-@specialise(prescribed_by)
-def _prescribed_by(constraints, number, d):
     if len(constraints) == 0:
-        return lambda constraints, number, d: False
-    return lambda constraints, number, d: number > 0 and constraints[number - 1].held[d]
+        return False
+    return number > 0 and constraints[number - 1].held[d]
 
 
 @inner_kernel

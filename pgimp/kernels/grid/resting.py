@@ -15,7 +15,7 @@ Kinetic energy relative to the wall never grows.
 
 from math import sqrt
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_empty
 from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import bits, vector, with_lane
@@ -30,25 +30,18 @@ STOPS = 10.0
 NEAR = 0.5
 
 
+@inlined
 def _any_near(frame, walls, x, d):
     """Bit j is set where particle j is near a wall that holds every component, from axis `d` on."""
-
-
-@specialise(_any_near)
-def _any_near_from(frame, walls, x, d):
     if len(x) == 0:
-        return lambda frame, walls, x, d: 0
-
-    def near(frame, walls, x, d):
-        found = _any_near(frame, walls, x[1:], d + 1)
-        for end in range(2):
-            wall = walls[2 * d + end]
-            if wall[HOLDS] > 0.0:
-                far = (x[0] - wall[COORDINATE]) * frame.inverse[d]
-                found |= bits(far * far < NEAR * NEAR)
-        return found
-
-    return near
+        return 0
+    found = _any_near(frame, walls, x[1:], d + 1)
+    for end in range(2):
+        wall = walls[2 * d + end]
+        if wall[HOLDS] > 0.0:
+            far = (x[0] - wall[COORDINATE]) * frame.inverse[d]
+            found |= bits(far * far < NEAR * NEAR)
+    return found
 
 
 @inner_kernel
@@ -99,6 +92,7 @@ def _settled_part(frame, forcing, m, x, motion, ledger, layer):
     return lost
 
 
+@inlined
 def settle(rest, frame, forcing, particles, four, motion, ledger):
     """Velocities of four particles, reduced for held ones.
 
@@ -111,33 +105,25 @@ def settle(rest, frame, forcing, particles, four, motion, ledger):
     motion : tuple
         Their velocities, and the velocities of their motion.
     """
-
-
-@specialise(settle)
-def _settle(rest, frame, forcing, particles, four, motion, ledger):
-    if hasattr(rest, "count"):  # ()
-        return lambda rest, frame, forcing, particles, four, motion, ledger: motion[0]
-
-    def settled(rest, frame, forcing, particles, four, motion, ledger):
-        v, u = motion
-        x = coordinates(frame, particles, four.rows)
-        if _any_near(frame, forcing.position_limits, x, 0) == 0:
-            return v
-        lost, part = vector(0.0), 0.0
-        for j in range(LANES):
-            if j < four.size:  # else a repetition of the last one
-                p, part = four.rows[j], 0.0
-                if rest[particles.body[p]]:
-                    part = _settled_part(
-                        frame,
-                        forcing,
-                        particles.m[p],
-                        of_lane(x, j),
-                        of_lane(motion, j),
-                        ledger,
-                        four.layer,
-                    )
-            lost = with_lane(lost, j, part)
-        return plus_scaled(lost, u, plus_scaled(-lost, v, v))
-
-    return settled
+    if is_empty(rest):
+        return motion[0]
+    v, u = motion
+    x = coordinates(frame, particles, four.rows)
+    if _any_near(frame, forcing.position_limits, x, 0) == 0:
+        return v
+    lost, part = vector(0.0), 0.0
+    for j in range(LANES):
+        if j < four.size:  # else a repetition of the last one
+            p, part = four.rows[j], 0.0
+            if rest[particles.body[p]]:
+                part = _settled_part(
+                    frame,
+                    forcing,
+                    particles.m[p],
+                    of_lane(x, j),
+                    of_lane(motion, j),
+                    ledger,
+                    four.layer,
+                )
+        lost = with_lane(lost, j, part)
+    return plus_scaled(lost, u, plus_scaled(-lost, v, v))

@@ -16,7 +16,7 @@ The sum uses the entry of a vertex's record that is free until the momentum upda
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel, specialise
 from pgimp.kernels.data.record import CLEARANCE_SUM, MASS, RECORD
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 
@@ -68,39 +68,28 @@ def _distance(sides, x):
     return (w if z > 0.0 else -w), slope
 
 
+@inlined
 def wall(walls, d):
     """The entry of `Loads.approached` for a direction; () without any."""
-
-
-@specialise(wall)
-def _wall(walls, d):
     if len(walls) == 0:
-        return lambda walls, d: ()
-    return lambda walls, d: walls[d]
+        return ()
+    return walls[d]
 
 
+@inlined
 def moment(walls, particles, p, d):
     """m_p w_p along direction `d`; `walls` is the entry of `Loads.approached` for it, or ()."""
+    if not is_record(walls):
+        return 0.0
+    return particles.m[p] * _distance(walls, particles.x[p, d])[0]
 
 
-@specialise(moment)
-def _moment(walls, particles, p, d):
-    if not hasattr(walls, "instance_class"):  # ()
-        return lambda walls, particles, p, d: 0.0
-    return lambda walls, particles, p, d: particles.m[p] * _distance(walls, particles.x[p, d])[0]
-
-
+@inlined
 def divergence(walls, particles, p, d):
     """Divergence of w from direction `d` on, which is the first in `walls`."""
-
-
-@specialise(divergence)
-def _divergence(walls, particles, p, d):
     if len(walls) == 0:
-        return lambda walls, particles, p, d: 0.0
-    return lambda walls, particles, p, d: (
-        _distance(walls[0], particles.x[p, d])[1] + divergence(walls[1:], particles, p, d + 1)
-    )
+        return 0.0
+    return _distance(walls[0], particles.x[p, d])[1] + divergence(walls[1:], particles, p, d + 1)
 
 
 @kernel

@@ -6,7 +6,7 @@ F follows from the vertices' displacements, and L from its change: (1 + dt L) F 
 from typing import Any, NamedTuple
 
 from pgimp.jit.algebra import determinant, inverse, multiply
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inlined, kernel, specialise
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.lanes import of_lane, vectors, with_lanes
 from pgimp.jit.vectors.simd import bits, lane, load, vector, where
@@ -113,23 +113,17 @@ def _advance_of(cells, field, particles, dt):
     return advance
 
 
+@inlined
 def _repeated(F, present):
     """Matrices of four particles with the first present one's in slots without a particle."""
-
-
-@specialise(_repeated)
-def _repeat_first(F, present):
-    def repeat(F, present):
-        source = 0
-        while present >> source & 1 == 0:
-            source += 1
-        first = of_lane(F, source)
-        for j in range(4):
-            if present >> j & 1 == 0:
-                F = with_lanes(F, j, first)
-        return F
-
-    return repeat
+    source = 0
+    while present >> source & 1 == 0:
+        source += 1
+    first = of_lane(F, source)
+    for j in range(4):
+        if present >> j & 1 == 0:
+            F = with_lanes(F, j, first)
+    return F
 
 
 def _centre(loads, frame, u):

@@ -10,7 +10,7 @@ that is not used and three components.
 
 from typing import Any, NamedTuple
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, stack, store
 
@@ -87,13 +87,10 @@ class Derivatives(NamedTuple):
     scratch: Any
 
 
+@inlined
 def derivative_buffers():
     """Buffers of `Derivatives`."""
-
-
-@specialise(derivative_buffers)
-def _derivative_buffers():
-    return lambda: Derivatives(stack(32), stack(16), stack(48), stack(16), stack(16), stack(64))
+    return Derivatives(stack(32), stack(16), stack(48), stack(16), stack(16), stack(64))
 
 
 def load_corners(cells, motion, at, strides, u):
@@ -217,12 +214,9 @@ def _numbers_of_slice(cells, group):
     )
 
 
+@inlined
 def _components(buffer, a, b, c, d):
     """Components, each of four vectors of a buffer."""
-
-
-@specialise(_components)
-def _components_of(buffer, a, b, c, d):
-    return lambda buffer, a, b, c, d: transpose(
+    return transpose(
         load(buffer, 4 * a), load(buffer, 4 * b), load(buffer, 4 * c), load(buffer, 4 * d)
     )[1:]

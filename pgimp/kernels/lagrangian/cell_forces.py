@@ -6,7 +6,7 @@ over the line first; see `pgimp.kernels.lagrangian.cell_derivatives`.
 
 from typing import Any, NamedTuple
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.vectors.simd import load, stack, store
 from pgimp.kernels.lagrangian.cell_derivatives import MOST, sizes_of
 from pgimp.kernels.lagrangian.cell_matrices import of_four
@@ -35,26 +35,19 @@ class Stresses(NamedTuple):
     sums: Any
 
 
+@inlined
 def stress_buffers():
     """Buffers of `Stresses`."""
+    return Stresses(stack(48), stack(64), stack(64), stack(16), stack(32))
 
 
-@specialise(stress_buffers)
-def _stress_buffers():
-    return lambda: Stresses(stack(48), stack(64), stack(64), stack(16), stack(32))
-
-
+@inlined
 def _keep_stresses(stresses, q, group, P):
     """Store -V0 P of a group of four particles of slice `q`, row-major matrices of vectors."""
-
-
-@specialise(_keep_stresses)
-def _keep_stresses_of(stresses, q, group, P):
-    def plane(stresses, q, group, P):
+    if len(P) == 4:
         keep_vectors(stresses.first, 16 * group, P[0], P[2], 0.0)
         keep_vectors(stresses.second, 16 * group, P[1], P[3], 0.0)
-
-    def space(stresses, q, group, P):
+    else:
         at = 16 * group
         _sum(stresses.across, 12 * group, q, P[0])
         _sum(stresses.across, 12 * group + 4, q, P[3])
@@ -62,21 +55,13 @@ def _keep_stresses_of(stresses, q, group, P):
         keep_vectors(stresses.first, at, P[1], P[4], P[7])
         keep_vectors(stresses.second, at, P[2], P[5], P[8])
 
-    return plane if len(P) == 4 else space
 
-
+@inlined
 def _sum(buffer, at, q, value):
     """Add a vector of slice `q` to a sum, which the first slice begins."""
-
-
-@specialise(_sum)
-def _sum_slices(buffer, at, q, value):
-    def add(buffer, at, q, value):
-        if q > 0:
-            value = load(buffer, at) + value
-        store(buffer, at, value)
-
-    return add
+    if q > 0:
+        value = load(buffer, at) + value
+    store(buffer, at, value)
 
 
 def _add_slice(cells, q, stresses):

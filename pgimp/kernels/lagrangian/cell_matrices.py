@@ -5,7 +5,7 @@ deformation gradients of several cells come first, then the stresses of all in t
 forces: a processor then works at the next particles while it waits.
 """
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.vectors.simd import halves, join, load, stack, store
 from pgimp.kernels.lagrangian.cell_derivatives import CellSizes, sizes_of
 
@@ -45,17 +45,14 @@ def _keep_four(buffer, group, F):
     return lambda buffer, group, F: _keep(buffer, group // 2 * size + 4 * (group % 2), F)
 
 
+@inlined
 def _keep(buffer, at, F):
     """Store the vectors `F`, of four particles, in every other place from `at` on."""
-
-
-@specialise(_keep)
-def _keep_each(buffer, at, F):
-    def keep(buffer, at, F):
+    if len(F):
         store(buffer, at, F[0])
         _keep(buffer, at + 8, F[1:])
-
-    return keep if len(F) else lambda buffer, at, F: None
+    else:
+        return None
 
 
 def of_four(cells, buffer, group):
@@ -69,15 +66,12 @@ def _of_four(cells, buffer, group):
     return lambda cells, buffer, group: _take(buffer, group // 2 * size + 4 * (group % 2), like)
 
 
+@inlined
 def _take(buffer, at, like):
     """The vectors of four particles in every other place from `at` on."""
-
-
-@specialise(_take)
-def _take_each(buffer, at, like):
     if len(like) == 0:
-        return lambda buffer, at, like: ()
-    return lambda buffer, at, like: (load(buffer, at), *_take(buffer, at + 8, like[1:]))
+        return ()
+    return (load(buffer, at), *_take(buffer, at + 8, like[1:]))
 
 
 def of_eight(cells, buffer, pair):
@@ -91,18 +85,12 @@ def _of_eight(cells, buffer, pair):
     return lambda cells, buffer, pair: _take_both(buffer, size * pair, like)
 
 
+@inlined
 def _take_both(buffer, at, like):
     """The vectors of eight particles from `at` on."""
-
-
-@specialise(_take_both)
-def _take_each_both(buffer, at, like):
     if len(like) == 0:
-        return lambda buffer, at, like: ()
-    return lambda buffer, at, like: (
-        join(load(buffer, at), load(buffer, at + 4)),
-        *_take_both(buffer, at + 8, like[1:]),
-    )
+        return ()
+    return (join(load(buffer, at), load(buffer, at + 4)), *_take_both(buffer, at + 8, like[1:]))
 
 
 def keep_eight(buffer, pair, P):
@@ -115,16 +103,13 @@ def _keep_eight(buffer, pair, P):
     return lambda buffer, pair, P: _keep_both(buffer, size * pair, P)
 
 
+@inlined
 def _keep_both(buffer, at, P):
     """Store the vectors of eight particles from `at` on."""
-
-
-@specialise(_keep_both)
-def _keep_each_both(buffer, at, P):
-    def keep(buffer, at, P):
+    if len(P):
         low, high = halves(P[0])
         store(buffer, at, low)
         store(buffer, at + 4, high)
         _keep_both(buffer, at + 8, P[1:])
-
-    return keep if len(P) else lambda buffer, at, P: None
+    else:
+        return None

@@ -5,7 +5,7 @@ are its cell alone, whose G is the deformation gradient at its centre.
 """
 
 from pgimp.jit.algebra import cofactor, full, multiply
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.lanes import vectors
 from pgimp.jit.vectors.simd import lane, load, pack, store, vector
@@ -36,13 +36,10 @@ def averages(loads):
     return not hasattr(loads.types[loads.fields.index("mean_lagrangian")], "count")
 
 
+@inlined
 def four_slots(rows, slot):
     """The rows of four slots."""
-
-
-@specialise(four_slots)
-def _four_slots(rows, slot):
-    return lambda rows, slot: (rows[slot], rows[slot + 1], rows[slot + 2], rows[slot + 3])
+    return (rows[slot], rows[slot + 1], rows[slot + 2], rows[slot + 3])
 
 
 def stored_stresses(cells, particles, slot, total):
@@ -114,12 +111,9 @@ def _add_mean_forces(cells, particles, cell, total, f):
     return add
 
 
+@inlined
 def _column(C, j):
     """Column `j` of a row-major matrix, as a vector behind a zero."""
-
-
-@specialise(_column)
-def _column_of(C, j):
     if len(C) == 4:
-        return lambda C, j: pack(0.0, C[j], C[2 + j], 0.0)
-    return lambda C, j: pack(0.0, C[j], C[3 + j], C[6 + j])
+        return pack(0.0, C[j], C[2 + j], 0.0)
+    return pack(0.0, C[j], C[3 + j], C[6 + j])

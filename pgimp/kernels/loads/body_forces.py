@@ -1,6 +1,6 @@
 """Forces per mass on particles: of exact solutions, of the case, of water in the ground."""
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
 from pgimp.jit.tuples import read
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import number, pack, store
@@ -142,51 +142,37 @@ def _weight(force, walls, frame, particles, p):
     return weight_near_walls if near else weight_of
 
 
+@inlined
 def add_force_power(force, frame, particles, four, u, forces, power):
     """Power so far plus the power of the body force on four particles, which moves at `u`.
 
     `forces`, a buffer on the stack of `FORCES` numbers, is for `book_shifts`.
     """
-
-
-@specialise(add_force_power)
-def _add_force_power(force, frame, particles, four, u, forces, power):
-    if not hasattr(force, "instance_class"):
-        return lambda force, frame, particles, four, u, forces, power: power
-
-    def add(force, frame, particles, four, u, forces, power):
-        for j in range(four.size):
-            p, w = four.rows[j], of_lane(u, j)
-            b, m = _force(force, frame, particles, p), particles.m[p]
-            rate = 0.0
-            for d in range(len(w)):
-                rate += b[d] * w[d]
-            power += m * rate
-            store(forces, 4 * j, pack(m * b[0], m * b[1], m * b[2], 0.0))
+    if not is_record(force):
         return power
+    for j in range(four.size):
+        p, w = four.rows[j], of_lane(u, j)
+        b, m = _force(force, frame, particles, p), particles.m[p]
+        rate = 0.0
+        for d in range(len(w)):
+            rate += b[d] * w[d]
+        power += m * rate
+        store(forces, 4 * j, pack(m * b[0], m * b[1], m * b[2], 0.0))
+    return power
 
-    return add
 
-
+@inlined
 def book_shifts(force, forces, particles, four, x, ledger):
     """Book the work of the body force where particles are not at `x`, to which the grid moved them.
 
     Walls and rigid bodies hold them, and flows shift them to free space. As of gravity, the work is
     then the force times the whole way.
     """
-
-
-@specialise(book_shifts)
-def _book_shifts(force, forces, particles, four, x, ledger):
-    if not hasattr(force, "instance_class"):
-        return lambda force, forces, particles, four, x, ledger: None
-
-    def book(force, forces, particles, four, x, ledger):
-        work = 0.0
-        for j in range(four.size):
-            p, at = four.rows[j], of_lane(x, j)
-            for d in range(len(at)):
-                work += number(forces, 4 * j + d) * (particles.x[p, d] - at[d])
-        ledger.work[four.layer] += work
-
-    return book
+    if not is_record(force):
+        return None
+    work = 0.0
+    for j in range(four.size):
+        p, at = four.rows[j], of_lane(x, j)
+        for d in range(len(at)):
+            work += number(forces, 4 * j + d) * (particles.x[p, d] - at[d])
+    ledger.work[four.layer] += work

@@ -16,7 +16,7 @@ is F's.
 from typing import Any, NamedTuple
 
 from pgimp.jit.algebra import determinant, inverse, multiply
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_empty, kernel, specialise
 from pgimp.jit.tuples import read, scaled, squared, write
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
@@ -76,31 +76,24 @@ def _carried_gradient(frame, particles, p):
     return scaled(particles.m[p], _one_minus(inverse(_plane(F, frame.origin))))
 
 
+@inlined
 def displacement_share(shape, frame, particles, p):
     """The vector (m, m u) of particle `p`, and its columns of stress, which are zero.
 
     Of rings u is at the centroid, from which arms are counted.
     """
-
-
-@specialise(displacement_share)
-def _displacement_share(shape, frame, particles, p):
-    def share(shape, frame, particles, p):
-        m = particles.m[p]
-        x = _displacement(frame, particles, p, 0)
-        y = _displacement(frame, particles, p, 1)
-        z = _displacement(frame, particles, p, 2)
-        return pack(m, m * x, m * y, m * z), zeros(frame.origin)
-
-    def ring(shape, frame, particles, p):
+    if is_axial(frame):
         half = half_widths(shape, frame, particles, p)[0] * frame.cell[0]
         arm = half * half / (3.0 * off_axis(frame, (particles.x[p, 0],))[0])
         G, m = _carried_gradient(frame, particles, p), particles.m[p]
         x = m * _displacement(frame, particles, p, 0) + arm * G[0]
         y = m * _displacement(frame, particles, p, 1) + arm * G[2]
         return pack(m, x, y, 0.0), zeros(frame.origin)
-
-    return ring if is_axial(frame) else share
+    m = particles.m[p]
+    x = _displacement(frame, particles, p, 0)
+    y = _displacement(frame, particles, p, 1)
+    z = _displacement(frame, particles, p, 2)
+    return pack(m, m * x, m * y, m * z), zeros(frame.origin)
 
 
 def _plane(F, D):
@@ -113,17 +106,14 @@ def _plane_of(F, D):
     return lambda F, D: F[:n]
 
 
+@inlined
 def _one_minus(A):
     """The matrix 1 - A."""
-
-
-@specialise(_one_minus)
-def _one_minus_of(A):
-    two = lambda A: (1.0 - A[0], -A[1], -A[2], 1.0 - A[3])  # noqa: E731
-    three = lambda A: (  # noqa: E731
+    if len(A) == 4:
+        return (1.0 - A[0], -A[1], -A[2], 1.0 - A[3])
+    return (
         1.0 - A[0], -A[1], -A[2], -A[3], 1.0 - A[4], -A[5], -A[6], -A[7], 1.0 - A[8],
     )  # fmt: skip
-    return two if len(A) == 4 else three
 
 
 def displacement_arms(frame, particles, p):
@@ -162,40 +152,26 @@ def find_displacements(field):
                     G[r + MOMENTUM + d] *= part
 
 
+@inlined
 def _gradient(slopes):
     """Displacement gradient, row by row, of gathered vectors (., du_x, du_y, du_z) by direction."""
-
-
-@specialise(_gradient)
-def _gradient_of(slopes):
     if len(slopes) == 2:
-        return lambda slopes: (
-            lane(slopes[0], 1),
-            lane(slopes[1], 1),
-            lane(slopes[0], 2),
-            lane(slopes[1], 2),
-        )
-    return lambda slopes: (
+        return (lane(slopes[0], 1), lane(slopes[1], 1), lane(slopes[0], 2), lane(slopes[1], 2))
+    return (
         lane(slopes[0], 1), lane(slopes[1], 1), lane(slopes[2], 1),
         lane(slopes[0], 2), lane(slopes[1], 2), lane(slopes[2], 2),
         lane(slopes[0], 3), lane(slopes[1], 3), lane(slopes[2], 3),
     )  # fmt: skip
 
 
+@inlined
 def _with_hoop(frame, particles, p, F, R):
     """The matrix R in the scene's directions with the out-of-plane entry that F has, if any."""
-
-
-@specialise(_with_hoop)
-def _with_hoop_of(frame, particles, p, F, R):
     if len(F) == len(R):
-        return lambda frame, particles, p, F, R: R
+        return R
     if not is_axial(frame):
-        return lambda frame, particles, p, F, R: (*R, 1.0)
-    return lambda frame, particles, p, F, R: (
-        *R,
-        particles.x[p, 0] / (particles.place[p, 0] * F[4]),
-    )
+        return (*R, 1.0)
+    return (*R, particles.x[p, 0] / (particles.place[p, 0] * F[4]))
 
 
 @inner_kernel
@@ -248,17 +224,10 @@ def find_drifts(setting, field, particles, order, undrifted) -> int:
     return fallen
 
 
+@inlined
 def followed(drifts, frame, particles, p):
     """Deformation gradient that loaded surfaces follow: R_p F_p, with () for `drifts` F_p."""
-
-
-@specialise(followed)
-def _followed(drifts, frame, particles, p):
-    if hasattr(drifts, "count") or is_initial(frame):
-        return lambda drifts, frame, particles, p: deformation(frame, particles, p)
-
-    def by_positions(drifts, frame, particles, p):
-        F = deformation(frame, particles, p)
-        return multiply(read(particles.drift, p, 0, F), F)
-
-    return by_positions
+    if is_empty(drifts) or is_initial(frame):
+        return deformation(frame, particles, p)
+    F = deformation(frame, particles, p)
+    return multiply(read(particles.drift, p, 0, F), F)

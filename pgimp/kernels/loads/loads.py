@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, specialise
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.kernels.grid.wall_gap import Sides
 from pgimp.kernels.loads.surfaces import scatter_surfaces, surface_power
@@ -69,54 +69,37 @@ def _has_surfaces(loads):
     return "surfaces" in names and len(loads.types[names.index("surfaces")]) > 0
 
 
+@inlined
 def relaxed_part(rate, dt):
     """Grid's part of a particle's velocity after a step; 0 without relaxation."""
+    if is_empty(rate):
+        return 0.0
+    return min(rate * dt, 1.0)
 
 
-@specialise(relaxed_part)
-def _relaxed_part(rate, dt):
-    if hasattr(rate, "count"):  # ()
-        return lambda rate, dt: 0.0
-    return lambda rate, dt: min(rate * dt, 1.0)
-
-
+@inlined
 def relaxed(rate, dt, v, u):
     """Velocities v of particles, after (27), relaxed towards the grid's velocities u there.
 
     By (27) alone a particle keeps for ever the part of its velocity that the grid cannot resolve.
     This relaxes it, and some of the resolved part, at a rate that does not depend on the step.
     """
+    if is_empty(rate):
+        return v
+    part = relaxed_part(rate, dt)
+    return plus_scaled(part, u, scaled(1.0 - part, v))
 
 
-@specialise(relaxed)
-def _relaxed(rate, dt, v, u):
-    if hasattr(rate, "count"):  # ()
-        return lambda rate, dt, v, u: v
-
-    def relax(rate, dt, v, u):
-        part = relaxed_part(rate, dt)
-        return plus_scaled(part, u, scaled(1.0 - part, v))
-
-    return relax
-
-
+@inlined
 def given(rate, m, dt, v, a, V, A):
     """Momentum that particles gain where vertices of mass m have (V, A) instead of (v, a).
 
     By (27) they get the acceleration; the relaxed part gets the velocity.
     """
-
-
-@specialise(given)
-def _given(rate, m, dt, v, a, V, A):
-    if hasattr(rate, "count"):  # ()
-        return lambda rate, m, dt, v, a, V, A: m * dt * (A - a)
-
-    def gained(rate, m, dt, v, a, V, A):
-        part = relaxed_part(rate, dt)
-        return m * ((1.0 - part) * dt * (A - a) + part * (V - v))
-
-    return gained
+    if is_empty(rate):
+        return m * dt * (A - a)
+    part = relaxed_part(rate, dt)
+    return m * ((1.0 - part) * dt * (A - a) + part * (V - v))
 
 
 def scatter_loads(loads, setting, field, particles, rows, span, layer):

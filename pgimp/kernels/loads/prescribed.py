@@ -5,7 +5,7 @@ Where no constraint depends on the place, see `PlacedConstraint`, no place is fo
 
 from typing import Any, NamedTuple
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, specialise
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.lanes import of_lane, with_lanes
 from pgimp.jit.vectors.simd import bits
@@ -30,6 +30,7 @@ def _is_placed(constraints):
     return len(constraints) > 0 and hasattr(constraints.types[0].instance_class, "centre")
 
 
+@inlined
 def place_of(marked, r):
     """Present place of the vertex at `r`, (3,); () where no constraint depends on it.
 
@@ -40,22 +41,14 @@ def place_of(marked, r):
     marked : (constraints, mask) or (constraints, mask, Places)
         See `constrained_velocity`.
     """
-
-
-@specialise(place_of)
-def _place_of(marked, r):
     if len(marked) < 3:
-        return lambda marked, r: ()
-
-    def place(marked, r):
-        window = marked[2].window
-        plane = r // window.stride[0]
-        within = (r - plane * window.stride[0]) % field_size(window)
-        row = within // window.stride[1]
-        number = (plane, row, (within - row * window.stride[1]) // RECORD)
-        return _coordinates(marked[2], r, number, marked[2].frame.origin)
-
-    return place
+        return ()
+    window = marked[2].window
+    plane = r // window.stride[0]
+    within = (r - plane * window.stride[0]) % field_size(window)
+    row = within // window.stride[1]
+    number = (plane, row, (within - row * window.stride[1]) // RECORD)
+    return _coordinates(marked[2], r, number, marked[2].frame.origin)
 
 
 def _coordinates(places, r, number, like):
@@ -197,20 +190,14 @@ def _mean(one, x):
     return v
 
 
+@inlined
 def _own(functions, number, x, t):
     """Value of one of the functions at a place, D numbers, and a time."""
-
-
-@specialise(_own)
-def _own_of(functions, number, x, t):
-    def one_of(functions, number, x, t):
-        if number == 0:
-            return call(functions[0], (x, t))
-        return _own(functions[1:], number - 1, x, t)
-
     if len(functions) == 1:
-        return lambda functions, number, x, t: call(functions[0], (x, t))
-    return one_of
+        return call(functions[0], (x, t))
+    if number == 0:
+        return call(functions[0], (x, t))
+    return _own(functions[1:], number - 1, x, t)
 
 
 def _first(x, like):
@@ -255,6 +242,7 @@ def _linear_in(value, W, c, x):
     return (on_line, in_plane, in_space)[len(x) - 1]
 
 
+@inlined
 def add_moment(one, x, d, given, impulse):
     """Add the moment about the centre of an impulse along direction `d` at `x`, where booked.
 
@@ -265,14 +253,10 @@ def add_moment(one, x, d, given, impulse):
     impulse : (rows, 3) float64
         A plane's rows of `Ledger.constraint_impulse`.
     """
-
-
-@specialise(add_moment)
-def _add_moment(one, x, d, given, impulse):
-    def add(one, x, d, given, impulse):
+    if len(x) > 0:
         if one.moment >= 0:
             after, before = (d + 1) % 3, (d + 2) % 3
             impulse[one.moment, after] += (x[before] - one.centre[before]) * given
             impulse[one.moment, before] -= (x[after] - one.centre[after]) * given
-
-    return add if len(x) > 0 else lambda one, x, d, given, impulse: None
+    else:
+        return None

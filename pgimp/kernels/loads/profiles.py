@@ -11,7 +11,7 @@ edge has both of its faces at once: there the factor is right to a part of the p
 
 from math import pi, sqrt
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
 from pgimp.kernels.loads.tractions import columns
 from pgimp.kernels.transfer.first_vertex import is_axial
 
@@ -108,6 +108,7 @@ def _half_length_of(profile, frame, C, N, radius):
     return ring
 
 
+@inlined
 def profiled(profile, frame, at, F, part, f):
     """Return the force `f` on a part of a surface times the factor of its profile.
 
@@ -126,21 +127,13 @@ def profiled(profile, frame, at, F, part, f):
     f : tuple of 3 float
         The force.
     """
-
-
-@specialise(profiled)
-def _profiled(profile, frame, at, F, part, f):
-    if not hasattr(profile, "instance_class"):  # ()
-        return lambda profile, frame, at, F, part, f: f
-
-    def with_factor(profile, frame, at, F, part, f):
-        (c, N), a, C = part, profile.direction, columns(F)
-        x = at[0] + C[0][0] * c[0] + C[1][0] * c[1] + C[2][0] * c[2]
-        y = at[1] + C[0][1] * c[0] + C[1][1] * c[1] + C[2][1] * c[2]
-        z = at[2] + C[0][2] * c[0] + C[1][2] * c[1] + C[2][2] * c[2]
-        s = a[0] * x + a[1] * y + a[2] * z - profile.origin
-        half = _half_length(profile, frame, C, N, x)
-        factor = mean_factor(profile.rows, profile.outside, s, half)
-        return factor * f[0], factor * f[1], factor * f[2]
-
-    return with_factor
+    if not is_record(profile):
+        return f
+    (c, N), a, C = part, profile.direction, columns(F)
+    x = at[0] + C[0][0] * c[0] + C[1][0] * c[1] + C[2][0] * c[2]
+    y = at[1] + C[0][1] * c[0] + C[1][1] * c[1] + C[2][1] * c[2]
+    z = at[2] + C[0][2] * c[0] + C[1][2] * c[1] + C[2][2] * c[2]
+    s = a[0] * x + a[1] * y + a[2] * z - profile.origin
+    half = _half_length(profile, frame, C, N, x)
+    factor = mean_factor(profile.rows, profile.outside, s, half)
+    return factor * f[0], factor * f[1], factor * f[2]

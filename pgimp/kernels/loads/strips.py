@@ -8,7 +8,7 @@ the whole side of a ring, its weights are those of the ring: level ground then s
 
 from math import sqrt
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel
 from pgimp.jit.tuples import plus_scaled
 from pgimp.kernels.loads.tractions import means
 
@@ -33,18 +33,12 @@ def _kink(half, f):
     return (a * a * a * (1.0 / 3.0) - 0.5 * f * a * a) * (0.5 / half)
 
 
+@inlined
 def _moments(half, f, like):
     """First moments of the tents of vertices 0, 1, ... over a box of a half-width about f."""
-
-
-@specialise(_moments)
-def _moments_of(half, f, like):
-    def first(half, f, like):
-        return (_kink(half, f + 1.0) - 2.0 * _kink(half, f) + _kink(half, f - 1.0),)
-
     if len(like) == 1:
-        return first
-    return lambda half, f, like: (
+        return (_kink(half, f + 1.0) - 2.0 * _kink(half, f) + _kink(half, f - 1.0),)
+    return (
         _kink(half, f + 1.0) - 2.0 * _kink(half, f) + _kink(half, f - 1.0),
         *_moments(half, f - 1.0, like[1:]),
     )

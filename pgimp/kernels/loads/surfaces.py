@@ -9,7 +9,7 @@ total force is exact.
 
 from math import sqrt
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, specialise
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
@@ -113,28 +113,21 @@ def _surface_force(load, particles, p, F, D, N, c):
     return t[0] * area - q * n[0], t[1] * area - q * n[1], t[2] * area - q * n[2]
 
 
+@inlined
 def _moved(load, frame, F, part):
     """Centroid of a part, from its particle, and its area vector, where its weights are."""
-
-
-@specialise(_moved)
-def _moved_of(load, frame, F, part):
     if is_initial(frame):
-        return lambda load, frame, F, part: part
-
-    def moved(load, frame, F, part):
-        c, N = part
-        C = columns(F)
-        x = C[0][0] * c[0] + C[1][0] * c[1] + C[2][0] * c[2]
-        y = C[0][1] * c[0] + C[1][1] * c[1] + C[2][1] * c[2]
-        z = C[0][2] * c[0] + C[1][2] * c[1] + C[2][2] * c[2]
-        if load.stretches:
-            return (x, y, z), _cofactor(F, N)
-        square, before = x * x + y * y + z * z, c[0] * c[0] + c[1] * c[1] + c[2] * c[2]
-        kept = sqrt(before / square) if square > 0.0 else 0.0  # as the particle keeps its size
-        return (kept * x, kept * y, kept * z), _cofactor(F, N)
-
-    return moved
+        return part
+    c, N = part
+    C = columns(F)
+    x = C[0][0] * c[0] + C[1][0] * c[1] + C[2][0] * c[2]
+    y = C[0][1] * c[0] + C[1][1] * c[1] + C[2][1] * c[2]
+    z = C[0][2] * c[0] + C[1][2] * c[1] + C[2][2] * c[2]
+    if load.stretches:
+        return (x, y, z), _cofactor(F, N)
+    square, before = x * x + y * y + z * z, c[0] * c[0] + c[1] * c[1] + c[2] * c[2]
+    kept = sqrt(before / square) if square > 0.0 else 0.0  # as the particle keeps its size
+    return (kept * x, kept * y, kept * z), _cofactor(F, N)
 
 
 @inner_kernel
@@ -155,19 +148,12 @@ def _along(load, frame, x, part, own, d, vertex, like):
     return means(False, False, half, min(max(g, half), last - half), like)
 
 
+@inlined
 def _along_first(load, frame, x, part, own, vertex, like):
     """As `_along`, along x; in axisymmetry as of `strip_weights`."""
-
-
-@specialise(_along_first)
-def _along_first_of(load, frame, x, part, own, vertex, like):
     if is_axial(frame):
-        return lambda load, frame, x, part, own, vertex, like: strip_weights(
-            load, frame, x, part, own, vertex, like
-        )
-    return lambda load, frame, x, part, own, vertex, like: _along(
-        load, frame, x, part, own, 0, vertex, like
-    )
+        return strip_weights(load, frame, x, part, own, vertex, like)
+    return _along(load, frame, x, part, own, 0, vertex, like)
 
 
 def _support(load, layout, window, particles, p, layer, part, buffer):

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, specialise
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
@@ -39,19 +39,16 @@ from pgimp.kernels.transfer.transfer import Support
 from pgimp.physics.shapes.stretch import LARGEST
 
 
+@inlined
 def columns(F):
     """Columns of the deformation gradient as vectors of three; 1 in missing directions."""
-
-
-@specialise(columns)
-def _columns(F):
     if len(F) == 1:
-        return lambda F: ((F[0], 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        return ((F[0], 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     if len(F) == 4:
-        return lambda F: ((F[0], F[2], 0.0), (F[1], F[3], 0.0), (0.0, 0.0, 1.0))
+        return ((F[0], F[2], 0.0), (F[1], F[3], 0.0), (0.0, 0.0, 1.0))
     if len(F) == 5:
-        return lambda F: ((F[0], F[2], 0.0), (F[1], F[3], 0.0), (0.0, 0.0, F[4]))
-    return lambda F: ((F[0], F[3], F[6]), (F[1], F[4], F[7]), (F[2], F[5], F[8]))
+        return ((F[0], F[2], 0.0), (F[1], F[3], 0.0), (0.0, 0.0, F[4]))
+    return ((F[0], F[3], F[6]), (F[1], F[4], F[7]), (F[2], F[5], F[8]))
 
 
 @inner_kernel
@@ -90,18 +87,12 @@ def _mean(ends, tent, half, g):
     return max(1.0 - abs(g), 0.0) + 0.5 * corners - _rounding(tent, half, g)
 
 
+@inlined
 def means(ends, tent, half, g, like):
     """Means at vertices 0, 1, ..., as many as in `like`."""
-
-
-@specialise(means)
-def _means_of(ends, tent, half, g, like):
     if len(like) == 1:
-        return lambda ends, tent, half, g, like: (_mean(ends, tent, half, g),)
-    return lambda ends, tent, half, g, like: (
-        _mean(ends, tent, half, g),
-        *means(ends, tent, half, g - 1.0, like[1:]),
-    )
+        return (_mean(ends, tent, half, g),)
+    return (_mean(ends, tent, half, g), *means(ends, tent, half, g - 1.0, like[1:]))
 
 
 @inner_kernel

@@ -3,7 +3,7 @@
 from math import isqrt, sqrt
 
 from pgimp.jit.algebra import determinant, symmetric
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inlined, kernel, specialise
 from pgimp.jit.tuples import read, scaled
 from pgimp.kernels.transfer.first_vertex import deformation, is_plate
 from pgimp.kernels.update.stress import state_of
@@ -47,15 +47,12 @@ def small_wave_speeds(setting, particles, rows, length, speeds):
         speeds[i, 0], speeds[i, 1] = _in_a_plate(setting.frame, c, s), s
 
 
+@inlined
 def _in_a_plate(frame, c, s):
     """Speed of compression in plane stress, by the speeds c and s in space; else c."""
-
-
-@specialise(_in_a_plate)
-def _in_a_plate_of(frame, c, s):
     if is_plate(frame):
-        return lambda frame, c, s: 2.0 * s * sqrt(1.0 - (s / c) ** 2)
-    return lambda frame, c, s: c
+        return 2.0 * s * sqrt(1.0 - (s / c) ** 2)
+    return c
 
 
 def _shear_stress(setting, particles, p, materials, strain, dt):
@@ -82,14 +79,11 @@ def _shear_stress_of(setting, particles, p, materials, strain, dt):
     return stress
 
 
+@inlined
 def _sheared(F, strain):
     """(1 + strain e_x e_y) F."""
-
-
-@specialise(_sheared)
-def _sheared_matrix(F, strain):
     if len(F) == 9:
-        return lambda F, strain: (
+        return (
             F[0] + strain * F[3], F[1] + strain * F[4], F[2] + strain * F[5], *F[3:],
         )  # fmt: skip
-    return lambda F, strain: (F[0] + strain * F[2], F[1] + strain * F[3], *F[2:])
+    return (F[0] + strain * F[2], F[1] + strain * F[3], *F[2:])

@@ -4,7 +4,7 @@ from math import prod
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.jit.memory import copy
 from pgimp.kernels.transfer.first_vertex import box, coordinate, first_vertex, half_widths, off_axis
 from pgimp.physics.shapes.base import by_corners, weights
@@ -44,31 +44,25 @@ def vertices_of(cell: np.ndarray, vertices: tuple[int, ...]) -> np.ndarray:
     return first
 
 
+@inlined
 def _breadth(shape, half, f):
     """Vertices less two of a support, by its weights: its end vertices may have none.
 
     Transfers by corners do not branch on them.
     """
-
-
-@specialise(_breadth)
-def _breadth_of(shape, half, f):
     if by_corners(shape):
-        return lambda shape, half, f: 0
-    return lambda shape, half, f: _weighted(weights(shape, half, f)[0])
+        return 0
+    return _weighted(weights(shape, half, f)[0])
 
 
+@inlined
 def _weighted(w):
     """Vertices with weight, less two."""
-
-
-@specialise(_weighted)
-def _weighted_of(w):
     if len(w) == 2:
-        return lambda w: 0
+        return 0
     if len(w) == 3:
-        return lambda w: int(w[2] != 0.0)
-    return lambda w: 2 if w[3] != 0.0 else int(w[2] != 0.0)
+        return int(w[2] != 0.0)
+    return 2 if w[3] != 0.0 else int(w[2] != 0.0)
 
 
 @kernel

@@ -2,11 +2,12 @@
 
 from math import pi
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.kernels.grid.faces import wall_sides
 from pgimp.kernels.transfer.first_vertex import is_axial
 
 
+@inlined
 def way_around(frame, number, sides):
     """Way of a vertex's neighbourhood round the axis; 1 outside of axisymmetry.
 
@@ -20,26 +21,15 @@ def way_around(frame, number, sides):
     sides : (int, int, int)
         Its walls, see `wall_sides`.
     """
-
-
-@specialise(way_around)
-def _way_around(frame, number, sides):
     if not is_axial(frame):
-        return lambda frame, number, sides: 1.0
-
-    def way(frame, number, sides):
-        cells = number[0] - frame.ghost - sides[0] * (1.0 / 3.0)
-        return 2.0 * pi * (frame.origin[0] + cells * frame.cell[0])
-
-    return way
+        return 1.0
+    cells = number[0] - frame.ghost - sides[0] * (1.0 / 3.0)
+    return 2.0 * pi * (frame.origin[0] + cells * frame.cell[0])
 
 
+@inlined
 def way_between(faces, frame, number):
     """As `way_around`, with the walls from the faces with a condition."""
-
-
-@specialise(way_between)
-def _way_between(faces, frame, number):
     if not is_axial(frame):
-        return lambda faces, frame, number: 1.0
-    return lambda faces, frame, number: way_around(frame, number, wall_sides(faces, frame, number))
+        return 1.0
+    return way_around(frame, number, wall_sides(faces, frame, number))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.sliding import sliding_part
 from pgimp.kernels.data.ledger import (
     HEAT,
@@ -55,6 +55,7 @@ class Keepers(NamedTuple):
     impulses: np.ndarray
 
 
+@inlined
 def hold_outside(keepers, forcing, particles, four, x, v, ledger):
     """Hold four stored particles out of rigid bodies; returns their positions and velocities.
 
@@ -67,24 +68,16 @@ def hold_outside(keepers, forcing, particles, four, x, v, ledger):
     x, v : tuple of D Vec4
         Their positions and velocities.
     """
-
-
-@specialise(hold_outside)
-def _hold_outside(keepers, forcing, particles, four, x, v, ledger):
-    if not hasattr(keepers, "instance_class"):
-        return lambda keepers, forcing, particles, four, x, v, ledger: (x, v)
-
-    def hold(keepers, forcing, particles, four, x, v, ledger):
-        held = 0
-        for j in range(four.size):
-            for t in range(len(keepers.rigid_bodies.motion)):
-                held += _hold(keepers, forcing, particles, four.rows[j], t, four.layer, ledger)
-        if held > 0:
-            x = take_row(particles.x, four.rows, 0, x)
-            v = take_row(particles.v, four.rows, 0, v)
-        return x, v
-
-    return hold
+    if not is_record(keepers):
+        return (x, v)
+    held = 0
+    for j in range(four.size):
+        for t in range(len(keepers.rigid_bodies.motion)):
+            held += _hold(keepers, forcing, particles, four.rows[j], t, four.layer, ledger)
+    if held > 0:
+        x = take_row(particles.x, four.rows, 0, x)
+        v = take_row(particles.v, four.rows, 0, v)
+    return x, v
 
 
 @inner_kernel

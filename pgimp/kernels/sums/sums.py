@@ -3,7 +3,7 @@
 from math import isqrt, sqrt
 
 from pgimp.jit.algebra import determinant, symmetric
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, kernel, specialise
 from pgimp.jit.tuples import read
 from pgimp.kernels.transfer.first_vertex import is_axial
 from pgimp.kernels.update.pace import pace
@@ -35,13 +35,12 @@ def _book_losses(row, materials, k, args, state, V0):
     return book if lose else lambda row, materials, k, args, state, V0: None
 
 
+@inlined
 def remaining_across(frame):
     """Part of a sum along x that remains: 0 of rings, round whose axis it vanishes; else 1."""
-
-
-@specialise(remaining_across)
-def _remaining_across(frame):
-    return (lambda frame: 0.0) if is_axial(frame) else (lambda frame: 1.0)
+    if is_axial(frame):
+        return 0.0
+    return 1.0
 
 
 @inner_kernel

@@ -6,7 +6,7 @@ Transfers by them are in `pgimp.kernels.transfer.cornertransfer`.
 from math import floor
 
 import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.simd import store, vector
 from pgimp.kernels.transfer.first_vertex import first_vertex
@@ -19,130 +19,83 @@ from pgimp.physics.shapes.base import edges, size
 CORNER, CELL, INVERSE, EDGES = 16, 12, 152, 188
 
 
+@inlined
 def _inverse(E):
     """Rows of the inverse of the matrix with the columns `E`."""
-
-
-@specialise(_inverse)
-def _inverse_of(E):
-    def inverse2(E):
+    if len(E) == 2:
         a, b = E
         r = 1.0 / (a[0] * b[1] - a[1] * b[0])
         return (r * b[1], -r * b[0]), (-r * a[1], r * a[0])
-
-    def inverse3(E):
-        a, b, c = E
-        n = (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0])
-        m = (c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0])
-        k = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-        r = 1.0 / (a[0] * n[0] + a[1] * n[1] + a[2] * n[2])
-        return scaled(r, n), scaled(r, m), scaled(r, k)
-
-    return inverse2 if len(E) == 2 else inverse3
+    a, b, c = E
+    n = (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0])
+    m = (c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0])
+    k = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    r = 1.0 / (a[0] * n[0] + a[1] * n[1] + a[2] * n[2])
+    return scaled(r, n), scaled(r, m), scaled(r, k)
 
 
+@inlined
 def _keep_rows(buffer, at, rows, factors):
     """Store rows, their entries multiplied by `factors`, one after the other."""
-
-
-@specialise(_keep_rows)
-def _keep_all_rows(buffer, at, rows, factors):
     if len(rows) == 0:
-        return lambda buffer, at, rows, factors: None
-
-    def keep(buffer, at, rows, factors):
-        _keep_row(buffer, at, rows[0], factors)
-        _keep_rows(buffer, at + 4 * len(factors), rows[1:], factors)
-
-    return keep
+        return None
+    _keep_row(buffer, at, rows[0], factors)
+    _keep_rows(buffer, at + 4 * len(factors), rows[1:], factors)
 
 
+@inlined
 def _keep_row(buffer, at, row, factors):
     """Store one row."""
-
-
-@specialise(_keep_row)
-def _keep_all(buffer, at, row, factors):
     if len(row) == 0:
-        return lambda buffer, at, row, factors: None
-
-    def keep(buffer, at, row, factors):
-        store(buffer, at, row[0] * factors[0])
-        _keep_row(buffer, at + 4, row[1:], factors[1:])
-
-    return keep
+        return None
+    store(buffer, at, row[0] * factors[0])
+    _keep_row(buffer, at + 4, row[1:], factors[1:])
 
 
+@inlined
 def cell_of(f):
     """Number of the cell, counted from the support's first vertex, of a corner at `f`; and t.
 
     Rounding may put a corner at an end of the support beyond it.
     """
+    i = min(max(floor(f), 0.0), 2.0)
+    return i, min(max(f - i, 0.0), 1.0)
 
 
-@specialise(cell_of)
-def _cell_of(f):
-    def cell(f):
-        i = min(max(floor(f), 0.0), 2.0)
-        return i, min(max(f - i, 0.0), 1.0)
-
-    return cell
-
-
+@inlined
 def _keep_corner(buffer, at, d, f, stride):
     """Store a corner's positions along the directions from `d` on; returns the cell's offset."""
-
-
-@specialise(_keep_corner)
-def _keep_corner_along(buffer, at, d, f, stride):
     if len(f) == 0:
-        return lambda buffer, at, d, f, stride: vector(0.0)
-
-    def keep(buffer, at, d, f, stride):
-        i, t = cell_of(f[0])
-        store(buffer, at + 4 * d, t)
-        return i * stride[0] + _keep_corner(buffer, at, d + 1, f[1:], stride[1:])
-
-    return keep
+        return vector(0.0)
+    i, t = cell_of(f[0])
+    store(buffer, at + 4 * d, t)
+    return i * stride[0] + _keep_corner(buffer, at, d + 1, f[1:], stride[1:])
 
 
+@inlined
 def _keep_each(buffer, c, f, E, stride):
     """Store the corners c, c + 1, ... at f - and + each of the half edges `E`."""
-
-
-@specialise(_keep_each)
-def _keep_each_corner(buffer, c, f, E, stride):
-    def corner(buffer, c, f, E, stride):
+    if len(E) == 0:
         at = CORNER * c
         store(buffer, at + CELL, _keep_corner(buffer, at, 0, f, stride))
-
-    def both(buffer, c, f, E, stride):
+    else:
         _keep_each(buffer, 2 * c, plus_scaled(-1.0, E[0], f), E[1:], stride)
         _keep_each(buffer, 2 * c + 1, plus_scaled(1.0, E[0], f), E[1:], stride)
 
-    return corner if len(E) == 0 else both
 
-
+@inlined
 def _from_first(frame, window, d, half, x, vertex):
     """Coordinates relative to the support's first vertices, and the offset of these.
 
     Along direction `d` the first vertex is `vertex`.
     """
-
-
-@specialise(_from_first)
-def _from_first_vertex(frame, window, d, half, x, vertex):
-    def last(frame, window, d, half, x, vertex):
+    if len(x) == 1:
         f = (x[0] - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
         return (f,), vector(0.0)
-
-    def more(frame, window, d, half, x, vertex):
-        first = first_vertex(frame, d + 1, half[1], x[1])
-        rest, offset = _from_first(frame, window, d + 1, half[1:], x[1:], first)
-        f = (x[0] - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-        return (f, *rest), offset + (first - window.lower[d + 1]) * window.stride[d + 1]
-
-    return last if len(x) == 1 else more
+    first = first_vertex(frame, d + 1, half[1], x[1])
+    rest, offset = _from_first(frame, window, d + 1, half[1:], x[1:], first)
+    f = (x[0] - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+    return (f, *rest), offset + (first - window.lower[d + 1]) * window.stride[d + 1]
 
 
 def keep_corners(shape, frame, window, F, x, layer, buffer, arms):

@@ -13,7 +13,7 @@ on the way. Likewise the velocities U_c at the corners have the mean U, and the 
 (sum_c s_cj U_c) (A^-1)_j. So nothing branches, and no table of weights is made.
 """
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, specialise
 from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.lanes import numbers
 from pgimp.jit.vectors.simd import load, number, pack, store
@@ -21,53 +21,40 @@ from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.transfer.corners import CELL, CORNER, EDGES, INVERSE
 
 
+@inlined
 def _combined(w, V):
     """The vector sum_i w_i V_i."""
-
-
-@specialise(_combined)
-def _combined_of(w, V):
     if len(w) == 1:
-        return lambda w, V: w[0] * V[0]
-    return lambda w, V: w[0] * V[0] + _combined(w[1:], V[1:])
+        return w[0] * V[0]
+    return w[0] * V[0] + _combined(w[1:], V[1:])
 
 
+@inlined
 def _combinations(part, buffer, at, steps, V, rows):
     """Combinations of the vectors `V`, times `part`, one for each of the rows from `at` on.
 
     `steps` are the distances in the buffer of a row's numbers, and of the rows.
     """
-
-
-@specialise(_combinations)
-def _all_combinations(part, buffer, at, steps, V, rows):
     if len(rows) == 0 or len(V) == 0:
-        return lambda part, buffer, at, steps, V, rows: ()
-    return lambda part, buffer, at, steps, V, rows: (
+        return ()
+    return (
         part * _combined(numbers(buffer, at, steps[0], V), V),
         *_combinations(part, buffer, at + steps[1], steps, V, rows[1:]),
     )
 
 
+@inlined
 def corner(buffer, c, j, like):
     """Position t of corner `c` of particle `j` in its cell, and that cell's offset."""
+    return (numbers(buffer, CORNER * c + j, 4, like), int(number(buffer, CORNER * c + CELL + j)))
 
 
-@specialise(corner)
-def _corner(buffer, c, j, like):
-    return lambda buffer, c, j, like: (
-        numbers(buffer, CORNER * c + j, 4, like),
-        int(number(buffer, CORNER * c + CELL + j)),
-    )
-
-
+@inlined
 def _along(A, t, C):
     """The vector A + t C_0; A where C is ()."""
-
-
-@specialise(_along)
-def _along_first(A, t, C):
-    return (lambda A, t, C: A) if len(C) == 0 else (lambda A, t, C: t * C[0] + A)
+    if len(C) == 0:
+        return A
+    return t * C[0] + A
 
 
 def spread(G, offset, stride, w, t, A, B, C):
@@ -127,26 +114,20 @@ def _scatter_each_corner(support, c, planes, middle, changes, like):
     return one if len(changes.types[1]) == 0 else both
 
 
+@inlined
 def _part_of(part, B):
     """The vector part B; zero where B is ()."""
+    if is_empty(B):
+        return pack(0.0, 0.0, 0.0, 0.0)
+    return part * B
 
 
-@specialise(_part_of)
-def _part_of_force(part, B):
-    if hasattr(B, "count"):  # ()
-        return lambda part, B: pack(0.0, 0.0, 0.0, 0.0)
-    return lambda part, B: part * B
-
-
+@inlined
 def _over_cells(part, C, cell):
     """The changes C, per length, over a cell along each direction, times `part`; () if () ."""
-
-
-@specialise(_over_cells)
-def _over_all_cells(part, C, cell):
     if len(C) == 0:
-        return lambda part, C, cell: ()
-    return lambda part, C, cell: ((part * cell[0]) * C[0], *_over_cells(part, C[1:], cell[1:]))
+        return ()
+    return ((part * cell[0]) * C[0], *_over_cells(part, C[1:], cell[1:]))
 
 
 def scatter_corners(shape, G, support, offset, stride, share):
@@ -188,23 +169,16 @@ def _interpolated(G, offset, stride, t):
     return between
 
 
+@inlined
 def _sums(G, buffer, j, c, offset, stride, like, rest):
     """Sums over the corners c, c + 1, ... of both vectors, and of s_j U_c for each of `rest`."""
-
-
-@specialise(_sums)
-def _sums_over_corners(G, buffer, j, c, offset, stride, like, rest):
-    def one(G, buffer, j, c, offset, stride, like, rest):
+    if len(rest) == 0:
         t, cell = corner(buffer, c, j, like)
         u, a = interpolated(G, offset + cell, stride, t)
         return u, a, ()
-
-    def both(G, buffer, j, c, offset, stride, like, rest):
-        u, a, low = _sums(G, buffer, j, 2 * c, offset, stride, like, rest[1:])
-        v, b, high = _sums(G, buffer, j, 2 * c + 1, offset, stride, like, rest[1:])
-        return u + v, a + b, (v - u, *plus_scaled(1.0, low, high))
-
-    return one if len(rest) == 0 else both
+    u, a, low = _sums(G, buffer, j, 2 * c, offset, stride, like, rest[1:])
+    v, b, high = _sums(G, buffer, j, 2 * c + 1, offset, stride, like, rest[1:])
+    return u + v, a + b, (v - u, *plus_scaled(1.0, low, high))
 
 
 def gather_corners(shape, G, support, offset, stride, like):

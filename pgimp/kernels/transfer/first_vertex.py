@@ -3,7 +3,7 @@
 from math import floor
 
 import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
-from pgimp.jit.kernel import exact, specialise
+from pgimp.jit.kernel import exact, inlined, of_types, specialise
 from pgimp.jit.tuples import joined, read
 from pgimp.jit.vectors.kinds import is_vector
 from pgimp.jit.vectors.simd import vector
@@ -26,6 +26,7 @@ NEAR = 1e-9
 AXIS = 1e-3
 
 
+@of_types
 def is_initial(frame):
     """Whether a frame, given by its Numba type, belongs to the initial configuration."""
     return frame.instance_class in (InitialFrame, AxialInitialFrame, PlateInitialFrame)
@@ -36,11 +37,13 @@ def is_mixed(frame):
     return frame.instance_class is MixedFrame
 
 
+@of_types
 def is_axial(frame):
     """Whether a frame, given by its Numba type, belongs to an axisymmetric scene."""
     return frame.instance_class in (AxialFrame, AxialInitialFrame)
 
 
+@of_types
 def is_plate(frame):
     """Whether a frame, given by its Numba type, belongs to a scene in plane stress."""
     return frame.instance_class in (PlateFrame, PlateInitialFrame)
@@ -140,16 +143,11 @@ def _deformation(frame, particles, p):
     return lambda frame, particles, p: read(particles.F, p, 0, like)
 
 
+@inlined
 def half_widths(shape, frame, particles, p):
     """Half-widths of particle `p` in cells; costs nothing where the shape keeps its size."""
-
-
-@specialise(half_widths)
-def _half_widths(shape, frame, particles, p):
     if is_axial(frame):
-        return lambda shape, frame, particles, p: box(
+        return box(
             shape, frame, deformation(frame, particles, p), (coordinate(frame, particles, p, 0),)
         )[0]
-    return lambda shape, frame, particles, p: size(
-        shape, frame.cell, deformation(frame, particles, p)
-    )[0]
+    return size(shape, frame.cell, deformation(frame, particles, p))[0]

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, specialise
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tuples import joined, plus_scaled
 from pgimp.jit.vectors.lanes import zeros
@@ -30,57 +30,40 @@ class Sums(NamedTuple):
     H: tuple
 
 
+@inlined
 def _rates(mean, f, u):
     """The vector f u; () unless there is a `mean`."""
+    if is_empty(mean):
+        return ()
+    return f * u
 
 
-@specialise(_rates)
-def _rates_of(mean, f, u):
-    return (lambda mean, f, u: ()) if hasattr(mean, "count") else (lambda mean, f, u: f * u)
-
-
+@inlined
 def _plus_rates(mean, f, u, M):
     """The vector f u + M; () unless there is a `mean`."""
+    if is_empty(mean):
+        return ()
+    return f * u + M
 
 
-@specialise(_plus_rates)
-def _plus_rates_of(mean, f, u, M):
-    if hasattr(mean, "count"):  # ()
-        return lambda mean, f, u, M: ()
-    return lambda mean, f, u, M: f * u + M
-
-
+@inlined
 def _plus_hoop(buffer, i, j, u, T):
     """The tuple (T + T_i u,), with the weights T along the radius; () if T is ()."""
-
-
-@specialise(_plus_hoop)
-def _plus_hoop_of(buffer, i, j, u, T):
     if len(T) == 0:
-        return lambda buffer, i, j, u, T: ()
-    return lambda buffer, i, j, u, T: (T[0] + entry(buffer, HOOP, 0, i, j) * u,)
+        return ()
+    return (T[0] + entry(buffer, HOOP, 0, i, j) * u,)
 
 
+@inlined
 def _gather_line(G, offset, step, w, g, f, mean):
     """Sums over a line of vertices, which are `step` apart."""
-
-
-@specialise(_gather_line)
-def _gather_vertices(G, offset, step, w, g, f, mean):
-    def vertex(G, offset, step, w, g, f, mean):
+    if len(w) == 1:
         u = load(G, offset)
         return w[0] * u, w[0] * load(G, offset + 4), (g[0] * u,), _rates(mean, f[0], u)
-
-    if len(w) == 1:
-        return vertex
-
-    def vertices(G, offset, step, w, g, f, mean):
-        U, A, D, M = _gather_line(G, offset + step, step, w[1:], g[1:], f[1:], mean)
-        u = load(G, offset)
-        M = _plus_rates(mean, f[0], u, M)
-        return w[0] * u + U, w[0] * load(G, offset + 4) + A, (g[0] * u + D[0],), M
-
-    return vertices
+    U, A, D, M = _gather_line(G, offset + step, step, w[1:], g[1:], f[1:], mean)
+    u = load(G, offset)
+    M = _plus_rates(mean, f[0], u, M)
+    return w[0] * u + U, w[0] * load(G, offset + 4) + A, (g[0] * u + D[0],), M
 
 
 @specialise(lines)
@@ -111,6 +94,7 @@ def _gather_lines(G, support, d, offset, counts, stride, Z, what):
     return gather
 
 
+@inlined
 def gather(shape, G, support, offset, stride, like, mean, hoop):
     """Sums over a particle's support.
 
@@ -135,25 +119,12 @@ def gather(shape, G, support, offset, stride, like, mean, hoop):
     M : Vec4 or ()
         With a `mean`, the sum of dD_p/dv_v times velocities, component by component.
     """
-
-
-@specialise(gather)
-def _gather(shape, G, support, offset, stride, like, mean, hoop):
     if by_corners(shape):
-        return lambda shape, G, support, offset, stride, like, mean, hoop: gather_corners(
-            shape, G, support, offset, stride, like
-        )
-    return lambda shape, G, support, offset, stride, like, mean, hoop: gather_products(
-        shape, G, support, offset, stride, like, mean, hoop
-    )
+        return gather_corners(shape, G, support, offset, stride, like)
+    return gather_products(shape, G, support, offset, stride, like, mean, hoop)
 
 
+@inlined
 def gather_products(shape, G, support, offset, stride, like, mean, hoop):
     """As `gather`, for weights that are products by direction, of any shape."""
-
-
-@specialise(gather_products)
-def _gather_products(shape, G, support, offset, stride, like, mean, hoop):
-    return lambda shape, G, support, offset, stride, like, mean, hoop: transfer_products(
-        shape, G, support, offset, stride, like, Sums(mean, hoop)
-    )
+    return transfer_products(shape, G, support, offset, stride, like, Sums(mean, hoop))

@@ -7,7 +7,7 @@ groups of four follow from the canonical order, constant in that configuration, 
 not depend on ranks.
 """
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, specialise
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import vector
@@ -124,110 +124,76 @@ def _row_major_of(D):
     return (one, two, three)[len(D) - 1]
 
 
+@inlined
 def _numbers(G, at, like):
     """Numbers from `at` on, as many as `like` has."""
-
-
-@specialise(_numbers)
-def _numbers_of(G, at, like):
     if len(like) == 1:
-        return lambda G, at, like: (G[at],)
-    return lambda G, at, like: (G[at], *_numbers(G, at + 1, like[1:]))
+        return (G[at],)
+    return (G[at], *_numbers(G, at + 1, like[1:]))
 
 
+@inlined
 def _zero_gradients(counts, like):
     """Zero derivatives, of as many directions as there are counts."""
-
-
-@specialise(_zero_gradients)
-def _zero_gradients_of(counts, like):
     if len(counts) == 1:
-        return lambda counts, like: (zeros(like),)
-    return lambda counts, like: (zeros(like), *_zero_gradients(counts[1:], like))
+        return (zeros(like),)
+    return (zeros(like), *_zero_gradients(counts[1:], like))
 
 
+@inlined
 def _add_gradients(w, ds, Ds):
     """Derivatives Ds + w ds, direction by direction."""
-
-
-@specialise(_add_gradients)
-def _add_gradients_of(w, ds, Ds):
     if len(ds) == 1:
-        return lambda w, ds, Ds: (plus_scaled(w, ds[0], Ds[0]),)
-    return lambda w, ds, Ds: (plus_scaled(w, ds[0], Ds[0]), *_add_gradients(w, ds[1:], Ds[1:]))
+        return (plus_scaled(w, ds[0], Ds[0]),)
+    return (plus_scaled(w, ds[0], Ds[0]), *_add_gradients(w, ds[1:], Ds[1:]))
 
 
+@inlined
 def _line(G, buffer, d, i, offset, step, like, most):
     """Sums over the vertices i, i + 1, ... of a line, as many as `most` has, `step` apart."""
-
-
-@specialise(_line)
-def _line_of(G, buffer, d, i, offset, step, like, most):
-    def last(G, buffer, d, i, offset, step, like, most):
+    if len(most) == 1:
         w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
         v = _numbers(G, offset + VELOCITY, like)
         a = _numbers(G, offset + ACCELERATION, like)
         return scaled(w, v), scaled(w, a), (scaled(g, v),), w * G[offset + HELD]
-
-    def more(G, buffer, d, i, offset, step, like, most):
-        U, A, D, held = _line(G, buffer, d, i + 1, offset + step, step, like, most[1:])
-        w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
-        v = _numbers(G, offset + VELOCITY, like)
-        a = _numbers(G, offset + ACCELERATION, like)
-        return (
-            plus_scaled(w, v, U),
-            plus_scaled(w, a, A),
-            (plus_scaled(g, v, D[0]),),
-            w * G[offset + HELD] + held,
-        )
-
-    return last if len(most) == 1 else more
+    U, A, D, held = _line(G, buffer, d, i + 1, offset + step, step, like, most[1:])
+    w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
+    v = _numbers(G, offset + VELOCITY, like)
+    a = _numbers(G, offset + ACCELERATION, like)
+    return (
+        plus_scaled(w, v, U),
+        plus_scaled(w, a, A),
+        (plus_scaled(g, v, D[0]),),
+        w * G[offset + HELD] + held,
+    )
 
 
+@inlined
 def _line_of_some(most, count, G, buffer, d, offset, step, like):
     """Sums over a line of `count` vertices, at least two and at most as many as in `most`."""
-
-
-@specialise(_line_of_some)
-def _line_of_number(most, count, G, buffer, d, offset, step, like):
-    def exactly(most, count, G, buffer, d, offset, step, like):
+    if len(most) == 2:
         return _line(G, buffer, d, 0, offset, step, like, most)
-
-    def at_most(most, count, G, buffer, d, offset, step, like):
-        if count < len(most):
-            return _line_of_some(most[1:], count, G, buffer, d, offset, step, like)
-        return _line(G, buffer, d, 0, offset, step, like, most)
-
-    return exactly if len(most) == 2 else at_most
+    if count < len(most):
+        return _line_of_some(most[1:], count, G, buffer, d, offset, step, like)
+    return _line(G, buffer, d, 0, offset, step, like, most)
 
 
+@inlined
 def _lines(G, buffer, d, offset, counts, stride, like, most):
     """Sums over the lines of a support, from direction `d` on."""
-
-
-@specialise(_lines)
-def _lines_of(G, buffer, d, offset, counts, stride, like, most):
     if len(counts) == 1:
         if len(like) == 1:
-            return lambda G, buffer, d, offset, counts, stride, like, most: _line_of_some(
-                most, counts[0], G, buffer, d, offset, stride[0], like
-            )
-        return lambda G, buffer, d, offset, counts, stride, like, most: _line_of_some(
-            most, counts[0], G, buffer, d, offset, RECORD, like
+            return _line_of_some(most, counts[0], G, buffer, d, offset, stride[0], like)
+        return _line_of_some(most, counts[0], G, buffer, d, offset, RECORD, like)
+    U, A, D, held = zeros(like), zeros(like), _zero_gradients(counts, like), vector(0.0)
+    for i in range(counts[0]):
+        w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
+        u, a, b, h = _lines(
+            G, buffer, d + 1, offset + i * stride[0], counts[1:], stride[1:], like, most
         )
-
-    def lines(G, buffer, d, offset, counts, stride, like, most):
-        U, A, D, held = zeros(like), zeros(like), _zero_gradients(counts, like), vector(0.0)
-        for i in range(counts[0]):
-            w, g = four_entries(buffer, d, 0, i), four_entries(buffer, d, 1, i)
-            u, a, b, h = _lines(
-                G, buffer, d + 1, offset + i * stride[0], counts[1:], stride[1:], like, most
-            )
-            D = joined(plus_scaled(g, u, D[0]), _add_gradients(w, b, D[1:]))
-            U, A, held = plus_scaled(w, u, U), plus_scaled(w, a, A), w * h + held
-        return U, A, D, held
-
-    return lines
+        D = joined(plus_scaled(g, u, D[0]), _add_gradients(w, b, D[1:]))
+        U, A, held = plus_scaled(w, u, U), plus_scaled(w, a, A), w * h + held
+    return U, A, D, held
 
 
 def gather_shared(shape, G, buffer, offset, stride, directions, like):

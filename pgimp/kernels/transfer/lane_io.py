@@ -5,7 +5,7 @@ group at the end of a layer repeats its last particle: a particle's results do n
 group and lane.
 """
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.vectors.rows import load_row, store_row, transpose
 from pgimp.jit.vectors.simd import lane, pack
 from pgimp.kernels.transfer.first_vertex import is_initial, off_axis, undeformed
@@ -14,13 +14,10 @@ from pgimp.kernels.transfer.first_vertex import is_initial, off_axis, undeformed
 LANES = 4
 
 
+@inlined
 def four_rows(order, k, end):
     """Rows of the particles ``order[k:k + 4]``; the last before `end` replaces missing ones."""
-
-
-@specialise(four_rows)
-def _four(order, k, end):
-    return lambda order, k, end: (
+    return (
         order[k],
         order[min(k + 1, end - 1)],
         order[min(k + 2, end - 1)],
@@ -28,60 +25,39 @@ def _four(order, k, end):
     )
 
 
+@inlined
 def take(array, rows):
     """Vector of the entries of four rows."""
+    return pack(array[rows[0]], array[rows[1]], array[rows[2]], array[rows[3]])
 
 
-@specialise(take)
-def _take(array, rows):
-    return lambda array, rows: pack(array[rows[0]], array[rows[1]], array[rows[2]], array[rows[3]])
-
-
+@inlined
 def take_row(array, rows, i, like):
     """Vectors of the entries i, i+1, ... of four rows, as many as `like` has."""
-
-
-@specialise(take_row)
-def _take_row(array, rows, i, like):
-    def four_entries(array, rows, i, like):
+    if len(like) == 4:
         return transpose(
             load_row(array, rows[0], i),
             load_row(array, rows[1], i),
             load_row(array, rows[2], i),
             load_row(array, rows[3], i),
         )
-
-    def one(array, rows, i, like):
-        return (pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),)
-
-    if len(like) == 4:
-        return four_entries
     if len(like) > 4:
-        return lambda array, rows, i, like: (
-            *take_row(array, rows, i, like[:4]),
-            *take_row(array, rows, i + 4, like[4:]),
-        )
+        return (*take_row(array, rows, i, like[:4]), *take_row(array, rows, i + 4, like[4:]))
     if len(like) == 1:
-        return one
-    return lambda array, rows, i, like: (
+        return (pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),)
+    return (
         pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),
         *take_row(array, rows, i + 1, like[1:]),
     )
 
 
+@inlined
 def put(array, rows, values):
     """Set the entries of four rows to the elements of a vector."""
-
-
-@specialise(put)
-def _put(array, rows, values):
-    def put_four(array, rows, values):
-        array[rows[0]] = lane(values, 0)
-        array[rows[1]] = lane(values, 1)
-        array[rows[2]] = lane(values, 2)
-        array[rows[3]] = lane(values, 3)
-
-    return put_four
+    array[rows[0]] = lane(values, 0)
+    array[rows[1]] = lane(values, 1)
+    array[rows[2]] = lane(values, 2)
+    array[rows[3]] = lane(values, 3)
 
 
 def put_row(array, rows, i, values):

@@ -15,13 +15,14 @@ there the arms of affine transfers are counted. Its box moves with the mean s0, 
 radius then grows as the hoop stretch does, to rounding.
 """
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.kernels.transfer.first_vertex import is_axial
 from pgimp.kernels.transfer.lane_io import coordinates
 from pgimp.physics.shapes.base import moments, weights
 
 
+@inlined
 def ring_weights(shape, half, f, r):
     """Weights along the radius, in cells.
 
@@ -41,25 +42,19 @@ def ring_weights(shape, half, f, r):
     plain : tuple
         Gradients of the box itself.
     """
+    by = 1.0 / r
+    w, g = weights(shape, half, f)
+    first, ends = moments(shape, half, f, g)
+    return (
+        plus_scaled(by, first, w),
+        plus_scaled(by, ends, g),
+        scaled(by, w),
+        half * half * (1.0 / 3.0) * by,
+        g,
+    )
 
 
-@specialise(ring_weights)
-def _ring_weights(shape, half, f, r):
-    def ring(shape, half, f, r):
-        by = 1.0 / r
-        w, g = weights(shape, half, f)
-        first, ends = moments(shape, half, f, g)
-        return (
-            plus_scaled(by, first, w),
-            plus_scaled(by, ends, g),
-            scaled(by, w),
-            half * half * (1.0 / 3.0) * by,
-            g,
-        )
-
-    return ring
-
-
+@inlined
 def ring_motion(frame, particles, four, hoop, u):
     """Velocities at which four particles' positions move.
 
@@ -72,14 +67,6 @@ def ring_motion(frame, particles, four, hoop, u):
     u : tuple of D Vec4
         The grid's velocities at their centroids; returned outside of axisymmetry.
     """
-
-
-@specialise(ring_motion)
-def _ring_motion(frame, particles, four, hoop, u):
     if not is_axial(frame):
-        return lambda frame, particles, four, hoop, u: u
-
-    def motion(frame, particles, four, hoop, u):
-        return scaled(coordinates(frame, particles, four.rows)[0], hoop)
-
-    return motion
+        return u
+    return scaled(coordinates(frame, particles, four.rows)[0], hoop)

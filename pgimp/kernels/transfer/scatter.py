@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, specialise
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.simd import load, store
@@ -40,76 +40,54 @@ class Share(NamedTuple):
     H: NumbaObject
 
 
+@inlined
 def _sloped(w, A, e, C):
     """The vector w A + e C_0; w A if C is (), () if A is ()."""
-
-
-@specialise(_sloped)
-def _sloped_by(w, A, e, C):
-    if hasattr(A, "count"):
-        return lambda w, A, e, C: ()
+    if is_empty(A):
+        return ()
     if len(C) == 0:
-        return lambda w, A, e, C: w * A
-    return lambda w, A, e, C: w * A + e * C[0]
+        return w * A
+    return w * A + e * C[0]
 
 
+@inlined
 def _add(G, offset, w, A, e, C):
     """Add w A + e C_0 to the vector at `offset`; nothing where A is ()."""
+    if is_empty(A):
+        return None
+    store(G, offset, load(G, offset) + _sloped(w, A, e, C))
 
 
-@specialise(_add)
-def _add_to(G, offset, w, A, e, C):
-    def add(G, offset, w, A, e, C):
-        store(G, offset, load(G, offset) + _sloped(w, A, e, C))
-
-    return (lambda G, offset, w, A, e, C: None) if hasattr(A, "count") else add
-
-
+@inlined
 def _force(w, B, g, S):
     """The vector w B + g S, g S where B is ()."""
+    if is_empty(B):
+        return g * S
+    return w * B + g * S
 
 
-@specialise(_force)
-def _force_of(w, B, g, S):
-    if hasattr(B, "count"):  # ()
-        return lambda w, B, g, S: g * S
-    return lambda w, B, g, S: w * B + g * S
-
-
+@inlined
 def _plus_hoop(buffer, i, j, H, V):
     """The vector V + T_i H, with the weights T along the radius; V where H is ()."""
+    if is_empty(H):
+        return V
+    return V + entry(buffer, HOOP, 0, i, j) * H
 
 
-@specialise(_plus_hoop)
-def _plus_hoop_of(buffer, i, j, H, V):
-    if hasattr(H, "count"):
-        return lambda buffer, i, j, H, V: V
-    return lambda buffer, i, j, H, V: V + entry(buffer, HOOP, 0, i, j) * H
-
-
+@inlined
 def _scatter_line(G, offset, step, w, g, e, f, share):
     """Add a particle to a line of vertices, which are `step` apart."""
-
-
-@specialise(_scatter_line)
-def _scatter_vertices(G, offset, step, w, g, e, f, share):
-    def vertex(G, offset, step, w, g, e, f, share):
+    if len(w) == 1:
         A, B, S, C, M, _ = share
         _add(G, offset, w[0], A, e[0], C)
         more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
         store(G, offset + 4, load(G, offset + 4) + more)
-
-    if len(w) == 1:
-        return vertex
-
-    def vertices(G, offset, step, w, g, e, f, share):
+    else:
         A, B, S, C, M, _ = share
         _add(G, offset, w[0], A, e[0], C)
         more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
         store(G, offset + 4, load(G, offset + 4) + more)
         _scatter_line(G, offset + step, step, w[1:], g[1:], e[1:], f[1:], share)
-
-    return vertices
 
 
 @specialise(lines)
@@ -144,6 +122,7 @@ def _scatter_lines(G, support, d, offset, counts, stride, Z, what):
     return scatter
 
 
+@inlined
 def scatter(shape, G, support, offset, stride, share):
     """Add a particle's share to its support.
 
@@ -158,25 +137,12 @@ def scatter(shape, G, support, offset, stride, share):
     share : Share
         Its contributions.
     """
-
-
-@specialise(scatter)
-def _scatter(shape, G, support, offset, stride, share):
     if by_corners(shape):
-        return lambda shape, G, support, offset, stride, share: scatter_corners(
-            shape, G, support, offset, stride, share
-        )
-    return lambda shape, G, support, offset, stride, share: scatter_products(
-        shape, G, support, offset, stride, share
-    )
+        return scatter_corners(shape, G, support, offset, stride, share)
+    return scatter_products(shape, G, support, offset, stride, share)
 
 
+@inlined
 def scatter_products(shape, G, support, offset, stride, share):
     """As `scatter`, for weights that are products by direction, of any shape."""
-
-
-@specialise(scatter_products)
-def _scatter_products(shape, G, support, offset, stride, share):
-    return lambda shape, G, support, offset, stride, share: transfer_products(
-        shape, G, support, offset, stride, share.S, share
-    )
+    return transfer_products(shape, G, support, offset, stride, share.S, share)

@@ -1,6 +1,6 @@
 """Particles to the planes of one layer: the inner part of (16, 18, 21, 22)."""
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.contact.volumes import summed_supports
 from pgimp.kernels.data.record import RECORD
@@ -51,6 +51,7 @@ def _second(loads, frame, particles, p):
     )
 
 
+@inlined
 def sum_layer(setting, field, particles, loads, rows, span, number):
     """Sum the particles of one layer, in canonical order, into its own planes.
 
@@ -70,48 +71,41 @@ def sum_layer(setting, field, particles, loads, rows, span, number):
     low, high : int
         Range of a plane with added sums, in float64 from its beginning.
     """
-
-
-@specialise(sum_layer)  # inlined: a call costs as much as a particle
-def _sum_layer(setting, field, particles, loads, rows, span, number):
-    def sum_layer(setting, field, particles, loads, rows, span, number):
-        shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
-        begin, end = span
-        plane = window.stride[0]
-        vertices = len(scratch) // plane
-        low = plane
-        high = 0
-        buffer = stack(SUPPORT_SIZE)
-        forces = stack(PIOLA_SIZE)
-        weights = stack(SUPPORT_SIZE)
-        marks = layer_marks(field, vertices, len(frame.origin))
-        for k in range(begin, end, LANES):
-            four = four_rows(rows, k, end)
-            summed_supports(loads, shape, frame, window, particles, four, number, buffer)
-            keep_means(loads.mean, shape, frame, buffer)
-            keep_mean_lagrangian(loads.mean_lagrangian, shape, frame, buffer, weights)
-            keep_forces(loads, frame, particles, four, forces)
-            for j in range(min(LANES, end - k)):
-                p = rows[k + j]
-                offset = first_offset(buffer, j)
-                A, S = contribution(loads, frame, particles, p, forces, j)
-                B = second(loads, frame, particles, p)
-                C = arms(loads, frame, particles, p)
-                M = mean_force(loads, frame, particles, p)
-                share = Share(A, B, S, C, M, hoop_force(loads, frame, particles, p, forces, j))
-                scatter(shape, scratch, Support(buffer, j), offset, window.stride, share)
-                scatter_mean_lagrangian(
-                    loads.mean_lagrangian, (shape, frame), scratch, Support(weights, j), offset,
-                    window.stride, forces,
-                )  # fmt: skip
-                mark_support(marks, window, particles.body[p], offset)
-                low = min(low, offset)
-                high = max(high, offset)
-        scatter_loads(loads, setting, field, particles, rows, span, number)
-        # Behind the last particle's first vertex lies the rest of its support within the plane.
-        high += RECORD
-        for d in range(1, len(frame.origin)):
-            high += (vertices - 1) * window.stride[d]
-        return low, high
-
-    return sum_layer
+    shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
+    begin, end = span
+    plane = window.stride[0]
+    vertices = len(scratch) // plane
+    low = plane
+    high = 0
+    buffer = stack(SUPPORT_SIZE)
+    forces = stack(PIOLA_SIZE)
+    weights = stack(SUPPORT_SIZE)
+    marks = layer_marks(field, vertices, len(frame.origin))
+    for k in range(begin, end, LANES):
+        four = four_rows(rows, k, end)
+        summed_supports(loads, shape, frame, window, particles, four, number, buffer)
+        keep_means(loads.mean, shape, frame, buffer)
+        keep_mean_lagrangian(loads.mean_lagrangian, shape, frame, buffer, weights)
+        keep_forces(loads, frame, particles, four, forces)
+        for j in range(min(LANES, end - k)):
+            p = rows[k + j]
+            offset = first_offset(buffer, j)
+            A, S = contribution(loads, frame, particles, p, forces, j)
+            B = second(loads, frame, particles, p)
+            C = arms(loads, frame, particles, p)
+            M = mean_force(loads, frame, particles, p)
+            share = Share(A, B, S, C, M, hoop_force(loads, frame, particles, p, forces, j))
+            scatter(shape, scratch, Support(buffer, j), offset, window.stride, share)
+            scatter_mean_lagrangian(
+                loads.mean_lagrangian, (shape, frame), scratch, Support(weights, j), offset,
+                window.stride, forces,
+            )  # fmt: skip
+            mark_support(marks, window, particles.body[p], offset)
+            low = min(low, offset)
+            high = max(high, offset)
+    scatter_loads(loads, setting, field, particles, rows, span, number)
+    # Behind the last particle's first vertex lies the rest of its support within the plane.
+    high += RECORD
+    for d in range(1, len(frame.origin)):
+        high += (vertices - 1) * window.stride[d]
+    return low, high

@@ -4,7 +4,7 @@ They are computed for four particles in one vector register. Transfers, with dif
 take one particle after the other.
 """
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.lanes import numbers
 from pgimp.jit.vectors.simd import bits, load, number, store, vector
@@ -29,31 +29,21 @@ HOOP = 2
 PLAIN, BOX = HOOP * _DIRECTION + _QUANTITY, HOOP * _DIRECTION + 2 * _QUANTITY
 
 
+@inlined
 def _arms(w, f, cell):
     """Weights times the vertices' coordinates relative to the particle's."""
-
-
-@specialise(_arms)
-def _arms_of(w, f, cell):
     if len(w) == 1:
-        return lambda w, f, cell: (-w[0] * f * cell,)
-    return lambda w, f, cell: (-w[0] * f * cell, *_arms(w[1:], f - 1.0, cell))
+        return (-w[0] * f * cell,)
+    return (-w[0] * f * cell, *_arms(w[1:], f - 1.0, cell))
 
 
+@inlined
 def keep_vectors(buffer, at, V):
     """Store vectors in a buffer, one after the other."""
-
-
-@specialise(keep_vectors)
-def _keep_all(buffer, at, V):
     if len(V) == 1:
-        return lambda buffer, at, V: store(buffer, at, vector(V[0]))
-
-    def keep(buffer, at, V):
-        store(buffer, at, vector(V[0]))
-        keep_vectors(buffer, at + 4, V[1:])
-
-    return keep
+        return store(buffer, at, vector(V[0]))
+    store(buffer, at, vector(V[0]))
+    keep_vectors(buffer, at + 4, V[1:])
 
 
 def _along(shape, frame, buffer, arms, d, half, x, vertex):
@@ -103,129 +93,83 @@ def _along_first_direction(shape, frame, buffer, arms, half, x, vertex):
     return along_radius
 
 
+@inlined
 def _across(shape, frame, window, buffer, arms, d, half, x):
     """Store the weights along the directions from `d` on in the buffer; offsets as float64."""
-
-
-@specialise(_across)
-def _across_directions(shape, frame, window, buffer, arms, d, half, x):
     if len(x) == 0:
-        return lambda shape, frame, window, buffer, arms, d, half, x: vector(0.0)
-
-    def across(shape, frame, window, buffer, arms, d, half, x):
-        vertex = first_vertex(frame, d, half[0], x[0])
-        _along(shape, frame, buffer, arms, d, half[0], x[0], vertex)
-        offset = (vertex - window.lower[d]) * window.stride[d]
-        return offset + _across(shape, frame, window, buffer, arms, d + 1, half[1:], x[1:])
-
-    return across
+        return vector(0.0)
+    vertex = first_vertex(frame, d, half[0], x[0])
+    _along(shape, frame, buffer, arms, d, half[0], x[0], vertex)
+    offset = (vertex - window.lower[d]) * window.stride[d]
+    return offset + _across(shape, frame, window, buffer, arms, d + 1, half[1:], x[1:])
 
 
+@inlined
 def supports(shape, frame, window, particles, rows, layer, buffer, arms):
     """Store the supports of four particles in a known layer in a buffer.
 
     The buffer is of `SUPPORT_SIZE` float64. They come with arms unless `arms` is ().
     """
-
-
-@specialise(supports)
-def _supports(shape, frame, window, particles, rows, layer, buffer, arms):
-    def supports(shape, frame, window, particles, rows, layer, buffer, arms):
+    if by_corners(shape):
+        F, x = deformations(frame, particles, rows), coordinates(frame, particles, rows)
+        offset = keep_corners(shape, frame, window, F, x, layer, buffer, arms)
+        store(buffer, _OFFSET, offset)
+        move_to_fields(window, particles, rows, buffer, _OFFSET)
+    else:
         x = coordinates(frame, particles, rows)
         half = box(shape, frame, deformations(frame, particles, rows), x)[0]
         _along_first(shape, frame, buffer, arms, half[0], x[0], layer)
         store(buffer, _OFFSET, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
         move_to_fields(window, particles, rows, buffer, _OFFSET)
 
-    def corners(shape, frame, window, particles, rows, layer, buffer, arms):
-        F, x = deformations(frame, particles, rows), coordinates(frame, particles, rows)
-        offset = keep_corners(shape, frame, window, F, x, layer, buffer, arms)
-        store(buffer, _OFFSET, offset)
-        move_to_fields(window, particles, rows, buffer, _OFFSET)
 
-    return corners if by_corners(shape) else supports
-
-
+@inlined
 def keep_support(buffer, d, w, g):
     """Store weights and gradients of one particle along direction `d` in a buffer, for j = 0."""
+    keep_vectors(buffer, d * _DIRECTION, w)
+    keep_vectors(buffer, d * _DIRECTION + _QUANTITY, g)
 
 
-@specialise(keep_support)
-def _keep_support(buffer, d, w, g):
-    def keep(buffer, d, w, g):
-        keep_vectors(buffer, d * _DIRECTION, w)
-        keep_vectors(buffer, d * _DIRECTION + _QUANTITY, g)
-
-    return keep
-
-
+@inlined
 def keep_hoop(buffer, t):
     """Store the weights of the hoop of four particles in a buffer."""
+    return keep_vectors(buffer, HOOP * _DIRECTION, t)
 
 
-@specialise(keep_hoop)
-def _keep_hoop(buffer, t):
-    return lambda buffer, t: keep_vectors(buffer, HOOP * _DIRECTION, t)
-
-
+@inlined
 def first_offset(buffer, j):
     """Offset of the first vertex of particle `j` of four within its plane."""
+    return int(number(buffer, _OFFSET + j))
 
 
-@specialise(first_offset)
-def _first_offset(buffer, j):
-    return lambda buffer, j: int(number(buffer, _OFFSET + j))
-
-
+@inlined
 def entry(buffer, d, quantity, i, j):
     """Weight (0), gradient (1) or arm (2) of vertex `i` along direction `d` of particle `j`."""
+    return number(buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j)
 
 
-@specialise(entry)
-def _entry(buffer, d, quantity, i, j):
-    return lambda buffer, d, quantity, i, j: number(
-        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j
-    )
-
-
+@inlined
 def four_entries(buffer, d, quantity, i):
     """The entries of all four particles, a vector."""
+    return load(buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i)
 
 
-@specialise(four_entries)
-def _four_entries(buffer, d, quantity, i):
-    return lambda buffer, d, quantity, i: load(
-        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i
-    )
-
-
+@inlined
 def entries(buffer, d, quantity, i, j, like):
     """The entries of the vertices i, i+1, ..., as many as `like` has."""
+    return numbers(buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j, 4, like)
 
 
-@specialise(entries)
-def _entries(buffer, d, quantity, i, j, like):
-    return lambda buffer, d, quantity, i, j, like: numbers(
-        buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j, 4, like
-    )
-
-
+@inlined
 def share_support(buffer):
     """Whether all four particles share their first vertex and field."""
+    return bits(load(buffer, _OFFSET) == number(buffer, _OFFSET)) == 15
 
 
-@specialise(share_support)
-def _share_support(buffer):
-    return lambda buffer: bits(load(buffer, _OFFSET) == number(buffer, _OFFSET)) == 15
-
-
+@inlined
 def _any_weight(buffer, d, i):
     """Whether any of four particles has weight at vertex `i` along direction `d`."""
-
-
-@specialise(_any_weight)
-def _any_weight_of(buffer, d, i):
-    return lambda buffer, d, i: bits(four_entries(buffer, d, 0, i) == 0.0) != 15
+    return bits(four_entries(buffer, d, 0, i) == 0.0) != 15
 
 
 def extent(shape, buffer, d, j):
@@ -254,15 +198,9 @@ def _extent(shape, buffer, d, j):
     )
 
 
+@inlined
 def extents(shape, buffer, d, j, like):
     """Numbers of vertices along the directions from `d` on, as many as `like` has."""
-
-
-@specialise(extents)
-def _extents(shape, buffer, d, j, like):
     if len(like) == 0:
-        return lambda shape, buffer, d, j, like: ()
-    return lambda shape, buffer, d, j, like: (
-        extent(shape, buffer, d, j),
-        *extents(shape, buffer, d + 1, j, like[1:]),
-    )
+        return ()
+    return (extent(shape, buffer, d, j), *extents(shape, buffer, d + 1, j, like[1:]))

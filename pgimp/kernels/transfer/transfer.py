@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.transfer.supports import entries, extent, extents
 from pgimp.kernels.update.mean_dilatation_weights import factors
@@ -32,25 +32,21 @@ class Support(NamedTuple):
     j: int
 
 
+@inlined
 def last_step(stride):
     """Distance of neighbours along the last direction, given its stride and the following ones.
 
     In 1D it is the distance of planes, which may hold several fields; else it is a constant.
     """
+    if len(stride) == 3:
+        return stride[0]
+    return RECORD
 
 
-@specialise(last_step)
-def _last_step(stride):
-    return (lambda stride: stride[0]) if len(stride) == 3 else (lambda stride: RECORD)
-
-
+@inlined
 def last_entries(support, d, like, mean):
     """Weights, gradients, arms and factors along the last direction, as many as `like` has."""
-
-
-@specialise(last_entries)
-def _last_entries(support, d, like, mean):
-    return lambda support, d, like, mean: (
+    return (
         entries(support.buffer, d, 0, 0, support.j, like),
         entries(support.buffer, d, 1, 0, support.j, like),
         entries(support.buffer, d, 2, 0, support.j, like),

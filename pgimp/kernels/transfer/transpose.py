@@ -1,6 +1,6 @@
 """Results of `gather` for four particles, as a vector a component in place of one a particle."""
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, store
 
@@ -44,13 +44,10 @@ def _repeat_sums(buffer, count, like):
     return repeat
 
 
+@inlined
 def _columns(buffer, i):
     """The first, second, third and fourth elements of the vectors `i` of four particles."""
-
-
-@specialise(_columns)
-def _columns_of(buffer, i):
-    return lambda buffer, i: transpose(
+    return transpose(
         load(buffer, 16 * i),
         load(buffer, 16 * i + 4),
         load(buffer, 16 * i + 8),
@@ -58,53 +55,36 @@ def _columns_of(buffer, i):
     )
 
 
+@inlined
 def collected(buffer, i, like):
     """The components of the vectors `i` of four particles: for each direction a vector of four."""
-
-
-@specialise(collected)
-def _collected(buffer, i, like):
     if len(like) == 1:
-        return lambda buffer, i, like: (_columns(buffer, i)[1],)
+        return (_columns(buffer, i)[1],)
     if len(like) == 2:
-        return lambda buffer, i, like: _columns(buffer, i)[1:3]
-    return lambda buffer, i, like: _columns(buffer, i)[1:]
+        return _columns(buffer, i)[1:3]
+    return _columns(buffer, i)[1:]
 
 
+@inlined
 def gathered_mass(buffer):
     """Weighted sums of the masses of the vertices in the supports of four particles."""
+    return _columns(buffer, 0)[0]
 
 
-@specialise(gathered_mass)
-def _gathered_mass(buffer):
-    return lambda buffer: _columns(buffer, 0)[0]
-
-
+@inlined
 def held_weights(buffer):
     """Weighted sums of `HELD` over the vertices in the supports of four particles."""
+    return _columns(buffer, 1)[0]
 
 
-@specialise(held_weights)
-def _held_weights(buffer):
-    return lambda buffer: _columns(buffer, 1)[0]
-
-
+@inlined
 def gradients(buffer, i, like):
     """Velocity gradients of four particles, row-major, from the vectors `i`, ... of their sums."""
-
-
-@specialise(gradients)
-def _gradients(buffer, i, like):
     if len(like) == 1:
-        return lambda buffer, i, like: collected(buffer, i, like)
-
-    def gradients2(buffer, i, like):
+        return collected(buffer, i, like)
+    if len(like) == 2:
         a, b = collected(buffer, i, like), collected(buffer, i + 1, like)
         return (a[0], b[0], a[1], b[1])
-
-    def gradients3(buffer, i, like):
-        a, b = collected(buffer, i, like), collected(buffer, i + 1, like)
-        c = collected(buffer, i + 2, like)
-        return (a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2])
-
-    return gradients2 if len(like) == 2 else gradients3
+    a, b = collected(buffer, i, like), collected(buffer, i + 1, like)
+    c = collected(buffer, i + 2, like)
+    return (a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2])

@@ -14,7 +14,7 @@ carry the gradients of the components held there; its deformation (29) has them 
 from math import isqrt, sqrt
 
 from pgimp.jit.algebra import inverse, multiply, one_plus
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, specialise
 from pgimp.jit.tuples import scaled, squared
 from pgimp.jit.vectors.simd import pack, where
 from pgimp.kernels.grid.constraint_flags import held_codes
@@ -53,6 +53,7 @@ def _affine_momentum(affine, frame, particles, p):
     return (affine_momentum1, affine_momentum2, affine_momentum3)[D - 1]
 
 
+@inlined
 def when_moved(affine, dt, L):
     """Gradients L of four particles at the end of the step, L (1 + dt L)^-1, but no greater.
 
@@ -63,19 +64,11 @@ def when_moved(affine, dt, L):
     followed, for the resistance is at work only in the next step. A particle that vibrates freely
     would be turned inside out. So a result that exceeds the Frobenius norm of L is scaled to it.
     """
-
-
-@specialise(when_moved)
-def _when_moved(affine, dt, L):
-    if hasattr(affine, "count"):
-        return lambda affine, dt, L: L
-
-    def moved(affine, dt, L):
-        after = multiply(L, inverse(one_plus(dt, L)))
-        most, found = squared(L), squared(after)
-        return scaled(where(found > most, sqrt(most / found), 1.0), after)
-
-    return moved
+    if is_empty(affine):
+        return L
+    after = multiply(L, inverse(one_plus(dt, L)))
+    most, found = squared(L), squared(after)
+    return scaled(where(found > most, sqrt(most / found), 1.0), after)
 
 
 def keep_gradients(affine, particles, rows, L, held):
@@ -111,6 +104,7 @@ def _keep_gradients(affine, particles, rows, L, held):
     return nothing if hasattr(affine, "count") else (keep1, keep2, keep3)[D - 1]
 
 
+@inlined
 def _free(held, d):
     """1 for each of four particles without held component `d` at a vertex in reach, else 0.
 
@@ -118,13 +112,6 @@ def _free(held, d):
     reaches vertices of two walls also reaches their edge, which holds several components (except an
     edge that a separating wall has released).
     """
-
-
-@specialise(_free)
-def _free_component(held, d):
-    def free(held, d):
-        low, high = held_codes(d)
-        one = where(held > high, 1.0, where(held > low, 0.0, 1.0))
-        return where(held > held_codes(3)[0], 0.0, one)
-
-    return free
+    low, high = held_codes(d)
+    one = where(held > high, 1.0, where(held > low, 0.0, 1.0))
+    return where(held > held_codes(3)[0], 0.0, one)

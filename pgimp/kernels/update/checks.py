@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, specialise
 from pgimp.jit.tuples import read, squared
 from pgimp.jit.vectors.kinds import is_vector
 from pgimp.jit.vectors.lanes import of_lane
@@ -22,48 +22,34 @@ _LEAVES = -1
 OUTFLOW = -1
 
 
+@inlined
 def within(bounds, x):
     """Whether each coordinate lies within its bounds; false for NaN, never branches."""
-
-
-@specialise(within)
-def _within(bounds, x):
     if len(x) == 1:
-        return lambda bounds, x: (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1])
-    return lambda bounds, x: (
-        (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1]) & within(bounds[1:], x[1:])
-    )
+        return (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1])
+    return (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1]) & within(bounds[1:], x[1:])
 
 
+@inlined
 def and_finite(mask, values):
     """The mask, also false where one of the vectors `values` is not finite."""
-
-
-@specialise(and_finite)
-def _and_finite(mask, values):
     if len(values) == 0:
-        return lambda mask, values: mask
-    return lambda mask, values: and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
+        return mask
+    return and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
 
 
+@inlined
 def and_positive(mask, margin):
     """The mask, also false where a vector is not above zero; a number does not change it."""
-
-
-@specialise(and_positive)
-def _and_positive(mask, margin):
     if is_vector(margin):
-        return lambda mask, margin: mask & (margin > 0.0)
-    return lambda mask, margin: mask
+        return mask & (margin > 0.0)
+    return mask
 
 
+@inlined
 def _all_finite(values):
     """Bit j is set where all of the vectors are finite for particle j."""
-
-
-@specialise(_all_finite)
-def _all_finite_of(values):
-    return lambda values: bits(and_finite(vector(0.0) == 0.0, values))
+    return bits(and_finite(vector(0.0) == 0.0, values))
 
 
 @inner_kernel
@@ -160,6 +146,7 @@ def _check(limits, field, particles, four, found, report, ledger, counts):
     return check_initial if is_initial(limits[0]) else check
 
 
+@inlined
 def limits_of(setting, forcing, inverse):
     """The part of a scene for `check`: without its materials, of which there are many.
 
@@ -176,42 +163,33 @@ def limits_of(setting, forcing, inverse):
         The frame; the shape; (dt/L)^2, with which the greatest speed squared of a slow particle is
         1; the exit faces; dt; walls; constraints.
     """
-
-
-@specialise(limits_of)
-def _limits_of(setting, forcing, inverse):
-    return lambda setting, forcing, inverse: (
+    return (
         setting.frame, setting.shape, (forcing.dt * inverse) ** 2, setting.exits, forcing.dt,
         forcing.position_limits, forcing.constraints,
     )  # fmt: skip
 
 
+@inlined
 def _count_errors(bounds, four, good, found, report, counts):
     """As `examine`, in the initial configuration: errors alone."""
+    usual, finite = good
+    v, x, J = found
+    failed, outflow, moved, clamped, held = counts
+    for j in range(four.size):
+        if usual >> j & 1:
+            continue
+        xj = of_lane(x, j)
+        error = _broken(xj, of_lane(v, j), lane(J, j), finite >> j & 1)
+        if error == 0:
+            error = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
+        if failed < len(report.errors):
+            report.errors[failed, 0] = four.rows[j]
+            report.errors[failed, 1] = error
+        failed += 1
+    return failed, outflow, moved, clamped, held
 
 
-@specialise(_count_errors)
-def _count_errors_of(bounds, four, good, found, report, counts):
-    def count(bounds, four, good, found, report, counts):
-        usual, finite = good
-        v, x, J = found
-        failed, outflow, moved, clamped, held = counts
-        for j in range(four.size):
-            if usual >> j & 1:
-                continue
-            xj = of_lane(x, j)
-            error = _broken(xj, of_lane(v, j), lane(J, j), finite >> j & 1)
-            if error == 0:
-                error = OUT_OF_RANGE if within(bounds, xj) else OUTSIDE
-            if failed < len(report.errors):
-                report.errors[failed, 0] = four.rows[j]
-                report.errors[failed, 1] = error
-            failed += 1
-        return failed, outflow, moved, clamped, held
-
-    return count
-
-
+@inlined
 def examine(limits, particles, four, good, found, report, ledger, counts):
     """Examine the particles of four that failed the combined check.
 
@@ -236,60 +214,53 @@ def examine(limits, particles, four, good, found, report, ledger, counts):
     tuple of 5 int
         The counts with these particles.
     """
-
-
-@specialise(examine)
-def _examine(limits, particles, four, good, found, report, ledger, counts):
-    def examine(limits, particles, four, good, found, report, ledger, counts):
-        frame, exits, dt, walls, constraints = limits
-        number, bounds = four.number, report.vertex_bounds
-        usual, finite, valid = good
-        u, v, x, J, half, now, most = found
-        failed, outflow, moved, clamped, held = counts
-        for j in range(four.size):
-            if usual >> j & 1:
-                continue
-            p = four.rows[j]
-            clamped += lane(vector(most), j) > LARGEST
-            xj = of_lane(x, j)
-            layer_now = int(lane(now, j))
-            error = _unsound(
-                frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), finite >> j & 1,
-                valid >> j & 1, dt,
-            )  # fmt: skip
-            if error == 0:
-                error = _outside(frame, exits, xj)
-            if error == OUTSIDE and hold_inside(
-                walls, frame, constraints, particles, p,
-                ledger.impulse[four.layer], ledger.work[four.layer : four.layer + 1],
-            ):  # fmt: skip
-                held += 1
-                xj = read(particles.x, p, 0, frame.origin)
-                at = off_axis(frame, xj)
-                layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), at[0]))
-                error = _outside(frame, exits, xj)
-            if error == _LEAVES:
-                particles.layer[p] = OUTFLOW
-                report.changed[moved] = four.first + j
-                moved += 1
-                outflow += 1
-                continue
-            if error == 0 and abs(layer_now - number) > 1:
-                error = TOO_FAST  # a cell, but for rounding: past a slab of one layer
-            if error != 0:
-                if failed < len(report.errors):
-                    report.errors[failed, 0] = p
-                    report.errors[failed, 1] = error
-                failed += 1
-                continue
-            for d in range(1, len(xj)):
-                i = first_vertex(frame, d, lane(vector(half[d]), j), xj[d])
-                bounds[0, d - 1] = min(bounds[0, d - 1], i)
-                bounds[1, d - 1] = max(bounds[1, d - 1], i)
-            if layer_now != number:
-                particles.layer[p] = layer_now
-                report.changed[moved] = four.first + j
-                moved += 1
-        return failed, outflow, moved, clamped, held
-
-    return examine
+    frame, exits, dt, walls, constraints = limits
+    number, bounds = four.number, report.vertex_bounds
+    usual, finite, valid = good
+    u, v, x, J, half, now, most = found
+    failed, outflow, moved, clamped, held = counts
+    for j in range(four.size):
+        if usual >> j & 1:
+            continue
+        p = four.rows[j]
+        clamped += lane(vector(most), j) > LARGEST
+        xj = of_lane(x, j)
+        layer_now = int(lane(now, j))
+        error = _unsound(
+            frame, xj, of_lane(v, j), of_lane(u, j), lane(J, j), finite >> j & 1,
+            valid >> j & 1, dt,
+        )  # fmt: skip
+        if error == 0:
+            error = _outside(frame, exits, xj)
+        if error == OUTSIDE and hold_inside(
+            walls, frame, constraints, particles, p,
+            ledger.impulse[four.layer], ledger.work[four.layer : four.layer + 1],
+        ):  # fmt: skip
+            held += 1
+            xj = read(particles.x, p, 0, frame.origin)
+            at = off_axis(frame, xj)
+            layer_now = int(first_vertex(frame, 0, lane(vector(half[0]), j), at[0]))
+            error = _outside(frame, exits, xj)
+        if error == _LEAVES:
+            particles.layer[p] = OUTFLOW
+            report.changed[moved] = four.first + j
+            moved += 1
+            outflow += 1
+            continue
+        if error == 0 and abs(layer_now - number) > 1:
+            error = TOO_FAST  # a cell, but for rounding: past a slab of one layer
+        if error != 0:
+            if failed < len(report.errors):
+                report.errors[failed, 0] = p
+                report.errors[failed, 1] = error
+            failed += 1
+            continue
+        for d in range(1, len(xj)):
+            i = first_vertex(frame, d, lane(vector(half[d]), j), xj[d])
+            bounds[0, d - 1] = min(bounds[0, d - 1], i)
+            bounds[1, d - 1] = max(bounds[1, d - 1], i)
+        if layer_now != number:
+            particles.layer[p] = layer_now
+            report.changed[moved] = four.first + j
+            moved += 1
+    return failed, outflow, moved, clamped, held

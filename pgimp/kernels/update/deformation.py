@@ -10,7 +10,7 @@ from math import sqrt
 
 from pgimp.jit.algebra import determinant, inverse, multiply, one_plus
 from pgimp.jit.functions import cbrt
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.lanes import where_all
 from pgimp.jit.vectors.simd import bits, pack, vector, where
@@ -22,6 +22,7 @@ from pgimp.physics.materials.base import volume_only
 _NEAR = 0.25
 
 
+@inlined
 def velocity_gradients(frame, particles, four, D):
     """Velocity gradients L of four particles at the step's beginning, by current positions.
 
@@ -29,15 +30,9 @@ def velocity_gradients(frame, particles, four, D):
     velocity gradient by initial positions; then L = D F^-1. Either way F after the step is
     (1 + dt L) F, to rounding.
     """
-
-
-@specialise(velocity_gradients)
-def _velocity_gradients(frame, particles, four, D):
     if not is_initial(frame):
-        return lambda frame, particles, four, D: D
-    return lambda frame, particles, four, D: multiply(
-        D, inverse(deformations(frame, particles, four.rows))
-    )
+        return D
+    return multiply(D, inverse(deformations(frame, particles, four.rows)))
 
 
 def update_deformation(setting, forcing, particles, four, numbers, L):
@@ -109,23 +104,15 @@ def _cube_root(volume, L):
     return found if bits(near) == 15 else where(near, found, cbrt(volume))
 
 
+@inlined
 def _diagonal(f, like):
     """The matrix f 1."""
-
-
-@specialise(_diagonal)
-def _diagonal_of(f, like):
     if len(like) == 1:
-        return lambda f, like: (f,)
-
-    def plane(f, like):
+        return (f,)
+    if len(like) == 5:
+        return (*_diagonal(f, like[:4]), f)
+    if len(like) == 4:
         zero = vector(0.0)
         return f, zero, zero, f
-
-    def space(f, like):
-        zero = vector(0.0)
-        return f, zero, zero, zero, f, zero, zero, zero, f
-
-    if len(like) == 5:
-        return lambda f, like: (*_diagonal(f, like[:4]), f)
-    return plane if len(like) == 4 else space
+    zero = vector(0.0)
+    return f, zero, zero, zero, f, zero, zero, zero, f

@@ -39,7 +39,7 @@ from math import pi
 
 from numba.core import types
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, specialise
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, pack, store, vector
 from pgimp.kernels.transfer.first_vertex import is_axial, off_axis
@@ -109,24 +109,20 @@ def _mean_force(loads, frame, particles, p):
     return force
 
 
+@inlined
 def no_rates(mean):
     """Initial value of the sums of velocities times factors; () unless there is a `mean`."""
+    if is_empty(mean):
+        return ()
+    return vector(0.0)
 
 
-@specialise(no_rates)
-def _no_rates(mean):
-    return (lambda mean: ()) if hasattr(mean, "count") else (lambda mean: vector(0.0))
-
-
+@inlined
 def keep_rates(M, buffer, j):
     """Store the sum M of velocities times factors of particle `j` of four in the buffer."""
-
-
-@specialise(keep_rates)
-def _keep_rates(M, buffer, j):
-    if hasattr(M, "count"):  # ()
-        return lambda M, buffer, j: None
-    return lambda M, buffer, j: store(buffer, _GATHERED + 4 * j, M)
+    if is_empty(M):
+        return None
+    return store(buffer, _GATHERED + 4 * j, M)
 
 
 def with_means(mean, frame, particles, rows, buffer, sums, count, L):
@@ -170,17 +166,12 @@ def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
     return with_rates
 
 
+@inlined
 def section(frame, x, rows, V):
     """Sections of four volumes V of rings at `x`; outside of axisymmetry V itself."""
-
-
-@specialise(section)
-def _section_of(frame, x, rows, V):
     if not is_axial(frame):
-        return lambda frame, x, rows, V: V
-    return lambda frame, x, rows, V: (
-        V / (2.0 * pi * off_axis(frame, take_row(x, rows, 0, frame.origin))[0])
-    )
+        return V
+    return V / (2.0 * pi * off_axis(frame, take_row(x, rows, 0, frame.origin))[0])
 
 
 def _always_alone(mean, particles, rows):
@@ -199,17 +190,14 @@ def _always_alone_of(mean, particles, rows):
     return lambda mean, particles, rows: vector(0.0)
 
 
+@inlined
 def _with_trace(L, e):
     """The matrix L + e 1."""
-
-
-@specialise(_with_trace)
-def _with_trace_of(L, e):
     if len(L) == 4:
-        return lambda L, e: (L[0] + e, L[1], L[2], L[3] + e)
+        return (L[0] + e, L[1], L[2], L[3] + e)
     if len(L) == 5:
-        return lambda L, e: (L[0] + e, L[1], L[2], L[3] + e, L[4] + e)
-    return lambda L, e: (L[0] + e, L[1], L[2], L[3], L[4] + e, L[5], L[6], L[7], L[8] + e)
+        return (L[0] + e, L[1], L[2], L[3] + e, L[4] + e)
+    return (L[0] + e, L[1], L[2], L[3], L[4] + e, L[5], L[6], L[7], L[8] + e)
 
 
 def _rates(buffer, count, like):

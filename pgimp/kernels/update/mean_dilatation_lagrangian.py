@@ -22,7 +22,7 @@ r_p would add strain. The particles' F is r_p F_p. G_p and r_p have columns of t
 """
 
 from pgimp.jit.algebra import determinant, inverse, multiply
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, specialise
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.simd import where
 from pgimp.kernels.data.record import MASS, VELOCITY
@@ -60,60 +60,41 @@ from pgimp.kernels.update.plates import deform_plate
 LEAST = 0.4
 
 
+@inlined
 def keep_mean_lagrangian(mean, shape, frame, buffer, weights):
     """Store supports of four particles with the weights of dD_p/dv_v in the buffer `weights`.
 
     Of `SUPPORT_SIZE`, from the supports in `buffer`. Nothing unless there is a `mean`, which is ()
     or a number, as everywhere here.
     """
-
-
-@specialise(keep_mean_lagrangian)
-def _keep_mean_lagrangian(mean, shape, frame, buffer, weights):
-    if hasattr(mean, "count"):  # ()
-        return lambda mean, shape, frame, buffer, weights: None
-
-    def rings(mean, shape, frame, buffer, weights):
+    if is_empty(mean):
+        return None
+    if is_axial(frame):
         slopes, hoop = gradients_of_rings(shape, buffer)
         inverse = frame.inverse[0]
         keep_support(weights, 0, means_of_rings(shape, buffer)[0], scaled(inverse, slopes))
         keep_hoop(weights, scaled(inverse, hoop))
         _along(shape, buffer, weights, 1, frame.cell[1:])
-
-    if is_axial(frame):
-        return rings
-    return lambda mean, shape, frame, buffer, weights: _along(shape, buffer, weights, 0, frame.cell)
+    else:
+        return _along(shape, buffer, weights, 0, frame.cell)
 
 
+@inlined
 def _along(shape, buffer, weights, d, cell):
     """Store the weights along the directions from `d` on, with the cell sizes `cell`."""
-
-
-@specialise(_along)
-def _along_directions(shape, buffer, weights, d, cell):
     if len(cell) == 0:
-        return lambda shape, buffer, weights, d, cell: None
-
-    def along(shape, buffer, weights, d, cell):
-        a = means_of_parts(shape, buffer, d, cell[0])
-        keep_support(weights, d, a, _slopes(buffer, d, 0, a))
-        _along(shape, buffer, weights, d + 1, cell[1:])
-
-    return along
+        return None
+    a = means_of_parts(shape, buffer, d, cell[0])
+    keep_support(weights, d, a, _slopes(buffer, d, 0, a))
+    _along(shape, buffer, weights, d + 1, cell[1:])
 
 
+@inlined
 def _slopes(buffer, d, i, like):
     """The gradients of the vertices i, i + 1, ... along `d`, as many as `like` has."""
-
-
-@specialise(_slopes)
-def _slopes_of(buffer, d, i, like):
     if len(like) == 1:
-        return lambda buffer, d, i, like: (four_entries(buffer, d, 1, i),)
-    return lambda buffer, d, i, like: (
-        four_entries(buffer, d, 1, i),
-        *_slopes(buffer, d, i + 1, like[1:]),
-    )
+        return (four_entries(buffer, d, 1, i),)
+    return (four_entries(buffer, d, 1, i), *_slopes(buffer, d, i + 1, like[1:]))
 
 
 def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
@@ -174,15 +155,12 @@ def _take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
     return rings if is_axial(layout[1]) else take
 
 
+@inlined
 def _but_first(D):
     """Tuples without their first entries."""
-
-
-@specialise(_but_first)
-def _but_first_of(D):
     if len(D) == 1:
-        return lambda D: (D[0][1:],)
-    return lambda D: (D[0][1:], *_but_first(D[1:]))
+        return (D[0][1:],)
+    return (D[0][1:], *_but_first(D[1:]))
 
 
 def scatter_mean_lagrangian(mean, layout, G, support, offset, stride, forces):

@@ -9,50 +9,37 @@ velocities into D_p.
 
 from numba.core import types
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, specialise
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.simd import load, number, pack, vector, where
 from pgimp.kernels.transfer.first_vertex import is_axial
 from pgimp.kernels.transfer.supports import BOX, MEANS, PLAIN, entry, four_entries, keep_vectors
 
 
+@inlined
 def keep_means(mean, shape, frame, buffer):
     """Store the weights a of four particles in the buffer with their supports.
 
     Nothing unless there is a `mean`, see `Loads`; () is none, as everywhere here.
     """
-
-
-@specialise(keep_means)
-def _keep_means(mean, shape, frame, buffer):
-    if hasattr(mean, "count"):  # ()
-        return lambda mean, shape, frame, buffer: None
-
-    def rings(mean, shape, frame, buffer):
+    if is_empty(mean):
+        return None
+    if is_axial(frame):
         a, g = means_of_rings(shape, buffer)
         keep_vectors(buffer, MEANS, a)
         keep_vectors(buffer, PLAIN, scaled(frame.inverse[0], g))
         _along(shape, buffer, 1, frame.cell[1:])
-
-    if is_axial(frame):
-        return rings
-    return lambda mean, shape, frame, buffer: _along(shape, buffer, 0, frame.cell)
+    else:
+        return _along(shape, buffer, 0, frame.cell)
 
 
+@inlined
 def _along(shape, buffer, d, cell):
     """Store the weights along the directions from `d` on, with the cell sizes `cell`."""
-
-
-@specialise(_along)
-def _along_directions(shape, buffer, d, cell):
     if len(cell) == 0:
-        return lambda shape, buffer, d, cell: None
-
-    def along(shape, buffer, d, cell):
-        keep_vectors(buffer, MEANS + 16 * d, means_of_parts(shape, buffer, d, cell[0]))
-        _along(shape, buffer, d + 1, cell[1:])
-
-    return along
+        return None
+    keep_vectors(buffer, MEANS + 16 * d, means_of_parts(shape, buffer, d, cell[0]))
+    _along(shape, buffer, d + 1, cell[1:])
 
 
 def means_of_parts(shape, buffer, d, cell):
@@ -175,33 +162,25 @@ def _factor(mean, hoop, buffer, d, i, j):
     )
 
 
+@inlined
 def factors(mean, buffer, d, i, j, like):
     """The factors of the vertices i, i+1, ..., as many as `like` has."""
-
-
-@specialise(factors)
-def _factors(mean, buffer, d, i, j, like):
     if len(like) == 1:
-        return lambda mean, buffer, d, i, j, like: (factor(mean, (), buffer, d, i, j),)
-    return lambda mean, buffer, d, i, j, like: (
-        factor(mean, (), buffer, d, i, j),
-        *factors(mean, buffer, d, i + 1, j, like[1:]),
-    )
+        return (factor(mean, (), buffer, d, i, j),)
+    return (factor(mean, (), buffer, d, i, j), *factors(mean, buffer, d, i + 1, j, like[1:]))
 
 
+@inlined
 def factored(f, M):
     """The vector f M; () if M is ()."""
+    if is_empty(M):
+        return ()
+    return f * M
 
 
-@specialise(factored)
-def _factored(f, M):
-    return (lambda f, M: ()) if hasattr(M, "count") else (lambda f, M: f * M)
-
-
+@inlined
 def plus_factored(f, M, V):
     """The vector f M + V; V if M is ()."""
-
-
-@specialise(plus_factored)
-def _plus_factored(f, M, V):
-    return (lambda f, M, V: V) if hasattr(M, "count") else (lambda f, M, V: f * M + V)
+    if is_empty(M):
+        return V
+    return f * M + V

@@ -6,7 +6,7 @@ stack for the transfers, which take one after the other.
 """
 
 from pgimp.jit.algebra import cofactor, full, multiply
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_record, specialise
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, number, pack, store, vector
@@ -25,36 +25,23 @@ _HOOP = 32
 PIOLA_SIZE = 96
 
 
+@inlined
 def less_pressure(viscosity, particles, rows, sigma):
     """Stresses of four particles less the viscous pressure (45)."""
+    if not is_record(viscosity):
+        return sigma
+    q = take_row(particles.q, rows, 0, (0.0,))[0]
+    return (sigma[0] - q, sigma[1] - q, sigma[2] - q, *sigma[3:])
 
 
-@specialise(less_pressure)
-def _less_viscous_pressure(viscosity, particles, rows, sigma):
-    if not hasattr(viscosity, "instance_class"):
-        return lambda viscosity, particles, rows, sigma: sigma
-
-    def less(viscosity, particles, rows, sigma):
-        q = take_row(particles.q, rows, 0, (0.0,))[0]
-        return (sigma[0] - q, sigma[1] - q, sigma[2] - q, *sigma[3:])
-
-    return less
-
-
+@inlined
 def keep_vectors(buffer, at, first, second, third):
     """Store the vectors (0, first, second, third) of four particles in the buffer."""
-
-
-@specialise(keep_vectors)
-def _keep_transposed(buffer, at, first, second, third):
-    def keep(buffer, at, first, second, third):
-        V = transpose(vector(0.0), vector(first), vector(second), vector(third))
-        store(buffer, at, V[0])
-        store(buffer, at + 4, V[1])
-        store(buffer, at + 8, V[2])
-        store(buffer, at + 12, V[3])
-
-    return keep
+    V = transpose(vector(0.0), vector(first), vector(second), vector(third))
+    store(buffer, at, V[0])
+    store(buffer, at + 4, V[1])
+    store(buffer, at + 8, V[2])
+    store(buffer, at + 12, V[3])
 
 
 def keep_columns(buffer, at, P):
@@ -120,24 +107,18 @@ def _keep_forces(loads, frame, particles, rows, buffer):
     return keep_pointwise if hasattr(mean, "count") else keep_both
 
 
+@inlined
 def stresses(frame, sigma):
     """Stresses as matrices, with zz where F has it."""
-
-
-@specialise(stresses)
-def _stresses(frame, sigma):
     if is_axial(frame) or is_plate(frame):
-        return lambda frame, sigma: (*full(sigma), sigma[2])
-    return lambda frame, sigma: full(sigma)
+        return (*full(sigma), sigma[2])
+    return full(sigma)
 
 
+@inlined
 def kept_hoop(buffer, at, j):
     """The vector (0, -V0 P_zz, 0, 0) of ring number `j` of four; `at` as in `kept_force`."""
-
-
-@specialise(kept_hoop)
-def _kept_hoop(buffer, at, j):
-    return lambda buffer, at, j: pack(0.0, number(buffer, at + _HOOP + j), 0.0, 0.0)
+    return pack(0.0, number(buffer, at + _HOOP + j), 0.0, 0.0)
 
 
 def kept_force(buffer, at, j, like):

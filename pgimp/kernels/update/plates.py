@@ -10,7 +10,7 @@ particles goes its own way and stops for itself, so that its bits do not depend 
 """
 
 from pgimp.jit.algebra import determinant, inverse, multiply, one_plus
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.simd import bits, vector, where
 from pgimp.kernels.transfer.first_vertex import is_initial
@@ -29,17 +29,15 @@ LEAST, GREATEST = 1e-4, 1.5
 FARTHEST = 0.25
 
 
+@inlined
 def _in_plane(frame, dt, D, F):
     """L, and F after the step, in the plane; `F` is the one before."""
-
-
-@specialise(_in_plane)
-def _in_plane_of(frame, dt, D, F):
     if is_initial(frame):
-        return lambda frame, dt, D, F: (multiply(D, inverse(F)), plus_scaled(dt, D, F))
-    return lambda frame, dt, D, F: (D, multiply(one_plus(dt, D), F))
+        return (multiply(D, inverse(F)), plus_scaled(dt, D, F))
+    return (D, multiply(one_plus(dt, D), F))
 
 
+@inlined
 def deform_plate(setting, forcing, particles, four, numbers, D):
     """Velocity gradients L and deformation gradients F of four particles, with zz.
 
@@ -48,40 +46,31 @@ def deform_plate(setting, forcing, particles, four, numbers, D):
     setting, forcing, particles, four, numbers, D
         See `pgimp.kernels.update.mean_dilatation_lagrangian.deform`; `D` is in the plane.
     """
-
-
-@specialise(deform_plate)
-def _deform_plate(setting, forcing, particles, four, numbers, D):
-    def deform(setting, forcing, particles, four, numbers, D):
-        dt, before = forcing.dt, deformations(setting.frame, particles, four.rows)
-        L, F = _in_plane(setting.frame, dt, D, before[:4])
-        own = substitute_parameters(setting, particles, four.rows)
-        thickness, density = before[4], take(particles.m, four.rows) / take(particles.V0, four.rows)
-        r, last_r = vector(0.0), vector(0.0)
-        slope, last, done = vector(1.0), vector(0.0), vector(0.0)
-        for n in range(MOST):
-            now = (*F, thickness * (1.0 + dt * r))
-            J = determinant(now)
-            sigma, state = update_stress(
-                own, forcing, particles, four.rows, numbers, now, J, (*L, r)
-            )
-            s = sigma[2]
-            if n == 0:
-                c = wave_speed(own, numbers, now, J, state)
-                slope = dt * density * c * c / J
-                k = slope
-            else:
-                change = r - last_r
-                k = (s - last) / where(change == 0.0, vector(1.0), change)
-                k = where(k > LEAST * slope, where(k < GREATEST * slope, k, slope), slope)
-            done = where(abs(s) * dt <= ENOUGH * slope, vector(1.0), done)
-            if bits(done > 0.0) == 15:
-                break
-            way = -s / k
-            most = FARTHEST / dt * (1.0 + dt * r)
-            way = max(min(way, most), -most)
-            last_r, last = r, s
-            r = where(done > 0.0, r, r + way)
-        return (*L, r), (*F, thickness * (1.0 + dt * r))
-
-    return deform
+    dt, before = forcing.dt, deformations(setting.frame, particles, four.rows)
+    L, F = _in_plane(setting.frame, dt, D, before[:4])
+    own = substitute_parameters(setting, particles, four.rows)
+    thickness, density = before[4], take(particles.m, four.rows) / take(particles.V0, four.rows)
+    r, last_r = vector(0.0), vector(0.0)
+    slope, last, done = vector(1.0), vector(0.0), vector(0.0)
+    for n in range(MOST):
+        now = (*F, thickness * (1.0 + dt * r))
+        J = determinant(now)
+        sigma, state = update_stress(own, forcing, particles, four.rows, numbers, now, J, (*L, r))
+        s = sigma[2]
+        if n == 0:
+            c = wave_speed(own, numbers, now, J, state)
+            slope = dt * density * c * c / J
+            k = slope
+        else:
+            change = r - last_r
+            k = (s - last) / where(change == 0.0, vector(1.0), change)
+            k = where(k > LEAST * slope, where(k < GREATEST * slope, k, slope), slope)
+        done = where(abs(s) * dt <= ENOUGH * slope, vector(1.0), done)
+        if bits(done > 0.0) == 15:
+            break
+        way = -s / k
+        most = FARTHEST / dt * (1.0 + dt * r)
+        way = max(min(way, most), -most)
+        last_r, last = r, s
+        r = where(done > 0.0, r, r + way)
+    return (*L, r), (*F, thickness * (1.0 + dt * r))

@@ -8,7 +8,7 @@ pressed to nothing.
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.functions import exp, power
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_empty, specialise
 from pgimp.jit.tuples import plus_first, scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import lane, load, pack, store
@@ -126,30 +126,20 @@ def _refill(forcing, setting, field, particles, four, buffers, moved, ledger):
     return shifted
 
 
+@inlined
 def _find_corners(shape, frame, window, particles, four, buffer):
     """Find the offsets of corners anew: planes are apart as in another window."""
-
-
-@specialise(_find_corners)
-def _find_corners_in(shape, frame, window, particles, four, buffer):
     if by_corners(shape):
-        return lambda shape, frame, window, particles, four, buffer: supports(
-            shape, frame, window, particles, four.rows, four.number, buffer, ()
-        )
-    return lambda shape, frame, window, particles, four, buffer: None
+        return supports(shape, frame, window, particles, four.rows, four.number, buffer, ())
+    return None
 
 
+@inlined
 def _to_field(shape, window, other, particles, p):
     """Difference of offsets of particle `p` between the `other` window and its field."""
-
-
-@specialise(_to_field)
-def _to_field_of(shape, window, other, particles, p):
-    if by_corners(shape):  # found in this window
-        return lambda shape, window, other, particles, p: 0
-    return lambda shape, window, other, particles, p: (
-        field_of(window, particles, p) - field_of(other, particles, p)
-    )
+    if by_corners(shape):
+        return 0
+    return field_of(window, particles, p) - field_of(other, particles, p)
 
 
 def _steps(slopes, cell, shift):
@@ -174,51 +164,33 @@ def _steps_of(slopes, cell, shift):
     return (one, two, three)[len(cell) - 1]
 
 
+@inlined
 def _limited(slope, side, shift):
     """Minus `shift` times the gradient of EXCESS by cells, at most FARTHEST of a `side`."""
+    return side * min(max(-shift * side * lane(slope, EXCESS), -FARTHEST), FARTHEST)
 
 
-@specialise(_limited)
-def _limited_by(slope, side, shift):
-    return lambda slope, side, shift: (
-        side * min(max(-shift * side * lane(slope, EXCESS), -FARTHEST), FARTHEST)
-    )
-
-
+@inlined
 def _keep_slope(particles, p, d, slopes):
     """Store the gradient of J that particle `p` carries, from direction `d` on."""
-
-
-@specialise(_keep_slope)
-def _keep_slope_from(particles, p, d, slopes):
-    def last(particles, p, d, slopes):
+    if len(slopes) == 1:
         particles.slope[p, d] = lane(slopes[0], FIELD)
-
-    def more(particles, p, d, slopes):
+    else:
         particles.slope[p, d] = lane(slopes[0], FIELD)
         _keep_slope(particles, p, d + 1, slopes[1:])
 
-    return last if len(slopes) == 1 else more
 
-
+@inlined
 def _keep_spin(affine, frame, particles, p, filled):
     """Reduce the velocity gradient of an isolated particle `p` to its spin."""
-
-
-@specialise(_keep_spin)
-def _keep_spin_if(affine, frame, particles, p, filled):
-    if hasattr(affine, "count"):  # ()
-        return lambda affine, frame, particles, p, filled: None
-
-    def keep(affine, frame, particles, p, filled):
-        D, cell, L = len(frame.cell), 1.0, particles.L
-        for d in range(D):
-            cell *= frame.cell[d]
-        if filled * cell < min(particles.V0[p], ALONE * cell):
-            for i in range(D):
-                L[p, i * D + i] = 0.0
-                for j in range(i):
-                    spin = 0.5 * (L[p, i * D + j] - L[p, j * D + i])
-                    L[p, i * D + j], L[p, j * D + i] = spin, -spin
-
-    return keep
+    if is_empty(affine):
+        return None
+    D, cell, L = len(frame.cell), 1.0, particles.L
+    for d in range(D):
+        cell *= frame.cell[d]
+    if filled * cell < min(particles.V0[p], ALONE * cell):
+        for i in range(D):
+            L[p, i * D + i] = 0.0
+            for j in range(i):
+                spin = 0.5 * (L[p, i * D + j] - L[p, j * D + i])
+                L[p, i * D + j], L[p, j * D + i] = spin, -spin

@@ -12,7 +12,7 @@ directions may differ, as in a stretched bar. A material may give a better bound
 from math import sqrt
 
 from pgimp.jit.algebra import inverse, largest_stretch_squared, left_cauchy_green
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.tuples import squared
 from pgimp.jit.vectors.kinds import is_vector
 from pgimp.kernels.transfer.first_vertex import is_initial
@@ -27,13 +27,10 @@ def has_initial_speed(materials):
     return all(hasattr(material.instance_class, "initial_speed") for material in materials)
 
 
+@inlined
 def shortening(F):
     """Bound of 1 over the least stretch of a deformation gradient."""
-
-
-@specialise(shortening)
-def _shortening(F):
-    return lambda F: sqrt(largest_stretch_squared(left_cauchy_green(inverse(F))))
+    return sqrt(largest_stretch_squared(left_cauchy_green(inverse(F))))
 
 
 def _initial_speed(setting, numbers, F, J, state, by):
@@ -88,15 +85,12 @@ def _grid_speed(setting, controlled, numbers, after, inverse, extra):
     return initial if is_initial(setting.types[setting.fields.index("frame")]) else current
 
 
+@inlined
 def _steeper(by, extra):
     """The share of viscosity, by lengths of the initial configuration: a vector by^2 extra."""
-
-
-@specialise(_steeper)
-def _steeper_of(by, extra):
     if not is_vector(extra):
-        return lambda by, extra: extra
-    return lambda by, extra: by * by * extra
+        return extra
+    return by * by * extra
 
 
 def speed_of_waves(setting, number, args, state):
@@ -120,12 +114,9 @@ def _speed_of_waves(setting, number, args, state):
     return known if has_initial_speed(materials) else bounded
 
 
+@inlined
 def own_speed(frame, v):
     """Speed at which a particle crosses the grid: its velocity's, 0 where it cannot."""
-
-
-@specialise(own_speed)
-def _own_speed(frame, v):
     if is_initial(frame):
-        return lambda frame, v: 0.0
-    return lambda frame, v: sqrt(squared(v))
+        return 0.0
+    return sqrt(squared(v))

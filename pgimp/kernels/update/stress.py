@@ -6,7 +6,7 @@ from numba.core import types
 from numba.extending import overload
 
 from pgimp.jit.algebra import determinant, symmetric
-from pgimp.jit.kernel import INLINE_OPTIONS, specialise
+from pgimp.jit.kernel import INLINE_OPTIONS, inlined, specialise
 from pgimp.jit.tuples import read
 from pgimp.kernels.transfer.lane_io import put_row, take_row
 from pgimp.kernels.update.varying import substitute_parameters
@@ -143,27 +143,19 @@ def _heating(setting, loads, particles, rows):
     return lambda setting, loads, particles, rows: take_row(particles.q, rows, 0, (0.0,))
 
 
+@inlined
 def keep_state(particles, rows, state):
     """Store the state of four particles, if they have any."""
-
-
-@specialise(keep_state)
-def _keep_state(particles, rows, state):
-    def keep(particles, rows, state):
+    if len(state):
         put_row(particles.state, rows, 0, state)
+    else:
+        return None
 
-    return keep if len(state) else lambda particles, rows, state: None
 
-
+@inlined
 def wave_speed(setting, numbers, F, J, state):
     """Speeds of the fastest wave through four particles; `numbers` are their materials."""
-
-
-@specialise(wave_speed)
-def _wave_speed(setting, numbers, F, J, state):
-    return lambda setting, numbers, F, J, state: evaluate_four(
-        "speed", setting.materials, numbers, (F, J), state, J
-    )
+    return evaluate_four("speed", setting.materials, numbers, (F, J), state, J)
 
 
 def diffusion_speed(setting, numbers, F, J, state, inverse, extra):

@@ -8,7 +8,7 @@ numbers, or vectors of four, as without variation.
 
 from numba.core import types
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, specialise
 from pgimp.jit.own import count_own, filled
 from pgimp.jit.tuples import read
 from pgimp.kernels.data.arguments import KernelScene
@@ -21,30 +21,21 @@ def _width(setting):
     return max(map(count_own, materials), default=0)
 
 
+@inlined
 def _each_filled(materials, values):
     """Materials with values in place of each one's `Own`."""
-
-
-@specialise(_each_filled)
-def _each(materials, values):
     if len(materials) == 1:
-        return lambda materials, values: (filled(materials[0], values),)
-    return lambda materials, values: (
-        filled(materials[0], values),
-        *_each_filled(materials[1:], values),
-    )
+        return (filled(materials[0], values),)
+    return (filled(materials[0], values), *_each_filled(materials[1:], values))
 
 
+@inlined
 def _with_materials(setting, materials):
     """The setting with other materials."""
-
-
-@specialise(_with_materials)
-def _setting_with(setting, materials):
-    return lambda setting, materials: KernelScene(
+    return (KernelScene(
         setting.shape, setting.frame, setting.identity, materials, setting.material_of,
         setting.tracked, setting.exits,
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def _values(own, rows, like):

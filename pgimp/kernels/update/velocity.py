@@ -1,6 +1,6 @@
 """Velocities (27) and positions (26) of particles from the grid's motion."""
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.tuples import plus_scaled
 from pgimp.kernels.grid.constraints import constrain_particles
 from pgimp.kernels.grid.resting import settle
@@ -10,6 +10,7 @@ from pgimp.kernels.transfer.lane_io import take_row
 from pgimp.kernels.transfer.rings import ring_motion
 
 
+@inlined
 def update_velocity(frame, forcing, particles, four, gathered, ledger):
     """Velocities of four particles after a step, and velocities of their motion.
 
@@ -26,33 +27,17 @@ def update_velocity(frame, forcing, particles, four, gathered, ledger):
     u, v : tuple of D Vec4
         The velocity of their motion, and their own.
     """
+    if is_initial(frame):
+        return (ring_motion(frame, particles, four, gathered[2], gathered[0]), gathered[0])
+    u, a, hoop = gathered
+    v = plus_scaled(forcing.dt, a, take_row(particles.v, four.rows, 0, u))  # (27)
+    v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
+    v = settle(forcing.loads.rest, frame, forcing, particles, four, (v, u), ledger)
+    u = ring_motion(frame, particles, four, hoop, u)
+    return constrain_particles(forcing.constraints, particles, four, u, v, ledger)
 
 
-@specialise(update_velocity)
-def _update_velocity(frame, forcing, particles, four, gathered, ledger):
-    if is_initial(frame):  # vertices keep the velocities
-        return lambda frame, forcing, particles, four, gathered, ledger: (
-            ring_motion(frame, particles, four, gathered[2], gathered[0]),
-            gathered[0],
-        )
-
-    def update(frame, forcing, particles, four, gathered, ledger):
-        u, a, hoop = gathered
-        v = plus_scaled(forcing.dt, a, take_row(particles.v, four.rows, 0, u))  # (27)
-        v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
-        v = settle(forcing.loads.rest, frame, forcing, particles, four, (v, u), ledger)
-        u = ring_motion(frame, particles, four, hoop, u)
-        return constrain_particles(forcing.constraints, particles, four, u, v, ledger)
-
-    return update
-
-
+@inlined
 def update_position(forcing, particles, four, u):
     """Positions of four particles after a step, moving at `u` (26)."""
-
-
-@specialise(update_position)
-def _update_position(forcing, particles, four, u):
-    return lambda forcing, particles, four, u: plus_scaled(
-        forcing.dt, u, take_row(particles.x, four.rows, 0, u)
-    )
+    return plus_scaled(forcing.dt, u, take_row(particles.x, four.rows, 0, u))

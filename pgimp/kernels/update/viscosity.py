@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_record
 from pgimp.jit.vectors.kinds import is_vector
 from pgimp.jit.vectors.simd import where
 from pgimp.kernels.transfer.lane_io import put_row, take
@@ -25,32 +25,27 @@ class Viscosity(NamedTuple):
     cell: float
 
 
+@inlined
 def viscous_pressure(viscosity, particles, p):
     """Pressure q of particle `p` from the last step; zero in scenes without viscosity."""
+    if not is_record(viscosity):
+        return 0.0
+    return particles.q[p, 0]
 
 
-@specialise(viscous_pressure)
-def _viscous_pressure(viscosity, particles, p):
-    if not hasattr(viscosity, "instance_class"):
-        return lambda viscosity, particles, p: 0.0
-    return lambda viscosity, particles, p: particles.q[p, 0]
-
-
+@inlined
 def trace(L):
     """Trace of a row-major velocity gradient."""
-
-
-@specialise(trace)
-def _trace(L):
     if len(L) == 1:
-        return lambda L: L[0]
+        return L[0]
     if len(L) == 4:
-        return lambda L: L[0] + L[3]
+        return L[0] + L[3]
     if len(L) == 5:
-        return lambda L: L[0] + L[3] + L[4]
-    return lambda L: L[0] + L[4] + L[8]
+        return L[0] + L[3] + L[4]
+    return L[0] + L[4] + L[8]
 
 
+@inlined
 def update_viscous_pressure(viscosity, setting, m, particles, rows, F, J, L):
     """Set q of four particles for the next step; `m` are their materials, F, J and L vectors.
 
@@ -59,35 +54,24 @@ def update_viscous_pressure(viscosity, setting, m, particles, rows, F, J, L):
     Vec4
         q/(rho L |D|), the speed that viscosity adds; 0 without any.
     """
+    if not is_record(viscosity):
+        return 0.0
+    c = wave_speed(setting, m, F, J, states(setting.materials, particles, rows, F))
+    compression = -viscosity.cell * trace(L)
+    compressed = compression > 0.0
+    c1, c2 = take(viscosity.linear, m), take(viscosity.quadratic, m)
+    speed = where(compressed, c1 * c + c2 * compression, 0.0)
+    density = take(particles.m, rows) / (J * take(particles.V0, rows))
+    put_row(particles.q, rows, 0, (where(compressed, density * speed * compression, 0.0),))
+    return speed
 
 
-@specialise(update_viscous_pressure)
-def _update_viscous_pressure(viscosity, setting, m, particles, rows, F, J, L):
-    if not hasattr(viscosity, "instance_class"):
-        return lambda viscosity, setting, m, particles, rows, F, J, L: 0.0
-
-    def update(viscosity, setting, m, particles, rows, F, J, L):
-        c = wave_speed(setting, m, F, J, states(setting.materials, particles, rows, F))
-        compression = -viscosity.cell * trace(L)
-        compressed = compression > 0.0
-        c1, c2 = take(viscosity.linear, m), take(viscosity.quadratic, m)
-        speed = where(compressed, c1 * c + c2 * compression, 0.0)
-        density = take(particles.m, rows) / (J * take(particles.V0, rows))
-        put_row(particles.q, rows, 0, (where(compressed, density * speed * compression, 0.0),))
-        return speed
-
-    return update
-
-
+@inlined
 def effective_wave_speed(c, extra):
     """Wave speed that limits the step: c sqrt(1 + z^2) + c z with the damping ratio z = extra/c.
 
     `extra` is a vector where the scene has any viscosity, else a number.
     """
-
-
-@specialise(effective_wave_speed)
-def _effective_wave_speed(c, extra):
     if not is_vector(extra):
-        return lambda c, extra: c
-    return lambda c, extra: sqrt(c * c + extra * extra) + extra
+        return c
+    return sqrt(c * c + extra * extra) + extra

@@ -25,7 +25,7 @@ from pydantic import Field
 
 from pgimp.geometry.regions import Box
 from pgimp.jit.algebra import rotate
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inlined, kernel
 from pgimp.physics.exact.base import Solution, no_gravity
 from pgimp.physics.materials.base import lame
 from pgimp.schema.base import Number, Positive, Vector
@@ -39,37 +39,28 @@ OptionalVector = Annotated[
 ]
 
 
+@inlined
 def three(X):
     """Three coordinates from the scene's D coordinates."""
-
-
-@specialise(three)
-def _three(X):
     if len(X) == 2:
-        return lambda X: (X[0], X[1], 0.0)
-    return lambda X: X
+        return (X[0], X[1], 0.0)
+    return X
 
 
+@inlined
 def components(like, V):
     """Vector of the scene's D components from three components."""
-
-
-@specialise(components)
-def _components(like, V):
     if len(like) == 2:
-        return lambda like, V: (V[0], V[1])
-    return lambda like, V: V
+        return (V[0], V[1])
+    return V
 
 
+@inlined
 def symmetric_components(like, S):
     """Symmetric tensor of the scene's dimension from six components."""
-
-
-@specialise(symmetric_components)
-def _symmetric_components(like, S):
     if len(like) == 2:
-        return lambda like, S: (S[0], S[1], S[2], S[3])
-    return lambda like, S: S
+        return (S[0], S[1], S[2], S[3])
+    return S
 
 
 @kernel

@@ -29,7 +29,7 @@ from pydantic import Field, model_validator
 from pgimp.jit.algebra import determinant, isotropic, one_plus
 from pgimp.jit.choose import choose
 from pgimp.jit.functions import exp, log
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.physics.materials.base import Material, State
 from pgimp.physics.materials.exact.clay import Clay, path_of_clay
 from pgimp.physics.materials.laws.friction import PLASTIC_WORK
@@ -45,6 +45,7 @@ _LEAST = 1e-9
 _SQRT3 = sqrt(3.0)
 
 
+@inlined
 def on_ellipse(A, a, b, c, p, q):
     """Parameter t of the point on the yield ellipse to which a trial stress returns; see above.
 
@@ -55,32 +56,25 @@ def on_ellipse(A, a, b, c, p, q):
     p, q : float
         p_tr, q_tr/M.
     """
-
-
-@specialise(on_ellipse)
-def _on_ellipse(A, a, b, c, p, q):
-    def root(A, a, b, c, p, q):
-        wet = A + log(2.0 + 0.0 * A) > 0.0
-        last = q / p
-        low, high = choose(wet, 0.0 * A, 1.0), choose(wet, 1.0, max(last, 1.0))
-        t = min(max(last, low), high)
-        for _ in range(_SWEEPS):
-            square = t * t
-            theta = (A + log(1.0 + square)) / (a + b)
-            slope = 2.0 * t / ((1.0 + square) * (a + b))
-            now = p * exp(-a * theta)
-            over = q - t * now
-            value = t * theta - c * over * (1.0 - square)
-            falls = now * (1.0 - a * t * slope) * (1.0 - square) + 2.0 * t * over
-            rate = theta + t * slope + c * falls
-            below = value < 0.0
-            low, high = choose(below, t, low), choose(below, high, t)
-            next_t = t - value / rate
-            inside = (next_t >= low) & (next_t <= high)
-            t = choose(inside, next_t, 0.5 * (low + high))
-        return t
-
-    return root
+    wet = A + log(2.0 + 0.0 * A) > 0.0
+    last = q / p
+    low, high = choose(wet, 0.0 * A, 1.0), choose(wet, 1.0, max(last, 1.0))
+    t = min(max(last, low), high)
+    for _ in range(_SWEEPS):
+        square = t * t
+        theta = (A + log(1.0 + square)) / (a + b)
+        slope = 2.0 * t / ((1.0 + square) * (a + b))
+        now = p * exp(-a * theta)
+        over = q - t * now
+        value = t * theta - c * over * (1.0 - square)
+        falls = now * (1.0 - a * t * slope) * (1.0 - square) + 2.0 * t * over
+        rate = theta + t * slope + c * falls
+        below = value < 0.0
+        low, high = choose(below, t, low), choose(below, high, t)
+        next_t = t - value / rate
+        inside = (next_t >= low) & (next_t <= high)
+        t = choose(inside, next_t, 0.5 * (low + high))
+    return t
 
 
 class CamClayParameters(NamedTuple):

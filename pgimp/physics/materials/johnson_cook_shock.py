@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pgimp.jit.algebra import contract, determinant, isotropic, one_plus
 from pgimp.jit.choose import choose
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.physics.materials.laws.hencky import distortion_energy
 from pgimp.physics.materials.laws.mie_gruneisen import (
     MieGruneisen,
@@ -19,27 +19,21 @@ from pgimp.physics.materials.laws.mie_gruneisen import (
 from pgimp.physics.materials.laws.rate_flow import Damage, Strength, damaged, plastic_step
 
 
+@inlined
 def shocked(material, J, sigma, L, dt, q, before, heat):
     """Pressure, internal energy and temperature after a step.
 
     `before` has temperature and energy, `heat` comes from plastic flow.
     """
-
-
-@specialise(shocked)
-def _shocked(material, J, sigma, L, dt, q, before, heat):
-    def pressure(material, J, sigma, L, dt, q, before, heat):
-        k, eos = material.strength, material.eos
-        warmth, inner = before
-        former = J / determinant(one_plus(dt, L))
-        p = (sigma[0] + sigma[1] + sigma[2]) * (-1.0 / 3.0)
-        now, e = pressure_and_energy(eos, J, former, p, q, heat, inner)
-        grown = J - former
-        # dT = -gamma T dJ without dissipation, as gamma over the volume is constant.
-        warm = warmth * (1.0 - eos.gamma * grown) + k.heating * (heat - q * grown)
-        return now, e, warm
-
-    return pressure
+    k, eos = material.strength, material.eos
+    warmth, inner = before
+    former = J / determinant(one_plus(dt, L))
+    p = (sigma[0] + sigma[1] + sigma[2]) * (-1.0 / 3.0)
+    now, e = pressure_and_energy(eos, J, former, p, q, heat, inner)
+    grown = J - former
+    # dT = -gamma T dJ without dissipation, as gamma over the volume is constant.
+    warm = warmth * (1.0 - eos.gamma * grown) + k.heating * (heat - q * grown)
+    return now, e, warm
 
 
 class JohnsonCookShockParameters(NamedTuple):

@@ -21,7 +21,7 @@ from pydantic import Field
 
 from pgimp.jit.choose import choose
 from pgimp.jit.functions import exp, log
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.series import carry
 from pgimp.jit.spectral import eigen, spectral
 from pgimp.jit.tuples import scaled
@@ -33,73 +33,55 @@ from pgimp.physics.materials.laws.friction import PLASTIC_WORK, Soil
 _BOUNDLESS = 1e200
 
 
+@inlined
 def returned(material, s1, s2, s3, J):
     """Principal Kirchhoff stresses on or within the pyramid, from ordered trial stresses."""
+    A, B, E = material.first, material.second, material.third
+    S, c, a = material.sine, material.strength * J, material.plane
+    rise = (1.0 - material.flow) * s1 - 2.0 * s2 + (1.0 + material.flow) * s3
+    right = rise > 0.0
+    f13 = s1 - s3 + (s1 + s3) * S - c
+    f12 = s1 - s2 + (s1 + s2) * S - c
+    f23 = s2 - s3 + (s2 + s3) * S - c
+    # Plane.
+    g = f13 / a
+    p1, p2, p3 = s1 - A * g, s2 + B * g, s3 + E * g
+    # Edges: with s2 = s3 on the right, s1 = s2 on the left.
+    b = choose(right, material.right, material.left)
+    other = choose(right, f12, f23)
+    part = 1.0 / (a * a - b * b)
+    g, h = (a * f13 - b * other) * part, (a * other - b * f13) * part
+    e1 = choose(right, s1 - A * (g + h), s1 - A * g + B * h)
+    e3 = choose(right, s3 + E * g + B * h, s3 + E * (g + h))
+    e2 = choose(right, e3, e1)
+    on_plane = (p1 >= p2) & (p2 >= p3)
+    apex = material.apex * J
+    on_edge = e1 >= e3
+    r1 = choose(on_plane, p1, choose(on_edge, e1, apex))
+    r2 = choose(on_plane, p2, choose(on_edge, e2, apex))
+    r3 = choose(on_plane, p3, choose(on_edge, e3, apex))
+    sound = f13 <= 0.0
+    return choose(sound, s1, r1), choose(sound, s2, r2), choose(sound, s3, r3)
 
 
-@specialise(returned)
-def _returned(material, s1, s2, s3, J):
-    def stresses(material, s1, s2, s3, J):
-        A, B, E = material.first, material.second, material.third
-        S, c, a = material.sine, material.strength * J, material.plane
-        rise = (1.0 - material.flow) * s1 - 2.0 * s2 + (1.0 + material.flow) * s3
-        right = rise > 0.0
-        f13 = s1 - s3 + (s1 + s3) * S - c
-        f12 = s1 - s2 + (s1 + s2) * S - c
-        f23 = s2 - s3 + (s2 + s3) * S - c
-        # Plane.
-        g = f13 / a
-        p1, p2, p3 = s1 - A * g, s2 + B * g, s3 + E * g
-        # Edges: with s2 = s3 on the right, s1 = s2 on the left.
-        b = choose(right, material.right, material.left)
-        other = choose(right, f12, f23)
-        part = 1.0 / (a * a - b * b)
-        g, h = (a * f13 - b * other) * part, (a * other - b * f13) * part
-        e1 = choose(right, s1 - A * (g + h), s1 - A * g + B * h)
-        e3 = choose(right, s3 + E * g + B * h, s3 + E * (g + h))
-        e2 = choose(right, e3, e1)
-        on_plane = (p1 >= p2) & (p2 >= p3)
-        apex = material.apex * J
-        on_edge = e1 >= e3
-        r1 = choose(on_plane, p1, choose(on_edge, e1, apex))
-        r2 = choose(on_plane, p2, choose(on_edge, e2, apex))
-        r3 = choose(on_plane, p3, choose(on_edge, e3, apex))
-        sound = f13 <= 0.0
-        return choose(sound, s1, r1), choose(sound, s2, r2), choose(sound, s3, r3)
-
-    return stresses
-
-
+@inlined
 def choose_all(condition, a, b):
     """Entries of tuple `a` where the condition is true, else entries of `b`."""
-
-
-@specialise(choose_all)
-def _choose_all(condition, a, b):
     if len(a) == 1:
-        return lambda condition, a, b: (choose(condition, a[0], b[0]),)
-    return lambda condition, a, b: (
-        choose(condition, a[0], b[0]),
-        *choose_all(condition, a[1:], b[1:]),
-    )
+        return (choose(condition, a[0], b[0]),)
+    return (choose(condition, a[0], b[0]), *choose_all(condition, a[1:], b[1:]))
 
 
+@inlined
 def stretched(material, m, a, b, c):
     """Principal values of b_e - 1 under principal Kirchhoff stresses a, b, c with the mean m."""
-
-
-@specialise(stretched)
-def _stretched(material, m, a, b, c):
-    def values(material, m, a, b, c):
-        twice = 2.0 * material.mu
-        third = m / (3.0 * material.bulk) - m / twice
-        return (
-            exp(2.0 * (a / twice + third)) - 1.0,
-            exp(2.0 * (b / twice + third)) - 1.0,
-            exp(2.0 * (c / twice + third)) - 1.0,
-        )
-
-    return values
+    twice = 2.0 * material.mu
+    third = m / (3.0 * material.bulk) - m / twice
+    return (
+        exp(2.0 * (a / twice + third)) - 1.0,
+        exp(2.0 * (b / twice + third)) - 1.0,
+        exp(2.0 * (c / twice + third)) - 1.0,
+    )
 
 
 class MohrCoulombParameters(NamedTuple):
@@ -196,13 +178,10 @@ class MohrCoulombParameters(NamedTuple):
         return sqrt(modulus / material.density)
 
 
+@inlined
 def _placed(rank, r1, r2, r3):
     """Select r1, r2 or r3 by rank: the number of other stresses not above, 2, 1 or 0."""
-
-
-@specialise(_placed)
-def _placed_by(rank, r1, r2, r3):
-    return lambda rank, r1, r2, r3: choose(rank > 1.5, r1, choose(rank < 0.5, r3, r2))
+    return choose(rank > 1.5, r1, choose(rank < 0.5, r3, r2))
 
 
 class MohrCoulomb(Soil):

@@ -18,7 +18,7 @@ from pydantic import AfterValidator, Field
 
 from pgimp.jit.algebra import contract, isotropic, rotate
 from pgimp.jit.functions import exp, log
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.tuples import plus_scaled
 from pgimp.physics.materials.base import Material, Poisson, State, Young, lame
 from pgimp.physics.materials.exact.rows import first_leg
@@ -97,40 +97,28 @@ class VonMisesParameters(NamedTuple):
         return elastic_speed(material, J)
 
 
+@inlined
 def saturating_flow(material, q, alpha, stiffness):
     """Plastic strain of a step: the root x of q - stiffness x = sigma_y(alpha + x), 0 if elastic.
 
     Four steps of Newton's method from 0. The residual decreases and is convex, so they never pass
     the root. They reach it to rounding if b x < 1 and Q b is well below 3 G.
     """
+    H, Q, b = material.hardening, material.saturation, material.rate
+    x = 0.0 * q
+    for _ in range(4):
+        left = Q * exp(-b * (alpha + x))
+        excess = q - (material.yield_stress + H * (alpha + x) + Q - left) - stiffness * x
+        x = x + max(excess, 0.0) / (stiffness + H + b * left)
+    return x
 
 
-@specialise(saturating_flow)
-def _saturating_flow(material, q, alpha, stiffness):
-    def flow(material, q, alpha, stiffness):
-        H, Q, b = material.hardening, material.saturation, material.rate
-        x = 0.0 * q
-        for _ in range(4):
-            left = Q * exp(-b * (alpha + x))
-            excess = q - (material.yield_stress + H * (alpha + x) + Q - left) - stiffness * x
-            x = x + max(excess, 0.0) / (stiffness + H + b * left)
-        return x
-
-    return flow
-
-
+@inlined
 def saturating_work(material, alpha):
     """Integral of sigma_y over the plastic strain."""
-
-
-@specialise(saturating_work)
-def _saturating_work(material, alpha):
-    def work(material, alpha):
-        linear = material.yield_stress + material.saturation + 0.5 * material.hardening * alpha
-        gone = (1.0 - exp(-material.rate * alpha)) / material.rate
-        return linear * alpha - material.saturation * gone
-
-    return work
+    linear = material.yield_stress + material.saturation + 0.5 * material.hardening * alpha
+    gone = (1.0 - exp(-material.rate * alpha)) / material.rate
+    return linear * alpha - material.saturation * gone
 
 
 class SaturatingParameters(NamedTuple):

@@ -5,7 +5,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from pgimp.jit.kernel import exact, specialise
+from pgimp.jit.kernel import exact, of_types, specialise
 from pgimp.physics.shapes.courant import LIMITS
 from pgimp.schema.base import Count, Model, NonNegative
 from pgimp.schema.dispatch import Either
@@ -202,6 +202,7 @@ def _edges(shape, F):
     return shape.instance_class.edges
 
 
+@of_types
 def by_corners(shape):
     """Whether a shape, given by its Numba type, has corners (`edges`) in place of `weights`."""
     return hasattr(shape.instance_class, "edges")

@@ -14,37 +14,28 @@ from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import Field
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.physics.shapes.base import WideShape, beyond_walls
 from pgimp.physics.shapes.stretch import FixedSize, TrackedSize
 
 
+@inlined
 def tents(half, f):
     """Weights and gradients of a tent of unit area, for f in [half, 1 + half); half at most 1."""
-
-
-@specialise(tents)
-def _tents(half, f):
-    def convolve(half, f):
-        # The particle's tent lies right of the first vertex. A weight is then a sum of third powers
-        # of distances from its low end, middle and high end to the end of a grid tent. t, u, s go
-        # to the end of the first vertex's tent; a_j and b_j start from vertex j.
-        t, u, s = 1.0 + half - f, max(1.0 - f, 0.0), max(1.0 - half - f, 0.0)
-        b1 = max(f - 1.0, 0.0)
-        a1, a2 = max(f + half - 1.0, 0.0), max(f + half - 2.0, 0.0)
-        T, U, S, B1, A1, A2 = t * t, u * u, s * s, b1 * b1, a1 * a1, a2 * a2
-        r = 1.0 / (half * half)
-        q = r / 6.0
-        w0 = q * (T * t - 2.0 * (U * u) + S * s)
-        w2 = q * (A1 * a1 - 2.0 * (B1 * b1) - 2.0 * (A2 * a2))
-        w3 = q * (A2 * a2)
-        h = 0.5 * r
-        g0 = -h * (T - 2.0 * U + S)
-        g2 = h * (A1 - 2.0 * B1 - 2.0 * A2)
-        g3 = h * A2
-        return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
-
-    return convolve
+    t, u, s = 1.0 + half - f, max(1.0 - f, 0.0), max(1.0 - half - f, 0.0)
+    b1 = max(f - 1.0, 0.0)
+    a1, a2 = max(f + half - 1.0, 0.0), max(f + half - 2.0, 0.0)
+    T, U, S, B1, A1, A2 = t * t, u * u, s * s, b1 * b1, a1 * a1, a2 * a2
+    r = 1.0 / (half * half)
+    q = r / 6.0
+    w0 = q * (T * t - 2.0 * (U * u) + S * s)
+    w2 = q * (A1 * a1 - 2.0 * (B1 * b1) - 2.0 * (A2 * a2))
+    w3 = q * (A2 * a2)
+    h = 0.5 * r
+    g0 = -h * (T - 2.0 * U + S)
+    g2 = h * (A1 - 2.0 * B1 - 2.0 * A2)
+    g3 = h * A2
+    return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
 
 
 class _Tents:

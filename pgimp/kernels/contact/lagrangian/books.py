@@ -4,7 +4,7 @@ An impulse is shared by all reference vertices in its row of B. Held vertices do
 and constraints bear their share, as for all forces there.
 """
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.kernels.contact.books import book, losses_of
 from pgimp.kernels.contact.lagrangian.gauss_seidel import impulse_of, load_pair
 from pgimp.kernels.contact.lagrangian.reference_grid import key_bits, offset_of_key, turns
@@ -126,25 +126,18 @@ def _book_faces(holding, number, r, u, b, lost, m):
     return m * (w[0] - v[0]), m * (w[1] - v[1]), m * (w[2] - v[2])
 
 
+@inlined
 def _book_constraints(marked, r, rest, impulse):
     """Book the share of the first constraint that holds a component."""
-
-
-@specialise(_book_constraints)
-def _book_each_constraint(marked, r, rest, impulse):
     if len(marked) == 0:
-        return lambda marked, r, rest, impulse: None
-
-    def book_each(marked, r, rest, impulse):
-        constraints, mask, x = marked[0], marked[1], place_of(marked, r)
-        for d in range(3):
-            for k in range(len(constraints)):
-                if mask[r // RECORD] >> k & 1 and constraints[k].held[d]:
-                    impulse[k, d] -= rest[d]
-                    add_moment(constraints[k], x, d, -rest[d], impulse)
-                    break
-
-    return book_each
+        return None
+    constraints, mask, x = marked[0], marked[1], place_of(marked, r)
+    for d in range(3):
+        for k in range(len(constraints)):
+            if mask[r // RECORD] >> k & 1 and constraints[k].held[d]:
+                impulse[k, d] -= rest[d]
+                add_moment(constraints[k], x, d, -rest[d], impulse)
+                break
 
 
 @kernel

@@ -6,7 +6,7 @@ reach it within the slack, the sums of all particles there would be for nothing.
 
 from math import inf, sqrt
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.gap import LEAST_FILLED, LEAST_HELD
 from pgimp.kernels.contact.lagrangian.candidates import inside, reached_range
 from pgimp.kernels.contact.lagrangian.vertices import number_of
@@ -135,32 +135,25 @@ def _greatest_filled(rigid_bodies, t, frame, number, slack):
     return filled
 
 
+@inlined
 def _meet_rigid(rigid_bodies, frame, number, slack, acts, most, groups, walls):
     """Whether a group at a vertex may meet a rigid body."""
-
-
-@specialise(_meet_rigid)
-def _meet_any_rigid(rigid_bodies, frame, number, slack, acts, most, groups, walls):
-    if not hasattr(rigid_bodies, "instance_class"):
-        return lambda rigid_bodies, frame, number, slack, acts, most, groups, walls: False
-
-    def meet(rigid_bodies, frame, number, slack, acts, most, groups, walls):
-        for t in range(len(rigid_bodies.motion)):
-            filled = -1.0
-            for k in range(len(groups)):
-                way = acts[groups[k], len(acts) + t]
-                if way == ANYWHERE:
-                    return True
-                if way == NEVER or most[k] < LEAST_HELD:
-                    continue
-                if filled < 0.0:
-                    filled = _greatest_filled(rigid_bodies, t, frame, number, slack)
-                    filled *= 2.0**walls
-                if filled >= LEAST_FILLED:
-                    return True
+    if not is_record(rigid_bodies):
         return False
-
-    return meet
+    for t in range(len(rigid_bodies.motion)):
+        filled = -1.0
+        for k in range(len(groups)):
+            way = acts[groups[k], len(acts) + t]
+            if way == ANYWHERE:
+                return True
+            if way == NEVER or most[k] < LEAST_HELD:
+                continue
+            if filled < 0.0:
+                filled = _greatest_filled(rigid_bodies, t, frame, number, slack)
+                filled *= 2.0**walls
+            if filled >= LEAST_FILLED:
+                return True
+    return False
 
 
 @kernel

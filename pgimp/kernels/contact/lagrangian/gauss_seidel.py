@@ -16,7 +16,7 @@ the accumulated impulses (projected Gauss-Seidel). One rank does the sweeps for 
 
 from math import sqrt
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.jit.vectors.simd import lane
 from pgimp.kernels.contact.data import impulse_of
 from pgimp.kernels.contact.lagrangian.rigid_ends import load_rigid, push_rigid
@@ -39,44 +39,32 @@ def _see(contact, a, r, coupling, solved):
     row.mass = 1.0 / most if most > 0.0 else 1e300
 
 
+@inlined
 def load_pair(contact, frame, contact_pairs, k, coupling, solved):
     """Load pair `k` as the first pair at a vertex."""
+    end, rigid = contact_pairs.ends[k], contact_pairs.rigid[k]
+    number = (end.vertex[0], end.vertex[1], end.vertex[2])
+    for a in range(2):
+        s = end.rows[a]
+        if s < 0:
+            load_rigid(contact, contact.rigid_bodies, frame, a, s, number, rigid)
+        else:
+            _see(contact, a, s, coupling, solved)
+        contact.bodies[a], contact.ends[0].fields[a] = end.bodies[a], a
+    contact.ends[0].law = end.law
+    contact.pair_states[0] = contact_pairs.states[k]
 
 
-@specialise(load_pair)
-def _load_pair(contact, frame, contact_pairs, k, coupling, solved):
-    def load_pair(contact, frame, contact_pairs, k, coupling, solved):
-        end, rigid = contact_pairs.ends[k], contact_pairs.rigid[k]
-        number = (end.vertex[0], end.vertex[1], end.vertex[2])
-        for a in range(2):
-            s = end.rows[a]
-            if s < 0:
-                load_rigid(contact, contact.rigid_bodies, frame, a, s, number, rigid)
-            else:
-                _see(contact, a, s, coupling, solved)
-            contact.bodies[a], contact.ends[0].fields[a] = end.bodies[a], a
-        contact.ends[0].law = end.law
-        contact.pair_states[0] = contact_pairs.states[k]
-
-    return load_pair
-
-
+@inlined
 def give_both(contact, frame, end, J, coupling, solved):
     """Apply an impulse to both ends of a pair, with opposite signs."""
-
-
-@specialise(give_both)
-def _give_to_both(contact, frame, end, J, coupling, solved):
-    def give_both(contact, frame, end, J, coupling, solved):
-        number = (end.vertex[0], end.vertex[1], end.vertex[2])
-        for side in range(2):
-            s, sign = end.rows[side], 2.0 * side - 1.0
-            if s < 0:
-                push_rigid(contact.rigid_bodies, frame, s, number, J, sign)
-            else:
-                give(s, J, sign, coupling, solved)
-
-    return give_both
+    number = (end.vertex[0], end.vertex[1], end.vertex[2])
+    for side in range(2):
+        s, sign = end.rows[side], 2.0 * side - 1.0
+        if s < 0:
+            push_rigid(contact.rigid_bodies, frame, s, number, J, sign)
+        else:
+            give(s, J, sign, coupling, solved)
 
 
 @kernel

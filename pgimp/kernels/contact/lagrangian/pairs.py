@@ -10,7 +10,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.jit.memory import structure
 from pgimp.kernels.contact.data import PAIR_STATE, clear_field
 from pgimp.kernels.contact.gap import find_pairs
@@ -133,20 +133,16 @@ def _keep_pairs(contact, frame, sums, number, slots, pairs, found, contact_pairs
     return found
 
 
+@inlined
 def _past_another(faces, axis, frame, number):
     """Whether a vertex is beyond a wall with another axis than `axis`."""
-
-
-@specialise(_past_another)
-def _past_any_other(faces, axis, frame, number):
-    def past(faces, axis, frame, number):
+    if len(faces):
         for n in range(face_count(faces)):
             other, end = side_of(faces, n)
             if other != axis and (number[other] - wall_of(faces, n, frame)) * end > 0:
                 return True
         return False
-
-    return past if len(faces) else lambda faces, axis, frame, number: False
+    return False
 
 
 @inner_kernel

@@ -8,7 +8,7 @@ same impulses, so that V and the accumulated impulses agree on all ranks.
 from math import inf, sqrt
 
 from pgimp.geometry.distancefield import MARGIN
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
 from pgimp.jit.memory import structure
 from pgimp.kernels.contact.rigid_fields import set_rigid_velocity
 from pgimp.kernels.rigid.around import way_around
@@ -120,67 +120,53 @@ def _push_rigid(rigid_bodies, frame, s, number, J, sign):
     )
 
 
+@inlined
 def may_fill(rigid_bodies, frame, number, slack):
     """Whether a rigid body that moves by up to `slack` cells may fill part of a vertex's reach."""
-
-
-@specialise(may_fill)
-def _may_fill(rigid_bodies, frame, number, slack):
-    if not hasattr(rigid_bodies, "instance_class"):
-        return lambda rigid_bodies, frame, number, slack: False
-
-    def may_fill(rigid_bodies, frame, number, slack):
-        square, least, D = 0.0, inf, len(frame.cell)
-        for d in range(D):
-            square += frame.cell[d] ** 2
-            least = min(least, frame.cell[d])
-        reach = (1.0 + slack) * sqrt(square)
-        x, y, z = position_of(frame, number)
-        for t in range(len(rigid_bodies.motion)):
-            lattice, inside = rigid_bodies.lattice[t], True
-            for d in range(D):
-                near = lattice.least[d] - 1 <= number[d] <= lattice.most[d] + 1
-                inside = inside and near
-            if not inside:
-                continue
-            if reach > MARGIN * least:  # the lattice of distances may end before
-                return True
-            find_distance(rigid_bodies, t, D, x, y, z)
-            if rigid_bodies.point[0].distance <= reach:
-                return True
+    if not is_record(rigid_bodies):
         return False
+    square, least, D = 0.0, inf, len(frame.cell)
+    for d in range(D):
+        square += frame.cell[d] ** 2
+        least = min(least, frame.cell[d])
+    reach = (1.0 + slack) * sqrt(square)
+    x, y, z = position_of(frame, number)
+    for t in range(len(rigid_bodies.motion)):
+        lattice, inside = rigid_bodies.lattice[t], True
+        for d in range(D):
+            near = lattice.least[d] - 1 <= number[d] <= lattice.most[d] + 1
+            inside = inside and near
+        if not inside:
+            continue
+        if reach > MARGIN * least:  # the lattice of distances may end before
+            return True
+        find_distance(rigid_bodies, t, D, x, y, z)
+        if rigid_bodies.point[0].distance <= reach:
+            return True
+    return False
 
-    return may_fill
 
-
+@inlined
 def load_resting(contact, rigid_bodies, frame, number, sides, count, fills):
     """As `load_rigid_bodies`, with `fills` of the vertex, (rigid bodies,) RIGID_FILL."""
-
-
-@specialise(load_resting)
-def _load_resting(contact, rigid_bodies, frame, number, sides, count, fills):
-    if not hasattr(rigid_bodies, "instance_class"):
-        return lambda contact, rigid_bodies, frame, number, sides, count, fills: 0
-
-    def load(contact, rigid_bodies, frame, number, sides, count, fills):
-        found, point = count, rigid_bodies.point[0]
-        for t in range(len(rigid_bodies.motion)):
-            kept = fills[t]
-            if kept.state == UNKNOWN:
-                kept.state = NEAR if fill(rigid_bodies, t, frame, number, sides) else FAR
-                around = way_around(frame, number, sides)
-                kept.filled, kept.curvature_gap = point.filled, point.curvature_gap
-                for d in range(3):
-                    kept.surface[d] = point.surface[d] * around
-            if kept.state == FAR:
-                continue
-            row = contact.fields[found]
-            contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
-            row.mass, row.filled, row.curvature_gap = inf, kept.filled, kept.curvature_gap
+    if not is_record(rigid_bodies):
+        return 0
+    found, point = count, rigid_bodies.point[0]
+    for t in range(len(rigid_bodies.motion)):
+        kept = fills[t]
+        if kept.state == UNKNOWN:
+            kept.state = NEAR if fill(rigid_bodies, t, frame, number, sides) else FAR
+            around = way_around(frame, number, sides)
+            kept.filled, kept.curvature_gap = point.filled, point.curvature_gap
             for d in range(3):
-                row.surface[d] = kept.surface[d]
-            set_rigid_velocity(row, rigid_bodies, t, frame, number, True)
-            found += 1
-        return found - count
-
-    return load
+                kept.surface[d] = point.surface[d] * around
+        if kept.state == FAR:
+            continue
+        row = contact.fields[found]
+        contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
+        row.mass, row.filled, row.curvature_gap = inf, kept.filled, kept.curvature_gap
+        for d in range(3):
+            row.surface[d] = kept.surface[d]
+        set_rigid_velocity(row, rigid_bodies, t, frame, number, True)
+        found += 1
+    return found - count

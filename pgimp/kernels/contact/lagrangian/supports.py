@@ -10,7 +10,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.jit.tuples import plus_scaled, read, scaled
 from pgimp.kernels.contact.volumes import LEAST, cut_moments, cut_weights
 from pgimp.kernels.data.particles import FloatArray, IntArray
@@ -70,68 +70,45 @@ def weights_at(supports, i, q):
     return w[0, local[0]], w[1, local[1]], w[2, local[2]]
 
 
+@inlined
 def keep_values(out, i, values):
     """Set `out[i]`, `out[i + 1]`, ... to a tuple of numbers."""
-
-
-@specialise(keep_values)
-def _keep_all(out, i, values):
     if len(values) == 0:
-        return lambda out, i, values: None
-
-    def keep(out, i, values):
-        out[i] = values[0]
-        keep_values(out, i + 1, values[1:])
-
-    return keep
+        return None
+    out[i] = values[0]
+    keep_values(out, i + 1, values[1:])
 
 
+@inlined
 def _support(shape, frame, half, x, supports, i, d, like):
     """Set support `i` along the directions from `d` on, as many as `like` has."""
-
-
-@specialise(_support)
-def _support_along(shape, frame, half, x, supports, i, d, like):
     if len(like) == 0:
-        return lambda shape, frame, half, x, supports, i, d, like: None
-
-    def along(shape, frame, half, x, supports, i, d, like):
-        first = first_vertex(frame, d, half[d], x[d])
-        f = (x[d] - frame.origin[d]) * frame.inverse[d] - (first - frame.ghost)
-        values, slopes = weights(shape, half[d], f)
-        supports.first[i, d] = first
-        keep_values(supports.w[i, d], 0, values)
-        keep_values(supports.g[i, d], 0, slopes)
-        _support(shape, frame, half, x, supports, i, d + 1, like[1:])
-
-    return along
+        return None
+    first = first_vertex(frame, d, half[d], x[d])
+    f = (x[d] - frame.origin[d]) * frame.inverse[d] - (first - frame.ghost)
+    values, slopes = weights(shape, half[d], f)
+    supports.first[i, d] = first
+    keep_values(supports.w[i, d], 0, values)
+    keep_values(supports.g[i, d], 0, slopes)
+    _support(shape, frame, half, x, supports, i, d + 1, like[1:])
 
 
+@inlined
 def _first_support(shape, frame, half, x, supports, i):
     """Set support `i` along all directions, in axisymmetry along the radius with rings."""
-
-
-@specialise(_first_support)
-def _first_support_of(shape, frame, half, x, supports, i):
     if not is_axial(frame):
-        return lambda shape, frame, half, x, supports, i: _support(
-            shape, frame, half, x, supports, i, 0, frame.origin
-        )
-
-    def ring(shape, frame, half, x, supports, i):
-        inverse, near = frame.inverse[0], off_axis(frame, (x[0],))[0]
-        r = near * inverse
-        wide = min(half[0], r)
-        first = first_vertex(frame, 0, wide, near)
-        f = (near - frame.origin[0]) * inverse - (first - frame.ghost)
-        values, slopes, hoop, _, _ = ring_weights(shape, wide, f, r)
-        supports.first[i, 0] = first
-        keep_values(supports.w[i, 0], 0, values)
-        keep_values(supports.g[i, 0], 0, slopes)
-        keep_values(supports.hoop[i], 0, hoop)
-        _support(shape, frame, half, x, supports, i, 1, frame.origin[1:])
-
-    return ring
+        return _support(shape, frame, half, x, supports, i, 0, frame.origin)
+    inverse, near = frame.inverse[0], off_axis(frame, (x[0],))[0]
+    r = near * inverse
+    wide = min(half[0], r)
+    first = first_vertex(frame, 0, wide, near)
+    f = (near - frame.origin[0]) * inverse - (first - frame.ghost)
+    values, slopes, hoop, _, _ = ring_weights(shape, wide, f, r)
+    supports.first[i, 0] = first
+    keep_values(supports.w[i, 0], 0, values)
+    keep_values(supports.g[i, 0], 0, slopes)
+    keep_values(supports.hoop[i], 0, hoop)
+    _support(shape, frame, half, x, supports, i, 1, frame.origin[1:])
 
 
 @kernel
@@ -154,55 +131,42 @@ def find_supports(shape, frame, half, x, supports):
         _first_support(shape, frame, half[i], x[i], supports, i)
 
 
+@inlined
 def _narrow(shape, frame, half, x, offset, supports, i, d):
     """Set the weights of a cut box in support `i`, along the directions from `d` on."""
-
-
-@specialise(_narrow)
-def _narrow_along(shape, frame, half, x, offset, supports, i, d):
-    def last(shape, frame, half, x, offset, supports, i, d):
+    if len(x) == 1:
         inverse, first = frame.inverse[d], supports.first[i, d]
         f = (x[0] + offset[0] - frame.origin[d]) * inverse - (first - frame.ghost)
         values, slopes = cut_weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
         keep_values(supports.w[i, d], 0, values)
         keep_values(supports.g[i, d], 0, slopes)
-
-    def more(shape, frame, half, x, offset, supports, i, d):
+    else:
         _narrow(shape, frame, half[:1], x[:1], offset[:1], supports, i, d)
         _narrow(shape, frame, half[1:], x[1:], offset[1:], supports, i, d + 1)
 
-    return last if len(x) == 1 else more
 
-
+@inlined
 def _narrow_ring(shape, frame, place, whole, supports, i, cut):
     """In axisymmetry, set the weights of support `i` along the radius: of a `cut` box, or whole.
 
     `place` has its half-widths, its position and the offset to its centroid.
     """
-
-
-@specialise(_narrow_ring)
-def _narrow_ring_of(shape, frame, place, whole, supports, i, cut):
     if not is_axial(frame):
-        return lambda shape, frame, place, whole, supports, i, cut: None
-
-    def narrow(shape, frame, place, whole, supports, i, cut):
-        half, x, offset = place
-        if not cut:
-            for k in range(4):
-                supports.hoop[i, k] = whole.hoop[i, k]
-            return
-        inverse, first = frame.inverse[0], supports.first[i, 0]
-        r = max((x[0] + offset[0]) * inverse, LEAST)
-        f = r - frame.origin[0] * inverse - (first - frame.ghost)
-        left = min(max(half[0] - abs(offset[0]) * inverse, LEAST), r)
-        by, (w, g) = 1.0 / r, cut_weights(shape, left, f)
-        moments, ends = cut_moments(shape, left, f)
-        keep_values(supports.w[i, 0], 0, plus_scaled(by, moments, w))
-        keep_values(supports.g[i, 0], 0, plus_scaled(by, ends, g))
-        keep_values(supports.hoop[i], 0, scaled(by, w))
-
-    return narrow
+        return None
+    half, x, offset = place
+    if not cut:
+        for k in range(4):
+            supports.hoop[i, k] = whole.hoop[i, k]
+        return
+    inverse, first = frame.inverse[0], supports.first[i, 0]
+    r = max((x[0] + offset[0]) * inverse, LEAST)
+    f = r - frame.origin[0] * inverse - (first - frame.ghost)
+    left = min(max(half[0] - abs(offset[0]) * inverse, LEAST), r)
+    by, (w, g) = 1.0 / r, cut_weights(shape, left, f)
+    moments, ends = cut_moments(shape, left, f)
+    keep_values(supports.w[i, 0], 0, plus_scaled(by, moments, w))
+    keep_values(supports.g[i, 0], 0, plus_scaled(by, ends, g))
+    keep_values(supports.hoop[i], 0, scaled(by, w))
 
 
 @kernel
@@ -232,32 +196,22 @@ def narrow_supports(shape, frame, table, motion, whole, supports):
         _narrow_ring(shape, frame, (half, x, offset), whole, supports, i, row.cut != 0)
 
 
+@inlined
 def plus_hoop(frame, supports, i, a, V, slope):
     """The radial part `slope` of a closed surface with the hoop's, V times T of vertex `a`."""
-
-
-@specialise(plus_hoop)
-def _plus_hoop(frame, supports, i, a, V, slope):
     if not is_axial(frame):
-        return lambda frame, supports, i, a, V, slope: slope
-    return lambda frame, supports, i, a, V, slope: slope + V * supports.hoop[i, a]
+        return slope
+    return slope + V * supports.hoop[i, a]
 
 
+@inlined
 def from_centroid(frame, row, way):
     """The vector `way` from a particle, as one from where its velocity is the grid's.
 
     In axisymmetry that is the centroid of its ring in the initial configuration.
     """
-
-
-@specialise(from_centroid)
-def _from_centroid_of(frame, row, way):
     if not is_axial(frame):
-        return lambda frame, row, way: way
-
-    def shifted(frame, row, way):
-        r = off_axis(frame, (row.weight_position[0],))[0] * frame.inverse[0]
-        half = min(row.half_width[0], r)
-        return way[0] - half * half * (1.0 / 3.0) / r, way[1], way[2]
-
-    return shifted
+        return way
+    r = off_axis(frame, (row.weight_position[0],))[0] * frame.inverse[0]
+    half = min(row.half_width[0], r)
+    return way[0] - half * half * (1.0 / 3.0) / r, way[1], way[2]

@@ -13,7 +13,7 @@ from math import sqrt
 
 from pgimp.jit.algebra import contract, determinant, isotropic, one_plus
 from pgimp.jit.functions import log
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.series import carry, series_expm1, series_log1p
 from pgimp.jit.tuples import scaled
 
@@ -21,6 +21,7 @@ from pgimp.jit.tuples import scaled
 TINY = 1e-300
 
 
+@inlined
 def elastic_trial(shear, J, sigma, L, dt):
     """Deviator of the Kirchhoff stress after a step, if it is elastic.
 
@@ -31,76 +32,42 @@ def elastic_trial(shear, J, sigma, L, dt):
     J, sigma, L, dt
         As in the materials' functions: J after the step, the Cauchy stress before it.
     """
+    mean = (sigma[0] + sigma[1] + sigma[2]) * (1.0 / 3.0)
+    r = J / determinant(one_plus(dt, L)) * (1.0 / shear)
+    before = series_expm1(isotropic(r, sigma, -r * mean))  # b_e - 1 = exp(s/G) - 1
+    twice = series_log1p(carry(scaled(dt, L), before))
+    third = (twice[0] + twice[1] + twice[2]) * (1.0 / 3.0)
+    return isotropic(shear, twice, -shear * third)
 
 
-@specialise(elastic_trial)
-def _elastic_trial(shear, J, sigma, L, dt):
-    def trial(shear, J, sigma, L, dt):
-        mean = (sigma[0] + sigma[1] + sigma[2]) * (1.0 / 3.0)
-        r = J / determinant(one_plus(dt, L)) * (1.0 / shear)
-        before = series_expm1(isotropic(r, sigma, -r * mean))  # b_e - 1 = exp(s/G) - 1
-        twice = series_log1p(carry(scaled(dt, L), before))
-        third = (twice[0] + twice[1] + twice[2]) * (1.0 / 3.0)
-        return isotropic(shear, twice, -shear * third)
-
-    return trial
-
-
+@inlined
 def equivalent(s):
     """Equivalent stress sqrt(3/2 s : s) of a deviator."""
+    return sqrt(1.5 * contract(s, s))
 
 
-@specialise(equivalent)
-def _equivalent(s):
-    return lambda s: sqrt(1.5 * contract(s, s))
-
-
+@inlined
 def deviator(sigma):
     """Deviator of a stress."""
+    return isotropic(1.0, sigma, (sigma[0] + sigma[1] + sigma[2]) * (-1.0 / 3.0))
 
 
-@specialise(deviator)
-def _deviator(sigma):
-    def deviator(sigma):
-        return isotropic(1.0, sigma, (sigma[0] + sigma[1] + sigma[2]) * (-1.0 / 3.0))
-
-    return deviator
-
-
+@inlined
 def elastic_energy(material, J, sigma):
     """Elastic energy K/2 (ln J)^2 + G h : h per initial volume."""
+    ln = log(J)
+    return 0.5 * material.bulk * ln * ln + distortion_energy(material.shear, J, sigma)
 
 
-@specialise(elastic_energy)
-def _elastic_energy(material, J, sigma):
-    def energy(material, J, sigma):
-        ln = log(J)
-        return 0.5 * material.bulk * ln * ln + distortion_energy(material.shear, J, sigma)
-
-    return energy
-
-
+@inlined
 def elastic_speed(material, J):
     """Speed of longitudinal elastic waves, rho0 c^2 = (K + 4/3 G)(1 - ln J) where compressed."""
+    modulus = material.bulk + 4.0 / 3.0 * material.shear
+    return sqrt(modulus * max(1.0 - log(J), 1.0) / material.density)
 
 
-@specialise(elastic_speed)
-def _elastic_speed(material, J):
-    def speed(material, J):
-        modulus = material.bulk + 4.0 / 3.0 * material.shear
-        return sqrt(modulus * max(1.0 - log(J), 1.0) / material.density)
-
-    return speed
-
-
+@inlined
 def distortion_energy(shear, J, sigma):
     """Elastic energy G h : h of distortion, per initial volume."""
-
-
-@specialise(distortion_energy)
-def _distortion_energy(shear, J, sigma):
-    def energy(shear, J, sigma):
-        s = deviator(sigma)
-        return 0.25 * J * J / shear * contract(s, s)
-
-    return energy
+    s = deviator(sigma)
+    return 0.25 * J * J / shear * contract(s, s)

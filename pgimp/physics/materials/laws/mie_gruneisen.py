@@ -14,7 +14,7 @@ from typing import NamedTuple
 from pydantic import Field
 
 from pgimp.jit.choose import choose
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.schema.base import Model, NonNegative, Positive
 
 #: Largest s eta for which the pressure is computed; at 1 it is infinite.
@@ -38,25 +38,20 @@ class MieGruneisenEntry(Model):
     gamma: NonNegative = Field(description="Gruneisen's gamma at the initial density [1]")
 
 
+@inlined
 def _cold(eos, J):
     """Pressure without internal energy, and its derivative by eta."""
+    eta = 1.0 - J
+    squeezed = max(eta, 0.0)
+    held = min(eos.s * squeezed, LARGEST)
+    r = 1.0 / (1.0 - held)
+    hugoniot = eos.stiffness * eta * r * r
+    slope = eos.stiffness * choose(eta > 0.0, (1.0 + held) * r * r * r, 1.0)
+    half = 1.0 - 0.5 * eos.gamma * eta
+    return hugoniot * half, slope * half - 0.5 * eos.gamma * hugoniot
 
 
-@specialise(_cold)
-def _cold_of(eos, J):
-    def cold(eos, J):
-        eta = 1.0 - J
-        squeezed = max(eta, 0.0)
-        held = min(eos.s * squeezed, LARGEST)
-        r = 1.0 / (1.0 - held)
-        hugoniot = eos.stiffness * eta * r * r
-        slope = eos.stiffness * choose(eta > 0.0, (1.0 + held) * r * r * r, 1.0)
-        half = 1.0 - 0.5 * eos.gamma * eta
-        return hugoniot * half, slope * half - 0.5 * eos.gamma * hugoniot
-
-    return cold
-
-
+@inlined
 def pressure_and_energy(eos, J, before, p, q, heat, e):
     """Pressure and internal energy after a step.
 
@@ -73,39 +68,23 @@ def pressure_and_energy(eos, J, before, p, q, heat, e):
     e : float
         Internal energy per mass before the step.
     """
+    grown = J - before
+    cold, _ = _cold(eos, J)
+    known = eos.density * e + heat - (0.5 * p + q) * grown
+    now = (cold + eos.gamma * known) / (1.0 + 0.5 * eos.gamma * grown)
+    return now, (known - 0.5 * now * grown) / eos.density
 
 
-@specialise(pressure_and_energy)
-def _pressure_and_energy(eos, J, before, p, q, heat, e):
-    def pressure(eos, J, before, p, q, heat, e):
-        grown = J - before
-        cold, _ = _cold(eos, J)
-        known = eos.density * e + heat - (0.5 * p + q) * grown
-        now = (cold + eos.gamma * known) / (1.0 + 0.5 * eos.gamma * grown)
-        return now, (known - 0.5 * now * grown) / eos.density
-
-    return pressure
-
-
+@inlined
 def shock_speed_squared(eos, J, e, shear):
     """Squared speed of longitudinal waves, J^2 (-dp/dJ at constant entropy) + 4/3 G."""
+    cold, slope = _cold(eos, J)
+    p = cold + eos.gamma * eos.density * e
+    stiff = max(slope + eos.gamma * p, 0.1 * eos.stiffness)
+    return (J * J * stiff + 4.0 / 3.0 * shear) / eos.density
 
 
-@specialise(shock_speed_squared)
-def _shock_speed_squared(eos, J, e, shear):
-    def squared(eos, J, e, shear):
-        cold, slope = _cold(eos, J)
-        p = cold + eos.gamma * eos.density * e
-        stiff = max(slope + eos.gamma * p, 0.1 * eos.stiffness)
-        return (J * J * stiff + 4.0 / 3.0 * shear) / eos.density
-
-    return squared
-
-
+@inlined
 def margin_of(eos, J):
     """Distance of a particle from the end of the equation's range."""
-
-
-@specialise(margin_of)
-def _margin_of(eos, J):
-    return lambda eos, J: LARGEST - eos.s * (1.0 - J)
+    return LARGEST - eos.s * (1.0 - J)

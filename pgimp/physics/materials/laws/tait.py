@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from pgimp.jit.functions import power
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.physics.materials.base import Material, State
 from pgimp.schema.base import NonNegative, Number, Positive
 
@@ -20,64 +20,43 @@ VISCOUS_WORK = State("viscous-work", "energy/volume", "work of viscous stresses,
 _WATER = 7.0
 
 
+@inlined
 def raised(r, exponent):
     """The power r^exponent of positive r; fast for the exponents 1 and 7."""
+    if exponent == _WATER:
+        square = r * r
+        fourth = square * square
+        return fourth * square * r
+    return r if exponent == 1.0 else power(r, exponent)
 
 
-@specialise(raised)
-def _raised(r, exponent):
-    def quickly(r, exponent):
-        if exponent == _WATER:
-            square = r * r
-            fourth = square * square
-            return fourth * square * r
-        return r if exponent == 1.0 else power(r, exponent)
-
-    return quickly
-
-
+@inlined
 def pressure(stiffness, exponent, least, r):
     """Pressure at r = rho/rho0, at least `least`, the negative of the greatest tension.
 
     `stiffness` is K/g.
     """
+    return max(stiffness * (raised(r, exponent) - 1.0), least)
 
 
-@specialise(pressure)
-def _pressure(stiffness, exponent, least, r):
-    return lambda stiffness, exponent, least, r: max(stiffness * (raised(r, exponent) - 1.0), least)
-
-
+@inlined
 def sound_squared(stiffness, exponent, density, J):
     """Square of the speed of sound, c^2 = dp/drho; in expanded fluid the value at rest.
 
     Fluid without pressure transmits no waves, but it may be compressed again at any moment.
     """
+    whole = min(J, 1.0)
+    return stiffness * exponent / density * raised(1.0 / whole, exponent) * whole
 
 
-@specialise(sound_squared)
-def _sound_squared(stiffness, exponent, density, J):
-    def square(stiffness, exponent, density, J):
-        whole = min(J, 1.0)
-        return stiffness * exponent / density * raised(1.0 / whole, exponent) * whole
-
-    return square
-
-
+@inlined
 def compression(stiffness, exponent, least, J):
     """Energy of a compression to J, per initial volume; for `energy`, scalar only."""
-
-
-@specialise(compression)
-def _compression(stiffness, exponent, least, J):
-    def energy(stiffness, exponent, least, J):
-        if least == 0.0:
-            J = min(J, 1.0)
-        if exponent == 1.0:
-            return stiffness * (J - 1.0 - log(J))
-        return stiffness * ((J * raised(1.0 / J, exponent) - 1.0) / (exponent - 1.0) + J - 1.0)
-
-    return energy
+    if least == 0.0:
+        J = min(J, 1.0)
+    if exponent == 1.0:
+        return stiffness * (J - 1.0 - log(J))
+    return stiffness * ((J * raised(1.0 / J, exponent) - 1.0) / (exponent - 1.0) + J - 1.0)
 
 
 class Liquid(Material):
