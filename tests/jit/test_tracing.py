@@ -10,7 +10,15 @@ from hypothesis import strategies as st
 from numba.core import types
 from numba.core.runtime import _nrt_python, rtsys
 
-from pgimp.jit.kernel import allocating_kernel, exact, inner_kernel, kernel, specialise
+from pgimp.jit.kernel import (
+    allocating_kernel,
+    exact,
+    inlined,
+    inner_kernel,
+    kernel,
+    of_types,
+    specialise,
+)
 from pgimp.jit.tracing.source import kept, living, source_of
 from pgimp.jit.tracing.values import UntraceableError
 
@@ -268,6 +276,37 @@ def two_types(a):
     else:
         b = a
     return b
+
+
+@inlined
+def weighted(values, factor):
+    """A tuple, and a sum from its first term, for tuples of any length."""
+    if len(values) == 0:
+        return (), factor
+    scaled = tuple(factor * v for v in values if not is_text(v))
+    return scaled, sum(a * b + i for i, (a, b) in enumerate(zip(values, scaled, strict=True)))
+
+
+@of_types
+def is_text(kind):
+    """Whether a value is a text; in Python none is."""
+    return isinstance(kind, types.UnicodeType)
+
+
+@kernel
+def weights(n):
+    """The variables of a sum are not those of a loop around it."""
+    total, a = 0.0, 1
+    for i in range(n):
+        total += weighted((1.0, i + 2.0), 0.5)[1] + sum(a * i for a in (1, 2))
+        a += i
+    return total, a, weighted((), 3)[1]
+
+
+def test_plain_functions_are_inlined():
+    assert weighted((1.0, 2.0), 0.5) == ((0.5, 1.0), 3.5)
+    parts = [0.5 * (1.0 + (i + 2.0) ** 2) + 1.0 + 3 * i for i in range(4)]
+    assert weights(4) == (pytest.approx(sum(parts)), 7, 3)
 
 
 def endless(a):

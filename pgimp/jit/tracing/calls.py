@@ -68,7 +68,8 @@ class Calls(Expressions):
 
     def _generated(self, node: ast.GeneratorExp, frame: Frame) -> list[Value]:
         """Values of an expression for each item of a tuple, or each number of a known range."""
-        (loop,), found, before = node.generators, [], dict(frame.names)
+        (loop,), found, before = node.generators, [], (dict(frame.names), frame.cells)
+        frame.cells = {}  # its names are its own
         over = self.expression(loop.iter, frame)
         if isinstance(over.constant, Range):
             items = [constant(i) for i in range(*(each.constant for each in over.constant.bounds))]
@@ -78,7 +79,7 @@ class Calls(Expressions):
             self.assign(loop.target, item, frame)
             if all(self.condition(each, frame).constant for each in loop.ifs):
                 found.append(self.expression(node.elt, frame))
-        frame.names = before
+        frame.names, frame.cells = before
         return found
 
     def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
