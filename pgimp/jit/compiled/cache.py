@@ -154,7 +154,7 @@ def announced(tell: Callable[[str], object]) -> Iterator[None]:
 
     def once() -> None:
         _listeners.remove(once)
-        tell("compiling for this kind of scene, once; this takes half a minute to some minutes")
+        tell("compiling for this kind of scene, once; this takes ten seconds to a minute")
 
     _listeners.append(once)
     try:

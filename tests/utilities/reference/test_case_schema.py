@@ -85,6 +85,7 @@ def test_every_column_of_the_history_is_written(dimensions):
                     **({"rotation": {"about": vector(1), "rate": 1}} if dimensions > 1 else {}),
                 }
             },
+            "tractions": {"ab": {"body": "ab", "region": box(0), "pressure": 1}},
             "inflow": {"a": {"velocity": [-1, *vector(0)[1:]]}},
             "contact": [{"bodies": ["a", "b"]}],
             "gauges": {
