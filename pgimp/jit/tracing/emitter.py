@@ -9,15 +9,8 @@ from llvmlite import ir
 from numba.core import types
 
 from pgimp.jit.outside import NumbaObject
-from pgimp.jit.tracing.values import (
-    NONE,
-    NOT_CONSTANT,
-    UntraceableError,
-    Value,
-    constant,
-    is_tuple,
-    running,
-)
+from pgimp.jit.results import is_tuple
+from pgimp.jit.tracing.values import NONE, NOT_CONSTANT, UntraceableError, Value, constant, running
 
 _CONTRACTED = frozenset(("fadd", "fsub", "fmul", "fdiv", "frem", "fcmp"))
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import ast
 import operator
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 from llvmlite import ir
 from numba.core import types
 
+from pgimp.jit.results import is_tuple
 from pgimp.jit.tracing.emitter import Meeting
 from pgimp.jit.tracing.frame import Frame
 from pgimp.jit.tracing.operations import Operations
@@ -20,7 +22,6 @@ from pgimp.jit.tracing.values import (
     UntraceableError,
     Value,
     constant,
-    is_tuple,
     running,
     tuple_of,
 )
@@ -104,7 +105,8 @@ class Expressions(Operations):
         """Result of an operation."""
         function = OPERATIONS[type(node)]
         if one.known and other.known:
-            return constant(function(one.constant, other.constant))
+            with suppress(ZeroDivisionError):  # as a kernel has it: behind a branch not taken
+                return constant(function(one.constant, other.constant))
         if is_tuple(one.kind) and is_tuple(other.kind) and function is operator.add:
             return tuple_of(self.items(one) + self.items(other))
         return self.call(function, [one, other])

@@ -21,6 +21,8 @@ class Frame:
     cells : dict
         Variables that change in the loops around the present statement; None before their first
         value.
+    kept_by : dict
+        The line of the loop that made each of them.
     loops : list
         Blocks where each of these loops goes on, and where it ends.
     depth : int
@@ -39,6 +41,7 @@ class Frame:
             zip([each.arg for each in node.args.args], args, strict=True)
         )
         self.cells: dict[str, Cell | None] = {}
+        self.kept_by: dict[str, int] = {}
         self.loops: list[tuple[Any, Any]] = []
         self.depth = 0
         self.exit: Any = None
@@ -46,9 +49,9 @@ class Frame:
         self.owned: list[tuple[NumbaObject, Any]] = []
         self._key = function.__code__, tuple(each.kind for each in args)
 
-    def key(self, name: str) -> tuple[Any, tuple[NumbaObject, ...], str]:
-        """What tells a variable from those of other functions and other types of arguments."""
-        return *self._key, name
+    def key(self, name: str, line: int) -> tuple[Any, ...]:
+        """What tells a variable of the loop at a line from others, also by types of arguments."""
+        return *self._key, name, line
 
     def outer(self, name: str) -> Value:
         """Value of a name that is no variable of the function."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from typing import Any
 
 from numba.core import compiler, funcdesc, types
@@ -44,13 +45,15 @@ def compiled(state: NumbaObject) -> NumbaObject:
         With notes on where.
     """
     widened: dict[tuple, NumbaObject] = {}
-    sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEPEST))
-    with ConfigStack().enter(state.flags.copy()):  # for what Numba compiles meanwhile
-        while True:  # each turn widens a variable, of which there are not many
-            try:
-                return _compiled(state, widened)
-            except AgainError:
-                continue
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(before, _DEEPEST))
+    try:
+        with ConfigStack().enter(state.flags.copy()):  # for what Numba compiles meanwhile
+            while True:  # each turn widens a variable, of which there are not many
+                with suppress(AgainError):
+                    return _compiled(state, widened)
+    finally:
+        sys.setrecursionlimit(before)
 
 
 def _compiled(state: NumbaObject, widened: dict) -> NumbaObject:

@@ -10,6 +10,7 @@ from llvmlite import ir
 from numba.core import types
 
 from pgimp.jit.outside import NumbaObject
+from pgimp.jit.results import is_tuple
 from pgimp.jit.tracing.calls import Calls
 from pgimp.jit.tracing.frame import Frame
 from pgimp.jit.tracing.source import kept
@@ -19,7 +20,6 @@ from pgimp.jit.tracing.values import (
     UntraceableError,
     Value,
     constant,
-    is_tuple,
     running,
     tuple_of,
 )
@@ -78,7 +78,8 @@ class Loops(Calls):
             return
         cell = frame.cells[name]
         if cell is None:
-            cell = frame.cells[name] = self.cell(self.kind_of(value), frame.key(name))
+            key = frame.key(name, frame.kept_by[name])
+            cell = frame.cells[name] = self.cell(self.kind_of(value), key)
         self.keep(cell, value)
         frame.names[name] = cell
 
@@ -191,7 +192,7 @@ class Loops(Calls):
         new = [name for name in sorted(kept(loop, frame.node)) if name not in frame.cells]
         for name in new:
             value = frame.names.get(name)
-            frame.cells[name] = None
+            frame.cells[name], frame.kept_by[name] = None, loop.lineno
             if isinstance(value, Value):
                 self._name(name, value, frame)
         return new

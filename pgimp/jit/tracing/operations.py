@@ -10,16 +10,9 @@ from llvmlite import ir
 from numba.core import cgutils, types
 
 from pgimp.jit.outside import NumbaObject
+from pgimp.jit.results import is_tuple
 from pgimp.jit.tracing.emitter import Emitter
-from pgimp.jit.tracing.values import (
-    NONE,
-    Cell,
-    UntraceableError,
-    Value,
-    constant,
-    is_tuple,
-    running,
-)
+from pgimp.jit.tracing.values import NONE, Cell, UntraceableError, Value, constant, running
 
 
 class AgainError(Exception):

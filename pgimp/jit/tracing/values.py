@@ -76,11 +76,6 @@ def _named_tuple(kind: type) -> type | None:
     return kind if hasattr(kind, "_fields") else None
 
 
-def is_tuple(kind: NumbaObject) -> bool:
-    """Whether a Numba type is that of a tuple."""
-    return isinstance(kind, types.BaseTuple)
-
-
 class Range:
     """The numbers of a loop.
 

@@ -1,0 +1,159 @@
+"""Functions of a kernel's own, and the arrays that functions make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from types import FunctionType
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+
+from pgimp.jit.outside import NumbaObject
+from pgimp.jit.results import is_tuple
+from pgimp.jit.tracing.emitter import Builder
+from pgimp.jit.tracing.expressions import Expressions
+from pgimp.jit.tracing.frame import Frame
+from pgimp.jit.tracing.values import UntraceableError, Value, running
+
+
+class Functions(Expressions):
+    """Definitions of functions, and the ends of their arrays."""
+
+    def __init__(
+        self, typing: NumbaObject, context: NumbaObject, module: ir.Module, widened: dict
+    ) -> None:
+        super().__init__(typing, context, module, widened)
+        self._frames: list[Frame] = []
+        # Functions of their own by types of arguments, and the types of their results.
+        self._functions: dict[tuple, tuple[ir.Function, NumbaObject]] = {}
+
+    def inlined(self, function: FunctionType, contracts: bool, args: Sequence[Value]) -> Value:
+        """Result of a function, whose instructions are emitted here."""
+        raise NotImplementedError
+
+    def define(
+        self, entry: ir.Function, function: FunctionType, contracts: bool, args: Sequence[Value]
+    ) -> NumbaObject:
+        """Emit a function for arguments like the given ones; return the type of its result."""
+        outer, self.builder = self.builder, Builder(entry.append_basic_block("entry"))
+        frames, self._frames = self._frames, []
+        convention, builder = self.context.call_conv, self.builder
+        given = iter(convention.get_arguments(entry))
+        own = [each if is_object(each) else self._argument(each.kind, given) for each in args]
+        first, start = builder.block, builder.append_basic_block("start")
+        builder.position_at_end(start)
+        value = self.inlined(function, contracts, own)
+        result = self.kind_of(value)
+        content = self.context.get_return_value(builder, result, self.content(value))
+        # Its type is known only now: so is the type of the first argument, where it goes.
+        entry.args[0].type = convention.get_return_type(result)
+        entry.ftype.args = entry.args[0].type, *entry.ftype.args[1:]
+        convention.return_value(builder, content)
+        builder.position_at_end(first)
+        builder.branch(start)
+        self.builder, self._frames = outer, frames
+        return result
+
+    def _argument(self, kind: NumbaObject, given: Iterator) -> Value:
+        """Value of an argument, whose numbers and arrays come one by one."""
+        if is_tuple(kind):
+            return running(kind, [self._argument(each, given) for each in kind])
+
+        def nested(form: Any) -> Any:
+            return tuple(map(nested, form)) if isinstance(form, tuple) else next(given)
+
+        model = self.context.data_model_manager[kind]
+        return running(kind, model.from_argument(self.builder, nested(model.get_argument_type())))
+
+    def outlined(self, function: NumbaObject, contracts: bool, args: Sequence[Value]) -> Value:
+        """Result of a function of its own, which LLVM inlines where that is worth it."""
+        convention, passed = self.context.call_conv, [x for x in args if not is_object(x)]
+        kinds = tuple(map(self.kind_of, passed))
+        key = function, kinds, *(each.constant for each in args if is_object(each))
+        if key not in self._functions:
+            form = convention.get_function_type(types.none, kinds)
+            name = self.module.get_unique_name(function.py_func.__qualname__)
+            entry = ir.Function(self.module, form, name)
+            entry.linkage = "internal"
+            convention.decorate_function(entry, [f"{i}" for i in range(len(kinds))], kinds)
+            result = self.define(entry, function.py_func, contracts, args)
+            self._functions[key] = entry, result
+        entry, result = self._functions[key]
+        builder, parts = self.builder, [part for each in passed for part in self._parts(each)]
+        place = cgutils.alloca_once(builder, entry.args[0].type.pointee)
+        error = cgutils.alloca_once(builder, entry.args[1].type.pointee)
+        code = builder.call(entry, [place, error, *parts])
+        status = convention._get_return_status(builder, code, builder.load(error))
+        with cgutils.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
+        content = self.context.get_returned_value(builder, result, builder.load(place))
+        return self.owned(self.value(result, content), False)
+
+    def _parts(self, value: Value) -> Iterator:
+        """What is passed of an argument: its numbers, and what arrays consist of."""
+        if isinstance(value.content, list):
+            for each in value.content:
+                yield from self._parts(each)
+            return
+        model = self.context.data_model_manager[self.kind_of(value)]
+        yield from _flat(model.as_argument(self.builder, self.content(value)))
+
+    def owned(self, value: Value, is_part: bool) -> Value:
+        """A new value; arrays in it are released at the end of the present function.
+
+        Parts of arrays live as long as these, and are released at once.
+
+        Raises
+        ------
+        UntraceableError
+            If an array is made in a loop: the one before would be lost.
+        """
+        count = self.context.nrt
+        for each in arrays_of(value) if self.context.enable_nrt else ():
+            if is_part:
+                count.decref(self.builder, each.kind, each.content)
+                continue
+            if not self._frames:
+                continue
+            if self._frames[-1].loops:
+                raise UntraceableError("an array is made in a loop")
+            form = self.context.get_value_type(each.kind)
+            address = cgutils.alloca_once(self.builder, form, zfill=True)
+            self.builder.store(each.content, address)
+            self._frames[-1].owned.append((each.kind, address))
+        return value
+
+    def released(self, result: Value, frame: Frame) -> Value:
+        """The result of a function, whose other arrays are released."""
+        if not self.context.enable_nrt:
+            return result
+        builder, count = self.builder, self.context.nrt
+        if frame.owned or not self._frames:
+            for each in arrays_of(result):
+                count.incref(builder, each.kind, each.content)
+        for kind, address in frame.owned:
+            count.decref(builder, kind, builder.load(address))
+            builder.store(cgutils.get_null_value(address.type.pointee), address)
+        return self.owned(result, False) if frame.owned else result
+
+
+def is_object(value: Value) -> bool:
+    """Whether a value is an object that kernels do not have: a function, a class, a text."""
+    return value.known and not isinstance(value.constant, bool | int | float | None)
+
+
+def _flat(parts: Any) -> Iterator:
+    """Parts of nested tuples, one by one."""
+    if isinstance(parts, tuple | list):
+        for each in parts:
+            yield from _flat(each)
+    else:
+        yield parts
+
+
+def arrays_of(value: Value) -> list[Value]:
+    """Arrays in a value."""
+    if isinstance(value.content, list):
+        return [array for each in value.content for array in arrays_of(each)]
+    return [value] if isinstance(value.kind, types.Array) and not value.known else []
