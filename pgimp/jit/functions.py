@@ -86,119 +86,86 @@ def _two_to(typing_context, shifted):
     return kind(kind), generate
 
 
+@exact
 def _exp_of_sum(x, rest):
     """e^(x + rest), `rest` small against the last place of 1 or so."""
+    held = min(max(x, _LOWEST), _HIGHEST)
+    k = fma(held, _LOG2E, _ROUND) - _ROUND
+    r = fma(k, -_LN2_NEAR, held) + fma(k, -_LN2_LACK, rest)  # |r| <= ln(2)/2
+    # e^r = 1 + r + r^2 q(r), Taylor's to r^13: the next term is 4e-18.
+    r2 = r * r
+    r4 = r2 * r2
+    a = fma(r, 1.0 / 6.0, 0.5)
+    b = fma(r, 1.0 / 120.0, 1.0 / 24.0)
+    c = fma(r, 1.0 / 5040.0, 1.0 / 720.0)
+    d = fma(r, 1.0 / 362880.0, 1.0 / 40320.0)
+    e = fma(r, 1.0 / 39916800.0, 1.0 / 3628800.0)
+    f = fma(r, 1.0 / 6227020800.0, 1.0 / 479001600.0)
+    q = fma(r4, fma(r4, fma(r2, f, e), fma(r2, d, c)), fma(r2, b, a))
+    found = 1.0 + fma(r2, q, r)
+    half = fma(k, 0.5, _ROUND)  # in two factors: either may be subnormal or infinite alone
+    found = found * _two_to(half) * _two_to((k - (half - _ROUND)) + _ROUND)
+    return choose(x == x, found, x)
 
 
-@exact(_exp_of_sum)
-def _exponential_of_sum(x, rest):
-    def function(x, rest):
-        held = min(max(x, _LOWEST), _HIGHEST)
-        k = fma(held, _LOG2E, _ROUND) - _ROUND
-        r = fma(k, -_LN2_NEAR, held) + fma(k, -_LN2_LACK, rest)  # |r| <= ln(2)/2
-        # e^r = 1 + r + r^2 q(r), Taylor's to r^13: the next term is 4e-18.
-        r2 = r * r
-        r4 = r2 * r2
-        a = fma(r, 1.0 / 6.0, 0.5)
-        b = fma(r, 1.0 / 120.0, 1.0 / 24.0)
-        c = fma(r, 1.0 / 5040.0, 1.0 / 720.0)
-        d = fma(r, 1.0 / 362880.0, 1.0 / 40320.0)
-        e = fma(r, 1.0 / 39916800.0, 1.0 / 3628800.0)
-        f = fma(r, 1.0 / 6227020800.0, 1.0 / 479001600.0)
-        q = fma(r4, fma(r4, fma(r2, f, e), fma(r2, d, c)), fma(r2, b, a))
-        found = 1.0 + fma(r2, q, r)
-        half = fma(k, 0.5, _ROUND)  # in two factors: either may be subnormal or infinite alone
-        found = found * _two_to(half) * _two_to((k - (half - _ROUND)) + _ROUND)
-        return choose(x == x, found, x)
-
-    return function
-
-
+@exact
 def exp(x):
     """e^x; 0 and infinity where it is out of range."""
+    return _exp_of_sum(x, 0.0)
 
 
-@exact(exp)
-def _exp(x):
-    return lambda x: _exp_of_sum(x, 0.0)
-
-
+@exact
 def _series(z):
     """The polynomial z (C1 + C2 z + ... + C7 z^6)."""
+    w = z * z
+    even = z * fma(w, fma(w, fma(w, _C7, _C5), _C3), _C1)
+    return fma(w, fma(w, fma(w, _C6, _C4), _C2), even)
 
 
-@exact(_series)
-def _series_of(z):
-    def series(z):
-        w = z * z
-        even = z * fma(w, fma(w, fma(w, _C7, _C5), _C3), _C1)
-        return fma(w, fma(w, fma(w, _C6, _C4), _C2), even)
-
-    return series
-
-
+@exact
 def log(x):
     """Natural logarithm of positive normal numbers, NaN of others."""
+    e, m = _split(x)
+    f = m - 1.0
+    s = f / (2.0 + f)
+    z = s * s
+    half = 0.5 * f * f
+    tail = fma(e, _LN2_REST, s * (half + _series(z)))
+    found = fma(e, _LN2, -((half - tail) - f))
+    return choose(x > 0.0, found, math.nan)
 
 
-@exact(log)
-def _log(x):
-    def function(x):
-        e, m = _split(x)
-        f = m - 1.0
-        s = f / (2.0 + f)
-        z = s * s
-        half = 0.5 * f * f
-        tail = fma(e, _LN2_REST, s * (half + _series(z)))
-        found = fma(e, _LN2, -((half - tail) - f))
-        return choose(x > 0.0, found, math.nan)
-
-    return function
-
-
+@exact
 def power(x, y):
     """x^y for x >= 0, NaN for x < 0; 0^y is 0 for y > 0, and 0^0 is 1."""
+    e, m = _split(x)
+    f = m - 1.0
+    g = 2.0 + f
+    r = 1.0 / g
+    s = f * r
+    lack = r * (fma(-s, g, f) - s * (f - (g - 2.0)))  # of f/(2 + f)
+    series = _series(s * s)
+    # ln x = high + low, to 2^-60 of it.
+    large, small = e * _LN2, 2.0 * s
+    first = large + small
+    last = (small - (first - large)) + (fma(s, series, 2.0 * lack) + e * _LN2_REST)
+    high = first + last
+    low = last - (high - first)
+    product = y * high
+    found = _exp_of_sum(product, fma(y, high, -product) + y * low)
+    at_zero = choose(y > 0.0, 0.0, choose(y == 0.0, 1.0, math.inf))
+    return choose(x > 0.0, found, choose(x == 0.0, at_zero, math.nan))
 
 
-@exact(power)
-def _power(x, y):
-    def function(x, y):
-        e, m = _split(x)
-        f = m - 1.0
-        g = 2.0 + f
-        r = 1.0 / g
-        s = f * r
-        lack = r * (fma(-s, g, f) - s * (f - (g - 2.0)))  # of f/(2 + f)
-        series = _series(s * s)
-        # ln x = high + low, to 2^-60 of it.
-        large, small = e * _LN2, 2.0 * s
-        first = large + small
-        last = (small - (first - large)) + (fma(s, series, 2.0 * lack) + e * _LN2_REST)
-        high = first + last
-        low = last - (high - first)
-        product = y * high
-        found = _exp_of_sum(product, fma(y, high, -product) + y * low)
-        at_zero = choose(y > 0.0, 0.0, choose(y == 0.0, 1.0, math.inf))
-        return choose(x > 0.0, found, choose(x == 0.0, at_zero, math.nan))
-
-    return function
-
-
+@exact
 def cbrt(x):
     """Cube root, of negative numbers too; not of subnormal ones."""
-
-
-@exact(cbrt)
-def _cbrt(x):
-    def function(x):
-        a = abs(x)
-        y = exp(log(a) * (1.0 / 3.0))
-        y2 = y * y
-        excess = fma(y2, y, -a) + fma(y, y, -y2) * y
-        y = y - excess / (3.0 * y2)
-        return choose(x == 0.0, x, choose(x < 0.0, -y, y))
-
-    return function
+    a = abs(x)
+    y = exp(log(a) * (1.0 / 3.0))
+    y2 = y * y
+    excess = fma(y2, y, -a) + fma(y, y, -y2) * y
+    y = y - excess / (3.0 * y2)
+    return choose(x == 0.0, x, choose(x < 0.0, -y, y))
 
 
 @overload(math.exp, jit_options=INLINE_OPTIONS)

@@ -100,7 +100,11 @@ def inlined(function: Callable) -> Callable:
 
 
 def of_types(predicate: Callable) -> Callable:
-    """Have functions that are inlined ask a predicate of Numba types about their values."""
+    """Have functions that are inlined ask a function of Numba types about their values.
+
+    It gets the types of its arguments, of functions, classes and texts these themselves. Its result
+    is a constant of the kernel: a truth, a number, a tuple, a function to call.
+    """
     predicate.of_types = True  # type: ignore[attr-defined]
     return predicate
 
@@ -117,11 +121,12 @@ def is_empty(kind: NumbaObject) -> bool:
     return hasattr(kind, "count")
 
 
-def exact(stub: Callable) -> Callable[[Callable], Callable]:
-    """As `specialise`, without contraction: the same bits wherever the function is inlined.
+def exact(function: Callable) -> Callable:
+    """As `inlined`, without contraction: the same bits wherever the function is inlined.
 
     Whether LLVM contracts a product and a sum depends on other uses of the product, so that one
     expression may round differently in two kernels.
     """
     options: NumbaObject = {**INLINE_OPTIONS, "fastmath": False}
-    return overload(stub, jit_options=options, strict=False)
+    overload(function, jit_options=options, strict=False)(lambda *_: function)
+    return function

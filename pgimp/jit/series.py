@@ -260,13 +260,10 @@ def _carry(A, S):
     return {3: carry1, 4: carry2, 6: carry3}[len(S)]
 
 
+@exact
 def _row(a, b, c, S):
     """The row (a, b, c) times 1 + S."""
-
-
-@exact(_row)
-def _row_times(a, b, c, S):
-    return lambda a, b, c, S: (
+    return (
         fma(a, S[0], fma(b, S[3], fma(c, S[5], a))),
         fma(a, S[3], fma(b, S[1], fma(c, S[4], b))),
         fma(a, S[5], fma(b, S[4], fma(c, S[2], c))),

@@ -13,60 +13,45 @@ from pgimp.jit.kernel import exact
 _TINY = 1e-300
 
 
+@exact
 def _angle(p, q, r):
     """Cosine and tangent of the rotation that diagonalises ((p, r), (r, q))."""
+    d = q - p
+    twice = 2.0 * r
+    sign = choose(d < 0.0, -1.0, 1.0)
+    t = twice * sign / (abs(d) + sqrt(fma(d, d, twice * twice)) + _TINY)
+    return 1.0 / sqrt(fma(t, t, 1.0)), t
 
 
-@exact(_angle)
-def _angle_of(p, q, r):
-    def angle(p, q, r):
-        d = q - p
-        twice = 2.0 * r
-        sign = choose(d < 0.0, -1.0, 1.0)
-        t = twice * sign / (abs(d) + sqrt(fma(d, d, twice * twice)) + _TINY)
-        return 1.0 / sqrt(fma(t, t, 1.0)), t
-
-    return angle
-
-
+@exact
 def _turn(c, t, a, b):
     """Components along two axes after their rotation by an angle of cosine c and tangent t."""
+    return (c * fma(-t, b, a), c * fma(t, a, b))
 
 
-@exact(_turn)
-def _turned(c, t, a, b):
-    return lambda c, t, a, b: (c * fma(-t, b, a), c * fma(t, a, b))
-
-
+@exact
 def _sweep(S, Q):
     """One sweep of Jacobi's method: S = J^T S J and Q = Q J, by rotations in xy, xz and yz."""
-
-
-@exact(_sweep)
-def _sweep_of(S, Q):
-    def sweep(S, Q):
-        xx, yy, zz, xy, yz, xz = S
-        c, t = _angle(xx, yy, xy)
-        xx, yy = fma(-t, xy, xx), fma(t, xy, yy)
-        xz, yz = _turn(c, t, xz, yz)
-        a0, b0 = _turn(c, t, Q[0], Q[1])
-        a1, b1 = _turn(c, t, Q[3], Q[4])
-        a2, b2 = _turn(c, t, Q[6], Q[7])
-        c, t = _angle(xx, zz, xz)
-        xx, zz = fma(-t, xz, xx), fma(t, xz, zz)
-        xy, yz = _turn(c, t, 0.0, yz)
-        a0, c0 = _turn(c, t, a0, Q[2])
-        a1, c1 = _turn(c, t, a1, Q[5])
-        a2, c2 = _turn(c, t, a2, Q[8])
-        c, t = _angle(yy, zz, yz)
-        yy, zz = fma(-t, yz, yy), fma(t, yz, zz)
-        xy, xz = _turn(c, t, xy, 0.0)
-        b0, c0 = _turn(c, t, b0, c0)
-        b1, c1 = _turn(c, t, b1, c1)
-        b2, c2 = _turn(c, t, b2, c2)
-        return (xx, yy, zz, xy, 0.0, xz), (a0, b0, c0, a1, b1, c1, a2, b2, c2)
-
-    return sweep
+    xx, yy, zz, xy, yz, xz = S
+    c, t = _angle(xx, yy, xy)
+    xx, yy = fma(-t, xy, xx), fma(t, xy, yy)
+    xz, yz = _turn(c, t, xz, yz)
+    a0, b0 = _turn(c, t, Q[0], Q[1])
+    a1, b1 = _turn(c, t, Q[3], Q[4])
+    a2, b2 = _turn(c, t, Q[6], Q[7])
+    c, t = _angle(xx, zz, xz)
+    xx, zz = fma(-t, xz, xx), fma(t, xz, zz)
+    xy, yz = _turn(c, t, 0.0, yz)
+    a0, c0 = _turn(c, t, a0, Q[2])
+    a1, c1 = _turn(c, t, a1, Q[5])
+    a2, c2 = _turn(c, t, a2, Q[8])
+    c, t = _angle(yy, zz, yz)
+    yy, zz = fma(-t, yz, yy), fma(t, yz, zz)
+    xy, xz = _turn(c, t, xy, 0.0)
+    b0, c0 = _turn(c, t, b0, c0)
+    b1, c1 = _turn(c, t, b1, c1)
+    b2, c2 = _turn(c, t, b2, c2)
+    return (xx, yy, zz, xy, 0.0, xz), (a0, b0, c0, a1, b1, c1, a2, b2, c2)
 
 
 def eigen(S):
@@ -144,27 +129,15 @@ def _spectral(values, Q):
     return {1: spectral1, 4: spectral2, 9: spectral3}[len(Q)]
 
 
+@exact
 def exponential(S):
     """The symmetric tensor e^S."""
+    values, Q = eigen(S)
+    return spectral((exp(values[0]), exp(values[1]), exp(values[2])), Q)
 
 
-@exact(exponential)
-def _exponential(S):
-    def exponential(S):
-        values, Q = eigen(S)
-        return spectral((exp(values[0]), exp(values[1]), exp(values[2])), Q)
-
-    return exponential
-
-
+@exact
 def logarithm(S):
     """The symmetric tensor ln S; NaN where an eigenvalue is not positive."""
-
-
-@exact(logarithm)
-def _logarithm(S):
-    def logarithm(S):
-        values, Q = eigen(S)
-        return spectral((log(values[0]), log(values[1]), log(values[2])), Q)
-
-    return logarithm
+    values, Q = eigen(S)
+    return spectral((log(values[0]), log(values[1]), log(values[2])), Q)

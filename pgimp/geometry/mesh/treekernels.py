@@ -19,13 +19,10 @@ _DEEP = 64
 LISTED = 64
 
 
+@exact
 def _beside(u0, v0, u1, v1, u, v):
     """Side of a point with respect to the line from (u0, v0) to (u1, v1): always the same bits."""
-
-
-@exact(_beside)
-def _beside_exact(u0, v0, u1, v1, u, v):
-    return lambda u0, v0, u1, v1, u, v: (u1 - u0) * (v - v0) - (v1 - v0) * (u - u0)
+    return (u1 - u0) * (v - v0) - (v1 - v0) * (u - u0)
 
 
 @kernel

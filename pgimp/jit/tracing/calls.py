@@ -9,13 +9,13 @@ from types import BuiltinFunctionType, FunctionType
 from typing import Any
 
 from llvmlite import ir
-from numba.core import types
+from numba.core import errors, types
 from numba.core.dispatcher import Dispatcher
 
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.results import is_tuple
 from pgimp.jit.tracing.frame import Frame
-from pgimp.jit.tracing.functions import Functions
+from pgimp.jit.tracing.functions import Functions, is_object
 from pgimp.jit.tracing.source import source_of
 from pgimp.jit.tracing.values import NONE, Range, UntraceableError, Value, constant, tuple_of
 
@@ -88,7 +88,8 @@ class Calls(Functions):
             names = function.__code__.co_varnames[: function.__code__.co_argcount]
             args = [*args, *(named.pop(each) for each in names[len(args) :] if each in named)]
             if hasattr(function, "of_types"):
-                return constant(function(*map(self.kind_of, args)))
+                kinds = (each.constant if is_object(each) else self.kind_of(each) for each in args)
+                return constant(function(*kinds))
         if isinstance(function, Dispatcher) and is_traced(function):
             contracts = "contract" in (function.targetoptions.get("fastmath") or ())
             if function.targetoptions.get("no_cpython_wrapper"):
@@ -98,6 +99,9 @@ class Calls(Functions):
             raise UntraceableError(f"{function} with named arguments")
         if function is range:
             return Value(None, None, Range(args))
+        if function is isinstance and hasattr(args[1].constant, "_fields"):
+            kind = getattr(self.kind_of(args[0]), "instance_class", None)
+            return constant(kind is args[1].constant)
         if function is len and is_tuple(args[0].kind):
             return constant(len(self.items(args[0])))
         if function in _FOLDED and all(each.known for each in args):
@@ -115,6 +119,8 @@ class Calls(Functions):
     def _chosen_or_known(self, function: Any, args: Sequence[Value]) -> Value:
         """Result of a function by an implementation chosen by types, else of one Numba knows."""
         found = choosers(function, self.typing)
+        if not found and isinstance(function, FunctionType) and not is_known(function, self.typing):
+            return self.inlined(function, self.builder.contracts, args)
         if not found:
             return self.call(function, args)
         literal = any(each.prefer_literal for each in found)
@@ -178,9 +184,20 @@ def is_traced(function: NumbaObject) -> bool:
 
 
 @cache
+def is_known(function: FunctionType, typing: NumbaObject) -> bool:
+    """Whether Numba knows a function of Python."""
+    try:
+        return typing.resolve_value_type(function) is not None
+    except errors.NumbaTypeError:
+        return False
+
+
+@cache
 def choosers(stub: Any, typing: NumbaObject) -> tuple[NumbaObject, ...]:
     """What chooses implementations of a function for kernels by types; () for other functions."""
     if not isinstance(stub, FunctionType | BuiltinFunctionType):
+        return ()
+    if isinstance(stub, FunctionType) and not is_known(stub, typing):
         return ()
     found = getattr(typing.resolve_value_type(stub), "templates", ())
     return tuple(each for each in found if "pipeline_class" in getattr(each, "_jit_options", ()))

@@ -109,6 +109,8 @@ class Expressions(Operations):
                 return constant(function(one.constant, other.constant))
         if is_tuple(one.kind) and is_tuple(other.kind) and function is operator.add:
             return tuple_of(self.items(one) + self.items(other))
+        if is_tuple(one.kind) and other.known and function is operator.mul:
+            return tuple_of(self.items(one) * other.constant)
         return self.call(function, [one, other])
 
     # Conditions.

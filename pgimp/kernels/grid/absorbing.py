@@ -101,31 +101,22 @@ def _parts(field, first, cutoff, mass):
     return part, mass / total if 0.0 < mass < total else 1.0
 
 
+@exact  # all ranks that store a vertex must find the same force
 def _static_force(reaction, m, part):
     """Part of the static force of a vertex on a field of mass m, see `_parts`."""
+    return reaction * (m * part)
 
 
-@exact(_static_force)  # all ranks that store a vertex must find the same force
-def _static(reaction, m, part):
-    return lambda reaction, m, part: reaction * (m * part)
-
-
+@exact
 def _acceleration(force, inverse, gravity):
     """Acceleration by a force, and gravity; `inverse` is 1 over the mass."""
+    return force * inverse + gravity
 
 
-@exact(_acceleration)
-def _acceleration_by(force, inverse, gravity):
-    return lambda force, inverse, gravity: force * inverse + gravity
-
-
+@exact
 def _dashpot(m, rate, u, a, dt):
     """Force of the dashpots at the rate r on a mass m with the velocity u and acceleration a."""
-
-
-@exact(_dashpot)
-def _dashpot_force(m, rate, u, a, dt):
-    return lambda m, rate, u, a, dt: -m * rate * (u + 0.5 * dt * a) / (1.0 + 0.5 * rate * dt)
+    return -m * rate * (u + 0.5 * dt * a) / (1.0 + 0.5 * rate * dt)
 
 
 @kernel

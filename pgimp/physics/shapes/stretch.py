@@ -17,13 +17,10 @@ def stretched(half0, cell, F):
     """
 
 
+@exact
 def _length(a, b, c):
     """Length of a vector of three."""
-
-
-@exact(_length)
-def _length_of(a, b, c):
-    return lambda a, b, c: sqrt(a * a + b * b + c * c)
+    return sqrt(a * a + b * b + c * c)
 
 
 @exact(stretched)

@@ -42,51 +42,33 @@ _C0, _C1, _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10 = _sine_series()
 _TWO_PI = 6.283185307179586
 
 
+@exact
 def cosine_of_turns(t):
     """cos(2 pi t), to 1e-15 of its largest value; for |t| up to 1e9 within the rounding of t."""
+    z = 1.0 - 4.0 * abs(t - np.floor(t + 0.5))
+    s = z * z
+    high = ((_C10 * s + _C9) * s + _C8) * s + _C7
+    middle = (((high * s + _C6) * s + _C5) * s + _C4) * s + _C3
+    return z * (((middle * s + _C2) * s + _C1) * s + _C0)
 
 
-@exact(cosine_of_turns)
-def _cosine_of_turns(t):
-    def cosine(t):
-        z = 1.0 - 4.0 * abs(t - np.floor(t + 0.5))
-        s = z * z
-        high = ((_C10 * s + _C9) * s + _C8) * s + _C7
-        middle = (((high * s + _C6) * s + _C5) * s + _C4) * s + _C3
-        return z * (((middle * s + _C2) * s + _C1) * s + _C0)
-
-    return cosine
-
-
+@exact
 def sum_of_waves(x, i, waves, phases):
     """Sum of all waves at the position ``x[i]``, in order."""
+    total = 0.0
+    for m in range(len(phases)):
+        t = phases[m]
+        for d in range(x.shape[1]):
+            t = t + waves[m, d] * x[i, d]
+        total = total + cosine_of_turns(t)
+    return total
 
 
-@exact(sum_of_waves)
-def _sum_of_waves(x, i, waves, phases):
-    def add(x, i, waves, phases):
-        total = 0.0
-        for m in range(len(phases)):
-            t = phases[m]
-            for d in range(x.shape[1]):
-                t = t + waves[m, d] * x[i, d]
-            total = total + cosine_of_turns(t)
-        return total
-
-    return add
-
-
+@exact
 def _normal_pair(u, v):
     """Two independent normal numbers from two uniform numbers in [0, 1) (Box and Muller)."""
-
-
-@exact(_normal_pair)
-def _normal_pair_of(u, v):
-    def pair(u, v):
-        r = sqrt(-2.0 * log(1.0 - u))
-        return r * cosine_of_turns(v), r * cosine_of_turns(v - 0.25)
-
-    return pair
+    r = sqrt(-2.0 * log(1.0 - u))
+    return r * cosine_of_turns(v), r * cosine_of_turns(v - 0.25)
 
 
 @kernel
