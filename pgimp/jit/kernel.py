@@ -79,16 +79,6 @@ def _kernel(function: Callable, options: dict[str, NumbaObject]) -> NumbaObject:
     return compiled
 
 
-def specialise(stub: Callable) -> Callable[[Callable], Callable]:
-    """Choose the implementation of `stub` by the types of its arguments, at compile time.
-
-    The decorated function gets the arguments' Numba types and returns a Python function of the
-    same signature. Unlike closures and functions passed as arguments, kernels that call `stub`
-    are found again in the disk cache.
-    """
-    return overload(stub, jit_options=INLINE_OPTIONS, strict=False)
-
-
 def inlined(function: Callable) -> Callable:
     """Inline a plain function into the kernels that call it.
 
@@ -119,6 +109,24 @@ def is_record(kind: NumbaObject) -> bool:
 def is_empty(kind: NumbaObject) -> bool:
     """Whether a value is the () that is in the place of a record or a number."""
     return hasattr(kind, "count")
+
+
+@of_types
+def is_array(kind: NumbaObject) -> bool:
+    """Whether a value is an array, and not the () that may be in its place."""
+    return hasattr(kind, "ndim")
+
+
+@of_types
+def is_number(kind: NumbaObject) -> bool:
+    """Whether a value is one number, and neither a vector nor a tuple."""
+    return isinstance(kind, numba.types.Number | numba.types.Boolean)
+
+
+@of_types
+def class_of(kind: NumbaObject) -> type:
+    """Class of a NamedTuple, of whose functions it is the owner; NoneType of other values."""
+    return getattr(kind, "instance_class", type(None))
 
 
 def exact(function: Callable) -> Callable:

@@ -54,6 +54,7 @@ def _sweep(S, Q):
     return (xx, yy, zz, xy, 0.0, xz), (a0, b0, c0, a1, b1, c1, a2, b2, c2)
 
 
+@exact
 def eigen(S):
     """Eigenvalues and eigenvectors of a symmetric tensor, in no order.
 
@@ -72,38 +73,25 @@ def eigen(S):
     Q : tuple
         The matrix whose columns are the eigenvectors, for `spectral`.
     """
-
-
-@exact(eigen)
-def _eigen(S):
-    def eigen1(S):
+    if len(S) == 3:
         return S, (1.0,)
-
-    def eigen2(S):
+    if len(S) == 4:
         c, t = _angle(S[0], S[1], S[3])
         s = t * c
         return (fma(-t, S[3], S[0]), fma(t, S[3], S[1]), S[2]), (c, s, -s, c)
-
-    def eigen3(S):
-        A, one = _sweep(S, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0))
-        B, two = _sweep(A, one)
-        C, three = _sweep(B, two)
-        D, four = _sweep(C, three)
-        return (D[0], D[1], D[2]), four
-
-    return {3: eigen1, 4: eigen2, 6: eigen3}[len(S)]
+    A, one = _sweep(S, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0))
+    B, two = _sweep(A, one)
+    C, three = _sweep(B, two)
+    D, four = _sweep(C, three)
+    return (D[0], D[1], D[2]), four
 
 
+@exact
 def spectral(values, Q):
     """The symmetric tensor with these eigenvalues and eigenvectors, as `eigen` gives them."""
-
-
-@exact(spectral)
-def _spectral(values, Q):
-    def spectral1(values, Q):
+    if len(Q) == 1:
         return values
-
-    def spectral2(values, Q):
+    if len(Q) == 4:
         a, b, c = values
         return (
             fma(a * Q[0], Q[0], b * Q[1] * Q[1]),
@@ -111,22 +99,18 @@ def _spectral(values, Q):
             c,
             fma(a * Q[0], Q[2], b * Q[1] * Q[3]),
         )
-
-    def spectral3(values, Q):
-        a, b, c = values
-        x0, x1, x2 = a * Q[0], b * Q[1], c * Q[2]
-        y0, y1, y2 = a * Q[3], b * Q[4], c * Q[5]
-        z0, z1, z2 = a * Q[6], b * Q[7], c * Q[8]
-        return (
-            fma(x0, Q[0], fma(x1, Q[1], x2 * Q[2])),
-            fma(y0, Q[3], fma(y1, Q[4], y2 * Q[5])),
-            fma(z0, Q[6], fma(z1, Q[7], z2 * Q[8])),
-            fma(x0, Q[3], fma(x1, Q[4], x2 * Q[5])),
-            fma(y0, Q[6], fma(y1, Q[7], y2 * Q[8])),
-            fma(x0, Q[6], fma(x1, Q[7], x2 * Q[8])),
-        )
-
-    return {1: spectral1, 4: spectral2, 9: spectral3}[len(Q)]
+    a, b, c = values
+    x0, x1, x2 = a * Q[0], b * Q[1], c * Q[2]
+    y0, y1, y2 = a * Q[3], b * Q[4], c * Q[5]
+    z0, z1, z2 = a * Q[6], b * Q[7], c * Q[8]
+    return (
+        fma(x0, Q[0], fma(x1, Q[1], x2 * Q[2])),
+        fma(y0, Q[3], fma(y1, Q[4], y2 * Q[5])),
+        fma(z0, Q[6], fma(z1, Q[7], z2 * Q[8])),
+        fma(x0, Q[3], fma(x1, Q[4], x2 * Q[5])),
+        fma(y0, Q[6], fma(y1, Q[7], y2 * Q[8])),
+        fma(x0, Q[6], fma(x1, Q[7], x2 * Q[8])),
+    )
 
 
 @exact

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba.core import types
 
-from pgimp.jit.kernel import exact, inlined, inner_kernel, kernel, of_types, specialise
+from pgimp.jit.kernel import exact, inlined, inner_kernel, kernel, of_types
 from pgimp.jit.tracing.source import kept, living, source_of
 from pgimp.jit.tracing.values import UntraceableError
 
@@ -24,25 +24,20 @@ class Pair(NamedTuple):
     y: float = 2.0
 
 
+@inlined
 def named_sum(pair, more):
     """Sum of a pair and of what a tuple has."""
-
-
-@specialise(named_sum)
-def _named_sum(pair, more):
     if len(more) == 0:
-        return lambda pair, more: pair.x + pair.y
-    return lambda pair, more: more[0] + named_sum(pair, more[1:])
+        return pair.x + pair.y
+    return more[0] + named_sum(pair, more[1:])
 
 
+@inlined
 def chosen(a):
     """One of two lambdas on a line."""
-
-
-@specialise(chosen)
-def _chosen(a):
-    one, other = (lambda a: a + 1, lambda a: a - 0.25)
-    return one if isinstance(a, types.Integer) else other
+    if isinstance(a, int):
+        return a + 1
+    return a - 0.25
 
 
 @inner_kernel
@@ -157,11 +152,7 @@ def test_expressions_and_branches_are_those_of_python(function):
 
 def function_of(function):
     """The function with plain ones in place of those that only kernels have."""
-    own = {
-        "named_sum": lambda pair, more: pair.x + pair.y + sum(reversed(more)),
-        "chosen": lambda a: a + 1 if isinstance(a, int) else a - 0.25,
-        "collatz": collatz.py_func,
-    }
+    own = {"collatz": collatz.py_func}
     return type(function)(function.__code__, {**function.__globals__, **own})
 
 
@@ -181,13 +172,10 @@ def traced_first(values, bound):
     return first_above(values, bound)
 
 
+@exact
 def product_sum(a, b, c):
     """a b + c, rounded twice."""
-
-
-@exact(product_sum)
-def _product_sum(a, b, c):
-    return lambda a, b, c: a * b + c
+    return a * b + c
 
 
 def test_what_is_exact_is_not_contracted():
@@ -199,18 +187,9 @@ def test_what_is_exact_is_not_contracted():
     assert once(1.0 + e, 1.0 + e, -1.0 - 2.0 * e) in (0.0, e * e)  # without such an instruction 0
 
 
-def unknown(a):
-    """No implementation for anything."""
-
-
-@specialise(unknown)
-def _unknown(a):
-    return None
-
-
 def fails(a):
     b = a + 1.0
-    return unknown(b)
+    return open(b)
 
 
 def two_types(a):
@@ -283,19 +262,16 @@ def test_variables_of_two_loops_and_functions_of_one_name_are_kept_apart():
     assert sys.getrecursionlimit() == before
 
 
+@inlined
 def endless(a):
     """A recursion without an end."""
-
-
-@specialise(endless)
-def _endless(a):
-    return lambda a: endless(a + 1.0)
+    return endless(a + 1.0)
 
 
 @pytest.mark.parametrize(
     ("function", "message"),
     [
-        (fails, "unknown is not for"),
+        (fails, "open of"),
         (two_types, "b may be of two types"),
         (lambda a: endless(a), "recursion without an end"),
         (lambda a: [a], "List is not for kernels"),

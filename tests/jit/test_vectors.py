@@ -11,7 +11,7 @@ from material_driver import COMPONENTS, YOUNG, deformations, material, response,
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.choose import choose
-from pgimp.jit.kernel import allocating_kernel, kernel, specialise
+from pgimp.jit.kernel import allocating_kernel, inlined, kernel
 from pgimp.jit.vectors.simd import (
     bits,
     halves,
@@ -74,13 +74,10 @@ def of_eight_and_four(a, b, eight, four):
             four[i, j], four[i, 4 + j] = lane(low[i], j), lane(high[i], j)
 
 
+@inlined
 def several(x, y):
     """Results of vectors of any length."""
-
-
-@specialise(several)
-def _several(x, y):
-    return lambda x, y: (
+    return (
         max(x, y), min(x, 0.5), abs(x), math.sqrt(abs(y)), -x, where(x > y, x, 1.0),
         x / 4.0 - 3.0 * y, math.log(abs(y)), math.exp(1e-4 * x), math.pow(abs(x), 0.3),
         choose((x > 0.0) & (y > 0.0), x * y, y),

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 from collections.abc import Sequence
 from functools import cache, partial, reduce
-from types import BuiltinFunctionType, FunctionType
+from math import isqrt
+from types import BuiltinFunctionType, FunctionType, NoneType
 from typing import Any
 
 from llvmlite import ir
-from numba.core import errors, types
+from numba.core import types
 from numba.core.dispatcher import Dispatcher
 
 from pgimp.jit.outside import NumbaObject
@@ -23,7 +24,13 @@ from pgimp.jit.tracing.values import NONE, Range, UntraceableError, Value, const
 _DEEPEST = 200
 
 #: Functions whose results are computed where all their arguments are constants.
-_FOLDED = (min, max, abs, int, float, bool)
+_FOLDED = (min, max, abs, int, float, bool, isqrt)
+
+#: Functions of generators: the operation between items, and the result without any.
+_GENERATED = {
+    "tuple": (ast.Add(), ()), "sum": (ast.Add(), 0),
+    "any": (ast.BitOr(), False), "all": (ast.BitAnd(), True),
+}  # fmt: skip
 
 
 class Calls(Functions):
@@ -39,11 +46,14 @@ class Calls(Functions):
     def called(self, node: ast.Call, frame: Frame) -> Value:
         """Value of a call."""
         if isinstance(node.func, ast.Name) and node.args:
-            if node.func.id in ("tuple", "sum") and isinstance(node.args[0], ast.GeneratorExp):
+            if node.func.id in _GENERATED and isinstance(node.args[0], ast.GeneratorExp):
                 items = [self.typed(each) for each in self._generated(node.args[0], frame)]
                 if node.func.id == "tuple":
                     return tuple_of(items)
-                return reduce(partial(self.operation, ast.Add()), items or [constant(0)])
+                if node.func.id != "sum":
+                    items = [self.truth(each) for each in items]
+                operation, first = _GENERATED[node.func.id]
+                return reduce(partial(self.operation, operation), items or [constant(first)])
         if isinstance(node.func, ast.Attribute):
             owner = self.expression(node.func.value, frame)
             if isinstance(owner.kind, types.Array) and not owner.known:
@@ -84,6 +94,8 @@ class Calls(Functions):
             rest = {name: constant(value) for name, value in function._field_defaults.items()}
             items = [self.typed({**rest, **given}[name]) for name in fields]
             return tuple_of(items, function)
+        if not named and all(each.known for each in args) and any(map(is_object, args)):
+            return constant(function(*(each.constant for each in args)))
         if isinstance(function, FunctionType):
             names = function.__code__.co_varnames[: function.__code__.co_argcount]
             args = [*args, *(named.pop(each) for each in names[len(args) :] if each in named)]
@@ -99,9 +111,8 @@ class Calls(Functions):
             raise UntraceableError(f"{function} with named arguments")
         if function is range:
             return Value(None, None, Range(args))
-        if function is isinstance and hasattr(args[1].constant, "_fields"):
-            kind = getattr(self.kind_of(args[0]), "instance_class", None)
-            return constant(kind is args[1].constant)
+        if function is isinstance:
+            return constant(issubclass(class_of(self.kind_of(args[0])), args[1].constant))
         if function is len and is_tuple(args[0].kind):
             return constant(len(self.items(args[0])))
         if function in _FOLDED and all(each.known for each in args):
@@ -183,21 +194,27 @@ def is_traced(function: NumbaObject) -> bool:
     return is_kernel and not function.targetoptions.get("_nrt")
 
 
+def class_of(kind: NumbaObject) -> type:
+    """Class of Python's values of a Numba type: of numbers and NamedTuples."""
+    numbers: Any = ((types.Boolean, bool), (types.Integer, int), (types.Float, float))
+    found = next((own for numba, own in numbers if isinstance(kind, numba)), NoneType)
+    return getattr(kind, "instance_class", found)
+
+
 @cache
 def is_known(function: FunctionType, typing: NumbaObject) -> bool:
     """Whether Numba knows a function of Python."""
     try:
         return typing.resolve_value_type(function) is not None
-    except errors.NumbaTypeError:
+    except ValueError:
         return False
 
 
 @cache
 def choosers(stub: Any, typing: NumbaObject) -> tuple[NumbaObject, ...]:
     """What chooses implementations of a function for kernels by types; () for other functions."""
-    if not isinstance(stub, FunctionType | BuiltinFunctionType):
-        return ()
-    if isinstance(stub, FunctionType) and not is_known(stub, typing):
+    is_function = isinstance(stub, FunctionType | BuiltinFunctionType)
+    if not is_function or not is_known(stub, typing):
         return ()
     found = getattr(typing.resolve_value_type(stub), "templates", ())
     return tuple(each for each in found if "pipeline_class" in getattr(each, "_jit_options", ()))

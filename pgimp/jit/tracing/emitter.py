@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 from llvmlite import ir
@@ -69,8 +70,9 @@ class Emitter:
         return value.kind
 
     def typed(self, value: Value) -> Value:
-        """The value, whose type is known."""
-        self.kind_of(value)
+        """The value, whose type is known if Numba has one for it."""
+        with suppress(ValueError):
+            self.kind_of(value)
         return value
 
     def content(self, value: Value) -> Any:

@@ -34,6 +34,7 @@ OPERATIONS: dict[type, Callable] = {
     ast.UAdd: operator.pos, ast.Invert: operator.invert, ast.Eq: operator.eq,
     ast.NotEq: operator.ne, ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt,
     ast.GtE: operator.ge, ast.Is: operator.is_, ast.IsNot: operator.is_not,
+    ast.In: lambda one, other: one in other,
 }  # fmt: skip
 
 #: Index of an array or a tuple: a value, a slice of values, or a list of such.
@@ -119,7 +120,10 @@ class Expressions(Operations):
         """Truth of an expression."""
         if isinstance(node, ast.BoolOp):
             return self._chain(node.values, isinstance(node.op, ast.Or), frame)
-        value = self.expression(node, frame)
+        return self.truth(self.expression(node, frame))
+
+    def truth(self, value: Value) -> Value:
+        """Truth of a value."""
         if is_tuple(value.kind):
             return constant(bool(self.items(value)))
         if value.known:
@@ -224,6 +228,8 @@ class Expressions(Operations):
 
     def item(self, value: Value, index: Index) -> Value:
         """Item or part of a tuple or an array."""
+        if value.known and isinstance(index, Value) and index.known:
+            return constant(value.constant[index.constant])
         if not is_tuple(value.kind):
             return self.call(operator.getitem, [value, self.index_value(index)])
         items = self.items(value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 from llvmlite import ir
@@ -82,10 +83,12 @@ class Operations(Emitter):
         kinds = tuple(self.kind_of(each, True) for each in args)
         key = function, array and array.kind, kinds
         if key not in self._resolved:
-            if array is None:
-                kind = self.typing.resolve_value_type(function)
-            else:
-                kind = self.typing.resolve_getattr(array.kind, function)
+            kind = None
+            with suppress(ValueError):  # which is how Numba says that it does not know a function
+                if array is None:
+                    kind = self.typing.resolve_value_type(function)
+                else:
+                    kind = self.typing.resolve_getattr(array.kind, function)
             signature = kind and self.typing.resolve_function_type(kind, kinds, {})
             if signature is None:
                 raise UntraceableError(f"{getattr(function, '__name__', function)} of {kinds}")

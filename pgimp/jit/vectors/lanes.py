@@ -2,7 +2,7 @@
 
 from numba.core import types
 
-from pgimp.jit.kernel import inlined, of_types, specialise
+from pgimp.jit.kernel import inlined, of_types
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.own import named
 from pgimp.jit.vectors.kinds import is_vector
@@ -20,6 +20,7 @@ def has_vectors(kind: NumbaObject) -> bool:
     return any(map(has_vectors, kind)) if _is_tuple(kind) else is_vector(kind)
 
 
+@of_types
 def lanes_of(kind: NumbaObject) -> int:
     """Number of lanes of the vectors in a Numba type."""
     if _is_tuple(kind):
@@ -73,21 +74,18 @@ def numbers(buffer, at, step, like):
     return (number(buffer, at), *numbers(buffer, at + step, step, like[1:]))
 
 
+@inlined
 def of_lane(values, j):
     """The values of particle `j`; numbers belong to all."""
-
-
-@specialise(of_lane)
-def _of_lane(values, j):
     if is_vector(values):
-        return lambda values, j: lane(values, j)
+        return lane(values, j)
     if not _is_tuple(values):
-        return lambda values, j: values
+        return values
     if len(values) == 0:
-        return lambda values, j: ()
+        return ()
     if isinstance(values, types.BaseNamedTuple):
-        return lambda values, j: named(values, _each_of_lane(values, j))
-    return lambda values, j: _each_of_lane(values, j)
+        return named(values, _each_of_lane(values, j))
+    return _each_of_lane(values, j)
 
 
 @inlined

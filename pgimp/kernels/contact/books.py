@@ -2,7 +2,7 @@
 
 from math import inf, sqrt
 
-from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.kernels.contact.data import fields_of, impulse_of
 from pgimp.kernels.contact.law import held_field_velocity
 from pgimp.kernels.data.ledger import (
@@ -84,50 +84,36 @@ def book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, 
         _take(rigid_bodies, t, plane, arm, J)
 
 
+@inlined
 def _lost(rigid_bodies, t, arm, J, w):
     """Energy lost by a free rigid body through an impulse, besides the impulse's work at `w`.
 
     The body was faster before the step's impulses. Over all vertices its loss is the impulse times
     its mean velocity over the step.
     """
-
-
-@specialise(_lost)
-def _lost_of_free(rigid_bodies, t, arm, J, w):
     if not move_freely(rigid_bodies):
-        return lambda rigid_bodies, t, arm, J, w: 0.0
-
-    def lost(rigid_bodies, t, arm, J, w):
-        found, former = 0.0, rigid_bodies.motion[t].velocity_before
-        if rigid_bodies.lattice[t].free < 0:
-            return found
-        for d in range(3):
-            e, f = (d + 1) % 3, (d + 2) % 3
-            before = former[d]
-            before += former[3 + e] * arm[f] - former[3 + f] * arm[e]
-            found += 0.5 * J[d] * (w[d] - before)
+        return 0.0
+    found, former = 0.0, rigid_bodies.motion[t].velocity_before
+    if rigid_bodies.lattice[t].free < 0:
         return found
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        before = former[d]
+        before += former[3 + e] * arm[f] - former[3 + f] * arm[e]
+        found += 0.5 * J[d] * (w[d] - before)
+    return found
 
-    return lost
 
-
+@inlined
 def _take(rigid_bodies, t, plane, arm, J):
     """Apply an impulse to a rigid body that moves freely."""
-
-
-@specialise(_take)
-def _take_free(rigid_bodies, t, plane, arm, J):
     if not move_freely(rigid_bodies):
-        return lambda rigid_bodies, t, plane, arm, J: None
-
-    def take(rigid_bodies, t, plane, arm, J):
-        free = rigid_bodies.lattice[t].free
-        if free < 0:
-            return
-        taken = rigid_bodies.responses[plane, free]
-        for d in range(3):
-            e, f = (d + 1) % 3, (d + 2) % 3
-            taken.impulse[d] += J[d]
-            taken.impulse[3 + d] += arm[e] * J[f] - arm[f] * J[e]
-
-    return take
+        return None
+    free = rigid_bodies.lattice[t].free
+    if free < 0:
+        return
+    taken = rigid_bodies.responses[plane, free]
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        taken.impulse[d] += J[d]
+        taken.impulse[3 + d] += arm[e] * J[f] - arm[f] * J[e]

@@ -2,7 +2,7 @@
 
 from math import copysign, inf, sqrt
 
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel
 from pgimp.kernels.contact.data import fields_of, impulse_of
 from pgimp.kernels.contact.sliding import sliding_part
 from pgimp.kernels.grid.conditions import held_velocity
@@ -93,6 +93,7 @@ def _fastest(fields, count):
     return most if most > 0.0 else 1.0
 
 
+@inlined
 def held_compliance(contact, rigid_bodies, a, b):
     """Compliance of a free rigid body against a held field, by component: velocity per impulse.
 
@@ -100,29 +101,21 @@ def held_compliance(contact, rigid_bodies, a, b):
     body's not before the end of the step. To solve for both together, a thousandth of the body's
     own compliance is added, see `pgimp.scene.rigid.rigid.SOFT`.
     """
-
-
-@specialise(held_compliance)
-def _held_compliance(contact, rigid_bodies, a, b):
     if not move_freely(rigid_bodies):
-        return lambda contact, rigid_bodies, a, b: (0.0, 0.0, 0.0)
-
-    def of_free(contact, rigid_bodies, a, b):
-        fields, rigid, other = contact.fields, b, a
-        if fields[a].mass == inf:
-            rigid, other = a, b
-        if fields[rigid].mass < inf:
-            return 0.0, 0.0, 0.0
-        if rigid_bodies.lattice[contact.bodies[rigid] - rigid_bodies.bodies].free < 0:
-            return 0.0, 0.0, 0.0
-        soft = rigid_bodies.motion[contact.bodies[rigid] - rigid_bodies.bodies].compliance
-        return (
-            soft if fields[other].bilateral_inverse_mass[0] == 0.0 else 0.0,
-            soft if fields[other].bilateral_inverse_mass[1] == 0.0 else 0.0,
-            soft if fields[other].bilateral_inverse_mass[2] == 0.0 else 0.0,
-        )
-
-    return of_free
+        return (0.0, 0.0, 0.0)
+    fields, rigid, other = contact.fields, b, a
+    if fields[a].mass == inf:
+        rigid, other = a, b
+    if fields[rigid].mass < inf:
+        return 0.0, 0.0, 0.0
+    if rigid_bodies.lattice[contact.bodies[rigid] - rigid_bodies.bodies].free < 0:
+        return 0.0, 0.0, 0.0
+    soft = rigid_bodies.motion[contact.bodies[rigid] - rigid_bodies.bodies].compliance
+    return (
+        soft if fields[other].bilateral_inverse_mass[0] == 0.0 else 0.0,
+        soft if fields[other].bilateral_inverse_mass[1] == 0.0 else 0.0,
+        soft if fields[other].bilateral_inverse_mass[2] == 0.0 else 0.0,
+    )
 
 
 @inner_kernel

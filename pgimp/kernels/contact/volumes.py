@@ -7,9 +7,7 @@ lies within the whole box, and has its support within the whole support. Shapes 
 have the weights of whole particles, corrected by their gradient over the offset to the centroid.
 """
 
-from numba.core import types
-
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import class_of, inlined, is_number
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.kernels.transfer.contribution import VolumeSums, moved
 from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_axial
@@ -30,28 +28,19 @@ def volume_sums(shape: object) -> VolumeSums:
     return VolumeSums() if isinstance(shape, BOXES) else VolumeSums(gradient=1.0)
 
 
+@inlined
 def summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
     """Supports as of `supports`; where `loads` sum volumes, the supports of cut boxes."""
-
-
-@specialise(summed_supports)
-def _summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
-    def whole(loads, shape, frame, window, particles, rows, layer, buffer):
+    if not isinstance(loads, VolumeSums) or is_number(loads.gradient):
         supports(shape, frame, window, particles, rows, layer, buffer, loads.affine)
-
-    def left(loads, shape, frame, window, particles, rows, layer, buffer):
-        supports(shape, frame, window, particles, rows, layer, buffer, ())
-        F = deformations(frame, particles, rows)
-        offset = moved(F, take_row(particles.offset, rows, 0, frame.origin))
-        x = coordinates(frame, particles, rows)
-        half = box(shape, frame, F, x)[0]
-        _narrow(shape, frame, buffer, 0, half, x, offset, layer)
-        _narrow_ring(shape, frame, buffer, half, x, offset, layer)
-
-    volumes = loads.instance_class is VolumeSums
-    if not volumes or loads.types[VolumeSums._fields.index("gradient")] == types.float64:
-        return whole
-    return left
+        return
+    supports(shape, frame, window, particles, rows, layer, buffer, ())
+    F = deformations(frame, particles, rows)
+    offset = moved(F, take_row(particles.offset, rows, 0, frame.origin))
+    x = coordinates(frame, particles, rows)
+    half = box(shape, frame, F, x)[0]
+    _narrow(shape, frame, buffer, 0, half, x, offset, layer)
+    _narrow_ring(shape, frame, buffer, half, x, offset, layer)
 
 
 @inlined
@@ -86,27 +75,20 @@ def _narrow_ring(shape, frame, buffer, half, x, offset, vertex):
     keep_hoop(buffer, scaled(inverse * by, w))
 
 
+@inlined
 def cut_moments(shape, half, f):
     """As `pgimp.physics.shapes.base.moments`, for boxes as of `cut_weights`."""
-
-
-@specialise(cut_moments)
-def _moments_of(shape, half, f):
-    def three(shape, half, f):
+    if class_of(shape).vertices() == 3:
         third = half * half * (1.0 / 3.0)
         K, e = _kink(half, f - 1.0)
         return (K - third, third - 2.0 * K, K), (e, -2.0 * e, e)
-
-    def four(shape, half, f):
-        third = half * half * (1.0 / 3.0)
-        K1, e1 = _kink(half, f - 1.0)
-        K2, e2 = _kink(half, f - 2.0)
-        return (
-            (K1 - third, third - 2.0 * K1 + K2, K1 - 2.0 * K2, K2),
-            (e1, e2 - 2.0 * e1, e1 - 2.0 * e2, e2),
-        )
-
-    return three if shape.instance_class.vertices() == 3 else four
+    third = half * half * (1.0 / 3.0)
+    K1, e1 = _kink(half, f - 1.0)
+    K2, e2 = _kink(half, f - 2.0)
+    return (
+        (K1 - third, third - 2.0 * K1 + K2, K1 - 2.0 * K2, K2),
+        (e1, e2 - 2.0 * e1, e1 - 2.0 * e2, e2),
+    )
 
 
 @inlined
@@ -118,31 +100,24 @@ def _kink(half, f):
     return K, 0.5 * (a + b) - (A - B) * q
 
 
+@inlined
 def cut_weights(shape, half, f):
     """Weights and gradients of boxes, including boxes without weight on the first vertex.
 
     As in `finite-gimp`.
     """
-
-
-@specialise(cut_weights)
-def _weights_of(shape, half, f):
-    def three(shape, half, f):
+    if class_of(shape).vertices() == 3:
         t, u = max(1.0 + half - f, 0.0), max(1.0 - half - f, 0.0)
         a, b, q = max(f + half - 1.0, 0.0), max(f - half - 1.0, 0.0), 0.25 / half
         w0, w2 = (t * t - u * u) * q, (a * a - b * b) * q
         g0, g2 = -2.0 * (t - u) * q, 2.0 * (a - b) * q
         return (w0, 1.0 - w0 - w2, w2), (g0, -g0 - g2, g2)
-
-    def four(shape, half, f):
-        t, u = max(1.0 + half - f, 0.0), max(1.0 - half - f, 0.0)
-        a1, b1 = max(f + half - 1.0, 0.0), max(f - half - 1.0, 0.0)
-        a2, b2 = max(f + half - 2.0, 0.0), max(f - half - 2.0, 0.0)
-        q = 0.25 / half
-        w0, w3 = (t * t - u * u) * q, (a2 * a2 - b2 * b2) * q
-        w2 = (a1 * a1 - b1 * b1) * q - 2.0 * w3
-        g0, g3 = -2.0 * (t - u) * q, 2.0 * (a2 - b2) * q
-        g2 = 2.0 * (a1 - b1) * q - 2.0 * g3
-        return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)
-
-    return three if shape.instance_class.vertices() == 3 else four
+    t, u = max(1.0 + half - f, 0.0), max(1.0 - half - f, 0.0)
+    a1, b1 = max(f + half - 1.0, 0.0), max(f - half - 1.0, 0.0)
+    a2, b2 = max(f + half - 2.0, 0.0), max(f - half - 2.0, 0.0)
+    q = 0.25 / half
+    w0, w3 = (t * t - u * u) * q, (a2 * a2 - b2 * b2) * q
+    w2 = (a1 * a1 - b1 * b1) * q - 2.0 * w3
+    g0, g3 = -2.0 * (t - u) * q, 2.0 * (a2 - b2) * q
+    g2 = 2.0 * (a1 - b1) * q - 2.0 * g3
+    return (w0, 1.0 - w0 - w2 - w3, w2, w3), (g0, -g0 - g2 - g3, g2, g3)

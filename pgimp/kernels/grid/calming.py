@@ -19,7 +19,7 @@ Constrained particles move as prescribed, and have no part in it either.
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.jit.tuples import plus_first
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import lane, load, pack, store
@@ -51,25 +51,18 @@ def part_of(calming, particles, p):
     return calming.part[particles.body[p]]
 
 
+@inlined
 def motion_share(calming, frame, particles, p):
     """The vector (m, m v) of a relaxed particle, zero for others; () without any."""
-
-
-@specialise(motion_share)
-def _motion_share(calming, frame, particles, p):
-    if not hasattr(calming, "instance_class"):  # ()
-        return lambda calming, frame, particles, p: ()
-    D = len(frame.types[0])
-
-    def share(calming, frame, particles, p):
-        if not part_of(calming, particles, p) > 0.0:
-            return pack(0.0, 0.0, 0.0, 0.0)
-        m, v = particles.m[p], particles.v
-        y = v[p, 1] if D > 1 else 0.0
-        z = v[p, 2] if D > 2 else 0.0
-        return pack(m, m * v[p, 0], m * y, m * z)
-
-    return share
+    if not is_record(calming):
+        return ()
+    D = len(frame.origin)
+    if not part_of(calming, particles, p) > 0.0:
+        return pack(0.0, 0.0, 0.0, 0.0)
+    m, v = particles.m[p], particles.v
+    y = v[p, 1] if D > 1 else 0.0
+    z = v[p, 2] if D > 2 else 0.0
+    return pack(m, m * v[p, 0], m * y, m * z)
 
 
 @inlined
@@ -86,23 +79,16 @@ def find_motion(calming, field, i, first, count, size):
                 G[r + MOTION + d] *= inverse
 
 
+@inlined
 def keep_gain(calming, frame, particles, p, A, scratch, offset):
     """Store the velocity gain of particle `p` at `offset`; `A` is its gathered (1, w)."""
-
-
-@specialise(keep_gain)
-def _keep_gain(calming, frame, particles, p, A, scratch, offset):
-    if not hasattr(calming, "instance_class"):  # ()
-        return lambda calming, frame, particles, p, A, scratch, offset: None
-    D = len(frame.types[0])
-
-    def keep(calming, frame, particles, p, A, scratch, offset):
-        part, v = part_of(calming, particles, p), particles.v
-        y = part * (lane(A, 2) - v[p, 1]) if D > 1 else 0.0
-        z = part * (lane(A, 3) - v[p, 2]) if D > 2 else 0.0
-        store(scratch, offset, pack(part * (lane(A, 1) - v[p, 0]), y, z, 0.0))
-
-    return keep
+    if not is_record(calming):
+        return None
+    D = len(frame.origin)
+    part, v = part_of(calming, particles, p), particles.v
+    y = part * (lane(A, 2) - v[p, 1]) if D > 1 else 0.0
+    z = part * (lane(A, 3) - v[p, 2]) if D > 2 else 0.0
+    store(scratch, offset, pack(part * (lane(A, 1) - v[p, 0]), y, z, 0.0))
 
 
 @inlined

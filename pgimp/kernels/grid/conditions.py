@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import class_of, inlined
 from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.ledger import WALL_HEAT, WALL_LOSS
@@ -37,6 +37,7 @@ class Holding(NamedTuple):
     rate: float | tuple[()]
 
 
+@inlined
 def hold(holding, number, r, v, a, mass):
     """Apply the conditions of all faces that a vertex is on or beyond, one after the other.
 
@@ -44,28 +45,21 @@ def hold(holding, number, r, v, a, mass):
     see `given`; `impulse` grows by it. The vertex's record is at `r`. Returns its velocity
     and acceleration.
     """
+    if len(holding.faces) == 0:
+        return (v, a)
+    faces, forcing, impulse = holding.faces, holding.forcing, holding.impulse
+    rate, dt = holding.rate, forcing.dt
+    for n in range(len(faces.rows)):
+        if is_beyond(faces, n, holding.frame, number):
+            u, b = v, a
+            clearance = clearance_at(forcing.clearances, n, r)
+            v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
+            for d in range(3):
+                impulse[n, d] += given(rate, mass, dt, u[d], b[d], v[d], a[d])
+    return v, a
 
 
-@specialise(hold)
-def _hold(holding, number, r, v, a, mass):
-    if len(holding.types[0]) == 0:
-        return lambda holding, number, r, v, a, mass: (v, a)
-
-    def hold_all(holding, number, r, v, a, mass):
-        faces, forcing, impulse = holding.faces, holding.forcing, holding.impulse
-        rate, dt = holding.rate, forcing.dt
-        for n in range(len(faces.rows)):
-            if is_beyond(faces, n, holding.frame, number):
-                u, b = v, a
-                clearance = clearance_at(forcing.clearances, n, r)
-                v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
-                for d in range(3):
-                    impulse[n, d] += given(rate, mass, dt, u[d], b[d], v[d], a[d])
-        return v, a
-
-    return hold_all
-
-
+@inlined
 def book_losses(holding, number, r, motion, last, mass, lost):
     """Book the energy that unilateral faces take at a vertex, as contact books do for pairs.
 
@@ -86,33 +80,24 @@ def book_losses(holding, number, r, motion, last, mass, lost):
     float
         Impulses times the velocity, summed over these faces.
     """
-
-
-@specialise(book_losses)
-def _book_losses(holding, number, r, motion, last, mass, lost):
-    faces = holding.types[0]
-    if len(faces) == 0 or not any(hasattr(k.instance_class, "approach") for k in faces.types[0]):
-        return lambda holding, number, r, motion, last, mass, lost: 0.0
-
-    def book_each(holding, number, r, motion, last, mass, lost):
-        faces, forcing, done = holding.faces, holding.forcing, 0.0
-        rate, dt = holding.rate, forcing.dt
-        v, a = motion
-        for n in range(len(faces.rows)):
-            if not is_beyond(faces, n, holding.frame, number):
-                continue
-            u, b = v, a
-            clearance = clearance_at(forcing.clearances, n, r)
-            v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
-            if not unilateral_walls(faces.kinds, 0, int(faces.rows[n, KIND])):
-                continue
-            for d in range(3):
-                one = given(rate, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
-                lost[n, WALL_LOSS if d == side_of(faces, n)[0] else WALL_HEAT] -= one
-                done += one
-        return done
-
-    return book_each
+    faces, forcing, done = holding.faces, holding.forcing, 0.0
+    if len(faces) == 0 or not any(hasattr(class_of(k), "approach") for k in faces.kinds):
+        return 0.0
+    rate, dt = holding.rate, forcing.dt
+    v, a = motion
+    for n in range(len(faces.rows)):
+        if not is_beyond(faces, n, holding.frame, number):
+            continue
+        u, b = v, a
+        clearance = clearance_at(forcing.clearances, n, r)
+        v, a = constrained(faces.kinds, 0, faces.rows, n, v, a, clearance)
+        if not unilateral_walls(faces.kinds, 0, int(faces.rows[n, KIND])):
+            continue
+        for d in range(3):
+            one = given(rate, mass, dt, u[d], b[d], v[d], a[d]) * last[d]
+            lost[n, WALL_LOSS if d == side_of(faces, n)[0] else WALL_HEAT] -= one
+            done += one
+    return done
 
 
 @inlined

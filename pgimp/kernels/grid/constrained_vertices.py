@@ -6,7 +6,7 @@ plane of vertices; else it is up to a cell further, and changes as the region mo
 Marks in planes that two ranks share are combined with ``or``, so that their order does not matter.
 """
 
-from pgimp.jit.kernel import inlined, kernel, specialise
+from pgimp.jit.kernel import inlined, kernel
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.constraint_flags import LEAST_WEIGHT
@@ -48,24 +48,16 @@ def _mark_cell(mask, bit, offset, w, t, stride):
         _mark_cell(mask, bit, offset + stride[0], w * t[0], t[1:], stride[1:])
 
 
+@inlined
 def _mark_support(shape, mask, bit, offset, support, stride, like):
     """Set a bit at the vertices in a particle's support, for any kind of support."""
-
-
-@specialise(_mark_support)
-def _mark_support_of(shape, mask, bit, offset, support, stride, like):
     corners, part = 2 ** len(like), 0.5 ** len(like)
-
-    def by_all(shape, mask, bit, offset, support, stride, like):
+    if by_corners(shape):
         for c in range(corners):
             t, cell = corner(support.buffer, c, support.j, like)
             _mark_cell(mask, bit, offset + cell, part, t, stride)
-
-    if by_corners(shape):
-        return by_all
-    return lambda shape, mask, bit, offset, support, stride, like: _mark(
-        shape, mask, bit, offset, support, 0, stride, like
-    )
+        return
+    return _mark(shape, mask, bit, offset, support, 0, stride, like)
 
 
 @kernel

@@ -6,9 +6,7 @@ its own circle: no step changes the radius. Chords are linear in space. So the g
 theirs, and their neighbourhood a rotation without strain.
 """
 
-from numba.core import types
-
-from pgimp.jit.kernel import inlined, inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_number, kernel
 from pgimp.jit.vectors.simd import bits, lane, pack, where
 from pgimp.kernels.data.motion import grid_rate
 from pgimp.kernels.data.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
@@ -193,15 +191,12 @@ def _sum(values):
     return (lane(values, 0) + lane(values, 1)) + (lane(values, 2) + lane(values, 3))
 
 
+@inlined
 def _times(given, total, w):
     """Sum of four impulses times velocities `w`: four, or one for all, given with their sum."""
-
-
-@specialise(_times)
-def _times_each(given, total, w):
-    if isinstance(w, types.Float):
-        return lambda given, total, w: total * w
-    return lambda given, total, w: _sum(given * w)
+    if is_number(w):
+        return total * w
+    return _sum(given * w)
 
 
 @inlined

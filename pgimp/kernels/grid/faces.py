@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from numba.core import types
 
-from pgimp.jit.kernel import inlined, inner_kernel, specialise
+from pgimp.jit.kernel import class_of, inlined, inner_kernel, is_number, of_types
 from pgimp.jit.outside import NumbaObject
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.physics.boundaries.base import constrain
@@ -78,63 +78,47 @@ def beyond_any(faces, count, frame, number):
     return False
 
 
+@inlined
 def _read(like, rows, n, at):
     """Read a value of the type of `like` from a row, from `at` on."""
+    if is_number(like):
+        return _type_of(like)(rows[n, at])
+    if len(like) == 0:
+        return ()
+    width = _width(like[0])
+    return (_read(like[0], rows, n, at), *_read(like[1:], rows, n, at + width))
 
 
+@of_types
+def _type_of(like: NumbaObject) -> type:
+    """Python's type of a number."""
+    return {types.boolean: bool, types.int64: int, types.float64: float}[like]
+
+
+@of_types
 def _width(like: NumbaObject) -> int:
     """Width of a value of a type in a row."""
     members: NumbaObject = like if isinstance(like, types.BaseTuple) else None
     return 1 if members is None else sum(map(_width, members))
 
 
-@specialise(_read)
-def _read_value(like, rows, n, at):
-    if isinstance(like, types.Boolean):
-        return lambda like, rows, n, at: rows[n, at] != 0.0
-    if isinstance(like, types.Integer):
-        return lambda like, rows, n, at: int(rows[n, at])
-    if isinstance(like, types.Float):
-        return lambda like, rows, n, at: rows[n, at]
-    if len(like) == 0:
-        return lambda like, rows, n, at: ()
-    width = _width(like[0])
-    return lambda like, rows, n, at: (
-        _read(like[0], rows, n, at),
-        *_read(like[1:], rows, n, at + width),
-    )
-
-
+@inlined
 def constrained(kinds, k, rows, n, v, a, clearance):
     """Velocity and acceleration by the condition of face `n`, one of `kinds`, numbered from `k`."""
+    if len(kinds) == 1 or int(rows[n, KIND]) == k:
+        face = class_of(kinds[0])(*_read(kinds[0], rows, n, PARAMETERS))
+        return constrain(face, v, a, clearance)
+    return constrained(kinds[1:], k + 1, rows, n, v, a, clearance)
 
 
-@specialise(constrained)
-def _constrained_by(kinds, k, rows, n, v, a, clearance):
-    kind = kinds[0].instance_class
-
-    def of_kind(kinds, k, rows, n, v, a, clearance):
-        return constrain(kind(*_read(kinds[0], rows, n, PARAMETERS)), v, a, clearance)
-
-    def of_one(kinds, k, rows, n, v, a, clearance):
-        if int(rows[n, KIND]) == k:
-            return constrain(kind(*_read(kinds[0], rows, n, PARAMETERS)), v, a, clearance)
-        return constrained(kinds[1:], k + 1, rows, n, v, a, clearance)
-
-    return of_one if len(kinds) > 1 else of_kind
-
-
+@inlined
 def unilateral_walls(kinds, k, kind):
     """Whether number `kind` is a unilateral condition; `kinds` are numbered from `k`."""
-
-
-@specialise(unilateral_walls)
-def _lets_go(kinds, k, kind):
     if len(kinds) == 0:
-        return lambda kinds, k, kind: False
-    if hasattr(kinds[0].instance_class, "approach"):
-        return lambda kinds, k, kind: kind == k or unilateral_walls(kinds[1:], k + 1, kind)
-    return lambda kinds, k, kind: unilateral_walls(kinds[1:], k + 1, kind)
+        return False
+    if hasattr(class_of(kinds[0]), "approach"):
+        return kind == k or unilateral_walls(kinds[1:], k + 1, kind)
+    return unilateral_walls(kinds[1:], k + 1, kind)
 
 
 @inlined

@@ -16,7 +16,7 @@ The sum uses the entry of a vertex's record that is free until the momentum upda
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_array, is_record, kernel
 from pgimp.kernels.data.record import CLEARANCE_SUM, MASS, RECORD
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 
@@ -148,27 +148,17 @@ def _reached(window, wall, face, d):
     return (0, face + 1) if wall.side < 0 else (face, count)
 
 
+@inlined
 def clear(clearances, G, r):
     """Clear the sum for the clearances in the record at `r`."""
+    if not is_array(clearances):
+        return None
+    G[r + CLEARANCE_SUM] = 0.0
 
 
-@specialise(clear)
-def _clear(clearances, G, r):
-    if not hasattr(clearances, "ndim"):
-        return lambda clearances, G, r: None
-
-    def free(clearances, G, r):
-        G[r + CLEARANCE_SUM] = 0.0
-
-    return free
-
-
+@inlined
 def clearance_at(clearances, n, r):
     """Clearance from face `n` of the record at `r`."""
-
-
-@specialise(clearance_at)
-def _clearance_at(clearances, n, r):
-    if not hasattr(clearances, "ndim"):
-        return lambda clearances, n, r: 0.0
-    return lambda clearances, n, r: clearances[n, r // RECORD]
+    if not is_array(clearances):
+        return 0.0
+    return clearances[n, r // RECORD]

@@ -10,7 +10,7 @@ that is not used and three components.
 
 from typing import Any, NamedTuple
 
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined, of_types
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, stack, store
 
@@ -45,6 +45,7 @@ class CellSizes(NamedTuple):
     second: int
 
 
+@of_types
 def sizes(per_cell) -> CellSizes:
     """Return the sizes for the Numba type of `Cells.per_cell`."""
     counts = [len(each) for each in per_cell]
@@ -55,9 +56,10 @@ def sizes(per_cell) -> CellSizes:
     )
 
 
+@inlined
 def sizes_of(cells) -> CellSizes:
-    """Return the sizes for the Numba type of `Cells`."""
-    return sizes(cells.types[cells.fields.index("per_cell")])
+    """Sizes of `Cells`."""
+    return sizes(cells.per_cell)
 
 
 class Derivatives(NamedTuple):
@@ -93,125 +95,88 @@ def derivative_buffers():
     return Derivatives(stack(32), stack(16), stack(48), stack(16), stack(16), stack(64))
 
 
+@inlined
 def load_corners(cells, motion, at, strides, u):
     """Load the displacements of a cell's corners, whose first is at `at`, into the buffer `u`."""
-
-
-@specialise(load_corners)
-def _load_corners(cells, motion, at, strides, u):
     planes = sizes_of(cells).planes
-
-    def corners(cells, motion, at, strides, u):
-        sa, sb, sc = strides
-        for a in range(planes):
-            for i in range(4):
-                r = at + a * sa + (i // 2) * sb + (i % 2) * sc
-                store(u, 16 * a + 4 * i, load(motion, r))
-
-    return corners
+    sa, sb, sc = strides
+    for a in range(planes):
+        for i in range(4):
+            r = at + a * sa + (i // 2) * sb + (i % 2) * sc
+            store(u, 16 * a + 4 * i, load(motion, r))
 
 
+@inlined
 def derive_across(cells, buffers):
     """Derivatives along x of the corners' displacements, in 3D: at all slices the same."""
-
-
-@specialise(derive_across)
-def _derive_across(cells, buffers):
     D, _, rows, columns, groups, _, _, _ = sizes_of(cells)
     if D == 2:
-        return lambda cells, buffers: None
-
-    def derive(cells, buffers):
-        u, edges, places = buffers.u, buffers.edges, buffers.scratch
-        inverse, fractions = cells.setting.frame.inverse[0], cells.fractions
-        for i in range(4):
-            store(edges, 4 * i, inverse * (load(u, 16 + 4 * i) - load(u, 4 * i)))
-        low, high = load(edges, 0), load(edges, 4)
-        rise, higher = load(edges, 8) - low, load(edges, 12) - high
-        for r in range(rows):
-            y = fractions[MOST + r]
-            left, right = y * rise + low, y * higher + high
-            change = right - left
-            for s in range(columns):
-                store(places, 4 * (r * columns + s), fractions[2 * MOST + s] * change + left)
-        for group in range(groups):
-            a, b, c, d = _of_slice(cells, group)
-            found = _components(places, a, b, c, d)
-            for k in range(3):
-                store(buffers.across, 12 * group + 4 * k, found[k])
-
-    return derive
+        return None
+    u, edges, places = buffers.u, buffers.edges, buffers.scratch
+    inverse, fractions = cells.setting.frame.inverse[0], cells.fractions
+    for i in range(4):
+        store(edges, 4 * i, inverse * (load(u, 16 + 4 * i) - load(u, 4 * i)))
+    low, high = load(edges, 0), load(edges, 4)
+    rise, higher = load(edges, 8) - low, load(edges, 12) - high
+    for r in range(rows):
+        y = fractions[MOST + r]
+        left, right = y * rise + low, y * higher + high
+        change = right - left
+        for s in range(columns):
+            store(places, 4 * (r * columns + s), fractions[2 * MOST + s] * change + left)
+    for group in range(groups):
+        a, b, c, d = _of_slice(cells, group)
+        found = _components(places, a, b, c, d)
+        for k in range(3):
+            store(buffers.across, 12 * group + 4 * k, found[k])
 
 
+@inlined
 def derive_slice(cells, q, buffers):
     """Derivatives of the displacements along the directions of slice `q`."""
-
-
-@specialise(derive_slice)
-def _derive_slice(cells, q, buffers):
     D, _, rows, columns, _, _, first, second = sizes_of(cells)
     three = D == 3
-
-    def derive(cells, q, buffers):
-        u, values, frame = buffers.u, buffers.scratch, cells.setting.frame
-        for i in range(4):
-            value = load(u, 4 * i)
-            if three:
-                value = cells.distances[q] * load(buffers.edges, 4 * i) + value
-            store(values, 4 * i, value)
-        low, high, inverse = load(values, 0), load(values, 4), frame.inverse[first]
-        rise, higher = inverse * (load(values, 8) - low), inverse * (load(values, 12) - high)
-        change, inverse = higher - rise, frame.inverse[second]
-        for s in range(columns):
-            store(buffers.first, 4 * s, cells.fractions[second * MOST + s] * change + rise)
-        for r in range(rows):
-            y = cells.distances[first * MOST + r]
-            store(buffers.second, 4 * r, inverse * ((y * higher + high) - (y * rise + low)))
-
-    return derive
+    u, values, frame = buffers.u, buffers.scratch, cells.setting.frame
+    for i in range(4):
+        value = load(u, 4 * i)
+        if three:
+            value = cells.distances[q] * load(buffers.edges, 4 * i) + value
+        store(values, 4 * i, value)
+    low, high, inverse = load(values, 0), load(values, 4), frame.inverse[first]
+    rise, higher = inverse * (load(values, 8) - low), inverse * (load(values, 12) - high)
+    change, inverse = higher - rise, frame.inverse[second]
+    for s in range(columns):
+        store(buffers.first, 4 * s, cells.fractions[second * MOST + s] * change + rise)
+    for r in range(rows):
+        y = cells.distances[first * MOST + r]
+        store(buffers.second, 4 * r, inverse * ((y * higher + high) - (y * rise + low)))
 
 
+@inlined
 def deformations_of_four(cells, buffers, group):
     """Deformation gradients of four particles of a slice; beyond its last one, of that one."""
-
-
-@specialise(deformations_of_four)
-def _deformations_of_four(cells, buffers, group):
     D, _, _, columns, _, _, _, _ = sizes_of(cells)
-
-    def plane(cells, buffers, group):
+    if D == 2:
         a, b, c, d = _of_slice(cells, group)
         X = _components(buffers.first, a % columns, b % columns, c % columns, d % columns)
         Y = _components(buffers.second, a // columns, b // columns, c // columns, d // columns)
         return 1.0 + X[0], Y[0], X[1], 1.0 + Y[1]
-
-    def space(cells, buffers, group):
-        a, b, c, d = _of_slice(cells, group)
-        X, at = buffers.across, 12 * group
-        Y = _components(buffers.first, a % columns, b % columns, c % columns, d % columns)
-        Z = _components(buffers.second, a // columns, b // columns, c // columns, d // columns)
-        return (
-            1.0 + load(X, at), Y[0], Z[0],
-            load(X, at + 4), 1.0 + Y[1], Z[1],
-            load(X, at + 8), Y[2], 1.0 + Z[2],
-        )  # fmt: skip
-
-    return plane if D == 2 else space
+    a, b, c, d = _of_slice(cells, group)
+    X, at = buffers.across, 12 * group
+    Y = _components(buffers.first, a % columns, b % columns, c % columns, d % columns)
+    Z = _components(buffers.second, a // columns, b // columns, c // columns, d // columns)
+    return (
+        1.0 + load(X, at), Y[0], Z[0],
+        load(X, at + 4), 1.0 + Y[1], Z[1],
+        load(X, at + 8), Y[2], 1.0 + Z[2],
+    )  # fmt: skip
 
 
+@inlined
 def _of_slice(cells, group):
     """Numbers of the particles of a group of four in their slice, at most its last one's."""
-
-
-@specialise(_of_slice)
-def _numbers_of_slice(cells, group):
     last = sizes_of(cells).rows * sizes_of(cells).columns - 1
-    return lambda cells, group: (
-        4 * group,
-        min(4 * group + 1, last),
-        min(4 * group + 2, last),
-        min(4 * group + 3, last),
-    )
+    return (4 * group, min(4 * group + 1, last), min(4 * group + 2, last), min(4 * group + 3, last))
 
 
 @inlined

@@ -6,7 +6,7 @@ over the line first; see `pgimp.kernels.lagrangian.cell_derivatives`.
 
 from typing import Any, NamedTuple
 
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.vectors.simd import load, stack, store
 from pgimp.kernels.lagrangian.cell_derivatives import MOST, sizes_of
 from pgimp.kernels.lagrangian.cell_matrices import of_four
@@ -64,135 +64,100 @@ def _sum(buffer, at, q, value):
     store(buffer, at, value)
 
 
+@inlined
 def _add_slice(cells, q, stresses):
     """Add the forces of slice `q` along its directions to the sums at the lines along x."""
-
-
-@specialise(_add_slice)
-def _add_slice_of(cells, q, stresses):
     D, _, rows, columns, _, _, first, second = sizes_of(cells)
     three = D == 3
-
-    def add(cells, q, stresses):
-        frame, lines = cells.setting.frame, stresses.lines
-        fractions, distances = cells.fractions, cells.distances
-        whole = _along_first(cells, stresses, 0)
-        high = fractions[second * MOST] * whole
-        for s in range(1, columns):
-            force = _along_first(cells, stresses, s)
-            whole, high = whole + force, fractions[second * MOST + s] * force + high
-        end = _along_second(cells, stresses, 0)
-        moment = distances[first * MOST] * end
-        for r in range(1, rows):
-            force = _along_second(cells, stresses, r)
-            end, moment = end + force, distances[first * MOST + r] * force + moment
-        inverse = frame.inverse[second]
-        end, moment, inverse = inverse * end, inverse * moment, frame.inverse[first]
-        low, high = inverse * ((whole - high) - moment), inverse * (high + moment)
-        store(lines, 0, -low - end)
-        store(lines, 4, end - high)
-        store(lines, 8, low)
-        store(lines, 12, high)
-        for i in range(4):
-            force = load(lines, 4 * i)
-            _sum(stresses.sums, 4 * i, q, force)
-            if three:
-                moment = distances[q] * force
-                if q > 0:
-                    moment = distances[q] * force + load(stresses.sums, 16 + 4 * i)
-                store(stresses.sums, 16 + 4 * i, moment)
-
-    return add
+    frame, lines = cells.setting.frame, stresses.lines
+    fractions, distances = cells.fractions, cells.distances
+    whole = _along_first(cells, stresses, 0)
+    high = fractions[second * MOST] * whole
+    for s in range(1, columns):
+        force = _along_first(cells, stresses, s)
+        whole, high = whole + force, fractions[second * MOST + s] * force + high
+    end = _along_second(cells, stresses, 0)
+    moment = distances[first * MOST] * end
+    for r in range(1, rows):
+        force = _along_second(cells, stresses, r)
+        end, moment = end + force, distances[first * MOST + r] * force + moment
+    inverse = frame.inverse[second]
+    end, moment, inverse = inverse * end, inverse * moment, frame.inverse[first]
+    low, high = inverse * ((whole - high) - moment), inverse * (high + moment)
+    store(lines, 0, -low - end)
+    store(lines, 4, end - high)
+    store(lines, 8, low)
+    store(lines, 12, high)
+    for i in range(4):
+        force = load(lines, 4 * i)
+        _sum(stresses.sums, 4 * i, q, force)
+        if three:
+            moment = distances[q] * force
+            if q > 0:
+                moment = distances[q] * force + load(stresses.sums, 16 + 4 * i)
+            store(stresses.sums, 16 + 4 * i, moment)
 
 
+@inlined
 def _along_first(cells, stresses, s):
     """Sum of the stresses on a line along the first direction, of column `s` of a slice."""
-
-
-@specialise(_along_first)
-def _along_first_of(cells, stresses, s):
     _, _, rows, columns, _, _, _, _ = sizes_of(cells)
-
-    def along(cells, stresses, s):
-        force = load(stresses.first, 4 * s)
-        for r in range(1, rows):
-            force = force + load(stresses.first, 4 * (r * columns + s))
-        return force
-
-    return along
+    force = load(stresses.first, 4 * s)
+    for r in range(1, rows):
+        force = force + load(stresses.first, 4 * (r * columns + s))
+    return force
 
 
+@inlined
 def _along_second(cells, stresses, r):
     """Sum of the stresses on a line along the second direction, of row `r` of a slice."""
-
-
-@specialise(_along_second)
-def _along_second_of(cells, stresses, r):
     columns = sizes_of(cells).columns
-
-    def along(cells, stresses, r):
-        force = load(stresses.second, 4 * r * columns)
-        for s in range(1, columns):
-            force = force + load(stresses.second, 4 * (r * columns + s))
-        return force
-
-    return along
+    force = load(stresses.second, 4 * r * columns)
+    for s in range(1, columns):
+        force = force + load(stresses.second, 4 * (r * columns + s))
+    return force
 
 
+@inlined
 def cell_forces(cells, P, group, stresses, f):
     """Forces at the corners of a cell, into the buffer `f`.
 
     `P` has -V0 P, see `pgimp.kernels.lagrangian.cell_matrices`, from group number `group` on.
     """
-
-
-@specialise(cell_forces)
-def _cell_forces(cells, P, group, stresses, f):
     _, slices, _, _, groups, _, _, _ = sizes_of(cells)
-
-    def forces(cells, P, group, stresses, f):
-        for q in range(slices):
-            for i in range(groups):
-                _keep_stresses(stresses, q, i, of_four(cells, P, group + q * groups + i))
-            _add_slice(cells, q, stresses)
-        _end_cell(cells, stresses, f)
-
-    return forces
+    for q in range(slices):
+        for i in range(groups):
+            _keep_stresses(stresses, q, i, of_four(cells, P, group + q * groups + i))
+        _add_slice(cells, q, stresses)
+    _end_cell(cells, stresses, f)
 
 
+@inlined
 def _end_cell(cells, stresses, f):
     """Forces at the corners of a cell from those at its lines along x."""
-
-
-@specialise(_end_cell)
-def _end_cell_of(cells, stresses, f):
     D, _, rows, columns, groups, _, _, _ = sizes_of(cells)
-
-    def plane(cells, stresses, f):
+    if D == 2:
         for i in range(4):
             store(f, 4 * i, load(stresses.sums, 4 * i))
-
-    def space(cells, stresses, f):
-        fractions, sums, at = cells.fractions, stresses.sums, stresses.first
-        for group in range(groups):
-            X, i = stresses.across, 12 * group
-            keep_vectors(at, 16 * group, load(X, i), load(X, i + 4), load(X, i + 8))
-        f00, f01, f10, f11 = load(sums, 16), load(sums, 20), load(sums, 24), load(sums, 28)
-        for r in range(rows):
-            whole = load(at, 4 * r * columns)
-            high = fractions[2 * MOST] * whole
-            for s in range(1, columns):
-                force = load(at, 4 * (r * columns + s))
-                whole, high = whole + force, fractions[2 * MOST + s] * force + high
-            y, low = fractions[MOST + r], whole - high
-            a, b = y * low, y * high
-            f00, f01, f10, f11 = f00 + (low - a), f01 + (high - b), f10 + a, f11 + b
-        inverse = cells.setting.frame.inverse[0]
-        store(f, 16, inverse * f00)
-        store(f, 20, inverse * f01)
-        store(f, 24, inverse * f10)
-        store(f, 28, inverse * f11)
-        for i in range(4):
-            store(f, 4 * i, load(sums, 4 * i) - load(f, 16 + 4 * i))
-
-    return plane if D == 2 else space
+        return
+    fractions, sums, at = cells.fractions, stresses.sums, stresses.first
+    for group in range(groups):
+        X, i = stresses.across, 12 * group
+        keep_vectors(at, 16 * group, load(X, i), load(X, i + 4), load(X, i + 8))
+    f00, f01, f10, f11 = load(sums, 16), load(sums, 20), load(sums, 24), load(sums, 28)
+    for r in range(rows):
+        whole = load(at, 4 * r * columns)
+        high = fractions[2 * MOST] * whole
+        for s in range(1, columns):
+            force = load(at, 4 * (r * columns + s))
+            whole, high = whole + force, fractions[2 * MOST + s] * force + high
+        y, low = fractions[MOST + r], whole - high
+        a, b = y * low, y * high
+        f00, f01, f10, f11 = f00 + (low - a), f01 + (high - b), f10 + a, f11 + b
+    inverse = cells.setting.frame.inverse[0]
+    store(f, 16, inverse * f00)
+    store(f, 20, inverse * f01)
+    store(f, 24, inverse * f10)
+    store(f, 28, inverse * f11)
+    for i in range(4):
+        store(f, 4 * i, load(sums, 4 * i) - load(f, 16 + 4 * i))

@@ -5,7 +5,7 @@ deformation gradients of several cells come first, then the stresses of all in t
 forces: a processor then works at the next particles while it waits.
 """
 
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.vectors.simd import halves, join, load, stack, store
 from pgimp.kernels.lagrangian.cell_derivatives import CellSizes, sizes_of
 
@@ -13,36 +13,32 @@ from pgimp.kernels.lagrangian.cell_derivatives import CellSizes, sizes_of
 _TOGETHER = 16
 
 
+@inlined
 def groups_of(sizes: CellSizes) -> int:
     """Groups of four particles of a cell."""
     return sizes.slices * sizes.groups
 
 
+@inlined
 def most_together(sizes: CellSizes) -> int:
     """Greatest number of cells that are worked at together."""
     return max(2, _TOGETHER // groups_of(sizes))
 
 
+@inlined
 def matrices(cells):
     """Buffer for the matrices of the particles of `most_together` cells."""
-
-
-@specialise(matrices)
-def _matrices(cells):
     sizes = sizes_of(cells)
-    pairs = (groups_of(sizes) * most_together(sizes) + 1) // 2  # the last may be half empty
+    pairs = (groups_of(sizes) * most_together(sizes) + 1) // 2
     size = 8 * sizes.dimension**2 * pairs
-    return lambda cells: stack(size)
+    return stack(size)
 
 
+@inlined
 def keep_four(buffer, group, F):
     """Store the row-major matrices of group number `group`."""
-
-
-@specialise(keep_four)
-def _keep_four(buffer, group, F):
     size = 8 * len(F)
-    return lambda buffer, group, F: _keep(buffer, group // 2 * size + 4 * (group % 2), F)
+    return _keep(buffer, group // 2 * size + 4 * (group % 2), F)
 
 
 @inlined
@@ -51,19 +47,14 @@ def _keep(buffer, at, F):
     if len(F):
         store(buffer, at, F[0])
         _keep(buffer, at + 8, F[1:])
-    else:
-        return None
 
 
+@inlined
 def of_four(cells, buffer, group):
     """The matrices of group number `group`."""
-
-
-@specialise(of_four)
-def _of_four(cells, buffer, group):
     like = (0.0,) * sizes_of(cells).dimension ** 2
     size = 8 * len(like)
-    return lambda cells, buffer, group: _take(buffer, group // 2 * size + 4 * (group % 2), like)
+    return _take(buffer, group // 2 * size + 4 * (group % 2), like)
 
 
 @inlined
@@ -74,15 +65,12 @@ def _take(buffer, at, like):
     return (load(buffer, at), *_take(buffer, at + 8, like[1:]))
 
 
+@inlined
 def of_eight(cells, buffer, pair):
     """The matrices of groups 2 `pair` and the next."""
-
-
-@specialise(of_eight)
-def _of_eight(cells, buffer, pair):
     like = (0.0,) * sizes_of(cells).dimension ** 2
     size = 8 * len(like)
-    return lambda cells, buffer, pair: _take_both(buffer, size * pair, like)
+    return _take_both(buffer, size * pair, like)
 
 
 @inlined
@@ -93,14 +81,11 @@ def _take_both(buffer, at, like):
     return (join(load(buffer, at), load(buffer, at + 4)), *_take_both(buffer, at + 8, like[1:]))
 
 
+@inlined
 def keep_eight(buffer, pair, P):
     """Store the matrices of groups 2 `pair` and the next."""
-
-
-@specialise(keep_eight)
-def _keep_eight(buffer, pair, P):
     size = 8 * len(P)
-    return lambda buffer, pair, P: _keep_both(buffer, size * pair, P)
+    return _keep_both(buffer, size * pair, P)
 
 
 @inlined
@@ -111,5 +96,3 @@ def _keep_both(buffer, at, P):
         store(buffer, at, low)
         store(buffer, at + 4, high)
         _keep_both(buffer, at + 8, P[1:])
-    else:
-        return None

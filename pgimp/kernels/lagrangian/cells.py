@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from numpy.typing import NDArray
 
 from pgimp.jit.algebra import determinant
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.lanes import half_of, lanes_of, where_all
 from pgimp.jit.vectors.simd import bits, join, lane, load, stack, store, vector, where
@@ -113,105 +113,77 @@ def note_wrong(cells, volume, sound, first):
                 cells.wrong[count] = first + j
 
 
+@inlined
 def raise_rate(cells, fastest):
     """Raise the greatest rate to the greatest of a vector, if it is looked for."""
-
-
-@specialise(raise_rate)
-def _raise_rate(cells, fastest):
     lanes = lanes_of(fastest)
-
-    def raised(cells, fastest):
-        if cells.controlled:
-            for j in range(lanes):
-                cells.rate[0] = max(cells.rate[0], lane(fastest, j))
-
-    return raised
+    if cells.controlled:
+        for j in range(lanes):
+            cells.rate[0] = max(cells.rate[0], lane(fastest, j))
 
 
+@inlined
 def add_cells(cells, field, particles, layer, span):
     """Add the forces of the cells of a layer to its planes.
 
     `span` is the range of a plane with sums so far, in float64, and is returned widened.
     """
-
-
-@specialise(add_cells)
-def _add_cells(cells, field, particles, layer, span):
-    if not hasattr(cells, "instance_class"):  # ()
-        return lambda cells, field, particles, layer, span: span
+    if not is_record(cells):
+        return span
     D, _, _, _, _, planes, first, second = sizes_of(cells)
     groups = groups_of(sizes_of(cells))
-
-    def add(cells, field, particles, layer, span):
-        scratch, window = field.scratch, field.window
-        strides = window.stride[0], window.stride[first], window.stride[second]
-        fastest = join(vector(0.0), vector(0.0))
-        f, P, buffers = stack(32), matrices(cells), stress_buffers()
-        low, high = strides[0], -1
-        cell, end = cells.start[layer], cells.start[layer + 1]
-        while cell < end:
-            count = _together(cells, cell, end)
-            fastest, total = _find_stresses(
-                cells, field, particles, (layer, cell, count), strides, P, fastest
-            )
-            for k in range(count):
-                cell_forces(cells, P, k * groups, buffers, f)
-                add_mean_forces(cells, particles, cell + k, total, f)
-                at = cells.place[cell + k]
-                low, high = min(low, at), max(high, at)
-                for a in range(planes):
-                    for i in range(4):
-                        to = at + a * strides[0] + i // 2 * strides[1] + i % 2 * strides[2]
-                        to += _FORCES
-                        store(scratch, to, load(scratch, to) + load(f, 16 * a + 4 * i))
-            cell += count
-        raise_rate(cells, fastest)
-        if high < 0:
-            return span
-        high += RECORD
-        for d in range(1, D):
-            high += window.stride[d]
-        return (low, high) if span[1] == 0 else (min(low, span[0]), max(high, span[1]))
-
-    return add
+    scratch, window = field.scratch, field.window
+    strides = window.stride[0], window.stride[first], window.stride[second]
+    fastest = join(vector(0.0), vector(0.0))
+    f, P, buffers = stack(32), matrices(cells), stress_buffers()
+    low, high = strides[0], -1
+    cell, end = cells.start[layer], cells.start[layer + 1]
+    while cell < end:
+        count = _together(cells, cell, end)
+        fastest, total = _find_stresses(
+            cells, field, particles, (layer, cell, count), strides, P, fastest
+        )
+        for k in range(count):
+            cell_forces(cells, P, k * groups, buffers, f)
+            add_mean_forces(cells, particles, cell + k, total, f)
+            at = cells.place[cell + k]
+            low, high = min(low, at), max(high, at)
+            for a in range(planes):
+                for i in range(4):
+                    to = at + a * strides[0] + i // 2 * strides[1] + i % 2 * strides[2]
+                    to += _FORCES
+                    store(scratch, to, load(scratch, to) + load(f, 16 * a + 4 * i))
+        cell += count
+    raise_rate(cells, fastest)
+    if high < 0:
+        return span
+    high += RECORD
+    for d in range(1, D):
+        high += window.stride[d]
+    return (low, high) if span[1] == 0 else (min(low, span[0]), max(high, span[1]))
 
 
-def _elastic(cells):
-    """Whether the Numba type of cells is of elastic materials."""
-    return not hasattr(cells.types[cells.fields.index("loads")], "instance_class")
-
-
+@inlined
 def _together(cells, cell, end):
     """Number of cells from `cell` on, below `end`, whose stresses are found together."""
-
-
-@specialise(_together)
-def _count_together(cells, cell, end):
     most = most_together(sizes_of(cells))
-
-    def alike(cells, cell, end):
+    if not is_record(cells.loads):  # elastic
         count, end = 1, min(cell + most, end)
         while cell + count < end and cells.material[cell + count] == cells.material[cell]:
             count += 1
         return count
+    return 1
 
-    return alike if _elastic(cells) else lambda cells, cell, end: 1
 
-
+@inlined
 def _find_stresses(cells, field, particles, which, strides, P, fastest):
     """Find -V0 P of the particles of some cells; greatest speeds, and sums for mean dilatation.
 
     `which` are their layer, the first cell, and how many they are.
     """
-
-
-@specialise(_find_stresses)
-def _find_stresses_of(cells, field, particles, which, strides, P, fastest):
     D = sizes_of(cells).dimension
     groups = groups_of(sizes_of(cells))
-
-    def elastic(cells, field, particles, which, strides, P, fastest):
+    if not is_record(cells.loads):  # elastic
         layer, cell, count = which
         setting, material, inverse = cells.setting, cells.material[cell], 0.0
         for d in range(D):
@@ -231,59 +203,41 @@ def _find_stresses_of(cells, field, particles, which, strides, P, fastest):
             )
             keep_eight(P, pair, stress)
         return fastest, ()
-
-    def stored(cells, field, particles, which, strides, P, fastest):
-        total = mean_total(cells.loads)
-        for group in range(groups):
-            slot = 4 * (which[1] * groups + group)
-            stress, total = stored_stresses(cells, particles, slot, total)
-            keep_four(P, group, stress)
-        return fastest, total
-
-    return elastic if _elastic(cells) else stored
+    total = mean_total(cells.loads)
+    for group in range(groups):
+        slot = 4 * (which[1] * groups + group)
+        stress, total = stored_stresses(cells, particles, slot, total)
+        keep_four(P, group, stress)
+    return fastest, total
 
 
+@inlined
 def _derive_cell(cells, motion, at, strides, buffers, group, F):
     """Deformation gradients of the particles of a cell, as groups of four from `group` on."""
-
-
-@specialise(_derive_cell)
-def _derive_cell_of(cells, motion, at, strides, buffers, group, F):
     _, slices, _, _, groups, _, _, _ = sizes_of(cells)
-
-    def derive(cells, motion, at, strides, buffers, group, F):
-        load_corners(cells, motion, at, strides, buffers.u)
-        derive_across(cells, buffers)
-        for q in range(slices):
-            derive_slice(cells, q, buffers)
-            for i in range(groups):
-                keep_four(F, group + q * groups + i, deformations_of_four(cells, buffers, i))
-
-    return derive
+    load_corners(cells, motion, at, strides, buffers.u)
+    derive_across(cells, buffers)
+    for q in range(slices):
+        derive_slice(cells, q, buffers)
+        for i in range(groups):
+            keep_four(F, group + q * groups + i, deformations_of_four(cells, buffers, i))
 
 
+@inlined
 def _elastic_stresses(cells, material, slot, V, F, inverse, fastest):
     """-V0 P of eight elastic particles with volumes `V`, from slot `slot` on; greatest speeds."""
-
-
-@specialise(_elastic_stresses)
-def _elastic_stresses_of(cells, material, slot, V, F, inverse, fastest):
     D = sizes_of(cells).dimension
     identity = tuple(float(i == j) for i in range(D) for j in range(D))
-
-    def stresses(cells, material, slot, V, F, inverse, fastest):
+    J = determinant(F)
+    sound = (V > 0.0) & (J > 0.0)
+    if bits(sound) != 255:  # materials must not see any F that missing particles may have
+        note_wrong(cells, half_of(V, 0), bits(sound) & 15, slot)
+        note_wrong(cells, half_of(V, 1), bits(sound) >> 4, slot + 4)
+        F = where_all(sound, F, identity)
         J = determinant(F)
-        sound = (V > 0.0) & (J > 0.0)
-        if bits(sound) != 255:  # materials must not see any F that missing particles may have
-            note_wrong(cells, half_of(V, 0), bits(sound) & 15, slot)
-            note_wrong(cells, half_of(V, 1), bits(sound) >> 4, slot + 4)
-            F = where_all(sound, F, identity)
-            J = determinant(F)
-        setting = cells.setting
-        P = scaled(-V, evaluate_four("piola", setting.materials, material, (F, J), (), F))
-        if cells.controlled:
-            c = grid_speed(setting, True, material, ((), F, J, ()), inverse, 0.0)
-            fastest = max(where(V > 0.0, c * inverse, 0.0), fastest)
-        return P, fastest
-
-    return stresses
+    setting = cells.setting
+    P = scaled(-V, evaluate_four("piola", setting.materials, material, (F, J), (), F))
+    if cells.controlled:
+        c = grid_speed(setting, True, material, ((), F, J, ()), inverse, 0.0)
+        fastest = max(where(V > 0.0, c * inverse, 0.0), fastest)
+    return P, fastest

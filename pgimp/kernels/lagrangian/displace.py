@@ -8,7 +8,7 @@ depend on the others of the four.
 from typing import NamedTuple
 
 from pgimp.jit.algebra import determinant, one_plus, symmetric
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inlined, kernel
 from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.lanes import vectors
 from pgimp.jit.vectors.simd import stack
@@ -85,27 +85,20 @@ def place_particles(setting, plain, field, particles, order):
             put_row(particles.F, rows, 0, one_plus(1.0, grad))
 
 
+@inlined
 def _put_elastic(setting, particles, rows, grad, displaced, places):
     """Set F, V and stress of four elastic particles; nothing without materials.
 
     `grad` is their displacement gradients.
     """
-
-
-@specialise(_put_elastic)
-def _put_elastic_of(setting, particles, rows, grad, displaced, places):
-    if len(setting.types[setting.fields.index("materials")]) == 0:
-        return lambda setting, particles, rows, grad, displaced, places: None
-
-    def put_all(setting, particles, rows, grad, displaced, places):
-        F = one_plus(1.0, grad)
-        J = determinant(F)
-        m = materials_of(setting.material_of, particles.body, rows)
-        unused = vectors(symmetric(grad))
-        sigma = evaluate_four("stress", setting.materials, m, (F, J, unused, grad, 0.0), (), unused)
-        put_row(displaced.F, places, 0, F)
-        put_row(displaced.sigma, places, 0, sigma)
-        if setting.tracked:
-            put(displaced.V, places, J * take(particles.V0, rows))
-
-    return put_all
+    if len(setting.materials) == 0:
+        return None
+    F = one_plus(1.0, grad)
+    J = determinant(F)
+    m = materials_of(setting.material_of, particles.body, rows)
+    unused = vectors(symmetric(grad))
+    sigma = evaluate_four("stress", setting.materials, m, (F, J, unused, grad, 0.0), (), unused)
+    put_row(displaced.F, places, 0, F)
+    put_row(displaced.sigma, places, 0, sigma)
+    if setting.tracked:
+        put(displaced.V, places, J * take(particles.V0, rows))

@@ -5,7 +5,7 @@ are its cell alone, whose G is the deformation gradient at its centre.
 """
 
 from pgimp.jit.algebra import cofactor, full, multiply
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined, is_empty, is_record
 from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.lanes import vectors
 from pgimp.jit.vectors.simd import lane, load, pack, store, vector
@@ -15,25 +15,21 @@ from pgimp.kernels.update.piola import less_pressure
 from pgimp.kernels.update.viscosity import trace
 
 
+@inlined
 def mean_total(loads):
     """Beginning of the sum of -V0 p over the particles of a cell, p the mean stress.
 
     () without mean dilatation.
     """
-
-
-@specialise(mean_total)
-def _mean_total(loads):
     if not averages(loads):
-        return lambda loads: ()
-    return lambda loads: (vector(0.0),)
+        return ()
+    return (vector(0.0),)
 
 
+@inlined
 def averages(loads):
-    """Whether the Numba type of `Cells.loads` has mean dilatation."""
-    if not hasattr(loads, "instance_class"):
-        return False
-    return not hasattr(loads.types[loads.fields.index("mean_lagrangian")], "count")
+    """Whether `Cells.loads` have mean dilatation."""
+    return is_record(loads) and not is_empty(loads.mean_lagrangian)
 
 
 @inlined
@@ -42,26 +38,13 @@ def four_slots(rows, slot):
     return (rows[slot], rows[slot + 1], rows[slot + 2], rows[slot + 3])
 
 
+@inlined
 def stored_stresses(cells, particles, slot, total):
     """-V0 P of four particles, from slot `slot` on; the sum of `mean_total` with them."""
-
-
-@specialise(stored_stresses)
-def _stored_stresses(cells, particles, slot, total):
     D = sizes_of(cells).dimension
     like, part = (0.0,) * (3, 4, 6)[D - 1], 1.0 / D
     nothing = (0.0,) * D**2
-
-    def pointwise(cells, particles, slot, total):
-        if cells.rows[slot] < 0:
-            return vectors(nothing), total
-        rows = four_slots(cells.rows, slot)
-        sigma = take_row(particles.sigma, rows, 0, like)
-        sigma = less_pressure(cells.loads.viscosity, particles, rows, sigma)
-        P = multiply(full(sigma), cofactor(deformations(cells.setting.frame, particles, rows)))
-        return scaled(-load(cells.volumes, slot), P), total
-
-    def both(cells, particles, slot, total):
+    if len(total):
         if cells.rows[slot] < 0:
             return vectors(nothing), total
         rows = four_slots(cells.rows, slot)
@@ -73,42 +56,40 @@ def _stored_stresses(cells, particles, slot, total):
         ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -load(cells.volumes, slot)
         P = multiply(full(rest), cofactor(deformations(cells.setting.frame, particles, rows)))
         return scaled(V * ratio, P), (total[0] + V * mean,)
+    if cells.rows[slot] < 0:
+        return vectors(nothing), total
+    rows = four_slots(cells.rows, slot)
+    sigma = take_row(particles.sigma, rows, 0, like)
+    sigma = less_pressure(cells.loads.viscosity, particles, rows, sigma)
+    P = multiply(full(sigma), cofactor(deformations(cells.setting.frame, particles, rows)))
+    return scaled(-load(cells.volumes, slot), P), total
 
-    return both if len(total) else pointwise
 
-
+@inlined
 def add_mean_forces(cells, particles, cell, total, f):
     """Add the forces by the mean stress of a cell, -V0 p cof G grad, to its corners'."""
-
-
-@specialise(add_mean_forces)
-def _add_mean_forces(cells, particles, cell, total, f):
     D, slices, _, _, groups, planes, first, second = sizes_of(cells)
     if len(total) == 0:
-        return lambda cells, particles, cell, total, f: None
+        return None
     three, slots, matrix = D == 3, 4 * groups * slices, (0.0,) * D**2
     share = 0.5 ** (D - 1)
-
-    def add(cells, particles, cell, total, f):
-        slot = slots * cell
-        while cells.rows[slot] < 0:
-            slot += 4
-        G = read(particles.around, cells.rows[slot], 0, matrix)
-        V, inverse = total[0], cells.setting.frame.inverse
-        factor = share * ((lane(V, 0) + lane(V, 1)) + (lane(V, 2) + lane(V, 3)))
-        C = scaled(factor, cofactor(G))
-        y = inverse[first] * _column(C, first)
-        z = inverse[second] * _column(C, second)
-        for a in range(planes):
-            for i in range(4):
-                to = 16 * a + 4 * i
-                v = (-y if i < 2 else y) + (-z if i % 2 == 0 else z)
-                if three:
-                    x = inverse[0] * _column(C, 0)
-                    v = v + (-x if a == 0 else x)
-                store(f, to, load(f, to) + v)
-
-    return add
+    slot = slots * cell
+    while cells.rows[slot] < 0:
+        slot += 4
+    G = read(particles.around, cells.rows[slot], 0, matrix)
+    V, inverse = total[0], cells.setting.frame.inverse
+    factor = share * ((lane(V, 0) + lane(V, 1)) + (lane(V, 2) + lane(V, 3)))
+    C = scaled(factor, cofactor(G))
+    y = inverse[first] * _column(C, first)
+    z = inverse[second] * _column(C, second)
+    for a in range(planes):
+        for i in range(4):
+            to = 16 * a + 4 * i
+            v = (-y if i < 2 else y) + (-z if i % 2 == 0 else z)
+            if three:
+                x = inverse[0] * _column(C, 0)
+                v = v + (-x if a == 0 else x)
+            store(f, to, load(f, to) + v)
 
 
 @inlined

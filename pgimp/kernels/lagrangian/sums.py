@@ -5,7 +5,7 @@ accounts for its part of each vertex: m_p S_vp of its mass. So sums by layer and
 particles, and bodies that share vertices have each their own.
 """
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import class_of, inlined, inner_kernel, kernel
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
@@ -29,14 +29,11 @@ def _weight(buffer, d, directions, i, j):
     return entry(buffer, d, 0, i, j) if d < directions else 1.0
 
 
+@inlined
 def _vertex_count(shape):
     """Vertices a direction in a support; a grid may have room for more, of other bodies' shapes."""
-
-
-@specialise(_vertex_count)
-def _vertex_count_of(shape):
-    count = shape.instance_class.vertices()
-    return lambda shape: count
+    count = class_of(shape).vertices()
+    return count
 
 
 @kernel

@@ -1,6 +1,6 @@
 """Forces per mass on particles: of exact solutions, of the case, of water in the ground."""
 
-from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
+from pgimp.jit.kernel import class_of, inlined, inner_kernel, is_record
 from pgimp.jit.tuples import read
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import number, pack, store
@@ -35,111 +35,53 @@ def buoyancy(water, particles, p):
     )
 
 
+@inlined
 def _three(V):
     """A vector of the scene as three numbers, zero in missing directions."""
+    if len(V) == 1:
+        return (V[0], 0.0, 0.0)
+    if len(V) == 2:
+        return (V[0], V[1], 0.0)
+    return V
 
 
-@specialise(_three)
-def _three_of(V):
-    return (lambda V: (V[0], 0.0, 0.0), lambda V: (V[0], V[1], 0.0), lambda V: V)[len(V) - 1]
-
-
+@inlined
 def _force(force, frame, particles, p):
     """Body force per mass of particle `p` as three numbers, (17)."""
-
-
-def _own_force(kind):
-    """`_force` by a function of one's own, which may take the initial position."""
-
-    def force_by_place(force, frame, particles, p):
-        x, v = read(particles.x, p, 0, frame.origin), read(particles.v, p, 0, frame.origin)
-        return _three(call(force.source, (x, x, v, force.time)))
-
-    def force_by_origin(force, frame, particles, p):
-        X = read(particles.origin, p, 0, frame.origin)
-        x, v = read(particles.x, p, 0, frame.origin), read(particles.v, p, 0, frame.origin)
-        return _three(call(force.source, (X, x, v, force.time)))
-
-    return force_by_origin if 0 in kind.taken else force_by_place
-
-
-def _with_water(kind):
-    """`_force` with water in the ground."""
-
-    def water_alone(force, frame, particles, p):
-        return buoyancy(force.source, particles, p)
-
-    def water_besides(force, frame, particles, p):
-        b = _force(BodyForce(force.source.other, force.time), frame, particles, p)
-        a = buoyancy(force.source, particles, p)
+    source, t = force.source, force.time
+    kind = class_of(source)
+    if hasattr(kind, "lift"):
+        a = buoyancy(source, particles, p)
+        if not is_record(source.other):
+            return a
+        b = _force(BodyForce(source.other, t), frame, particles, p)
         return b[0] + a[0], b[1] + a[1], b[2] + a[2]
-
-    other = kind.types[kind.instance_class._fields.index("other")]
-    return water_besides if hasattr(other, "instance_class") else water_alone
-
-
-@specialise(_force)
-def _force_of(force, frame, particles, p):
-    D, source = len(frame.types[0]), force.types[0].instance_class
-    if "lift" in getattr(source, "_fields", ()):
-        return _with_water(force.types[0])
-    if hasattr(source, "taken"):
-        return _own_force(source)
-    if hasattr(source, "acceleration"):
-
-        def force_here(force, frame, particles, p):
-            x = _three(read(particles.x, p, 0, frame.origin))
-            v = _three(read(particles.v, p, 0, frame.origin))
-            return acceleration(force.source, x, v, force.time)
-
-        return force_here
-
-    def force1(force, frame, particles, p):
-        X = read(particles.origin, p, 0, frame.origin)
-        return body_force(force.source, X, force.time)[0], 0.0, 0.0
-
-    def force2(force, frame, particles, p):
-        X = read(particles.origin, p, 0, frame.origin)
-        b = body_force(force.source, X, force.time)
-        return b[0], b[1], 0.0
-
-    def force3(force, frame, particles, p):
-        X = read(particles.origin, p, 0, frame.origin)
-        return body_force(force.source, X, force.time)
-
-    return (force1, force2, force3)[D - 1]
+    x, v = read(particles.x, p, 0, frame.origin), read(particles.v, p, 0, frame.origin)
+    if hasattr(kind, "acceleration"):
+        return acceleration(source, _three(x), _three(v), t)
+    if hasattr(kind, "taken") and all(number > 0 for number in kind.taken):
+        return _three(call(source, (x, x, v, t)))
+    X = read(particles.origin, p, 0, frame.origin)
+    if hasattr(kind, "taken"):
+        return _three(call(source, (X, x, v, t)))
+    return _three(body_force(source, X, t))
 
 
+@inlined
 def weight(force, walls, frame, particles, p):
     """Vector (0, m_p b_p), which (17) adds to the force on the support's vertices, or ().
 
     With walls its first component is for `pgimp.kernels.grid.wall_gap`.
     """
-
-
-@specialise(weight)
-def _weight(force, walls, frame, particles, p):
-    forced, near = hasattr(force, "instance_class"), len(walls) > 0
+    forced, near = is_record(force), len(walls) > 0
     if not forced and not near:
-        return lambda force, walls, frame, particles, p: ()
-
-    def near_walls(force, walls, frame, particles, p):
-        return pack(particles.m[p] * divergence(walls, particles, p, 0), 0.0, 0.0, 0.0)
-
-    def weight_of(force, walls, frame, particles, p):
-        m = particles.m[p]
-        b = _force(force, frame, particles, p)
-        return pack(0.0, m * b[0], m * b[1], m * b[2])
-
-    def weight_near_walls(force, walls, frame, particles, p):
-        m = particles.m[p]
-        b = _force(force, frame, particles, p)
-        div = divergence(walls, particles, p, 0)
-        return pack(m * div, m * b[0], m * b[1], m * b[2])
-
+        return ()
     if not forced:
-        return near_walls
-    return weight_near_walls if near else weight_of
+        return pack(particles.m[p] * divergence(walls, particles, p, 0), 0.0, 0.0, 0.0)
+    m, b = particles.m[p], _force(force, frame, particles, p)
+    if near:
+        return pack(m * divergence(walls, particles, p, 0), m * b[0], m * b[1], m * b[2])
+    return pack(0.0, m * b[0], m * b[1], m * b[2])
 
 
 @inlined

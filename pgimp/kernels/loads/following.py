@@ -16,7 +16,7 @@ is F's.
 from typing import Any, NamedTuple
 
 from pgimp.jit.algebra import determinant, inverse, multiply
-from pgimp.jit.kernel import inlined, inner_kernel, is_empty, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_empty, kernel
 from pgimp.jit.tuples import read, scaled, squared, write
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
@@ -96,14 +96,11 @@ def displacement_share(shape, frame, particles, p):
     return pack(m, m * x, m * y, m * z), zeros(frame.origin)
 
 
+@inlined
 def _plane(F, D):
     """The part of a matrix in the directions of the scene; `D` has one entry each."""
-
-
-@specialise(_plane)
-def _plane_of(F, D):
     n = len(D) ** 2
-    return lambda F, D: F[:n]
+    return F[:n]
 
 
 @inlined
@@ -116,25 +113,14 @@ def _one_minus(A):
     )  # fmt: skip
 
 
+@inlined
 def displacement_arms(frame, particles, p):
     """Gradient of m_p u for each direction, as in `affine_momentum`."""
-
-
-@specialise(displacement_arms)
-def _displacement_arms(frame, particles, p):
-    def arms2(frame, particles, p):
+    if len(frame.origin) == 2:
         G = _carried_gradient(frame, particles, p)
         return (pack(0.0, G[0], G[2], 0.0), pack(0.0, G[1], G[3], 0.0))
-
-    def arms3(frame, particles, p):
-        G = _carried_gradient(frame, particles, p)
-        return (
-            pack(0.0, G[0], G[3], G[6]),
-            pack(0.0, G[1], G[4], G[7]),
-            pack(0.0, G[2], G[5], G[8]),
-        )
-
-    return (arms2, arms3)[len(frame.types[0]) - 2]
+    G = _carried_gradient(frame, particles, p)
+    return (pack(0.0, G[0], G[3], G[6]), pack(0.0, G[1], G[4], G[7]), pack(0.0, G[2], G[5], G[8]))
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from pgimp.jit.kernel import inlined, is_empty, specialise
+from pgimp.jit.kernel import class_of, inlined, is_empty
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.kernels.grid.wall_gap import Sides
 from pgimp.kernels.loads.surfaces import scatter_surfaces, surface_power
@@ -63,10 +63,10 @@ class Loads(NamedTuple):
         return self._replace(relaxation=(), rest=())
 
 
+@inlined
 def _has_surfaces(loads):
-    """Whether loads, given by their Numba type, or a stand-in for them, have any on surfaces."""
-    names = loads.instance_class._fields
-    return "surfaces" in names and len(loads.types[names.index("surfaces")]) > 0
+    """Whether loads, or a stand-in for them, have any on surfaces."""
+    return hasattr(class_of(loads), "surfaces") and len(loads.surfaces) > 0
 
 
 @inlined
@@ -102,54 +102,33 @@ def given(rate, m, dt, v, a, V, A):
     return m * ((1.0 - part) * dt * (A - a) + part * (V - v))
 
 
+@inlined
 def scatter_loads(loads, setting, field, particles, rows, span, layer):
     """Add the loads of a layer's particles, but for stress and body force, to its planes."""
-
-
-@specialise(scatter_loads)
-def _scatter_loads(loads, setting, field, particles, rows, span, layer):
-    faces, surfaces = len(loads.types[1]) > 0, _has_surfaces(loads)
-
-    def scatter_both(loads, setting, field, particles, rows, span, layer):
+    faces, surfaces = len(loads.tractions) > 0, _has_surfaces(loads)
+    if faces and surfaces:
         scatter_tractions(loads.tractions, setting, field, particles, rows, span, layer)
         scatter_surfaces(loads.surfaces, setting, field, particles, rows, span, layer)
-
-    if faces and surfaces:
-        return scatter_both
+        return
     if surfaces:
-        return lambda loads, setting, field, particles, rows, span, layer: scatter_surfaces(
-            loads.surfaces, setting, field, particles, rows, span, layer
-        )
+        return scatter_surfaces(loads.surfaces, setting, field, particles, rows, span, layer)
     if not faces:
-        return lambda loads, setting, field, particles, rows, span, layer: None
-    return lambda loads, setting, field, particles, rows, span, layer: scatter_tractions(
-        loads.tractions, setting, field, particles, rows, span, layer
-    )
+        return None
+    return scatter_tractions(loads.tractions, setting, field, particles, rows, span, layer)
 
 
+@inlined
 def layer_power(loads, setting, field, particles, rows, span, layer, booking):
     """Power of the loads on a layer's particles, without the body force; see `Booking`."""
-
-
-@specialise(layer_power)
-def _layer_power(loads, setting, field, particles, rows, span, layer, booking):
-    faces, surfaces = len(loads.types[1]), _has_surfaces(loads)
-
-    def power_of_both(loads, setting, field, particles, rows, span, layer, booking):
+    faces, surfaces = len(loads.tractions), _has_surfaces(loads)
+    if faces and surfaces:
         own = traction_power(loads.tractions, setting, field, particles, rows, span, layer, booking)
         next_rows = Booking(booking.dt, booking.impulse, faces)
         return own + surface_power(
             loads.surfaces, setting, field, particles, rows, span, layer, next_rows
         )
-
-    if faces and surfaces:
-        return power_of_both
     if surfaces:
-        return lambda loads, setting, field, particles, rows, span, layer, booking: surface_power(
-            loads.surfaces, setting, field, particles, rows, span, layer, booking
-        )
+        return surface_power(loads.surfaces, setting, field, particles, rows, span, layer, booking)
     if not faces:
-        return lambda loads, setting, field, particles, rows, span, layer, booking: 0.0
-    return lambda loads, setting, field, particles, rows, span, layer, booking: traction_power(
-        loads.tractions, setting, field, particles, rows, span, layer, booking
-    )
+        return 0.0
+    return traction_power(loads.tractions, setting, field, particles, rows, span, layer, booking)

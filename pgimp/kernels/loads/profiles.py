@@ -11,7 +11,7 @@ edge has both of its faces at once: there the factor is right to a part of the p
 
 from math import pi, sqrt
 
-from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.kernels.loads.tractions import columns
 from pgimp.kernels.transfer.first_vertex import is_axial
 
@@ -86,26 +86,19 @@ def _half_box(a, C, N, h):
     return half
 
 
+@inlined
 def _half_length(profile, frame, C, N, radius):
     """Half of the length that a part covers along the line.
 
     `C` are the columns of F; `radius` is the current one of the centroid, in axisymmetry.
     """
-
-
-@specialise(_half_length)
-def _half_length_of(profile, frame, C, N, radius):
-    if len(frame.types[0]) == 3:
-        return lambda profile, frame, C, N, radius: _half_box(profile.direction, C, N, profile.half)
+    if len(frame.origin) == 3:
+        return _half_box(profile.direction, C, N, profile.half)
     if not is_axial(frame):
-        return lambda profile, frame, C, N, radius: _half_line(profile.direction, C, N)
-
-    def ring(profile, frame, C, N, radius):
-        # The area is that of the whole ring, round the initial radius.
-        part = C[2][2] / (2.0 * pi * radius) if radius > 0.0 else 0.0
-        return part * _half_line(profile.direction, C, N)
-
-    return ring
+        return _half_line(profile.direction, C, N)
+    # The area is that of the whole ring, round the initial radius.
+    part = C[2][2] / (2.0 * pi * radius) if radius > 0.0 else 0.0
+    return part * _half_line(profile.direction, C, N)
 
 
 @inlined

@@ -9,7 +9,7 @@ total force is exact.
 
 from math import sqrt
 
-from pgimp.jit.kernel import inlined, inner_kernel, specialise
+from pgimp.jit.kernel import class_of, inlined, inner_kernel
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
@@ -156,23 +156,18 @@ def _along_first(load, frame, x, part, own, vertex, like):
     return _along(load, frame, x, part, own, 0, vertex, like)
 
 
+@inlined
 def _support(load, layout, window, particles, p, layer, part, buffer):
     """Store the weights of the vertices under a part; returns the first offset."""
-
-
-@specialise(_support)
-def _support_of(load, layout, window, particles, p, layer, part, buffer):
-    D = len(layout[1].types[0])
-    like = (0.0,) * layout[0].instance_class.vertices()
-
-    def support1(load, layout, window, particles, p, layer, part, buffer):
+    D = len(layout[1].origin)
+    like = (0.0,) * class_of(layout[0]).vertices()
+    if D == 1:
         shape, frame = layout
         half, x = half_widths(shape, frame, particles, p), coordinate(frame, particles, p, 0)
         w = _along(load, frame, x, part, half[0], 0, layer, like)
         keep_support(buffer, 0, w, w)
         return 0
-
-    def support2(load, layout, window, particles, p, layer, part, buffer):
+    if D == 2:
         shape, frame = layout
         half = half_widths(shape, frame, particles, p)
         x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
@@ -182,23 +177,19 @@ def _support_of(load, layout, window, particles, p, layer, part, buffer):
         keep_support(buffer, 0, w, w)
         keep_support(buffer, 1, v, v)
         return (j - window.lower[1]) * window.stride[1]
-
-    def support3(load, layout, window, particles, p, layer, part, buffer):
-        shape, frame = layout
-        half = half_widths(shape, frame, particles, p)
-        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
-        j = first_vertex(frame, 1, half[1], y)
-        z = coordinate(frame, particles, p, 2)
-        k = first_vertex(frame, 2, half[2], z)
-        w = _along(load, frame, x, part, half[0], 0, layer, like)
-        v = _along(load, frame, y, part, half[1], 1, j, like)
-        u = _along(load, frame, z, part, half[2], 2, k, like)
-        keep_support(buffer, 0, w, w)
-        keep_support(buffer, 1, v, v)
-        keep_support(buffer, 2, u, u)
-        return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
-
-    return (support1, support2, support3)[D - 1]
+    shape, frame = layout
+    half = half_widths(shape, frame, particles, p)
+    x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+    j = first_vertex(frame, 1, half[1], y)
+    z = coordinate(frame, particles, p, 2)
+    k = first_vertex(frame, 2, half[2], z)
+    w = _along(load, frame, x, part, half[0], 0, layer, like)
+    v = _along(load, frame, y, part, half[1], 1, j, like)
+    u = _along(load, frame, z, part, half[2], 2, k, like)
+    keep_support(buffer, 0, w, w)
+    keep_support(buffer, 1, v, v)
+    keep_support(buffer, 2, u, u)
+    return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
 
 
 @inner_kernel

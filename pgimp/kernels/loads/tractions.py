@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inlined, inner_kernel, specialise
+from pgimp.jit.kernel import class_of, inlined, inner_kernel
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
@@ -131,35 +131,15 @@ def _along(traction, frame, F, x, d, vertex, like):
     return means(traction.ends, tent, half, min(max(g, half), last - half), like)
 
 
+@inlined
 def _support(traction, layout, window, particles, p, layer, F, buffer):
     """Store the weights of the vertices under a patch; returns the first offset.
 
     `layout` is the shape and the frame.
     """
-
-
-@specialise(_support)
-def _support_of(traction, layout, window, particles, p, layer, F, buffer):
-    D = len(layout[1].types[0])
-    like = (0.0,) * layout[0].instance_class.vertices()
-
-    def support1(traction, layout, window, particles, p, layer, F, buffer):
-        _, frame = layout
-        w = _along(traction, frame, F, coordinate(frame, particles, p, 0), 0, layer, like)
-        keep_support(buffer, 0, w, w)
-        return 0
-
-    def support2(traction, layout, window, particles, p, layer, F, buffer):
-        shape, frame = layout
-        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
-        j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
-        w = _along(traction, frame, F, x, 0, layer, like)
-        v = _along(traction, frame, F, y, 1, j, like)
-        keep_support(buffer, 0, w, w)
-        keep_support(buffer, 1, v, v)
-        return (j - window.lower[1]) * window.stride[1]
-
-    def support_of_ring(traction, layout, window, particles, p, layer, F, buffer):
+    D = len(layout[1].origin)
+    like = (0.0,) * class_of(layout[0]).vertices()
+    if is_axial(layout[1]):
         shape, frame = layout
         x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
         half = half_widths(shape, frame, particles, p)
@@ -172,24 +152,32 @@ def _support_of(traction, layout, window, particles, p, layer, F, buffer):
         keep_support(buffer, 0, w, w)
         keep_support(buffer, 1, v, v)
         return (j - window.lower[1]) * window.stride[1]
-
-    def support3(traction, layout, window, particles, p, layer, F, buffer):
+    if D == 1:
+        _, frame = layout
+        w = _along(traction, frame, F, coordinate(frame, particles, p, 0), 0, layer, like)
+        keep_support(buffer, 0, w, w)
+        return 0
+    if D == 2:
         shape, frame = layout
         x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
-        z = coordinate(frame, particles, p, 2)
-        half = half_widths(shape, frame, particles, p)
-        j, k = first_vertex(frame, 1, half[1], y), first_vertex(frame, 2, half[2], z)
+        j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
         w = _along(traction, frame, F, x, 0, layer, like)
         v = _along(traction, frame, F, y, 1, j, like)
-        u = _along(traction, frame, F, z, 2, k, like)
         keep_support(buffer, 0, w, w)
         keep_support(buffer, 1, v, v)
-        keep_support(buffer, 2, u, u)
-        return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
-
-    if is_axial(layout[1]):
-        return support_of_ring
-    return (support1, support2, support3)[D - 1]
+        return (j - window.lower[1]) * window.stride[1]
+    shape, frame = layout
+    x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
+    z = coordinate(frame, particles, p, 2)
+    half = half_widths(shape, frame, particles, p)
+    j, k = first_vertex(frame, 1, half[1], y), first_vertex(frame, 2, half[2], z)
+    w = _along(traction, frame, F, x, 0, layer, like)
+    v = _along(traction, frame, F, y, 1, j, like)
+    u = _along(traction, frame, F, z, 2, k, like)
+    keep_support(buffer, 0, w, w)
+    keep_support(buffer, 1, v, v)
+    keep_support(buffer, 2, u, u)
+    return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
 
 
 @inner_kernel

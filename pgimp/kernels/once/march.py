@@ -3,35 +3,27 @@
 from math import isqrt
 
 from pgimp.jit.algebra import determinant
-from pgimp.jit.kernel import kernel, specialise
+from pgimp.jit.kernel import inlined, kernel
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.kernels.transfer.lane_io import put_row, take_row
 from pgimp.physics.materials.parameters.evaluate import evaluate_four
 
 
+@inlined
 def ask(materials, F, J, L, dt, found, rows, like):
     """Stress and state of four particles after a step, and their wave speed.
 
     `found` has stress and state of each in a row, `rows` the offsets; `like` has their length.
     """
-
-
-@specialise(ask)
-def _ask(materials, F, J, L, dt, found, rows, like):
     components = (3, 4, 6)[isqrt(len(F)) - 1]
-
-    def with_state(materials, F, J, L, dt, found, rows, like):
+    if len(like) > components:
         before = take_row(found, rows, 0, like)
         sigma, state = before[:components], before[components:]
         after = evaluate_four("stress", materials, rows, (F, J, sigma, L, dt), state, before)
         return after, evaluate_four("speed", materials, rows, (F, J), after[components:], J)
-
-    def without(materials, F, J, L, dt, found, rows, like):
-        sigma = take_row(found, rows, 0, like)
-        after = evaluate_four("stress", materials, rows, (F, J, sigma, L, dt), (), sigma)
-        return after, evaluate_four("speed", materials, rows, (F, J), (), J)
-
-    return with_state if len(like) > components else without
+    sigma = take_row(found, rows, 0, like)
+    after = evaluate_four("stress", materials, rows, (F, J, sigma, L, dt), (), sigma)
+    return after, evaluate_four("speed", materials, rows, (F, J), (), J)
 
 
 @kernel

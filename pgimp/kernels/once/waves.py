@@ -3,7 +3,7 @@
 from math import isqrt, sqrt
 
 from pgimp.jit.algebra import determinant, symmetric
-from pgimp.jit.kernel import inlined, kernel, specialise
+from pgimp.jit.kernel import inlined, kernel
 from pgimp.jit.tuples import read, scaled
 from pgimp.kernels.transfer.first_vertex import deformation, is_plate
 from pgimp.kernels.update.stress import state_of
@@ -55,28 +55,21 @@ def _in_a_plate(frame, c, s):
     return c
 
 
+@inlined
 def _shear_stress(setting, particles, p, materials, strain, dt):
     """Stress xy of a particle after a shear along x in the time `dt`; 0 in 1D."""
-
-
-@specialise(_shear_stress)
-def _shear_stress_of(setting, particles, p, materials, strain, dt):
-    like = setting.types[setting.fields.index("identity")]
+    like = setting.identity
     D = isqrt(len(like))
     if D == 1:
-        return lambda setting, particles, p, materials, strain, dt: 0.0
-
-    def stress(setting, particles, p, materials, strain, dt):
-        F = deformation(setting.frame, particles, p)
-        number, state = setting.material_of[particles.body[p]], state_of(materials, particles, p, F)
-        still = scaled(0.0, F)
-        L = (still[0], strain / dt, *still[2:])
-        sheared = _sheared(F, strain)
-        sigma = read(particles.sigma, p, 0, symmetric(F))
-        args = (sheared, determinant(sheared), sigma, L, dt)
-        return evaluate("stress", materials, number, args, state)[3]
-
-    return stress
+        return 0.0
+    F = deformation(setting.frame, particles, p)
+    number, state = setting.material_of[particles.body[p]], state_of(materials, particles, p, F)
+    still = scaled(0.0, F)
+    L = (still[0], strain / dt, *still[2:])
+    sheared = _sheared(F, strain)
+    sigma = read(particles.sigma, p, 0, symmetric(F))
+    args = (sheared, determinant(sheared), sigma, L, dt)
+    return evaluate("stress", materials, number, args, state)[3]
 
 
 @inlined

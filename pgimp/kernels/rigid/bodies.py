@@ -5,9 +5,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_array, is_record, kernel
 from pgimp.jit.memory import structure
-from pgimp.jit.outside import NumbaObject
 
 #: A rigid body in a step: current and initial reference point, matrix of rotation, spacing and
 #: first point of the lattice. In periodic domains also the lattice's current middle, and the way
@@ -84,66 +83,42 @@ class RigidBodies(NamedTuple):
 #: The rigid bodies of a scene; () without any.
 AnyRigidBodies = RigidBodies | tuple[()]
 
-_RESPONSES, _PERIODS = (RigidBodies._fields.index(name) for name in ("responses", "periods"))
+
+@inlined
+def repeat(rigid_bodies):
+    """Whether some rigid bodies have images: in periodic domains."""
+    return is_record(rigid_bodies) and is_array(rigid_bodies.periods)
 
 
-def repeat(rigid_bodies: NumbaObject) -> bool:
-    """Whether some rigid bodies, given by their Numba type, have images: in periodic domains."""
-    has = hasattr(rigid_bodies, "instance_class")
-    return has and hasattr(rigid_bodies.types[_PERIODS], "ndim")
+@inlined
+def move_freely(rigid_bodies):
+    """Whether some rigid bodies move freely."""
+    return is_record(rigid_bodies) and is_array(rigid_bodies.responses)
 
 
-def move_freely(rigid_bodies: NumbaObject) -> bool:
-    """Whether some rigid bodies, given by their Numba type, move freely."""
-    has = hasattr(rigid_bodies, "instance_class")
-    return has and hasattr(rigid_bodies.types[_RESPONSES], "ndim")
-
-
+@inlined
 def arm_of(rigid_bodies, t, x):
     """Vector from the centre of body `t`, or of its nearest image, to a point, a triple."""
-
-
-@specialise(arm_of)
-def _arm_of(rigid_bodies, t, x):
     if repeat(rigid_bodies):
-
-        def nearest(rigid_bodies, t, x):
-            gap, lever = _gap(rigid_bodies, t, x), rigid_bodies.motion[t].lever
-            return gap[0] + lever[0], gap[1] + lever[1], gap[2] + lever[2]
-
-        return nearest
-
-    def arm(rigid_bodies, t, x):
-        centre = rigid_bodies.motion[t].centre
-        return x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]
-
-    return arm
+        gap, lever = _gap(rigid_bodies, t, x), rigid_bodies.motion[t].lever
+        return gap[0] + lever[0], gap[1] + lever[1], gap[2] + lever[2]
+    centre = rigid_bodies.motion[t].centre
+    return x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]
 
 
+@inlined
 def place_in_lattice(rigid_bodies, t, x, d):
     """Coordinate of a point along `d` in the lattice of body `t`, or of its nearest image."""
-
-
-@specialise(place_in_lattice)
-def _place_in_lattice(rigid_bodies, t, x, d):
     if repeat(rigid_bodies):
-        # From the middle on, so that it has the same bits wherever the body is.
-        def nearest(rigid_bodies, t, x, d):
-            row, gap, own = rigid_bodies.motion[t], _gap(rigid_bodies, t, x), 0.0
-            for k in range(3):
-                own += row.rotation[k, d] * gap[k]
-            return own / row.spacing + 0.5 * (rigid_bodies.lattice[t].points[d] - 1)
-
-        return nearest
-
-    def place(rigid_bodies, t, x, d):
-        row = rigid_bodies.motion[t]
-        own = row.reference[d]  # the point in the body's own directions
+        row, gap, own = rigid_bodies.motion[t], _gap(rigid_bodies, t, x), 0.0
         for k in range(3):
-            own += row.rotation[k, d] * (x[k] - row.centre[k])
-        return (own - row.low[d]) / row.spacing
-
-    return place
+            own += row.rotation[k, d] * gap[k]
+        return own / row.spacing + 0.5 * (rigid_bodies.lattice[t].points[d] - 1)
+    row = rigid_bodies.motion[t]
+    own = row.reference[d]  # the point in the body's own directions
+    for k in range(3):
+        own += row.rotation[k, d] * (x[k] - row.centre[k])
+    return (own - row.low[d]) / row.spacing
 
 
 @inner_kernel
@@ -194,15 +169,12 @@ def _locate(rigid_bodies, t, D, x, y, z):
     return inside, lattice.first + offset, step, part
 
 
+@inlined
 def turns_back(rigid_bodies):
     """Whether a line of vertices comes from one image of a body to the next."""
-
-
-@specialise(turns_back)
-def _turns_back(rigid_bodies):
     if repeat(rigid_bodies):
-        return lambda rigid_bodies: True
-    return lambda rigid_bodies: False
+        return True
+    return False
 
 
 @inner_kernel

@@ -3,7 +3,7 @@
 from math import isqrt, sqrt
 
 from pgimp.jit.algebra import determinant, symmetric
-from pgimp.jit.kernel import inlined, inner_kernel, kernel, specialise
+from pgimp.jit.kernel import class_of, inlined, inner_kernel, kernel
 from pgimp.jit.tuples import read
 from pgimp.kernels.transfer.first_vertex import is_axial
 from pgimp.kernels.update.pace import pace
@@ -16,23 +16,17 @@ from pgimp.physics.materials.parameters.evaluate import evaluate
 MASS, MOMENTUM, ANGULAR, MOMENT, KINETIC, STRAIN, SUMS = 0, 1, 4, 7, 10, 11, 12
 
 
+@inlined
 def book_losses(row, materials, k, args, state, V0):
     """Add the energy losses that a particle's material reports, after the other sums.
 
     Nothing is added without materials that report losses.
     """
-
-
-@specialise(book_losses)
-def _book_losses(row, materials, k, args, state, V0):
-    def book(row, materials, k, args, state, V0):
+    if any(hasattr(class_of(material), "losses") for material in materials):
         losses = evaluate("losses", materials, k, args, state)
         row[SUMS] += V0 * losses[0]
         row[SUMS + 1] += V0 * losses[1]
         row[SUMS + 2] += V0 * losses[2]
-
-    lose = any(hasattr(material.instance_class, "losses") for material in materials)
-    return book if lose else lambda row, materials, k, args, state, V0: None
 
 
 @inlined
@@ -124,21 +118,14 @@ def exact_masses(particles, rows, unit, masses):
         row[1] = low & ((1 << LOW) - 1)
 
 
+@inlined
 def _with_diffusion(setting, k, args, state, inverse, c):
     """Speed limiting the step of a particle of material `k`, from waves and viscosity."""
-
-
-@specialise(_with_diffusion)
-def _with_diffusion_of(setting, k, args, state, inverse, c):
-    if not has_any(setting, "diffusivity"):
-        return lambda setting, k, args, state, inverse, c: c
+    if not has_any(setting.materials, "diffusivity"):
+        return c
     D = float(isqrt(len(args[0])))
-
-    def limit(setting, k, args, state, inverse, c):
-        extra = D * inverse * evaluate("diffusivity", setting.materials, k, args, state)
-        return sqrt(c * c + extra * extra) + extra
-
-    return limit
+    extra = D * inverse * evaluate("diffusivity", setting.materials, k, args, state)
+    return sqrt(c * c + extra * extra) + extra
 
 
 @kernel

@@ -2,10 +2,8 @@
 
 from typing import NamedTuple
 
-from numba.core import types
-
 from pgimp.jit.algebra import determinant
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined, is_number
 from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.grid.filling import FillingSums, filling_share
@@ -44,6 +42,7 @@ class VolumeSums(NamedTuple):
     gradient: float | tuple[()] = ()
 
 
+@inlined
 def contribution(loads, frame, particles, p, forces, j):
     """Contribution of a particle to the sums of vertices, times its weights, as vectors.
 
@@ -59,162 +58,114 @@ def contribution(loads, frame, particles, p, forces, j):
         the moment for `pgimp.kernels.grid.wall_gap`. In the initial configuration (0, -V0_p
         (P_xi, P_yi, P_zi)).
     """
+    D = len(frame.origin)
+    if isinstance(loads, DisplacementSums):
+        return displacement_share(loads.shape, frame, particles, p)
+    if isinstance(loads, FillingSums):
+        return filling_share(loads, frame, particles, p)
+    if isinstance(loads, VolumeSums):
+        F = deformation(frame, particles, p)
+        V, d = particles.V0[p] * determinant(F), read(particles.offset, p, 0, frame.origin)
+        cut = 0.0
+        for e in d:
+            cut = 1.0 if e != 0.0 else cut
+        A = pack(V, V * (particles.body[p] + 1), particles.excess[p, 0], cut)
+        return A, _outward(V, _summed_offset(loads.gradient, moved(F, d)))
+    if is_initial(frame):
+        m = particles.m[p]
+        v = scaled(m, read(particles.v, p, 0, frame.origin))
+        return _mass_and_momentum(m, v), kept_force(forces, 0, j, frame.origin)
+    if D == 1:
+        m = particles.m[p]
+        V = -particles.V[p]
+        q = viscous_pressure(loads.viscosity, particles, p)
+        mx = moment(wall(loads.approached, 0), particles, p, 0)
+        return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
+            pack(mx, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
+        )
+    if D == 2:
+        m = particles.m[p]
+        V = -particles.V[p]
+        q = set_apart(loads, frame, particles, p)
+        s = particles.sigma
+        xy = V * s[p, 3]
+        mx = moment(wall(loads.approached, 0), particles, p, 0)
+        my = moment(wall(loads.approached, 1), particles, p, 1)
+        return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
+            pack(mx, V * (s[p, 0] - q), xy, 0.0),
+            pack(my, xy, V * (s[p, 1] - q), 0.0),
+        )
+    m = particles.m[p]
+    V = -particles.V[p]
+    q = set_apart(loads, frame, particles, p)
+    v = particles.v
+    s = particles.sigma
+    xy = V * s[p, 3]
+    yz = V * s[p, 4]
+    xz = V * s[p, 5]
+    return pack(m, m * v[p, 0], m * v[p, 1], m * v[p, 2]), (
+        pack(moment(wall(loads.approached, 0), particles, p, 0), V * (s[p, 0] - q), xy, xz),
+        pack(moment(wall(loads.approached, 1), particles, p, 1), xy, V * (s[p, 1] - q), yz),
+        pack(moment(wall(loads.approached, 2), particles, p, 2), xz, yz, V * (s[p, 2] - q)),
+    )
 
 
+@inlined
 def _mass_and_momentum(m, p):
     """The vector (m, p)."""
+    if len(p) == 1:
+        return pack(m, p[0], 0.0, 0.0)
+    if len(p) == 2:
+        return pack(m, p[0], p[1], 0.0)
+    return pack(m, p[0], p[1], p[2])
 
 
-@specialise(_mass_and_momentum)
-def _mass_and_momentum_of(m, p):
-    one = lambda m, p: pack(m, p[0], 0.0, 0.0)  # noqa: E731
-    two = lambda m, p: pack(m, p[0], p[1], 0.0)  # noqa: E731
-    three = lambda m, p: pack(m, p[0], p[1], p[2])  # noqa: E731
-    return (one, two, three)[len(p) - 1]
-
-
+@inlined
 def _outward(V, d):
     """Vectors V (d_i, e_i) of as many directions as the offset `d` has."""
+    if len(d) == 1:
+        return (pack(V * d[0], V, 0.0, 0.0),)
+    if len(d) == 2:
+        return (*_outward(V, d[:1]), pack(V * d[1], 0.0, V, 0.0))
+    return (*_outward(V, d[:2]), pack(V * d[2], 0.0, 0.0, V))
 
 
-@specialise(_outward)
-def _outward_along(V, d):
-    one = lambda V, d: (pack(V * d[0], V, 0.0, 0.0),)  # noqa: E731
-    two = lambda V, d: (*_outward(V, d[:1]), pack(V * d[1], 0.0, V, 0.0))  # noqa: E731
-    three = lambda V, d: (*_outward(V, d[:2]), pack(V * d[2], 0.0, 0.0, V))  # noqa: E731
-    return (one, two, three)[len(d) - 1]
-
-
+@inlined
 def moved(F, d):
     """Offset F d of a particle deformed by F, as many numbers as `d` has."""
-
-
-@specialise(moved)
-def _moved_by(F, d):
-    one = lambda F, d: (F[0] * d[0],)  # noqa: E731
-    two = lambda F, d: (F[0] * d[0] + F[1] * d[1], F[2] * d[0] + F[3] * d[1])  # noqa: E731
-    three = lambda F, d: (  # noqa: E731
+    if len(d) == 1:
+        return (F[0] * d[0],)
+    if len(d) == 2:
+        return (F[0] * d[0] + F[1] * d[1], F[2] * d[0] + F[3] * d[1])
+    return (
         F[0] * d[0] + F[1] * d[1] + F[2] * d[2],
         F[3] * d[0] + F[4] * d[1] + F[5] * d[2],
         F[6] * d[0] + F[7] * d[1] + F[8] * d[2],
     )
-    return (one, two, three)[len(d) - 1]
 
 
+@inlined
 def _summed_offset(gradient, d):
     """Offset `d` where its effect is summed as a `gradient`; zero where weights include it."""
+    if is_number(gradient):
+        return d
+    return scaled(0.0, d)
 
 
-@specialise(_summed_offset)
-def _summed_offset_of(gradient, d):
-    if gradient == types.float64:
-        return lambda gradient, d: d
-    return lambda gradient, d: scaled(0.0, d)
-
-
+@inlined
 def hoop_force(loads, frame, particles, p, forces, j):
     """The vector (m_p w_x, -V_p sigma_zz, 0, 0) of a ring, times T the hoop's part of its sums.
 
     Of volumes (0, V_p, 0, 0): with it S has the sums of a closed surface. () outside of
     axisymmetry, and where filled parts or displacements are summed.
     """
-
-
-@specialise(hoop_force)
-def _hoop_force(loads, frame, particles, p, forces, j):
-    if not is_axial(frame) or loads.instance_class in (FillingSums, DisplacementSums):
-        return lambda loads, frame, particles, p, forces, j: ()
-    if loads.instance_class is VolumeSums:
-
-        def volume(loads, frame, particles, p, forces, j):
-            V = particles.V0[p] * determinant(deformation(frame, particles, p))
-            return pack(0.0, V, 0.0, 0.0)
-
-        return volume
+    if not is_axial(frame) or isinstance(loads, FillingSums) or isinstance(loads, DisplacementSums):
+        return ()
+    if isinstance(loads, VolumeSums):
+        V = particles.V0[p] * determinant(deformation(frame, particles, p))
+        return pack(0.0, V, 0.0, 0.0)
     if is_initial(frame):
-        return lambda loads, frame, particles, p, forces, j: kept_hoop(forces, 0, j)
-
-    def force(loads, frame, particles, p, forces, j):
-        hoop = particles.sigma[p, 2] - set_apart(loads, frame, particles, p)
-        spread = moment(wall(loads.approached, 0), particles, p, 0)
-        return pack(spread, -particles.V[p] * hoop, 0.0, 0.0)
-
-    return force
-
-
-@specialise(contribution)
-def _contribution(loads, frame, particles, p, forces, j):
-    D = len(frame.types[0])
-    if loads.instance_class is DisplacementSums:
-        return lambda loads, frame, particles, p, forces, j: displacement_share(
-            loads.shape, frame, particles, p
-        )
-    if loads.instance_class is FillingSums:
-        return lambda loads, frame, particles, p, forces, j: filling_share(
-            loads, frame, particles, p
-        )
-    if loads.instance_class is VolumeSums:
-
-        def volumes(loads, frame, particles, p, forces, j):
-            F = deformation(frame, particles, p)
-            V, d = particles.V0[p] * determinant(F), read(particles.offset, p, 0, frame.origin)
-            cut = 0.0
-            for e in d:
-                cut = 1.0 if e != 0.0 else cut
-            A = pack(V, V * (particles.body[p] + 1), particles.excess[p, 0], cut)
-            return A, _outward(V, _summed_offset(loads.gradient, moved(F, d)))
-
-        return volumes
-    if is_initial(frame):
-
-        def initial(loads, frame, particles, p, forces, j):
-            m = particles.m[p]
-            v = scaled(m, read(particles.v, p, 0, frame.origin))
-            return _mass_and_momentum(m, v), kept_force(forces, 0, j, frame.origin)
-
-        return initial
-    if D == 1:
-
-        def contribution1(loads, frame, particles, p, forces, j):
-            m = particles.m[p]
-            V = -particles.V[p]
-            q = viscous_pressure(loads.viscosity, particles, p)
-            mx = moment(wall(loads.approached, 0), particles, p, 0)
-            return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
-                pack(mx, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
-            )
-
-        return contribution1
-    if D == 2:
-
-        def contribution2(loads, frame, particles, p, forces, j):
-            m = particles.m[p]
-            V = -particles.V[p]
-            q = set_apart(loads, frame, particles, p)
-            s = particles.sigma
-            xy = V * s[p, 3]
-            mx = moment(wall(loads.approached, 0), particles, p, 0)
-            my = moment(wall(loads.approached, 1), particles, p, 1)
-            return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
-                pack(mx, V * (s[p, 0] - q), xy, 0.0),
-                pack(my, xy, V * (s[p, 1] - q), 0.0),
-            )
-
-        return contribution2
-
-    def contribution3(loads, frame, particles, p, forces, j):
-        m = particles.m[p]
-        V = -particles.V[p]
-        q = set_apart(loads, frame, particles, p)
-        v = particles.v
-        s = particles.sigma
-        xy = V * s[p, 3]
-        yz = V * s[p, 4]
-        xz = V * s[p, 5]
-        return pack(m, m * v[p, 0], m * v[p, 1], m * v[p, 2]), (
-            pack(moment(wall(loads.approached, 0), particles, p, 0), V * (s[p, 0] - q), xy, xz),
-            pack(moment(wall(loads.approached, 1), particles, p, 1), xy, V * (s[p, 1] - q), yz),
-            pack(moment(wall(loads.approached, 2), particles, p, 2), xz, yz, V * (s[p, 2] - q)),
-        )
-
-    return contribution3
+        return kept_hoop(forces, 0, j)
+    hoop = particles.sigma[p, 2] - set_apart(loads, frame, particles, p)
+    spread = moment(wall(loads.approached, 0), particles, p, 0)
+    return pack(spread, -particles.V[p] * hoop, 0.0, 0.0)

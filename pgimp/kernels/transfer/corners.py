@@ -6,7 +6,7 @@ Transfers by them are in `pgimp.kernels.transfer.cornertransfer`.
 from math import floor
 
 import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.simd import store, vector
 from pgimp.kernels.transfer.first_vertex import first_vertex
@@ -98,25 +98,18 @@ def _from_first(frame, window, d, half, x, vertex):
     return (f, *rest), offset + (first - window.lower[d + 1]) * window.stride[d + 1]
 
 
+@inlined
 def keep_corners(shape, frame, window, F, x, layer, buffer, arms):
     """Store the supports of four particles in a buffer; returns the offsets of first vertices.
 
     See `pgimp.kernels.transfer.supports.supports`, which calls this.
     """
-
-
-@specialise(keep_corners)
-def _keep_corners(shape, frame, window, F, x, layer, buffer, arms):
-    armed = not hasattr(arms, "count")  # ()
+    armed = not is_empty(arms)
     ones = (1.0,) * len(x)
-
-    def keep(shape, frame, window, F, x, layer, buffer, arms):
-        E = edges(shape, F)
-        f, offset = _from_first(frame, window, 0, size(shape, frame.cell, F)[0], x, layer)
-        _keep_each(buffer, 0, f, E, window.stride)
-        _keep_rows(buffer, INVERSE, _inverse(E), frame.inverse)
-        if armed:
-            _keep_rows(buffer, EDGES, E, ones)
-        return offset
-
-    return keep
+    E = edges(shape, F)
+    f, offset = _from_first(frame, window, 0, size(shape, frame.cell, F)[0], x, layer)
+    _keep_each(buffer, 0, f, E, window.stride)
+    _keep_rows(buffer, INVERSE, _inverse(E), frame.inverse)
+    if armed:
+        _keep_rows(buffer, EDGES, E, ones)
+    return offset

@@ -13,7 +13,7 @@ on the way. Likewise the velocities U_c at the corners have the mean U, and the 
 (sum_c s_cj U_c) (A^-1)_j. So nothing branches, and no table of weights is made.
 """
 
-from pgimp.jit.kernel import inlined, is_empty, specialise
+from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.lanes import numbers
 from pgimp.jit.vectors.simd import load, number, pack, store
@@ -57,6 +57,7 @@ def _along(A, t, C):
     return t * C[0] + A
 
 
+@inlined
 def spread(G, offset, stride, w, t, A, B, C):
     """Add vectors A and B, times `w`, to the vertices round the position t in a cell.
 
@@ -69,49 +70,33 @@ def spread(G, offset, stride, w, t, A, B, C):
     C : tuple of Vec4
         Change of A over a cell along each of them, or ().
     """
-
-
-@specialise(spread)
-def _spread(G, offset, stride, w, t, A, B, C):
-    def vertex(G, offset, stride, w, t, A, B, C):
+    if len(t) == 0:
         store(G, offset, load(G, offset) + w * A)
         store(G, offset + 4, load(G, offset + 4) + w * B)
-
-    if len(t) == 0:
-        return vertex
+        return
     innermost = len(t) == 1
-
-    def both(G, offset, stride, w, t, A, B, C):
-        above = offset + (RECORD if innermost else stride[0])
-        low, high = _along(A, -t[0], C), _along(A, 1.0 - t[0], C)
-        spread(G, offset, stride[1:], w * (1.0 - t[0]), t[1:], low, B, C[1:])
-        spread(G, above, stride[1:], w * t[0], t[1:], high, B, C[1:])
-
-    return both
+    above = offset + (RECORD if innermost else stride[0])
+    low, high = _along(A, -t[0], C), _along(A, 1.0 - t[0], C)
+    spread(G, offset, stride[1:], w * (1.0 - t[0]), t[1:], low, B, C[1:])
+    spread(G, above, stride[1:], w * t[0], t[1:], high, B, C[1:])
 
 
+@inlined
 def _scatter_each(support, c, planes, middle, changes, like):
     """Add the shares of the corners c, c + 1, ... of a particle.
 
     `planes` are G, offset and stride, `middle` A, B in the middle of these corners and C, `changes`
     K and T.
     """
-
-
-@specialise(_scatter_each)
-def _scatter_each_corner(support, c, planes, middle, changes, like):
-    def one(support, c, planes, middle, changes, like):
+    if len(changes[1]) == 0:
         (G, offset, stride), (A, B, C) = planes, middle
         t, cell = corner(support[0], c, support[1], like)
         spread(G, offset + cell, stride, 1.0, t, A, B, C)
-
-    def both(support, c, planes, middle, changes, like):
-        (A, B, C), (K, T) = middle, changes
-        low, high = (_along(A, -1.0, K), B - T[0], C), (_along(A, 1.0, K), B + T[0], C)
-        _scatter_each(support, 2 * c, planes, low, (K[1:], T[1:]), like)
-        _scatter_each(support, 2 * c + 1, planes, high, (K[1:], T[1:]), like)
-
-    return one if len(changes.types[1]) == 0 else both
+        return
+    (A, B, C), (K, T) = middle, changes
+    low, high = (_along(A, -1.0, K), B - T[0], C), (_along(A, 1.0, K), B + T[0], C)
+    _scatter_each(support, 2 * c, planes, low, (K[1:], T[1:]), like)
+    _scatter_each(support, 2 * c + 1, planes, high, (K[1:], T[1:]), like)
 
 
 @inlined
@@ -130,43 +115,29 @@ def _over_cells(part, C, cell):
     return ((part * cell[0]) * C[0], *_over_cells(part, C[1:], cell[1:]))
 
 
+@inlined
 def scatter_corners(shape, G, support, offset, stride, share):
     """See `pgimp.kernels.transfer.scatter.scatter`."""
-
-
-@specialise(scatter_corners)
-def _scatter_corners(shape, G, support, offset, stride, share):
-    D = len(share.types[2])
+    D = len(share.S)
     part, like, steps = 0.5**D, (0.0,) * D, (4, 4 * D)
-
-    def scatter(shape, G, support, offset, stride, share):
-        (buffer, j), (A, B, S, C, _, _) = support, share
-        T = _combinations(part, buffer, INVERSE + j, steps, S, like)
-        C = _over_cells(part, C, shape.cell)
-        K = _combinations(1.0, buffer, EDGES + j, steps, C, like)
-        middle = (part * A, _part_of(part, B), C)
-        _scatter_each((buffer, j), 0, (G, offset, stride), middle, (K, T), like)
-
-    return scatter
+    (buffer, j), (A, B, S, C, _, _) = support, share
+    T = _combinations(part, buffer, INVERSE + j, steps, S, like)
+    C = _over_cells(part, C, shape.cell)
+    K = _combinations(1.0, buffer, EDGES + j, steps, C, like)
+    middle = (part * A, _part_of(part, B), C)
+    _scatter_each((buffer, j), 0, (G, offset, stride), middle, (K, T), like)
 
 
+@inlined
 def interpolated(G, offset, stride, t):
     """The two vectors of the records at the position t in a cell; arguments as for `spread`."""
-
-
-@specialise(interpolated)
-def _interpolated(G, offset, stride, t):
     if len(t) == 0:
-        return lambda G, offset, stride, t: (load(G, offset), load(G, offset + 4))
+        return (load(G, offset), load(G, offset + 4))
     innermost = len(t) == 1
-
-    def between(G, offset, stride, t):
-        u, a = interpolated(G, offset, stride[1:], t[1:])
-        v, b = interpolated(G, offset + (RECORD if innermost else stride[0]), stride[1:], t[1:])
-        s = 1.0 - t[0]
-        return t[0] * v + s * u, t[0] * b + s * a
-
-    return between
+    u, a = interpolated(G, offset, stride[1:], t[1:])
+    v, b = interpolated(G, offset + (RECORD if innermost else stride[0]), stride[1:], t[1:])
+    s = 1.0 - t[0]
+    return t[0] * v + s * u, t[0] * b + s * a
 
 
 @inlined
@@ -181,18 +152,11 @@ def _sums(G, buffer, j, c, offset, stride, like, rest):
     return u + v, a + b, (v - u, *plus_scaled(1.0, low, high))
 
 
+@inlined
 def gather_corners(shape, G, support, offset, stride, like):
     """See `pgimp.kernels.transfer.gather.gather`; there is no `mean`."""
-
-
-@specialise(gather_corners)
-def _gather_corners(shape, G, support, offset, stride, like):
     part, steps = 0.5 ** len(like), (4 * len(like), 4)
-
-    def gather(shape, G, support, offset, stride, like):
-        buffer, j = support
-        U, A, E = _sums(G, buffer, j, 0, offset, stride, like, like)
-        D = _combinations(part, buffer, INVERSE + j, steps, E, like)
-        return part * U, part * A, D, ()
-
-    return gather
+    buffer, j = support
+    U, A, E = _sums(G, buffer, j, 0, offset, stride, like, like)
+    D = _combinations(part, buffer, INVERSE + j, steps, E, like)
+    return part * U, part * A, D, ()

@@ -2,14 +2,14 @@
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inlined, is_empty, specialise
+from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tuples import joined, plus_scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import load, vector
 from pgimp.kernels.transfer.cornertransfer import gather_corners
 from pgimp.kernels.transfer.supports import HOOP, entry
-from pgimp.kernels.transfer.transfer import last_step, lines, transfer_products
+from pgimp.kernels.transfer.transfer import last_step, transfer_products
 from pgimp.kernels.update.mean_dilatation import no_rates
 from pgimp.kernels.update.mean_dilatation_weights import factor
 from pgimp.physics.shapes.base import by_corners
@@ -28,6 +28,11 @@ class Sums(NamedTuple):
 
     M: NumbaObject
     H: tuple
+
+    @staticmethod
+    def lines(G, support, d, offset, counts, stride, Z, what):
+        """See `pgimp.kernels.transfer.transfer.lines`."""
+        return _gather_lines(G, support, d, offset, counts, stride, Z, what)
 
 
 @inlined
@@ -66,32 +71,24 @@ def _gather_line(G, offset, step, w, g, f, mean):
     return w[0] * u + U, w[0] * load(G, offset + 4) + A, (g[0] * u + D[0],), M
 
 
-@specialise(lines)
+@inlined
 def _gather_lines(G, support, d, offset, counts, stride, Z, what):
     """See `gather` for the sums."""
-    if what.instance_class is not Sums:
-        return None
     if len(counts) == 0:
-        return lambda G, support, d, offset, counts, stride, Z, what: _gather_line(
-            G, offset, last_step(stride), Z[0], Z[1], Z[3], what.M
+        return _gather_line(G, offset, last_step(stride), Z[0], Z[1], Z[3], what.M)
+    (buffer, j), mean = support, what.M
+    U, A, M = vector(0.0), vector(0.0), no_rates(mean)
+    D, T = joined(vector(0.0), zeros(counts)), zeros(what.H)
+    for i in range(counts[0]):
+        w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
+        u, a, b, m = _gather_lines(
+            G, support, d + 1, offset + i * stride[0], counts[1:], stride[1:], Z, Sums(mean, ())
         )
-
-    def gather(G, support, d, offset, counts, stride, Z, what):
-        (buffer, j), mean = support, what.M
-        U, A, M = vector(0.0), vector(0.0), no_rates(mean)
-        D, T = joined(vector(0.0), zeros(counts)), zeros(what.H)
-        for i in range(counts[0]):
-            w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
-            u, a, b, m = lines(
-                G, support, d + 1, offset + i * stride[0], counts[1:], stride[1:], Z, Sums(mean, ())
-            )
-            U, A = w * u + U, w * a + A
-            D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
-            M = _plus_rates(mean, factor(mean, what.H, buffer, d, i, j), m, M)
-            T = _plus_hoop(buffer, i, j, u, T)
-        return U, A, (*D, *T), M
-
-    return gather
+        U, A = w * u + U, w * a + A
+        D = joined(g * u + D[0], plus_scaled(w, b, D[1:]))
+        M = _plus_rates(mean, factor(mean, what.H, buffer, d, i, j), m, M)
+        T = _plus_hoop(buffer, i, j, u, T)
+    return U, A, (*D, *T), M
 
 
 @inlined

@@ -7,7 +7,7 @@ groups of four follow from the canonical order, constant in that configuration, 
 not depend on ranks.
 """
 
-from pgimp.jit.kernel import inlined, inner_kernel, specialise
+from pgimp.jit.kernel import class_of, inlined, inner_kernel
 from pgimp.jit.tuples import joined, plus_scaled, scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import vector
@@ -27,6 +27,7 @@ from pgimp.kernels.transfer.transpose import (
 from pgimp.kernels.update.mean_dilatation import keep_rates
 
 
+@inlined
 def take_from_grid(layout, field, mean, four, buffer, sums):
     """Gather velocity, acceleration and gradient for four particles.
 
@@ -52,11 +53,7 @@ def take_from_grid(layout, field, mean, four, buffer, sums):
     hoop : tuple of 2 Vec4 or ()
         In axisymmetry, sums of velocities times T_vp; `grad` then has that of the radial ones.
     """
-
-
-@specialise(take_from_grid)
-def _take_from_grid(layout, field, mean, four, buffer, sums):
-    def where_shared(layout, field, mean, four, buffer, sums):
+    if is_initial(layout[1]) and not is_axial(layout[1]):
         if four.size < LANES or not share_support(buffer):
             return _take_separately(layout, field, mean, four, buffer, sums)
         (shape, frame), window = layout, field.window
@@ -65,35 +62,23 @@ def _take_from_grid(layout, field, mean, four, buffer, sums):
             shape, field.G, buffer, offset, window.stride, frame.origin, frame.origin
         )
         return u, a, row_major(D), held, ()
-
-    if is_initial(layout[1]) and not is_axial(layout[1]):
-        return where_shared
-    return lambda layout, field, mean, four, buffer, sums: _take_separately(
-        layout, field, mean, four, buffer, sums
-    )
+    return _take_separately(layout, field, mean, four, buffer, sums)
 
 
+@inlined
 def _take_separately(layout, field, mean, four, buffer, sums):
     """As `take_from_grid`, one particle after the other."""
-
-
-@specialise(_take_separately)
-def _take_one_by_one(layout, field, mean, four, buffer, sums):
-    def one_by_one(layout, field, mean, four, buffer, sums):
-        like = layout[1].origin
-        _gather_each(layout, field, mean, four, buffer, sums, ())
-        repeat_sums(sums, four.size, like)
-        u, a = collected(sums, 0, like), collected(sums, 1, like)
-        return u, a, gradients(sums, 2, like), held_weights(sums), ()
-
-    def rings(layout, field, mean, four, buffer, sums):
+    if is_axial(layout[1]):
         like = layout[1].origin
         _gather_each(layout, field, mean, four, buffer, sums, (0.0,))
         repeat_sums(sums, four.size, (0.0, 0.0, 0.0))
         u, a, hoop = collected(sums, 0, like), collected(sums, 1, like), collected(sums, 4, like)
         return u, a, (*gradients(sums, 2, like), hoop[0]), held_weights(sums), hoop
-
-    return rings if is_axial(layout[1]) else one_by_one
+    like = layout[1].origin
+    _gather_each(layout, field, mean, four, buffer, sums, ())
+    repeat_sums(sums, four.size, like)
+    u, a = collected(sums, 0, like), collected(sums, 1, like)
+    return u, a, gradients(sums, 2, like), held_weights(sums), ()
 
 
 @inner_kernel
@@ -110,18 +95,14 @@ def _gather_each(layout, field, mean, four, buffer, sums, hoop):
         keep_rates(M, buffer, j)
 
 
+@inlined
 def row_major(D):
     """Gradients, row-major, from the derivatives of a vector along each direction."""
-
-
-@specialise(row_major)
-def _row_major_of(D):
-    one = lambda D: D[0]  # noqa: E731
-    two = lambda D: (D[0][0], D[1][0], D[0][1], D[1][1])  # noqa: E731
-    three = lambda D: (  # noqa: E731
-        D[0][0], D[1][0], D[2][0], D[0][1], D[1][1], D[2][1], D[0][2], D[1][2], D[2][2],
-    )  # fmt: skip
-    return (one, two, three)[len(D) - 1]
+    if len(D) == 1:
+        return D[0]
+    if len(D) == 2:
+        return (D[0][0], D[1][0], D[0][1], D[1][1])
+    return (D[0][0], D[1][0], D[2][0], D[0][1], D[1][1], D[2][1], D[0][2], D[1][2], D[2][2])
 
 
 @inlined
@@ -196,19 +177,12 @@ def _lines(G, buffer, d, offset, counts, stride, like, most):
     return U, A, D, held
 
 
+@inlined
 def gather_shared(shape, G, buffer, offset, stride, directions, like):
     """Sums of velocities, accelerations, derivatives along each direction, and codes.
 
     For as many numbers of a record as `like` has, in a scene of as many `directions`.
     """
-
-
-@specialise(gather_shared)
-def _gather_shared_of(shape, G, buffer, offset, stride, directions, like):
-    most = (0.0,) * shape.instance_class.vertices()
-
-    def gather_shared(shape, G, buffer, offset, stride, directions, like):
-        counts = extents(shape, buffer, 0, (), directions)
-        return _lines(G, buffer, 0, offset, counts, stride, like, most)
-
-    return gather_shared
+    most = (0.0,) * class_of(shape).vertices()
+    counts = extents(shape, buffer, 0, (), directions)
+    return _lines(G, buffer, 0, offset, counts, stride, like, most)

@@ -5,7 +5,7 @@ group at the end of a layer repeats its last particle: a particle's results do n
 group and lane.
 """
 
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.vectors.rows import load_row, store_row, transpose
 from pgimp.jit.vectors.simd import lane, pack
 from pgimp.kernels.transfer.first_vertex import is_initial, off_axis, undeformed
@@ -60,53 +60,45 @@ def put(array, rows, values):
     array[rows[3]] = lane(values, 3)
 
 
+@inlined
 def put_row(array, rows, i, values):
     """Set the entries i, i+1, ... of four rows to the vectors `values`."""
-
-
-@specialise(put_row)
-def _put_row(array, rows, i, values):
-    def put_four(array, rows, i, values):
+    if min(len(values), 5) == 1:
+        array[rows[0], i] = lane(values[0], 0)
+        array[rows[1], i] = lane(values[0], 1)
+        array[rows[2], i] = lane(values[0], 2)
+        array[rows[3], i] = lane(values[0], 3)
+        return
+    if min(len(values), 5) == 2:
+        put_row(array, rows, i, values[:1])
+        put_row(array, rows, i + 1, values[1:])
+        return
+    if min(len(values), 5) == 3:
+        put_row(array, rows, i, values[:1])
+        put_row(array, rows, i + 1, values[1:])
+        return
+    if min(len(values), 5) == 4:
         whole = transpose(values[0], values[1], values[2], values[3])
         store_row(array, rows[0], i, whole[0])
         store_row(array, rows[1], i, whole[1])
         store_row(array, rows[2], i, whole[2])
         store_row(array, rows[3], i, whole[3])
-
-    def put_one(array, rows, i, values):
-        array[rows[0], i] = lane(values[0], 0)
-        array[rows[1], i] = lane(values[0], 1)
-        array[rows[2], i] = lane(values[0], 2)
-        array[rows[3], i] = lane(values[0], 3)
-
-    def put_few(array, rows, i, values):
-        put_row(array, rows, i, values[:1])
-        put_row(array, rows, i + 1, values[1:])
-
-    def put_more(array, rows, i, values):
-        put_row(array, rows, i, values[:4])
-        put_row(array, rows, i + 4, values[4:])
-
-    return (put_one, put_few, put_few, put_four, put_more)[min(len(values), 5) - 1]
+        return
+    put_row(array, rows, i, values[:4])
+    put_row(array, rows, i + 4, values[4:])
 
 
+@inlined
 def deformations(frame, particles, rows):
     """Deformation gradients of four particles, a row-major tuple of vectors."""
-
-
-@specialise(deformations)
-def _deformations(frame, particles, rows):
     like = undeformed(frame)
-    return lambda frame, particles, rows: take_row(particles.F, rows, 0, like)
+    return take_row(particles.F, rows, 0, like)
 
 
+@inlined
 def coordinates(frame, particles, rows):
     """Positions of four particles' weights, a tuple of vectors; see `coordinate`."""
-
-
-@specialise(coordinates)
-def _coordinates(frame, particles, rows):
-    like = (0.0,) * len(frame.types[0])
+    like = (0.0,) * len(frame.origin)
     if is_initial(frame):
-        return lambda frame, particles, rows: take_row(particles.origin, rows, 0, like)
-    return lambda frame, particles, rows: off_axis(frame, take_row(particles.x, rows, 0, like))
+        return take_row(particles.origin, rows, 0, like)
+    return off_axis(frame, take_row(particles.x, rows, 0, like))

@@ -10,7 +10,7 @@ added later are deferred.
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inner_kernel, kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.simd import load, pack, store
 from pgimp.kernels.data.arguments import KernelScene, Order
 from pgimp.kernels.data.used_rows import (
@@ -41,67 +41,48 @@ class Others(NamedTuple):
     order: Order
 
 
+@inlined
 def _sum_others(others, field, particles, layer, span):
     """Sum the other particles of a layer; `span` is the range of a plane so far, and is widened."""
+    if not is_record(others):
+        return span
+    if isinstance(others, Cells):
+        low, high = add_cells(others, field, particles, layer, span)
+        use_layer(field, low, high)
+        return low, high
+    start = others.order.start
+    if start[layer] == start[layer + 1]:
+        return span
+    low, high = sum_layer(
+        others.setting, field, particles, others.loads, others.order.rows,
+        (start[layer], start[layer + 1]), layer + field.window.lower[0],
+    )  # fmt: skip
+    if span[1] == 0:
+        return low, high
+    return min(low, span[0]), max(high, span[1])
 
 
-@specialise(_sum_others)
-def _sum_others_too(others, field, particles, layer, span):
-    if not hasattr(others, "instance_class"):  # ()
-        return lambda others, field, particles, layer, span: span
-    if others.instance_class is Cells:
-
-        def cells(others, field, particles, layer, span):
-            low, high = add_cells(others, field, particles, layer, span)
-            use_layer(field, low, high)
-            return low, high
-
-        return cells
-
-    def widen(others, field, particles, layer, span):
-        start = others.order.start
-        if start[layer] == start[layer + 1]:
-            return span
-        low, high = sum_layer(
-            others.setting, field, particles, others.loads, others.order.rows,
-            (start[layer], start[layer + 1]), layer + field.window.lower[0],
-        )  # fmt: skip
-        if span[1] == 0:
-            return low, high
-        return min(low, span[0]), max(high, span[1])
-
-    return widen
-
-
+@inlined
 def _begin_plane(others, field, alone, i):
     """Begin the sums of plane `i`: from zero, but from known masses where no particle adds any.
 
     `alone` says whether cells of the lattice have all of the rank's particles.
     """
-
-
-@specialise(_begin_plane)
-def _begin_plane_with(others, field, alone, i):
-    def begin(others, field, alone, i):
+    if is_single(field) and isinstance(others, Cells):
         if alone:
             begin_with_masses(field, i)
         else:
             clear_plane(field, i)
-
-    if is_single(field) and getattr(others, "instance_class", None) is Cells:
-        return begin
-    return lambda others, field, alone, i: clear_plane(field, i)
+        return
+    return clear_plane(field, i)
 
 
+@inlined
 def _reach(others, vertices):
     """Number of planes that the other particles of a layer reach, of shapes with so many."""
-
-
-@specialise(_reach)
-def _reach_of(others, vertices):
-    if getattr(others, "instance_class", None) is Cells:
-        return lambda others, vertices: CELL_VERTICES
-    return lambda others, vertices: vertices
+    if isinstance(others, Cells):
+        return CELL_VERTICES
+    return vertices
 
 
 @kernel

@@ -2,13 +2,13 @@
 
 from typing import NamedTuple
 
-from pgimp.jit.kernel import inlined, is_empty, specialise
+from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.simd import load, store
 from pgimp.kernels.transfer.cornertransfer import scatter_corners
 from pgimp.kernels.transfer.supports import HOOP, entry
-from pgimp.kernels.transfer.transfer import last_step, lines, transfer_products
+from pgimp.kernels.transfer.transfer import last_step, transfer_products
 from pgimp.kernels.update.mean_dilatation_weights import factor, factored, plus_factored
 from pgimp.physics.shapes.base import by_corners
 
@@ -38,6 +38,11 @@ class Share(NamedTuple):
     C: tuple
     M: NumbaObject
     H: NumbaObject
+
+    @staticmethod
+    def lines(G, support, d, offset, counts, stride, Z, what):
+        """See `pgimp.kernels.transfer.transfer.lines`."""
+        return _scatter_lines(G, support, d, offset, counts, stride, Z, what)
 
 
 @inlined
@@ -77,49 +82,37 @@ def _plus_hoop(buffer, i, j, H, V):
 @inlined
 def _scatter_line(G, offset, step, w, g, e, f, share):
     """Add a particle to a line of vertices, which are `step` apart."""
-    if len(w) == 1:
-        A, B, S, C, M, _ = share
-        _add(G, offset, w[0], A, e[0], C)
-        more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
-        store(G, offset + 4, load(G, offset + 4) + more)
-    else:
-        A, B, S, C, M, _ = share
-        _add(G, offset, w[0], A, e[0], C)
-        more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
-        store(G, offset + 4, load(G, offset + 4) + more)
+    A, B, S, C, M, _ = share
+    _add(G, offset, w[0], A, e[0], C)
+    more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
+    store(G, offset + 4, load(G, offset + 4) + more)
+    if len(w) > 1:
         _scatter_line(G, offset + step, step, w[1:], g[1:], e[1:], f[1:], share)
 
 
-@specialise(lines)
+@inlined
 def _scatter_lines(G, support, d, offset, counts, stride, Z, what):
     """A and B include the sums over the previous directions.
 
     S and C of the current and following ones are times the weights so far, M times the factors.
     """
-    if what.instance_class is not Share:
-        return None
     if len(counts) == 0:
-        return lambda G, support, d, offset, counts, stride, Z, what: _scatter_line(
-            G, offset, last_step(stride), Z[0], Z[1], Z[2], Z[3], what
+        return _scatter_line(G, offset, last_step(stride), Z[0], Z[1], Z[2], Z[3], what)
+    (buffer, j), (A, B, S, C, M, H) = support, what
+    for i in range(counts[0]):
+        w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
+        e = entry(buffer, d, 2, i, j)
+        at = offset + i * stride[0]
+        part = Share(
+            _sloped(w, A, e, C),
+            _plus_hoop(buffer, i, j, H, _force(w, B, g, S[0])),
+            scaled(w, S[1:]),
+            scaled(w, C[1:]),
+            factored(factor(M, H, buffer, d, i, j), M),
+            (),
         )
-
-    def scatter(G, support, d, offset, counts, stride, Z, what):
-        (buffer, j), (A, B, S, C, M, H) = support, what
-        for i in range(counts[0]):
-            w, g = entry(buffer, d, 0, i, j), entry(buffer, d, 1, i, j)
-            e = entry(buffer, d, 2, i, j)
-            at = offset + i * stride[0]
-            part = Share(
-                _sloped(w, A, e, C),
-                _plus_hoop(buffer, i, j, H, _force(w, B, g, S[0])),
-                scaled(w, S[1:]),
-                scaled(w, C[1:]),
-                factored(factor(M, H, buffer, d, i, j), M),
-                (),
-            )
-            lines(G, support, d + 1, at, counts[1:], stride[1:], Z, part)
-
-    return scatter
+        _scatter_lines(G, support, d + 1, at, counts[1:], stride[1:], Z, part)
+    return None
 
 
 @inlined

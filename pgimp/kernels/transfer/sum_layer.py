@@ -1,6 +1,6 @@
 """Particles to the planes of one layer: the inner part of (16, 18, 21, 22)."""
 
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.contact.volumes import summed_supports
 from pgimp.kernels.data.record import RECORD
@@ -25,30 +25,22 @@ from pgimp.kernels.update.mean_dilatation_weights import keep_means
 from pgimp.kernels.update.piola import PIOLA_SIZE, keep_forces
 
 
+@inlined
 def arms(loads, frame, particles, p):
     """Gradients of particle `p`, times its mass: of velocity, of J in flows, of displacement."""
+    if isinstance(loads, FillingSums):
+        return ratio_arms(loads, frame, particles, p)
+    if isinstance(loads, DisplacementSums):
+        return displacement_arms(frame, particles, p)
+    return affine_momentum(loads.affine, frame, particles, p)
 
 
-@specialise(arms)
-def _arms(loads, frame, particles, p):
-    if loads.instance_class is FillingSums:
-        return lambda loads, frame, particles, p: ratio_arms(loads, frame, particles, p)
-    if loads.instance_class is DisplacementSums:
-        return lambda loads, frame, particles, p: displacement_arms(frame, particles, p)
-    return lambda loads, frame, particles, p: affine_momentum(loads.affine, frame, particles, p)
-
-
+@inlined
 def second(loads, frame, particles, p):
     """Second vector to be weighted for the vertices: weight of particle `p`, or (m, m v)."""
-
-
-@specialise(second)
-def _second(loads, frame, particles, p):
-    if loads.instance_class is FillingSums:
-        return lambda loads, frame, particles, p: motion_share(loads.calming, frame, particles, p)
-    return lambda loads, frame, particles, p: weight(
-        loads.force, loads.approached, frame, particles, p
-    )
+    if isinstance(loads, FillingSums):
+        return motion_share(loads.calming, frame, particles, p)
+    return weight(loads.force, loads.approached, frame, particles, p)
 
 
 @inlined

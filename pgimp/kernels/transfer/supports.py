@@ -4,7 +4,7 @@ They are computed for four particles in one vector register. Transfers, with dif
 take one particle after the other.
 """
 
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import class_of, inlined, is_empty
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.lanes import numbers
 from pgimp.jit.vectors.simd import bits, load, number, store, vector
@@ -46,51 +46,35 @@ def keep_vectors(buffer, at, V):
     keep_vectors(buffer, at + 4, V[1:])
 
 
+@inlined
 def _along(shape, frame, buffer, arms, d, half, x, vertex):
     """Store weights, gradients and, if asked for, arms along direction `d` in the buffer."""
+    armed = not is_empty(arms)
+    f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
+    w, g = weights(shape, half, f)
+    at = d * _DIRECTION
+    keep_vectors(buffer, at, w)
+    keep_vectors(buffer, at + _QUANTITY, scaled(frame.inverse[d], g))
+    if armed:
+        keep_vectors(buffer, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
 
 
-@specialise(_along)
-def _along_direction(shape, frame, buffer, arms, d, half, x, vertex):
-    armed = not hasattr(arms, "count")  # ()
-
-    def along(shape, frame, buffer, arms, d, half, x, vertex):
-        f = (x - frame.origin[d]) * frame.inverse[d] - (vertex - frame.ghost)
-        w, g = weights(shape, half, f)
-        at = d * _DIRECTION
-        keep_vectors(buffer, at, w)
-        keep_vectors(buffer, at + _QUANTITY, scaled(frame.inverse[d], g))
-        if armed:
-            keep_vectors(buffer, at + 2 * _QUANTITY, _arms(w, f, frame.cell[d]))
-
-    return along
-
-
+@inlined
 def _along_first(shape, frame, buffer, arms, half, x, vertex):
     """As `_along`, along x."""
-
-
-@specialise(_along_first)
-def _along_first_direction(shape, frame, buffer, arms, half, x, vertex):
-    armed = not hasattr(arms, "count")  # ()
+    armed = not is_empty(arms)
     if not is_axial(frame):
-        return lambda shape, frame, buffer, arms, half, x, vertex: _along(
-            shape, frame, buffer, arms, 0, half, x, vertex
-        )
-
-    def along_radius(shape, frame, buffer, arms, half, x, vertex):
-        inverse = frame.inverse[0]
-        f = (x - frame.origin[0]) * inverse - (vertex - frame.ghost)
-        w, g, t, centroid, plain = ring_weights(shape, half, f, x * inverse)
-        keep_vectors(buffer, 0, w)
-        keep_vectors(buffer, _QUANTITY, scaled(inverse, g))
-        keep_hoop(buffer, scaled(inverse, t))
-        keep_vectors(buffer, BOX, (half, f, x * inverse))
-        keep_vectors(buffer, PLAIN, plain)
-        if armed:
-            keep_vectors(buffer, 2 * _QUANTITY, _arms(w, f + centroid, frame.cell[0]))
-
-    return along_radius
+        return _along(shape, frame, buffer, arms, 0, half, x, vertex)
+    inverse = frame.inverse[0]
+    f = (x - frame.origin[0]) * inverse - (vertex - frame.ghost)
+    w, g, t, centroid, plain = ring_weights(shape, half, f, x * inverse)
+    keep_vectors(buffer, 0, w)
+    keep_vectors(buffer, _QUANTITY, scaled(inverse, g))
+    keep_hoop(buffer, scaled(inverse, t))
+    keep_vectors(buffer, BOX, (half, f, x * inverse))
+    keep_vectors(buffer, PLAIN, plain)
+    if armed:
+        keep_vectors(buffer, 2 * _QUANTITY, _arms(w, f + centroid, frame.cell[0]))
 
 
 @inlined
@@ -172,30 +156,22 @@ def _any_weight(buffer, d, i):
     return bits(four_entries(buffer, d, 0, i) == 0.0) != 15
 
 
+@inlined
 def extent(shape, buffer, d, j):
     """Number of vertices along direction `d` with weight for particle `j`; at least two.
 
     With () for `j` it is the number of vertices with weight for any of the four particles.
     """
-
-
-@specialise(extent)
-def _extent(shape, buffer, d, j):
-    vertices = shape.instance_class.vertices()
+    vertices = class_of(shape).vertices()
     if vertices == 2:
-        return lambda shape, buffer, d, j: 2
-    if hasattr(j, "count"):  # ()
+        return 2
+    if is_empty(j):
         if vertices == 3:
-            return lambda shape, buffer, d, j: 3 if _any_weight(buffer, d, 2) else 2
-        return lambda shape, buffer, d, j: (
-            4 if _any_weight(buffer, d, 3) else (3 if _any_weight(buffer, d, 2) else 2)
-        )
-    # Another function for this comparison would cost 1 % of the instructions in 3D.
+            return 3 if _any_weight(buffer, d, 2) else 2
+        return 4 if _any_weight(buffer, d, 3) else (3 if _any_weight(buffer, d, 2) else 2)
     if vertices == 3:
-        return lambda shape, buffer, d, j: 3 if entry(buffer, d, 0, 2, j) != 0.0 else 2
-    return lambda shape, buffer, d, j: (
-        4 if entry(buffer, d, 0, 3, j) != 0.0 else (3 if entry(buffer, d, 0, 2, j) != 0.0 else 2)
-    )
+        return 3 if entry(buffer, d, 0, 2, j) != 0.0 else 2
+    return 4 if entry(buffer, d, 0, 3, j) != 0.0 else (3 if entry(buffer, d, 0, 2, j) != 0.0 else 2)
 
 
 @inlined

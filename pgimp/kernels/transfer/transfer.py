@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import class_of, inlined
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.transfer.supports import entries, extent, extents
 from pgimp.kernels.update.mean_dilatation_weights import factors
@@ -54,6 +54,7 @@ def last_entries(support, d, like, mean):
     )
 
 
+@inlined
 def lines(G, support, d, offset, counts, stride, Z, what):
     """Transfer between a particle and the lines of its support, from direction `d` on.
 
@@ -68,47 +69,30 @@ def lines(G, support, d, offset, counts, stride, Z, what):
     what : Share or Sums
         Contributions to scatter, or the kind of sums to gather, which are returned.
     """
+    return class_of(what).lines(G, support, d, offset, counts, stride, Z, what)
 
 
+@inlined
 def _by_number(like, count, G, support, offset, counts, stride, what):
     """Transfer for a particle with weight on `count` vertices along the last direction.
 
     At most as many as `like` has; each number has its own code.
     """
-
-
-@specialise(_by_number)
-def _by_each_number(like, count, G, support, offset, counts, stride, what):
     last = len(counts)
-
-    def exactly(like, count, G, support, offset, counts, stride, what):
-        Z = last_entries(support, last, like, what.M)
-        return lines(G, support, 0, offset, counts, stride, Z, what)
-
     if len(like) == 2:
-        return exactly
-
-    def at_most(like, count, G, support, offset, counts, stride, what):
-        if count < len(like):
-            return _by_number(like[1:], count, G, support, offset, counts, stride, what)
         Z = last_entries(support, last, like, what.M)
         return lines(G, support, 0, offset, counts, stride, Z, what)
+    if count < len(like):
+        return _by_number(like[1:], count, G, support, offset, counts, stride, what)
+    Z = last_entries(support, last, like, what.M)
+    return lines(G, support, 0, offset, counts, stride, Z, what)
 
-    return at_most
 
-
+@inlined
 def transfer_products(shape, G, support, offset, stride, directions, what):
     """Transfer for a particle whose weights are products by direction; see `lines`."""
-
-
-@specialise(transfer_products)
-def _transfer_products(shape, G, support, offset, stride, directions, what):
     last = len(directions) - 1
-    outer, most = (0,) * last, (0.0,) * shape.instance_class.vertices()
-
-    def transfer(shape, G, support, offset, stride, directions, what):
-        counts = extents(shape, support.buffer, 0, support.j, outer)
-        count = extent(shape, support.buffer, last, support.j)
-        return _by_number(most, count, G, support, offset, counts, stride, what)
-
-    return transfer
+    outer, most = (0,) * last, (0.0,) * class_of(shape).vertices()
+    counts = extents(shape, support.buffer, 0, support.j, outer)
+    count = extent(shape, support.buffer, last, support.j)
+    return _by_number(most, count, G, support, offset, counts, stride, what)

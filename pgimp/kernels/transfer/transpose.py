@@ -1,6 +1,6 @@
 """Results of `gather` for four particles, as a vector a component in place of one a particle."""
 
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, store
 
@@ -8,40 +8,26 @@ from pgimp.jit.vectors.simd import load, store
 SUMS = 80
 
 
+@inlined
 def keep_sums(buffer, j, U, A, D):
     """Store the results of `gather` for particle `j` in a buffer of 16 float64 a vector."""
-
-
-@specialise(keep_sums)
-def _keep_sums(buffer, j, U, A, D):
     directions = len(D)
-
-    def keep(buffer, j, U, A, D):
-        store(buffer, 4 * j, U)
-        store(buffer, 16 + 4 * j, A)
-        for d in range(directions):
-            store(buffer, 32 + 16 * d + 4 * j, D[d])
-
-    return keep
+    store(buffer, 4 * j, U)
+    store(buffer, 16 + 4 * j, A)
+    for d in range(directions):
+        store(buffer, 32 + 16 * d + 4 * j, D[d])
 
 
+@inlined
 def repeat_sums(buffer, count, like):
     """Repeat the sums of the last of four particles, `count` - 1, for missing ones.
 
     `like` has an entry for each derivative.
     """
-
-
-@specialise(repeat_sums)
-def _repeat_sums(buffer, count, like):
     kept = 2 + len(like)
-
-    def repeat(buffer, count, like):
-        for j in range(count, 4):
-            for i in range(kept):
-                store(buffer, 16 * i + 4 * j, load(buffer, 16 * i + 4 * (count - 1)))
-
-    return repeat
+    for j in range(count, 4):
+        for i in range(kept):
+            store(buffer, 16 * i + 4 * j, load(buffer, 16 * i + 4 * (count - 1)))
 
 
 @inlined

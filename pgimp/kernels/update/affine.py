@@ -14,43 +14,34 @@ carry the gradients of the components held there; its deformation (29) has them 
 from math import isqrt, sqrt
 
 from pgimp.jit.algebra import inverse, multiply, one_plus
-from pgimp.jit.kernel import inlined, is_empty, specialise
+from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.tuples import scaled, squared
 from pgimp.jit.vectors.simd import pack, where
 from pgimp.kernels.grid.constraint_flags import held_codes
 from pgimp.kernels.transfer.lane_io import put_row
 
 
+@inlined
 def affine_momentum(affine, frame, particles, p):
     """Gradient of a particle's momentum: m_p dv/dx_i for each direction; () without any.
 
     With it, a vertex gets m_p (v_p + L_p (x_v - x_p)) S_vp. The particle's momentum remains, since
     the arms' weighted sum is zero, and linear fields are transferred exactly up to the surface.
     """
-
-
-@specialise(affine_momentum)
-def _affine_momentum(affine, frame, particles, p):
-    D = len(frame.types[0])
-    if hasattr(affine, "count"):  # ()
-        return lambda affine, frame, particles, p: ()
-
-    def affine_momentum1(affine, frame, particles, p):
+    D = len(frame.origin)
+    if is_empty(affine):
+        return ()
+    if D == 1:
         return (pack(0.0, particles.m[p] * particles.L[p, 0], 0.0, 0.0),)
-
-    def affine_momentum2(affine, frame, particles, p):
+    if D == 2:
         m, L = particles.m[p], particles.L
         return (pack(0.0, m * L[p, 0], m * L[p, 2], 0.0), pack(0.0, m * L[p, 1], m * L[p, 3], 0.0))
-
-    def affine_momentum3(affine, frame, particles, p):
-        m, L = particles.m[p], particles.L
-        return (
-            pack(0.0, m * L[p, 0], m * L[p, 3], m * L[p, 6]),
-            pack(0.0, m * L[p, 1], m * L[p, 4], m * L[p, 7]),
-            pack(0.0, m * L[p, 2], m * L[p, 5], m * L[p, 8]),
-        )
-
-    return (affine_momentum1, affine_momentum2, affine_momentum3)[D - 1]
+    m, L = particles.m[p], particles.L
+    return (
+        pack(0.0, m * L[p, 0], m * L[p, 3], m * L[p, 6]),
+        pack(0.0, m * L[p, 1], m * L[p, 4], m * L[p, 7]),
+        pack(0.0, m * L[p, 2], m * L[p, 5], m * L[p, 8]),
+    )
 
 
 @inlined
@@ -71,37 +62,29 @@ def when_moved(affine, dt, L):
     return scaled(where(found > most, sqrt(most / found), 1.0), after)
 
 
+@inlined
 def keep_gradients(affine, particles, rows, L, held):
     """Store the velocity gradients L that four particles carry, if they carry any.
 
     `held` is from `take_from_grid`.
     """
-
-
-@specialise(keep_gradients)
-def _keep_gradients(affine, particles, rows, L, held):
     D = isqrt(len(L))
-
-    def nothing(affine, particles, rows, L, held):
+    if is_empty(affine):
         pass
-
-    # Without a branch, which would slow down particles that are at no wall.
-    def keep1(affine, particles, rows, L, held):
+        return
+    if D == 1:
         put_row(particles.L, rows, 0, scaled(_free(held, 0), L))
-
-    def keep2(affine, particles, rows, L, held):
+        return
+    if D == 2:
         kept = (*scaled(_free(held, 0), L[:2]), *scaled(_free(held, 1), L[2:]))
         put_row(particles.L, rows, 0, kept)
-
-    def keep3(affine, particles, rows, L, held):
-        kept = (
-            *scaled(_free(held, 0), L[:3]),
-            *scaled(_free(held, 1), L[3:6]),
-            *scaled(_free(held, 2), L[6:]),
-        )
-        put_row(particles.L, rows, 0, kept)
-
-    return nothing if hasattr(affine, "count") else (keep1, keep2, keep3)[D - 1]
+        return
+    kept = (
+        *scaled(_free(held, 0), L[:3]),
+        *scaled(_free(held, 1), L[3:6]),
+        *scaled(_free(held, 2), L[6:]),
+    )
+    put_row(particles.L, rows, 0, kept)
 
 
 @inlined

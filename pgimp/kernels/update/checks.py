@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-from pgimp.jit.kernel import inlined, inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel
 from pgimp.jit.tuples import read, squared
 from pgimp.jit.vectors.kinds import is_vector
 from pgimp.jit.vectors.lanes import of_lane
@@ -90,6 +90,7 @@ def _outside(frame, exits, x):
     return error
 
 
+@inlined
 def check(limits, field, particles, four, found, report, ledger, counts):
     """Check four particles, and examine those that fail the combined check.
 
@@ -111,30 +112,7 @@ def check(limits, field, particles, four, found, report, ledger, counts):
     tuple of 5 int
         The counts with these particles.
     """
-
-
-@specialise(check)
-def _check(limits, field, particles, four, found, report, ledger, counts):
-    def check(limits, field, particles, four, found, report, ledger, counts):
-        frame, shape, limit, number = limits[0], limits[1], limits[2], four.number
-        u, v, x, F, J, state, margin = found
-        # One branch for all rare events, NaN included; its speed limit is stricter.
-        at = off_axis(frame, x)
-        half, most = box(shape, frame, F, at)
-        now = first_vertex(frame, 0, half[0], at[0])
-        sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
-        sound = and_positive(sound, margin)
-        slower = (squared(u) + squared(v)) * limit <= 1.0
-        usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
-        if usual != 15:
-            good = (usual, _all_finite(state), bits(and_positive(vector(0.0) == 0.0, margin)))
-            counts = examine(
-                (frame, *limits[3:]), particles, four, good, (u, v, x, J, half, now, most),
-                report, ledger, counts,
-            )  # fmt: skip
-        return counts
-
-    def check_initial(limits, field, particles, four, found, report, ledger, counts):
+    if is_initial(limits[0]):
         _, v, x, _, J, state, margin = found
         sound = and_finite(and_finite(within(field.bounds, x) & (J > 0.0), state), v)
         usual = bits(and_positive(sound, margin))
@@ -142,8 +120,23 @@ def _check(limits, field, particles, four, found, report, ledger, counts):
             good = (usual, _all_finite(state))
             counts = _count_errors(field.bounds, four, good, (v, x, J), report, counts)
         return counts
-
-    return check_initial if is_initial(limits[0]) else check
+    frame, shape, limit, number = limits[0], limits[1], limits[2], four.number
+    u, v, x, F, J, state, margin = found
+    # One branch for all rare events, NaN included; its speed limit is stricter.
+    at = off_axis(frame, x)
+    half, most = box(shape, frame, F, at)
+    now = first_vertex(frame, 0, half[0], at[0])
+    sound = and_finite(within(field.bounds, x) & (J > 0.0), state)
+    sound = and_positive(sound, margin)
+    slower = (squared(u) + squared(v)) * limit <= 1.0
+    usual = bits(sound & slower & (now == number) & (vector(most) <= LARGEST))
+    if usual != 15:
+        good = (usual, _all_finite(state), bits(and_positive(vector(0.0) == 0.0, margin)))
+        counts = examine(
+            (frame, *limits[3:]), particles, four, good, (u, v, x, J, half, now, most),
+            report, ledger, counts,
+        )  # fmt: skip
+    return counts
 
 
 @inlined

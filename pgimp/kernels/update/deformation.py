@@ -10,7 +10,7 @@ from math import sqrt
 
 from pgimp.jit.algebra import determinant, inverse, multiply, one_plus
 from pgimp.jit.functions import cbrt
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined, of_types
 from pgimp.jit.tuples import plus_scaled
 from pgimp.jit.vectors.lanes import where_all
 from pgimp.jit.vectors.simd import bits, pack, vector, where
@@ -35,6 +35,7 @@ def velocity_gradients(frame, particles, four, D):
     return multiply(D, inverse(deformations(frame, particles, four.rows)))
 
 
+@inlined
 def update_deformation(setting, forcing, particles, four, numbers, L):
     """Deformation gradients F of four particles after a step, from velocity gradients L (29).
 
@@ -47,52 +48,37 @@ def update_deformation(setting, forcing, particles, four, numbers, L):
     L : tuple of D*D Vec4
         Velocity gradients from the grid, see `velocity_gradients`.
     """
-
-
-@specialise(update_deformation)
-def _update_deformation(setting, forcing, particles, four, numbers, L):
-    materials = setting.types[setting.fields.index("materials")]
-    flows = tuple(float(volume_only(each.instance_class)) for each in materials)
-
-    def initial(setting, forcing, particles, four, numbers, L):
+    flows = _flows(setting.materials)
+    if is_initial(setting.frame):
         return plus_scaled(forcing.dt, L, deformations(setting.frame, particles, four.rows))
-
-    def full(setting, forcing, particles, four, numbers, L):
+    if not any(flow for flow in flows):
         return multiply(one_plus(forcing.dt, L), deformations(setting.frame, particles, four.rows))
-
-    def isotropic(setting, forcing, particles, four, numbers, L):
+    if all(flow for flow in flows):
         F = deformations(setting.frame, particles, four.rows)
         return _diagonal(F[0] * side(determinant(one_plus(forcing.dt, L)), L), L)
-
-    def each_its_own(setting, forcing, particles, four, numbers, L):
-        F = deformations(setting.frame, particles, four.rows)
-        grown = one_plus(forcing.dt, L)
-        kinds = pack(flows[numbers[0]], flows[numbers[1]], flows[numbers[2]], flows[numbers[3]])
-        volume = _diagonal(F[0] * side(determinant(grown), L), L)
-        return where_all(kinds > 0.0, volume, multiply(grown, F))
-
-    if is_initial(setting.types[setting.fields.index("frame")]):
-        return initial
-    if not any(flows):
-        return full
-    return isotropic if all(flows) else each_its_own
+    F = deformations(setting.frame, particles, four.rows)
+    grown = one_plus(forcing.dt, L)
+    kinds = pack(flows[numbers[0]], flows[numbers[1]], flows[numbers[2]], flows[numbers[3]])
+    volume = _diagonal(F[0] * side(determinant(grown), L), L)
+    return where_all(kinds > 0.0, volume, multiply(grown, F))
 
 
+@of_types
+def _flows(materials):
+    """For each material 1 if it knows no more of F than the volume, else 0."""
+    return tuple(float(volume_only(each.instance_class)) for each in materials)
+
+
+@inlined
 def side(volume, L):
-    """Side of a cube of a volume, in as many directions as `L` stretches."""
+    """Side of a cube of a volume near 1, in as many directions as `L` stretches.
 
-
-@specialise(side)
-def _side_of(volume, L):
+    In 3D without division: Newton's method for volume^(-1/3).
+    """
     if len(L) == 1:
-        return lambda volume, L: volume
+        return volume
     if len(L) == 4:
-        return lambda volume, L: sqrt(max(0.0, volume))  # an inverted one has none
-    return _cube_root
-
-
-def _cube_root(volume, L):
-    """Side of a cube of a volume near 1, without division: Newton's method for volume^(-1/3)."""
+        return sqrt(max(0.0, volume))  # an inverted one has none
     x = volume - 1.0
     near = abs(x) < _NEAR
     z = 1.0 - x * (1.0 / 3.0 - x * (2.0 / 9.0 - x * (14.0 / 81.0)))

@@ -37,9 +37,7 @@ motions of the vertices that change no mean, and sink.
 
 from math import pi
 
-from numba.core import types
-
-from pgimp.jit.kernel import inlined, is_empty, specialise
+from pgimp.jit.kernel import inlined, is_array, is_empty
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, pack, store, vector
 from pgimp.kernels.transfer.first_vertex import is_axial, off_axis
@@ -55,58 +53,39 @@ DENSE, SPARSE = 0.58, 0.45
 _GATHERED = MEANS + 48
 
 
+@inlined
 def _average(particles, p, frame):
     """Mean of the normal components of the stress of particle `p` that do work."""
+    if len(frame.origin) == 2 and not is_axial(frame):
+        return 0.5 * (particles.sigma[p, 0] + particles.sigma[p, 1])
+    return (particles.sigma[p, 0] + particles.sigma[p, 1] + particles.sigma[p, 2]) * (1.0 / 3.0)
 
 
-@specialise(_average)
-def _average_of(particles, p, frame):
-    if len(frame.types[0]) == 2 and not is_axial(frame):
-        return lambda particles, p, frame: 0.5 * (particles.sigma[p, 0] + particles.sigma[p, 1])
-    return lambda particles, p, frame: (
-        (particles.sigma[p, 0] + particles.sigma[p, 1] + particles.sigma[p, 2]) * (1.0 / 3.0)
-    )
-
-
+@inlined
 def set_apart(loads, frame, particles, p):
     """The normal stress of particle `p` that does not act through grad S_vp.
 
     It is the viscous pressure (45), which opposes it; with mean dilatation the one of `mean_force`.
     """
+    if is_empty(loads.mean):
+        return viscous_pressure(loads.viscosity, particles, p)
+    s, alone = _average(particles, p, frame), particles.alone[p, 0]
+    return s - alone * (s - viscous_pressure(loads.viscosity, particles, p))
 
 
-@specialise(set_apart)
-def _set_apart(loads, frame, particles, p):
-    if hasattr(loads.types[loads.fields.index("mean")], "count"):  # ()
-        return lambda loads, frame, particles, p: viscous_pressure(loads.viscosity, particles, p)
-
-    def mean_but_alone(loads, frame, particles, p):
-        s, alone = _average(particles, p, frame), particles.alone[p, 0]
-        return s - alone * (s - viscous_pressure(loads.viscosity, particles, p))
-
-    return mean_but_alone
-
-
+@inlined
 def mean_force(loads, frame, particles, p):
     """-V_p (mean sigma - q_p) of particle `p`, which dD_p/dv_v turns into forces; () without.
 
     For an isolated particle, a part of it.
     """
-
-
-@specialise(mean_force)
-def _mean_force(loads, frame, particles, p):
-    if hasattr(loads.types[loads.fields.index("mean")], "count"):  # ()
-        return lambda loads, frame, particles, p: ()
-    third = float(len(frame.types[0]) == 3)
-
-    def force(loads, frame, particles, p):
-        q = viscous_pressure(loads.viscosity, particles, p)
-        V = particles.V[p] * (particles.alone[p, 0] - 1.0)
-        f = V * (_average(particles, p, frame) - q)
-        return pack(0.0, f, f, third * f)
-
-    return force
+    if is_empty(loads.mean):
+        return ()
+    third = float(len(frame.origin) == 3)
+    q = viscous_pressure(loads.viscosity, particles, p)
+    V = particles.V[p] * (particles.alone[p, 0] - 1.0)
+    f = V * (_average(particles, p, frame) - q)
+    return pack(0.0, f, f, third * f)
 
 
 @inlined
@@ -125,6 +104,7 @@ def keep_rates(M, buffer, j):
     return store(buffer, _GATHERED + 4 * j, M)
 
 
+@inlined
 def with_means(mean, frame, particles, rows, buffer, sums, count, L):
     """Velocity gradients of four particles, as gathered, with the cells' rates as their traces.
 
@@ -141,29 +121,21 @@ def with_means(mean, frame, particles, rows, buffer, sums, count, L):
     L : tuple of D*D Vec4
         Row-major, as gathered.
     """
-
-
-@specialise(with_means)
-def _with_means(mean, frame, particles, rows, buffer, sums, count, L):
-    if hasattr(mean, "count"):  # ()
-        return lambda mean, frame, particles, rows, buffer, sums, count, L: L
-    D = {4: 2, 5: 2, 9: 3}[len(L)]
-    dense, sparse, part = DENSE**D, SPARSE**D, {4: 1.0 / 2, 5: 1.0 / 3, 9: 1.0 / 3}[len(L)]
-
-    def with_rates(mean, frame, particles, rows, buffer, sums, count, L):
-        alone = take_row(particles.alone, rows, 0, (0.0,))[0]
-        e = part * (1.0 - alone) * (_rates(buffer, count, frame.origin) - trace(L))
-        around = gathered_mass(sums) * take(particles.V, rows)
-        for d in range(D):
-            around = around * frame.inverse[d]
-        around = section(frame, particles.x, rows, around)
-        fill = around / take(particles.m, rows)
-        now = min(max((dense - fill) * (1.0 / (dense - sparse)), 0.0), 1.0)
-        now = max(now, _always_alone(mean, particles, rows))
-        put_row(particles.alone, rows, 0, (now,))
-        return _with_trace(L, e)
-
-    return with_rates
+    if is_empty(mean):
+        return L
+    D, part = (3 if len(L) == 9 else 2), (0.5 if len(L) == 4 else 1.0 / 3)
+    dense, sparse = DENSE**D, SPARSE**D
+    alone = take_row(particles.alone, rows, 0, (0.0,))[0]
+    e = part * (1.0 - alone) * (_rates(buffer, count, frame.origin) - trace(L))
+    around = gathered_mass(sums) * take(particles.V, rows)
+    for d in range(D):
+        around = around * frame.inverse[d]
+    around = section(frame, particles.x, rows, around)
+    fill = around / take(particles.m, rows)
+    now = min(max((dense - fill) * (1.0 / (dense - sparse)), 0.0), 1.0)
+    now = max(now, _always_alone(mean, particles, rows))
+    put_row(particles.alone, rows, 0, (now,))
+    return _with_trace(L, e)
 
 
 @inlined
@@ -174,20 +146,17 @@ def section(frame, x, rows, V):
     return V / (2.0 * pi * off_axis(frame, take_row(x, rows, 0, frame.origin))[0])
 
 
+@inlined
 def _always_alone(mean, particles, rows):
     """1 for each of four particles that always has the rate at its position, else 0."""
-
-
-@specialise(_always_alone)
-def _always_alone_of(mean, particles, rows):
-    if isinstance(mean, types.Array):
-        return lambda mean, particles, rows: pack(
+    if is_array(mean):
+        return pack(
             mean[particles.body[rows[0]]],
             mean[particles.body[rows[1]]],
             mean[particles.body[rows[2]]],
             mean[particles.body[rows[3]]],
         )
-    return lambda mean, particles, rows: vector(0.0)
+    return vector(0.0)
 
 
 @inlined
@@ -200,23 +169,16 @@ def _with_trace(L, e):
     return (L[0] + e, L[1], L[2], L[3], L[4] + e, L[5], L[6], L[7], L[8] + e)
 
 
+@inlined
 def _rates(buffer, count, like):
     """D_p of four particles; `like` has an entry for each direction."""
-
-
-@specialise(_rates)
-def _rates_of(buffer, count, like):
     third = float(len(like) == 3)
-
-    def rates(buffer, count, like):
-        for j in range(count, 4):
-            store(buffer, _GATHERED + 4 * j, load(buffer, _GATHERED + 4 * (count - 1)))
-        rate = transpose(
-            load(buffer, _GATHERED),
-            load(buffer, _GATHERED + 4),
-            load(buffer, _GATHERED + 8),
-            load(buffer, _GATHERED + 12),
-        )
-        return rate[1] + rate[2] + third * rate[3]
-
-    return rates
+    for j in range(count, 4):
+        store(buffer, _GATHERED + 4 * j, load(buffer, _GATHERED + 4 * (count - 1)))
+    rate = transpose(
+        load(buffer, _GATHERED),
+        load(buffer, _GATHERED + 4),
+        load(buffer, _GATHERED + 8),
+        load(buffer, _GATHERED + 12),
+    )
+    return rate[1] + rate[2] + third * rate[3]

@@ -22,7 +22,7 @@ r_p would add strain. The particles' F is r_p F_p. G_p and r_p have columns of t
 """
 
 from pgimp.jit.algebra import determinant, inverse, multiply
-from pgimp.jit.kernel import inlined, is_empty, specialise
+from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.simd import where
 from pgimp.kernels.data.record import MASS, VELOCITY
@@ -97,6 +97,7 @@ def _slopes(buffer, d, i, like):
     return (four_entries(buffer, d, 1, i), *_slopes(buffer, d, i + 1, like[1:]))
 
 
+@inlined
 def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
     """Gather the input of `deform` from four particles' cells; () unless there is a `mean`.
 
@@ -114,32 +115,9 @@ def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
     C : tuple of D*D Vec4
         Gradients of the velocity, means over their cells; row-major, in axisymmetry with the hoop.
     """
-
-
-@specialise(take_mean_lagrangian)
-def _take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
-    if hasattr(mean, "count"):  # ()
-        return lambda mean, layout, field, four, buffer, weights, sums: ()
-
-    def take(mean, layout, field, four, buffer, weights, sums):
-        (shape, frame), window = layout, field.window
-        begin = four.layer * window.stride[0]
-        if four.size == LANES and share_support(buffer):
-            offset = begin + first_offset(buffer, 0) + MASS - VELOCITY
-            U, _, D, _ = gather_shared(
-                shape, field.G, weights, offset, window.stride, frame.origin, (0.0, *frame.origin)
-            )
-            return U[0], row_major(_but_first(D))
-        for j in range(four.size):
-            U, A, D, _ = gather_products(
-                shape, field.G, Support(weights, j), begin + first_offset(buffer, j), window.stride,
-                frame.origin, (), (),
-            )  # fmt: skip
-            keep_sums(sums, j, U, A, D)
-        repeat_sums(sums, four.size, frame.origin)
-        return gathered_mass(sums), gradients(sums, 2, frame.origin)
-
-    def rings(mean, layout, field, four, buffer, weights, sums):
+    if is_empty(mean):
+        return ()
+    if is_axial(layout[1]):
         (shape, frame), window = layout, field.window
         begin = four.layer * window.stride[0]
         for j in range(four.size):
@@ -151,8 +129,22 @@ def _take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
         repeat_sums(sums, four.size, (0.0, 0.0, 0.0))
         hoop = collected(sums, 4, frame.origin)
         return gathered_mass(sums), (*gradients(sums, 2, frame.origin), hoop[0])
-
-    return rings if is_axial(layout[1]) else take
+    (shape, frame), window = layout, field.window
+    begin = four.layer * window.stride[0]
+    if four.size == LANES and share_support(buffer):
+        offset = begin + first_offset(buffer, 0) + MASS - VELOCITY
+        U, _, D, _ = gather_shared(
+            shape, field.G, weights, offset, window.stride, frame.origin, (0.0, *frame.origin)
+        )
+        return U[0], row_major(_but_first(D))
+    for j in range(four.size):
+        U, A, D, _ = gather_products(
+            shape, field.G, Support(weights, j), begin + first_offset(buffer, j), window.stride,
+            frame.origin, (), (),
+        )  # fmt: skip
+        keep_sums(sums, j, U, A, D)
+    repeat_sums(sums, four.size, frame.origin)
+    return gathered_mass(sums), gradients(sums, 2, frame.origin)
 
 
 @inlined
@@ -163,6 +155,7 @@ def _but_first(D):
     return (D[0][1:], *_but_first(D[1:]))
 
 
+@inlined
 def scatter_mean_lagrangian(mean, layout, G, support, offset, stride, forces):
     """Add a particle's forces by cells to its support; nothing unless there is a `mean`.
 
@@ -175,26 +168,20 @@ def scatter_mean_lagrangian(mean, layout, G, support, offset, stride, forces):
     forces
         From `keep_forces`.
     """
-
-
-@specialise(scatter_mean_lagrangian)
-def _scatter_mean_lagrangian(mean, layout, G, support, offset, stride, forces):
-    def by_cells(mean, layout, G, support, offset, stride, forces):
-        shape, frame = layout
-        P = kept_force(forces, BY_CELLS, support.j, frame.origin)
-        scatter_products(shape, G, support, offset, stride, Share((), (), P, (), (), ()))
-
-    def rings(mean, layout, G, support, offset, stride, forces):
+    if is_empty(mean):
+        return None
+    if is_axial(layout[1]):
         shape, frame = layout
         P = kept_force(forces, BY_CELLS, support.j, frame.origin)
         H = kept_hoop(forces, BY_CELLS, support.j)
         scatter_products(shape, G, support, offset, stride, Share((), (), P, (), (), H))
+        return
+    shape, frame = layout
+    P = kept_force(forces, BY_CELLS, support.j, frame.origin)
+    scatter_products(shape, G, support, offset, stride, Share((), (), P, (), (), ()))
 
-    if hasattr(mean, "count"):  # ()
-        return lambda mean, layout, G, support, offset, stride, forces: None
-    return rings if is_axial(layout[1]) else by_cells
 
-
+@inlined
 def deform(cells, setting, forcing, particles, four, numbers, D):
     """Deform four particles by a step.
 
@@ -211,67 +198,46 @@ def deform(cells, setting, forcing, particles, four, numbers, D):
         Velocity gradients by current positions, and F after the step, for the material. (1 + dt L)
         F is the new F, to rounding.
     """
-
-
-@specialise(deform)
-def _deform(cells, setting, forcing, particles, four, numbers, D):
-    def alike(cells, setting, forcing, particles, four, numbers, D):
+    if is_plate(setting.frame):
+        return deform_plate(setting, forcing, particles, four, numbers, D)
+    if len(cells) == 0:
         return (
             velocity_gradients(setting.frame, particles, four, D),
             update_deformation(setting, forcing, particles, four, numbers, D),
         )
-
-    if is_plate(setting.types[setting.fields.index("frame")]):
-        return lambda cells, setting, forcing, particles, four, numbers, D: deform_plate(
-            setting, forcing, particles, four, numbers, D
-        )
-    if len(cells) == 0:
-        return alike
-    directions = len(setting.types[setting.fields.index("frame")].types[0])
+    directions = len(setting.frame.origin)
     least = LEAST**directions
-
-    def by_cells(cells, setting, forcing, particles, four, numbers, D):
-        (mass, C), frame, rows, dt = cells, setting.frame, four.rows, forcing.dt
-        ratio = take_row(particles.ratio, rows, 0, (0.0,))[0]
-        before = scaled(1.0 / ratio, deformations(frame, particles, rows))
-        after = plus_scaled(dt, D, before)
-        G = plus_scaled(dt, C, take_row(particles.around, rows, 0, D))
-        put_row(particles.around, rows, 0, G)
-        held = mass * take(particles.V0, rows)
-        for d in range(directions):
-            held = held * frame.inverse[d]
-        held = section(frame, particles.origin, rows, held)
-        was = take_row(particles.alone, rows, 0, (0.0,))[0]
-        alone = where(held < least * take(particles.m, rows), 1.0, was)
-        put_row(particles.alone, rows, 0, (alone,))
-        swelling = max(determinant(G) / determinant(after), 0.0)  # an inverted one has none
-        now = where(alone > 0.0, ratio, side(swelling, D))
-        put_row(particles.ratio, rows, 0, (now,))
-        L = multiply(D, inverse(before))
-        return _and_multiple(L, dt, (now / ratio - 1.0) / dt), scaled(now, after)
-
-    return by_cells
+    (mass, C), frame, rows, dt = cells, setting.frame, four.rows, forcing.dt
+    ratio = take_row(particles.ratio, rows, 0, (0.0,))[0]
+    before = scaled(1.0 / ratio, deformations(frame, particles, rows))
+    after = plus_scaled(dt, D, before)
+    G = plus_scaled(dt, C, take_row(particles.around, rows, 0, D))
+    put_row(particles.around, rows, 0, G)
+    held = mass * take(particles.V0, rows)
+    for d in range(directions):
+        held = held * frame.inverse[d]
+    held = section(frame, particles.origin, rows, held)
+    was = take_row(particles.alone, rows, 0, (0.0,))[0]
+    alone = where(held < least * take(particles.m, rows), 1.0, was)
+    put_row(particles.alone, rows, 0, (alone,))
+    swelling = max(determinant(G) / determinant(after), 0.0)  # an inverted one has none
+    now = where(alone > 0.0, ratio, side(swelling, D))
+    put_row(particles.ratio, rows, 0, (now,))
+    L = multiply(D, inverse(before))
+    return _and_multiple(L, dt, (now / ratio - 1.0) / dt), scaled(now, after)
 
 
+@inlined
 def _and_multiple(L, dt, e):
     """The matrix L + e (1 + dt L)."""
-
-
-@specialise(_and_multiple)
-def _and_multiple_of(L, dt, e):
-    def two(L, dt, e):
+    if len(L) == 4:
         f = 1.0 + e * dt
         return f * L[0] + e, f * L[1], f * L[2], f * L[3] + e
-
-    def ring(L, dt, e):
+    if len(L) == 5:
         f = 1.0 + e * dt
         return f * L[0] + e, f * L[1], f * L[2], f * L[3] + e, f * L[4] + e
-
-    def three(L, dt, e):
-        f = 1.0 + e * dt
-        return (
-            f * L[0] + e, f * L[1], f * L[2], f * L[3], f * L[4] + e, f * L[5], f * L[6], f * L[7],
-            f * L[8] + e,
-        )  # fmt: skip
-
-    return {4: two, 5: ring, 9: three}[len(L)]
+    f = 1.0 + e * dt
+    return (
+        f * L[0] + e, f * L[1], f * L[2], f * L[3], f * L[4] + e, f * L[5], f * L[6], f * L[7],
+        f * L[8] + e,
+    )  # fmt: skip

@@ -7,9 +7,7 @@ direction are the a and g of the particle's box. In P2G they turn `mean_force` i
 velocities into D_p.
 """
 
-from numba.core import types
-
-from pgimp.jit.kernel import inlined, is_empty, specialise
+from pgimp.jit.kernel import class_of, inlined, is_empty
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.simd import load, number, pack, vector, where
 from pgimp.kernels.transfer.first_vertex import is_axial
@@ -42,33 +40,27 @@ def _along(shape, buffer, d, cell):
     _along(shape, buffer, d + 1, cell[1:])
 
 
+@inlined
 def means_of_parts(shape, buffer, d, cell):
     """The weights a of four particles along direction `d`, a tuple of Vec4."""
-
-
-@specialise(means_of_parts)
-def _means_of_parts(shape, buffer, d, cell):
-    def three(shape, buffer, d, cell):
+    if class_of(shape).vertices() == 3:
         half = 0.5 * cell
         return (
             -half * four_entries(buffer, d, 1, 0),
             vector(0.5),
             half * four_entries(buffer, d, 1, 2),
         )
-
-    def four(shape, buffer, d, cell):
-        half = 0.5 * cell
-        g0, g3 = four_entries(buffer, d, 1, 0), four_entries(buffer, d, 1, 3)
-        return (
-            -half * g0,
-            -half * (2.0 * g0 + four_entries(buffer, d, 1, 1)),
-            half * (2.0 * g3 + four_entries(buffer, d, 1, 2)),
-            half * g3,
-        )
-
-    return {3: three, 4: four}[shape.instance_class.vertices()]
+    half = 0.5 * cell
+    g0, g3 = four_entries(buffer, d, 1, 0), four_entries(buffer, d, 1, 3)
+    return (
+        -half * g0,
+        -half * (2.0 * g0 + four_entries(buffer, d, 1, 1)),
+        half * (2.0 * g3 + four_entries(buffer, d, 1, 2)),
+        half * g3,
+    )
 
 
+@inlined
 def means_of_rings(shape, buffer):
     """As `means_of_parts`, along the radius; with the factors of the radial component.
 
@@ -76,11 +68,7 @@ def means_of_rings(shape, buffer):
     the middle m, has from a radial velocity (b v_b - a v_a)/(m h). From an axial one at a it has
     1/2 - h/(12 m) of what a cell of plane strain has, at b 1/2 + h/(12 m).
     """
-
-
-@specialise(means_of_rings)
-def _means_of_rings(shape, buffer):
-    def three(shape, buffer):
+    if class_of(shape).vertices() == 3:
         half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
         first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 8), r - f
         p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
@@ -90,72 +78,58 @@ def _means_of_rings(shape, buffer):
             p * (0.5 + k * (1.0 / 12.0)) + q * (0.5 - m * (1.0 / 12.0)),
             q * (0.5 + m * (1.0 / 12.0)),
         ), (-p * k * v, (p * k - q * m) * (v + 1.0), q * m * (v + 2.0))
-
-    def four(shape, buffer):
-        half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
-        first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 12), r - f
-        inner = 1.0 - first - last
-        p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
-        s = inner * (r - half + half * (2.0 * first + inner)) / r
-        k, n, m = 1.0 / (v + 0.5), 1.0 / (v + 1.5), 1.0 / (v + 2.5)
-        return (
-            p * (0.5 - k * (1.0 / 12.0)),
-            p * (0.5 + k * (1.0 / 12.0)) + s * (0.5 - n * (1.0 / 12.0)),
-            s * (0.5 + n * (1.0 / 12.0)) + q * (0.5 - m * (1.0 / 12.0)),
-            q * (0.5 + m * (1.0 / 12.0)),
-        ), (-p * k * v, (p * k - s * n) * (v + 1.0), (s * n - q * m) * (v + 2.0), q * m * (v + 3.0))
-
-    return {3: three, 4: four}[shape.instance_class.vertices()]
+    half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
+    first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 12), r - f
+    inner = 1.0 - first - last
+    p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
+    s = inner * (r - half + half * (2.0 * first + inner)) / r
+    k, n, m = 1.0 / (v + 0.5), 1.0 / (v + 1.5), 1.0 / (v + 2.5)
+    return (
+        p * (0.5 - k * (1.0 / 12.0)),
+        p * (0.5 + k * (1.0 / 12.0)) + s * (0.5 - n * (1.0 / 12.0)),
+        s * (0.5 + n * (1.0 / 12.0)) + q * (0.5 - m * (1.0 / 12.0)),
+        q * (0.5 + m * (1.0 / 12.0)),
+    ), (-p * k * v, (p * k - s * n) * (v + 1.0), (s * n - q * m) * (v + 2.0), q * m * (v + 3.0))
 
 
+@inlined
 def gradients_of_rings(shape, buffer):
     """The means of four particles' cells, in cells, of dv/dr and of v/r for a velocity v.
 
     Along the radius, tuples of Vec4. In a cell they are (v_b - v_a)/h and (v_a + v_b)/(2 m). Their
     sum has the factors of the radial component of `means_of_rings`.
     """
-
-
-@specialise(gradients_of_rings)
-def _gradients_of_rings(shape, buffer):
-    def three(shape, buffer):
+    if class_of(shape).vertices() == 3:
         half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
         first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 8), r - f
         p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
         a, b = 0.5 * p / (v + 0.5), 0.5 * q / (v + 1.5)
         return (-p, p - q, q), (a, a + b, b)
-
-    def four(shape, buffer):
-        half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
-        first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 12), r - f
-        inner = 1.0 - first - last
-        p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
-        s = inner * (r - half + half * (2.0 * first + inner)) / r
-        a, b, c = 0.5 * p / (v + 0.5), 0.5 * s / (v + 1.5), 0.5 * q / (v + 2.5)
-        return (-p, p - s, s - q, q), (a, a + b, b + c, c)
-
-    return {3: three, 4: four}[shape.instance_class.vertices()]
+    half, f, r = load(buffer, BOX), load(buffer, BOX + 4), load(buffer, BOX + 8)
+    first, last, v = -load(buffer, PLAIN), load(buffer, PLAIN + 12), r - f
+    inner = 1.0 - first - last
+    p, q = first * (r - half + half * first) / r, last * (r + half - half * last) / r
+    s = inner * (r - half + half * (2.0 * first + inner)) / r
+    a, b, c = 0.5 * p / (v + 0.5), 0.5 * s / (v + 1.5), 0.5 * q / (v + 2.5)
+    return (-p, p - s, s - q, q), (a, a + b, b + c, c)
 
 
+@inlined
 def factor(mean, hoop, buffer, d, i, j):
     """Factors of direction `d` in dD_p/dv_v of its vertex `i`, for particle `j` of four.
 
     A vector like a velocity or a force in its record: g for the component along `d`, else a. An
     unused weight unless there is a `mean`. Along the radius there is a `hoop`, which is () else.
     """
-
-
-@specialise(factor)
-def _factor(mean, hoop, buffer, d, i, j):
-    if hasattr(mean, "count"):  # ()
-        return lambda mean, hoop, buffer, d, i, j: entry(buffer, d, 0, i, j)
-    if not (isinstance(hoop, types.BaseTuple) and len(hoop) == 0):
-        return lambda mean, hoop, buffer, d, i, j: where(
+    if is_empty(mean):
+        return entry(buffer, d, 0, i, j)
+    if not is_empty(hoop):
+        return where(
             pack(0.0, 1.0, 2.0, 3.0) == 1.0,
             number(buffer, PLAIN + 4 * i + j),
             number(buffer, MEANS + 4 * i + j),
         )
-    return lambda mean, hoop, buffer, d, i, j: where(
+    return where(
         pack(0.0, 1.0, 2.0, 3.0) == d + 1.0,
         entry(buffer, d, 1, i, j),
         number(buffer, MEANS + 16 * d + 4 * i + j),

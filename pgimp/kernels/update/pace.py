@@ -1,8 +1,9 @@
 """The speed that limits a step: how fast waves and particles cross cells."""
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 
 
+@inlined
 def pace(controlled, c, speed):
     """Speed in the Courant number, for a particle with wave speed c.
 
@@ -10,10 +11,6 @@ def pace(controlled, c, speed):
     number times |v|. A body's displacement in a step does not affect stability as long as it is
     less than a cell (``scripts/hard moving``).
     """
-
-
-@specialise(pace)
-def _pace(controlled, c, speed):
-    if hasattr(controlled, "bitwidth"):  # a number
-        return lambda controlled, c, speed: max(c, controlled * speed)
-    return lambda controlled, c, speed: c + speed
+    if isinstance(controlled, float):
+        return max(c, controlled * speed)
+    return c + speed

@@ -6,7 +6,7 @@ stack for the transfers, which take one after the other.
 """
 
 from pgimp.jit.algebra import cofactor, full, multiply
-from pgimp.jit.kernel import inlined, is_record, specialise
+from pgimp.jit.kernel import inlined, is_empty, is_record
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, number, pack, store, vector
@@ -44,67 +44,51 @@ def keep_vectors(buffer, at, first, second, third):
     store(buffer, at + 12, V[3])
 
 
+@inlined
 def keep_columns(buffer, at, P):
     """Store the columns of row-major matrices of four particles in the buffer, from `at` on."""
-
-
-@specialise(keep_columns)
-def _keep_all_columns(buffer, at, P):
-    def keep1(buffer, at, P):
+    if len(P) == 1:
         keep_vectors(buffer, at, P[0], 0.0, 0.0)
-
-    def keep2(buffer, at, P):
+        return
+    if len(P) == 4:
         keep_vectors(buffer, at, P[0], P[2], 0.0)
         keep_vectors(buffer, at + 16, P[1], P[3], 0.0)
-
-    def keep3(buffer, at, P):
-        keep_vectors(buffer, at, P[0], P[3], P[6])
-        keep_vectors(buffer, at + 16, P[1], P[4], P[7])
-        keep_vectors(buffer, at + 32, P[2], P[5], P[8])
-
-    def keep_rings(buffer, at, P):
+        return
+    if len(P) == 5:
         keep_vectors(buffer, at, P[0], P[2], 0.0)
         keep_vectors(buffer, at + 16, P[1], P[3], 0.0)
         store(buffer, at + _HOOP, P[4])
+        return
+    keep_vectors(buffer, at, P[0], P[3], P[6])
+    keep_vectors(buffer, at + 16, P[1], P[4], P[7])
+    keep_vectors(buffer, at + 32, P[2], P[5], P[8])
 
-    return {1: keep1, 4: keep2, 5: keep_rings, 9: keep3}[len(P)]
 
-
+@inlined
 def keep_forces(loads, frame, particles, rows, buffer):
     """Store -V0 P of four particles, less viscosity's, in a buffer of `PIOLA_SIZE` float64.
 
     With `mean_lagrangian` also the forces by cells. Nothing is done in the current configuration.
     """
-
-
-@specialise(keep_forces)
-def _keep_forces(loads, frame, particles, rows, buffer):
     if not is_initial(frame):
-        return lambda loads, frame, particles, rows, buffer: None
-    D = len(frame.types[0])
+        return None
+    D = len(frame.origin)
     like, matrix = (0.0,) * (3, 4, 6)[D - 1], (0.0,) * len(undeformed(frame))
-    part = 1.0 / {1: 1, 4: 2, 5: 3, 9: 3}[len(matrix)]
-
-    def keep_pointwise(loads, frame, particles, rows, buffer):
-        sigma = take_row(particles.sigma, rows, 0, like)
-        sigma = less_pressure(loads.viscosity, particles, rows, sigma)
+    sigma = take_row(particles.sigma, rows, 0, like)
+    sigma = less_pressure(loads.viscosity, particles, rows, sigma)
+    if is_empty(loads.mean_lagrangian):
         P = multiply(stresses(frame, sigma), cofactor(deformations(frame, particles, rows)))
         keep_columns(buffer, 0, scaled(-take(particles.V0, rows), P))
-
-    def keep_both(loads, frame, particles, rows, buffer):
-        sigma = take_row(particles.sigma, rows, 0, like)
-        sigma = less_pressure(loads.viscosity, particles, rows, sigma)
-        in_company = part * (1.0 - take_row(particles.alone, rows, 0, (0.0,))[0])
-        mean = in_company * trace(stresses(frame, sigma))
-        rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
-        ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -take(particles.V0, rows)
-        P = multiply(stresses(frame, rest), cofactor(deformations(frame, particles, rows)))
-        keep_columns(buffer, 0, scaled(V * ratio, P))
-        G = take_row(particles.around, rows, 0, matrix)
-        keep_columns(buffer, BY_CELLS, scaled(V * mean, cofactor(G)))
-
-    mean = loads.types[loads.fields.index("mean_lagrangian")]
-    return keep_pointwise if hasattr(mean, "count") else keep_both
+        return
+    part = 1.0 / (3 if len(matrix) > 4 else D)
+    in_company = part * (1.0 - take_row(particles.alone, rows, 0, (0.0,))[0])
+    mean = in_company * trace(stresses(frame, sigma))
+    rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
+    ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -take(particles.V0, rows)
+    P = multiply(stresses(frame, rest), cofactor(deformations(frame, particles, rows)))
+    keep_columns(buffer, 0, scaled(V * ratio, P))
+    G = take_row(particles.around, rows, 0, matrix)
+    keep_columns(buffer, BY_CELLS, scaled(V * mean, cofactor(G)))
 
 
 @inlined
@@ -121,23 +105,14 @@ def kept_hoop(buffer, at, j):
     return pack(0.0, number(buffer, at + _HOOP + j), 0.0, 0.0)
 
 
+@inlined
 def kept_force(buffer, at, j, like):
     """For each direction the vector (0, -V0 P_xi, -V0 P_yi, -V0 P_zi) of number `j` of four.
 
     From the offset `at` on, 0 or `BY_CELLS`.
     """
-
-
-@specialise(kept_force)
-def _kept_force(buffer, at, j, like):
-    one = lambda buffer, at, j, like: (load(buffer, at + 4 * j),)  # noqa: E731
-    two = lambda buffer, at, j, like: (  # noqa: E731
-        load(buffer, at + 4 * j),
-        load(buffer, at + 16 + 4 * j),
-    )
-    three = lambda buffer, at, j, like: (  # noqa: E731
-        load(buffer, at + 4 * j),
-        load(buffer, at + 16 + 4 * j),
-        load(buffer, at + 32 + 4 * j),
-    )
-    return (one, two, three)[len(like) - 1]
+    if len(like) == 1:
+        return (load(buffer, at + 4 * j),)
+    if len(like) == 2:
+        return (load(buffer, at + 4 * j), load(buffer, at + 16 + 4 * j))
+    return (load(buffer, at + 4 * j), load(buffer, at + 16 + 4 * j), load(buffer, at + 32 + 4 * j))

@@ -8,7 +8,7 @@ pressed to nothing.
 
 from pgimp.jit.algebra import determinant
 from pgimp.jit.functions import exp, power
-from pgimp.jit.kernel import inlined, is_empty, specialise
+from pgimp.jit.kernel import inlined, is_empty, is_record
 from pgimp.jit.tuples import plus_first, scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import lane, load, pack, store
@@ -41,6 +41,7 @@ FARTHEST = 0.1
 GAINS = 16
 
 
+@inlined
 def refill(forcing, setting, field, particles, four, buffers, moved, ledger):
     """Shift four particles, close their gaps, relax J and their null modes.
 
@@ -61,69 +62,61 @@ def refill(forcing, setting, field, particles, four, buffers, moved, ledger):
     x, F, v
         Positions, deformation gradients and velocities after the shift.
     """
-
-
-@specialise(refill)
-def _refill(forcing, setting, field, particles, four, buffers, moved, ledger):
-    frame = setting.types[setting.fields.index("frame")]
-    filling = forcing.types[forcing.fields.index("filling")]
-    if not hasattr(filling, "instance_class") or is_initial(frame):  # ()
-        return lambda forcing, setting, field, particles, four, buffers, moved, ledger: moved
-    D = len(frame.types[0])
+    frame = setting.frame
+    filling = forcing.filling
+    if not is_record(filling) or is_initial(frame):
+        return moved
+    D = len(frame.origin)
     part = 1.0 / D
-
-    def shifted(forcing, setting, field, particles, four, buffers, moved, ledger):
-        (x, F, v), filling, gravity = moved, forcing.filling, forcing.gravity
-        if not filling.due:
-            return x, F, v
-        buffer, scratch = buffers
-        shape, frame, stride = setting.shape, setting.frame, filling.window.stride
-        _find_corners(shape, frame, filling.window, particles, four, buffer)
-        for j in range(LANES):
-            if j >= four.size:  # the last one once more
-                store(scratch, 4 * j, load(scratch, 4 * j - 4))
-                store(scratch, GAINS + 4 * j, load(scratch, GAINS + 4 * j - 4))
-                continue
-            p = four.rows[j]
-            body = particles.body[p]
-            if not filling.shift[body] > 0.0:
-                store(scratch, 4 * j, pack(0.0, 0.0, 0.0, 1.0))
-                store(scratch, GAINS + 4 * j, pack(0.0, 0.0, 0.0, 0.0))
-                continue
-            offset = four.layer * stride[0] + first_offset(buffer, j)
-            offset += _to_field(shape, filling.window, field.window, particles, p)
-            U, A, slopes, _ = gather(
-                shape, filling.G, Support(buffer, j), offset, stride, frame.origin, (), ()
-            )
-            keep_gain(filling.calming, frame, particles, p, A, scratch, GAINS + 4 * j)
-            step = _steps(slopes, frame.cell, filling.shift[body])
-            step = free_part(forcing.constraints, particles, p, step)
-            J = determinant(deformation(frame, particles, p))
-            full = min(max((lane(U, SURPLUS) + 1.0 - FREE) / (1.0 - FREE), 0.0), 1.0)
-            gap, most = filling.gap[body], J
-            if gap >= 0:
-                closed = filling.closed[body] * full * particles.state[p, gap]
-                particles.state[p, gap] -= closed
-                lost, most = J * (1.0 - exp(-closed)), J * exp(-particles.state[p, gap] - closed)
-            else:
-                _keep_slope(particles, p, 0, slopes)
-                _keep_spin(forcing.loads.affine, frame, particles, p, lane(U, SURPLUS) + 1.0)
-                most = filling.most[body]
-                lost = filling.relaxed[body] * (J - lane(U, FIELD))
-                if J > most:
-                    over = min(max(lane(U, SURPLUS) / OVERFULL, 0.0), 1.0)
-                    lost = filling.closed[body] * over * (J - min(lane(U, FIELD), most))
-            store(scratch, 4 * j, pack(step[0], step[1], step[2], power((J - lost) / J, part)))
-            along = gravity[0] * step[0] + gravity[1] * step[1] + gravity[2] * step[2]
-            ledger.work[four.layer] += particles.m[p] * along
-            V = min(J, most) * particles.V0[p]
-            filled = ledger.filled[four.layer, body]
-            filled[CARRIED] += V
-            filled[ROOM] += V * (1.0 - lane(U, OVERLAP))
-        S = transpose(load(scratch, 0), load(scratch, 4), load(scratch, 8), load(scratch, 12))
-        return plus_first(x, S), scaled(S[3], F), with_gains(filling.calming, v, scratch, GAINS)
-
-    return shifted
+    (x, F, v), filling, gravity = moved, forcing.filling, forcing.gravity
+    if not filling.due:
+        return x, F, v
+    buffer, scratch = buffers
+    shape, frame, stride = setting.shape, setting.frame, filling.window.stride
+    _find_corners(shape, frame, filling.window, particles, four, buffer)
+    for j in range(LANES):
+        if j >= four.size:  # the last one once more
+            store(scratch, 4 * j, load(scratch, 4 * j - 4))
+            store(scratch, GAINS + 4 * j, load(scratch, GAINS + 4 * j - 4))
+            continue
+        p = four.rows[j]
+        body = particles.body[p]
+        if not filling.shift[body] > 0.0:
+            store(scratch, 4 * j, pack(0.0, 0.0, 0.0, 1.0))
+            store(scratch, GAINS + 4 * j, pack(0.0, 0.0, 0.0, 0.0))
+            continue
+        offset = four.layer * stride[0] + first_offset(buffer, j)
+        offset += _to_field(shape, filling.window, field.window, particles, p)
+        U, A, slopes, _ = gather(
+            shape, filling.G, Support(buffer, j), offset, stride, frame.origin, (), ()
+        )
+        keep_gain(filling.calming, frame, particles, p, A, scratch, GAINS + 4 * j)
+        step = _steps(slopes, frame.cell, filling.shift[body])
+        step = free_part(forcing.constraints, particles, p, step)
+        J = determinant(deformation(frame, particles, p))
+        full = min(max((lane(U, SURPLUS) + 1.0 - FREE) / (1.0 - FREE), 0.0), 1.0)
+        gap, most = filling.gap[body], J
+        if gap >= 0:
+            closed = filling.closed[body] * full * particles.state[p, gap]
+            particles.state[p, gap] -= closed
+            lost, most = J * (1.0 - exp(-closed)), J * exp(-particles.state[p, gap] - closed)
+        else:
+            _keep_slope(particles, p, 0, slopes)
+            _keep_spin(forcing.loads.affine, frame, particles, p, lane(U, SURPLUS) + 1.0)
+            most = filling.most[body]
+            lost = filling.relaxed[body] * (J - lane(U, FIELD))
+            if J > most:
+                over = min(max(lane(U, SURPLUS) / OVERFULL, 0.0), 1.0)
+                lost = filling.closed[body] * over * (J - min(lane(U, FIELD), most))
+        store(scratch, 4 * j, pack(step[0], step[1], step[2], power((J - lost) / J, part)))
+        along = gravity[0] * step[0] + gravity[1] * step[1] + gravity[2] * step[2]
+        ledger.work[four.layer] += particles.m[p] * along
+        V = min(J, most) * particles.V0[p]
+        filled = ledger.filled[four.layer, body]
+        filled[CARRIED] += V
+        filled[ROOM] += V * (1.0 - lane(U, OVERLAP))
+    S = transpose(load(scratch, 0), load(scratch, 4), load(scratch, 8), load(scratch, 12))
+    return plus_first(x, S), scaled(S[3], F), with_gains(filling.calming, v, scratch, GAINS)
 
 
 @inlined
@@ -142,26 +135,18 @@ def _to_field(shape, window, other, particles, p):
     return field_of(window, particles, p) - field_of(other, particles, p)
 
 
+@inlined
 def _steps(slopes, cell, shift):
     """The shift of a particle along x, y, z, zero where the scene has no such direction."""
-
-
-@specialise(_steps)
-def _steps_of(slopes, cell, shift):
-    def one(slopes, cell, shift):
+    if len(cell) == 1:
         return (_limited(slopes[0], cell[0], shift), 0.0, 0.0)
-
-    def two(slopes, cell, shift):
+    if len(cell) == 2:
         return (_limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift), 0.0)
-
-    def three(slopes, cell, shift):
-        return (
-            _limited(slopes[0], cell[0], shift),
-            _limited(slopes[1], cell[1], shift),
-            _limited(slopes[2], cell[2], shift),
-        )
-
-    return (one, two, three)[len(cell) - 1]
+    return (
+        _limited(slopes[0], cell[0], shift),
+        _limited(slopes[1], cell[1], shift),
+        _limited(slopes[2], cell[2], shift),
+    )
 
 
 @inlined

@@ -12,7 +12,7 @@ directions may differ, as in a stretched bar. A material may give a better bound
 from math import sqrt
 
 from pgimp.jit.algebra import inverse, largest_stretch_squared, left_cauchy_green
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import class_of, inlined
 from pgimp.jit.tuples import squared
 from pgimp.jit.vectors.kinds import is_vector
 from pgimp.kernels.transfer.first_vertex import is_initial
@@ -22,9 +22,10 @@ from pgimp.kernels.update.viscosity import effective_wave_speed
 from pgimp.physics.materials.parameters.evaluate import evaluate, evaluate_four
 
 
+@inlined
 def has_initial_speed(materials):
-    """Whether all materials, given by their Numba types, have an `initial_speed`."""
-    return all(hasattr(material.instance_class, "initial_speed") for material in materials)
+    """Whether all materials have an `initial_speed`."""
+    return all(hasattr(class_of(material), "initial_speed") for material in materials)
 
 
 @inlined
@@ -33,19 +34,15 @@ def shortening(F):
     return sqrt(largest_stretch_squared(left_cauchy_green(inverse(F))))
 
 
+@inlined
 def _initial_speed(setting, numbers, F, J, state, by):
     """Speeds of waves in the initial configuration; `by` is from `shortening`."""
+    if has_initial_speed(setting.materials):
+        return evaluate_four("initial_speed", setting.materials, numbers, (F, J), state, J)
+    return by * wave_speed(setting, numbers, F, J, state)
 
 
-@specialise(_initial_speed)
-def _initial_speed_of(setting, numbers, F, J, state, by):
-    if has_initial_speed(setting.types[setting.fields.index("materials")]):
-        return lambda setting, numbers, F, J, state, by: evaluate_four(
-            "initial_speed", setting.materials, numbers, (F, J), state, J
-        )
-    return lambda setting, numbers, F, J, state, by: by * wave_speed(setting, numbers, F, J, state)
-
-
+@inlined
 def grid_speed(setting, controlled, numbers, after, inverse, extra):
     """Speeds at which four particles, and waves through them, cross the grid.
 
@@ -64,25 +61,17 @@ def grid_speed(setting, controlled, numbers, after, inverse, extra):
     extra : Vec4 or float
         From `update_viscous_pressure`.
     """
-
-
-@specialise(grid_speed)
-def _grid_speed(setting, controlled, numbers, after, inverse, extra):
-    def current(setting, controlled, numbers, after, inverse, extra):
-        v, F, J, state = after
-        c = wave_speed(setting, numbers, F, J, state)
-        extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
-        c = effective_wave_speed(c, extra)
-        return pace(controlled, c, sqrt(squared(v)))
-
-    def initial(setting, controlled, numbers, after, inverse, extra):
+    if is_initial(setting.frame):
         _, F, J, state = after
         by = shortening(F)
         c = _initial_speed(setting, numbers, F, J, state, by)
         extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
         return effective_wave_speed(c, _steeper(by, extra))
-
-    return initial if is_initial(setting.types[setting.fields.index("frame")]) else current
+    v, F, J, state = after
+    c = wave_speed(setting, numbers, F, J, state)
+    extra = diffusion_speed(setting, numbers, F, J, state, inverse, extra)
+    c = effective_wave_speed(c, extra)
+    return pace(controlled, c, sqrt(squared(v)))
 
 
 @inlined
@@ -93,25 +82,15 @@ def _steeper(by, extra):
     return by * by * extra
 
 
+@inlined
 def speed_of_waves(setting, number, args, state):
     """Speed of waves over the grid through one particle; `args` are F and J."""
-
-
-@specialise(speed_of_waves)
-def _speed_of_waves(setting, number, args, state):
-    def current(setting, number, args, state):
+    if not is_initial(setting.frame):
         return evaluate("speed", setting.materials, number, args, state)
-
-    def known(setting, number, args, state):
+    materials = setting.materials
+    if has_initial_speed(materials):
         return evaluate("initial_speed", setting.materials, number, args, state)
-
-    def bounded(setting, number, args, state):
-        return shortening(args[0]) * evaluate("speed", setting.materials, number, args, state)
-
-    if not is_initial(setting.types[setting.fields.index("frame")]):
-        return current
-    materials = setting.types[setting.fields.index("materials")]
-    return known if has_initial_speed(materials) else bounded
+    return shortening(args[0]) * evaluate("speed", setting.materials, number, args, state)
 
 
 @inlined

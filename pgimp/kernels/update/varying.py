@@ -6,18 +6,16 @@ column `own`, in the order of each `Own` in the particle's material. The functio
 numbers, or vectors of four, as without variation.
 """
 
-from numba.core import types
-
-from pgimp.jit.kernel import inlined, specialise
+from pgimp.jit.kernel import inlined, is_number, of_types
 from pgimp.jit.own import count_own, filled
 from pgimp.jit.tuples import read
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.transfer.lane_io import take_row
 
 
-def _width(setting):
+@of_types
+def _width(materials):
     """Greatest number of varying parameters of a material."""
-    materials = setting.types[setting.fields.index("materials")]
     return max(map(count_own, materials), default=0)
 
 
@@ -38,30 +36,24 @@ def _with_materials(setting, materials):
     ))  # fmt: skip
 
 
+@inlined
 def _values(own, rows, like):
     """Leading numbers of the column `own`, as many as `like` has: of a particle, or of four."""
+    if is_number(rows):
+        return read(own, rows, 0, like)
+    return take_row(own, rows, 0, like)
 
 
-@specialise(_values)
-def _values_of(own, rows, like):
-    if isinstance(rows, types.Integer):
-        return lambda own, rows, like: read(own, rows, 0, like)
-    return lambda own, rows, like: take_row(own, rows, 0, like)
-
-
+@inlined
 def substitute_parameters(setting, particles, rows):
     """The setting with the materials' parameters of a particle, or of four: `rows` is a tuple then.
 
     Where nothing varies it is the setting itself.
     """
-
-
-@specialise(substitute_parameters)
-def _with_own(setting, particles, rows):
-    width = _width(setting)
+    width = _width(setting.materials)
     if not width:
-        return lambda setting, particles, rows: setting
+        return setting
     zeros = (0.0,) * width
-    return lambda setting, particles, rows: _with_materials(
+    return _with_materials(
         setting, _each_filled(setting.materials, _values(particles.own, rows, zeros))
     )

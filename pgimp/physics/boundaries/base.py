@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import class_of, inlined
 from pgimp.schema.base import Model
 
 
@@ -65,24 +65,12 @@ class Boundary(Model):
         """
 
 
+@inlined
 def constrain(face, v, a, clearance):
     """Velocity and acceleration of a vertex on the face or beyond, by the face's condition.
 
     `clearance`, a length, is for conditions that bodies approach, see `Boundary.approaches`.
     """
-
-
-@specialise(constrain)
-def _constrain(face, v, a, clearance):
-    if hasattr(face.instance_class, "approach"):
-        return face.instance_class.approach
-    return lambda face, v, a, clearance: _constrain_all(face, v, a)
-
-
-def _constrain_all(face, v, a):
-    """As `constrain`, where the clearance does not matter."""
-
-
-@specialise(_constrain_all)
-def _constrain_vertices(face, v, a):
-    return face.instance_class.constrain
+    if hasattr(class_of(face), "approach"):
+        return class_of(face).approach(face, v, a, clearance)
+    return class_of(face).constrain(face, v, a)

@@ -4,7 +4,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import class_of, inlined
 from pgimp.physics.boundaries import BOUNDARIES
 from pgimp.schema.base import Model
 from pgimp.schema.problems import Problem
@@ -98,22 +98,16 @@ class BodyForce(NamedTuple):
     time: float
 
 
+@inlined
 def state(solution, X, x, t):
     """Exact displacement, velocity and Cauchy stress of a particle initially at `X`, now at `x`.
 
     Positions and vectors are tuples of D numbers; the stress is a tuple as in ``particles.sigma``.
     """
+    return class_of(solution).state(solution, X, x, t)
 
 
-@specialise(state)
-def _state(solution, X, x, t):
-    return solution.instance_class.state
-
-
+@inlined
 def body_force(solution, X, t):
     """Body force per mass on the particle initially at `X`, a tuple of D numbers."""
-
-
-@specialise(body_force)
-def _body_force(solution, X, t):
-    return solution.instance_class.force
+    return class_of(solution).force(solution, X, t)

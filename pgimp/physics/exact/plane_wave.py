@@ -20,7 +20,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 from pydantic import Field
 
 from pgimp.geometry.regions import Box
-from pgimp.jit.kernel import inner_kernel, specialise
+from pgimp.jit.kernel import inlined, inner_kernel
 from pgimp.physics.exact.base import Solution, no_gravity
 from pgimp.physics.materials.base import lame
 from pgimp.schema.base import Count, Number
@@ -78,28 +78,20 @@ def _one(yes):
     return 1.0 if yes else 0.0
 
 
+@inlined
 def _vectors(X, solution, u, v, t):
     """Displacement and velocity, a tuple of D numbers each."""
-
-
-@specialise(_vectors)
-def _vectors_of(X, solution, u, v, t):
-    def one(X, solution, u, v, t):
+    if len(X) == 1:
         d = solution.drift
         return (u + d[0] * t,), (v + d[0],)
-
-    def two(X, solution, u, v, t):
+    if len(X) == 2:
         d, k = solution.drift, solution.swing
         x, y = _one(k == 0), _one(k == 1)
         return (x * u + d[0] * t, y * u + d[1] * t), (x * v + d[0], y * v + d[1])
-
-    def three(X, solution, u, v, t):
-        d, k = solution.drift, solution.swing
-        x, y, z = _one(k == 0), _one(k == 1), _one(k == 2)
-        moved = x * u + d[0] * t, y * u + d[1] * t, z * u + d[2] * t
-        return moved, (x * v + d[0], y * v + d[1], z * v + d[2])
-
-    return (one, two, three)[len(X) - 1]
+    d, k = solution.drift, solution.swing
+    x, y, z = _one(k == 0), _one(k == 1), _one(k == 2)
+    moved = x * u + d[0] * t, y * u + d[1] * t, z * u + d[2] * t
+    return moved, (x * v + d[0], y * v + d[1], z * v + d[2])
 
 
 @inner_kernel
@@ -121,34 +113,12 @@ def _shear(solution, strain, i, j):
     return solution.mu * strain if (a == i and b == j) or (a == j and b == i) else 0.0
 
 
+@inlined
 def _stress(X, solution, strain):
     """Cauchy stress, as in ``particles.sigma``."""
-
-
-@specialise(_stress)
-def _stress_of(X, solution, strain):
-    def one(X, s, strain):
-        return _normal(s, strain, 0), _normal(s, strain, 1), _normal(s, strain, 2)
-
-    def two(X, s, strain):
-        return (
-            _normal(s, strain, 0),
-            _normal(s, strain, 1),
-            _normal(s, strain, 2),
-            _shear(s, strain, 0, 1),
-        )
-
-    def three(X, s, strain):
-        return (
-            _normal(s, strain, 0),
-            _normal(s, strain, 1),
-            _normal(s, strain, 2),
-            _shear(s, strain, 0, 1),
-            _shear(s, strain, 1, 2),
-            _shear(s, strain, 0, 2),
-        )
-
-    return (one, two, three)[len(X) - 1]
+    normal = tuple(_normal(solution, strain, d) for d in range(3))
+    pairs = ((0, 1), (1, 2), (0, 2))[: (0, 1, 3)[len(X) - 1]]
+    return (*normal, *(_shear(solution, strain, i, j) for i, j in pairs))
 
 
 class PlaneWave(Solution):

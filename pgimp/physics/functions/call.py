@@ -11,15 +11,24 @@ from typing import Any
 import numba
 
 from pgimp.errors import CaseError
-from pgimp.jit.kernel import INLINE_OPTIONS, kernel, specialise
+from pgimp.jit.kernel import INLINE_OPTIONS, class_of, inlined, kernel, of_types
 from pgimp.jit.outside import tag
 from pgimp.jit.tuples import read, write
 from pgimp.physics.functions.raised import raised_by
 from pgimp.physics.functions.registry import Function, Value
 
 
+@inlined
 def call(source, given):
     """Value of a function, see `source_of`, of all that its kind is given."""
+    taken = tuple(given[number] for number in class_of(source).taken)
+    return _function_of(source)(*taken, *source.parameters)
+
+
+@of_types
+def _function_of(source):
+    """The Numba function of a source, given by its Numba type."""
+    return compiled(source.instance_class)
 
 
 @cache
@@ -27,25 +36,6 @@ def compiled(kind: type):
     """The Numba function of a class from `source_of`."""
     options = {**INLINE_OPTIONS, "_nrt": True}  # it may make arrays
     return numba.njit(**options)(kind.function)  # type: ignore[attr-defined]
-
-
-@specialise(call)
-def _call(source, given):
-    function, taken = compiled(source.instance_class), source.instance_class.taken
-    first, second, third, fourth = (*taken, 0, 0, 0, 0)[:4]
-    if len(taken) == 0:
-        return lambda source, given: function(*source.parameters)
-    if len(taken) == 1:
-        return lambda source, given: function(given[first], *source.parameters)
-    if len(taken) == 2:
-        return lambda source, given: function(given[first], given[second], *source.parameters)
-    if len(taken) == 3:
-        return lambda source, given: function(
-            given[first], given[second], given[third], *source.parameters
-        )
-    return lambda source, given: function(
-        given[first], given[second], given[third], given[fourth], *source.parameters
-    )
 
 
 def _own_state(solution, X, x, t):

@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from typing import NamedTuple
 
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import class_of, inlined
 from pgimp.schema.base import Model
 from pgimp.schema.sizes import Problems, length
 
@@ -26,10 +26,7 @@ class BodyForceEntry(Model):
             yield from length((name,), getattr(self, name), dimensions)
 
 
+@inlined
 def acceleration(force, x, v, t):
     """Force per mass on a particle with position x and velocity v: tuples of three numbers."""
-
-
-@specialise(acceleration)
-def _acceleration(force, x, v, t):
-    return force.instance_class.acceleration
+    return class_of(force).acceleration(force, x, v, t)

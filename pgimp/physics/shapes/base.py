@@ -5,7 +5,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from pgimp.jit.kernel import exact, of_types, specialise
+from pgimp.jit.kernel import class_of, exact, inlined, of_types
 from pgimp.physics.shapes.courant import LIMITS
 from pgimp.schema.base import Count, Model, NonNegative
 from pgimp.schema.dispatch import Either
@@ -161,24 +161,19 @@ class PointShape(Shape):
         return self.volume == "tracked"
 
 
+@exact  # all kernels must find the same layer, in any code
 def size(shape, cell, F):
     """Half-widths of chi_p by direction, in cells, and the largest before clamping."""
+    return class_of(shape).size(shape, cell, F)
 
 
-@exact(size)  # all kernels must find the same layer, in any code
-def _size(shape, cell, F):
-    return shape.instance_class.size
-
-
+@inlined
 def weights(shape, half, f):
     """Weights and cell-scaled gradients of the support's vertices, two tuples."""
+    return class_of(shape).weights(shape, half, f)
 
 
-@specialise(weights)
-def _weights(shape, half, f):
-    return shape.instance_class.weights
-
-
+@inlined
 def moments(shape, half, f, g):
     """First moments and end values of the tents over a particle's extent, for axisymmetry.
 
@@ -186,20 +181,13 @@ def moments(shape, half, f, g):
     means of N at its two ends less the mean over it. Two tuples, as of `weights`, whose gradients
     are `g`.
     """
+    return class_of(shape).moments(shape, half, f, g)
 
 
-@specialise(moments)
-def _moments(shape, half, f, g):
-    return shape.instance_class.moments
-
-
+@exact
 def edges(shape, F):
     """Half edges of a particle's parallelogram: D tuples of D components, in cells."""
-
-
-@exact(edges)
-def _edges(shape, F):
-    return shape.instance_class.edges
+    return class_of(shape).edges(shape, F)
 
 
 @of_types

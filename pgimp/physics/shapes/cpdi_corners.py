@@ -28,84 +28,51 @@ from pgimp.physics.shapes.cpdi import CpdiParameters, FixedCpdiParameters
 from pgimp.physics.shapes.stretch import LARGEST
 
 
+@exact
 def _extents(half, cell, F):
     """Half-widths of the deformed box's grid-aligned bounding box, sum_j |F_ij| l_j, in cells."""
-
-
-@exact(_extents)
-def _extents_of(half, cell, F):
     if len(half) == 2:
-
-        def extents2(half, cell, F):
-            a, b = half[0] * cell[0], half[1] * cell[1]
-            return (
-                (abs(F[0]) * a + abs(F[1]) * b) / cell[0],
-                (abs(F[2]) * a + abs(F[3]) * b) / cell[1],
-            )
-
-        return extents2
-
-    def extents3(half, cell, F):
-        a, b, c = half[0] * cell[0], half[1] * cell[1], half[2] * cell[2]
+        a, b = half[0] * cell[0], half[1] * cell[1]
         return (
-            (abs(F[0]) * a + abs(F[1]) * b + abs(F[2]) * c) / cell[0],
-            (abs(F[3]) * a + abs(F[4]) * b + abs(F[5]) * c) / cell[1],
-            (abs(F[6]) * a + abs(F[7]) * b + abs(F[8]) * c) / cell[2],
+            (abs(F[0]) * a + abs(F[1]) * b) / cell[0],
+            (abs(F[2]) * a + abs(F[3]) * b) / cell[1],
         )
+    a, b, c = half[0] * cell[0], half[1] * cell[1], half[2] * cell[2]
+    return (
+        (abs(F[0]) * a + abs(F[1]) * b + abs(F[2]) * c) / cell[0],
+        (abs(F[3]) * a + abs(F[4]) * b + abs(F[5]) * c) / cell[1],
+        (abs(F[6]) * a + abs(F[7]) * b + abs(F[8]) * c) / cell[2],
+    )
 
-    return extents3
 
-
+@exact
 def _clamped(half, cell, F):
     """Half-widths limited to `LARGEST`, and the largest before the limit."""
-
-
-@exact(_clamped)
-def _clamped_to(half, cell, F):
     if len(half) == 2:
-
-        def clamped2(half, cell, F):
-            x, y = _extents(half, cell, F)
-            return (min(x, LARGEST), min(y, LARGEST)), max(x, y)
-
-        return clamped2
-
-    def clamped3(half, cell, F):
-        x, y, z = _extents(half, cell, F)
-        return (min(x, LARGEST), min(y, LARGEST), min(z, LARGEST)), max(max(x, y), z)
-
-    return clamped3
+        x, y = _extents(half, cell, F)
+        return (min(x, LARGEST), min(y, LARGEST)), max(x, y)
+    x, y, z = _extents(half, cell, F)
+    return (min(x, LARGEST), min(y, LARGEST), min(z, LARGEST)), max(max(x, y), z)
 
 
+@exact
 def _half_edges(half, cell, F):
     """Vectors F e_j l_j, in cells, after shrinking."""
-
-
-@exact(_half_edges)
-def _half_edges_of(half, cell, F):
     if len(half) == 2:
-
-        def edges2(half, cell, F):
-            x, y = _extents(half, cell, F)
-            # Factors of at most 1: LARGEST over an extent of zero would be infinite.
-            x, y = min(LARGEST / x, 1.0) / cell[0], min(LARGEST / y, 1.0) / cell[1]
-            a, b = half[0] * cell[0], half[1] * cell[1]
-            return (F[0] * a * x, F[2] * a * y), (F[1] * b * x, F[3] * b * y)
-
-        return edges2
-
-    def edges3(half, cell, F):
-        x, y, z = _extents(half, cell, F)
+        x, y = _extents(half, cell, F)
+        # Factors of at most 1: LARGEST over an extent of zero would be infinite.
         x, y = min(LARGEST / x, 1.0) / cell[0], min(LARGEST / y, 1.0) / cell[1]
-        z = min(LARGEST / z, 1.0) / cell[2]
-        a, b, c = half[0] * cell[0], half[1] * cell[1], half[2] * cell[2]
-        return (
-            (F[0] * a * x, F[3] * a * y, F[6] * a * z),
-            (F[1] * b * x, F[4] * b * y, F[7] * b * z),
-            (F[2] * c * x, F[5] * c * y, F[8] * c * z),
-        )
-
-    return edges3
+        a, b = half[0] * cell[0], half[1] * cell[1]
+        return (F[0] * a * x, F[2] * a * y), (F[1] * b * x, F[3] * b * y)
+    x, y, z = _extents(half, cell, F)
+    x, y = min(LARGEST / x, 1.0) / cell[0], min(LARGEST / y, 1.0) / cell[1]
+    z = min(LARGEST / z, 1.0) / cell[2]
+    a, b, c = half[0] * cell[0], half[1] * cell[1], half[2] * cell[2]
+    return (
+        (F[0] * a * x, F[3] * a * y, F[6] * a * z),
+        (F[1] * b * x, F[4] * b * y, F[7] * b * z),
+        (F[2] * c * x, F[5] * c * y, F[8] * c * z),
+    )
 
 
 class CpdiCornersParameters(NamedTuple):

@@ -9,48 +9,33 @@ from pgimp.jit.kernel import exact
 LARGEST = 1.0
 
 
+@exact
 def stretched(half0, cell, F):
     """Half-widths l_i = sqrt(sum_j (F_ij l0_j)^2), in cells, and the largest before clamping.
 
     The box has the second moments of the deformed box, so a cube keeps its size under rotation.
     `half0` is in cells of the initial state, `cell` the cells' size.
     """
+    if len(half0) == 1:
+        l0 = abs(F[0]) * half0[0]
+        return (min(l0, LARGEST),), l0
+    if len(half0) == 2:
+        a, b = half0[0] * cell[0], half0[1] * cell[1]
+        l0 = _length(F[0] * a, F[1] * b, 0.0) / cell[0]
+        l1 = _length(F[2] * a, F[3] * b, 0.0) / cell[1]
+        return (min(l0, LARGEST), min(l1, LARGEST)), max(l0, l1)
+    a, b, c = half0[0] * cell[0], half0[1] * cell[1], half0[2] * cell[2]
+    l0 = _length(F[0] * a, F[1] * b, F[2] * c) / cell[0]
+    l1 = _length(F[3] * a, F[4] * b, F[5] * c) / cell[1]
+    l2 = _length(F[6] * a, F[7] * b, F[8] * c) / cell[2]
+    most = max(max(l0, l1), l2)
+    return (min(l0, LARGEST), min(l1, LARGEST), min(l2, LARGEST)), most
 
 
 @exact
 def _length(a, b, c):
     """Length of a vector of three."""
     return sqrt(a * a + b * b + c * c)
-
-
-@exact(stretched)
-def _stretched(half0, cell, F):
-    if len(half0) == 1:
-
-        def stretched1(half0, cell, F):
-            l0 = abs(F[0]) * half0[0]
-            return (min(l0, LARGEST),), l0
-
-        return stretched1
-    if len(half0) == 2:
-
-        def stretched2(half0, cell, F):
-            a, b = half0[0] * cell[0], half0[1] * cell[1]
-            l0 = _length(F[0] * a, F[1] * b, 0.0) / cell[0]
-            l1 = _length(F[2] * a, F[3] * b, 0.0) / cell[1]
-            return (min(l0, LARGEST), min(l1, LARGEST)), max(l0, l1)
-
-        return stretched2
-
-    def stretched3(half0, cell, F):
-        a, b, c = half0[0] * cell[0], half0[1] * cell[1], half0[2] * cell[2]
-        l0 = _length(F[0] * a, F[1] * b, F[2] * c) / cell[0]
-        l1 = _length(F[3] * a, F[4] * b, F[5] * c) / cell[1]
-        l2 = _length(F[6] * a, F[7] * b, F[8] * c) / cell[2]
-        most = max(max(l0, l1), l2)
-        return (min(l0, LARGEST), min(l1, LARGEST), min(l2, LARGEST)), most
-
-    return stretched3
 
 
 class FixedSize(NamedTuple):

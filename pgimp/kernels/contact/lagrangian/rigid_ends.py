@@ -8,7 +8,7 @@ same impulses, so that V and the accumulated impulses agree on all ranks.
 from math import inf, sqrt
 
 from pgimp.geometry.distancefield import MARGIN
-from pgimp.jit.kernel import inlined, inner_kernel, is_record, specialise
+from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.jit.memory import structure
 from pgimp.kernels.contact.rigid_fields import set_rigid_velocity
 from pgimp.kernels.rigid.around import way_around
@@ -53,55 +53,43 @@ def _prescribed(contact, a, rigid):
         row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 0.0
 
 
+@inlined
 def load_rigid(contact, rigid_bodies, frame, a, s, number, rigid):
     """Load a rigid end as field `a`: its velocity and, if it moves freely, its inverse mass.
 
     `s` is minus 1 minus its number among all bodies, `rigid` the velocities of the pair's ends.
     The inverse mass, by component, is a bound: absolute row sums of T C T^t.
     """
-
-
-@specialise(load_rigid)
-def _load_rigid(contact, rigid_bodies, frame, a, s, number, rigid):
     if not move_freely(rigid_bodies):
-        return lambda contact, rigid_bodies, frame, a, s, number, rigid: _prescribed(
-            contact, a, rigid
-        )
-
-    def load(contact, rigid_bodies, frame, a, s, number, rigid):
-        _prescribed(contact, a, rigid)
-        t = _free_number(rigid_bodies, s)
-        if t < 0:
-            return
-        row, motion, arm = (
-            contact.fields[a],
-            rigid_bodies.motion[t],
-            _arm(rigid_bodies, t, frame, number),
-        )
-        C = rigid_bodies.responses[0, rigid_bodies.lattice[t].free]
-        for d in range(3):
-            v, bound = 0.0, 0.0
+        return _prescribed(contact, a, rigid)
+    _prescribed(contact, a, rigid)
+    t = _free_number(rigid_bodies, s)
+    if t < 0:
+        return
+    row, motion, arm = (
+        contact.fields[a],
+        rigid_bodies.motion[t],
+        _arm(rigid_bodies, t, frame, number),
+    )
+    C = rigid_bodies.responses[0, rigid_bodies.lattice[t].free]
+    for d in range(3):
+        v, bound = 0.0, 0.0
+        for u in range(6):
+            v += lever(arm, d, u) * motion.velocity_after[u]
+        for e in range(3):
+            K = 0.0
             for u in range(6):
-                v += lever(arm, d, u) * motion.velocity_after[u]
-            for e in range(3):
-                K = 0.0
-                for u in range(6):
-                    for w in range(6):
-                        K += lever(arm, d, u) * C.derivative[u, w] * lever(arm, e, w)
-                bound += abs(K)
-            row.velocity[d] = v
-            row.inverse_mass[d] = row.bilateral_inverse_mass[d] = bound
-
-    return load
+                for w in range(6):
+                    K += lever(arm, d, u) * C.derivative[u, w] * lever(arm, e, w)
+            bound += abs(K)
+        row.velocity[d] = v
+        row.inverse_mass[d] = row.bilateral_inverse_mass[d] = bound
 
 
+@inlined
 def push_rigid(rigid_bodies, frame, s, number, J, sign):
     """Apply an impulse at a vertex to a rigid end that moves freely."""
-
-
-@specialise(push_rigid)
-def _push_rigid(rigid_bodies, frame, s, number, J, sign):
-    def push(rigid_bodies, frame, s, number, J, sign):
+    if move_freely(rigid_bodies):
         t = _free_number(rigid_bodies, s)
         if t < 0:
             return
@@ -114,10 +102,7 @@ def _push_rigid(rigid_bodies, frame, s, number, J, sign):
             answer.trial_impulse[w] += given
             for u in range(6):
                 motion.velocity_after[u] += answer.derivative[u, w] * given
-
-    return (
-        push if move_freely(rigid_bodies) else lambda rigid_bodies, frame, s, number, J, sign: None
-    )
+    return None
 
 
 @inlined

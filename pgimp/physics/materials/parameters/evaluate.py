@@ -5,9 +5,8 @@ from math import isqrt
 
 import numba
 from numba.core import errors, types
-from numba.extending import overload
 
-from pgimp.jit.kernel import INLINE_OPTIONS
+from pgimp.jit.kernel import INLINE_OPTIONS, class_of, inlined, is_number, of_types
 from pgimp.jit.outside import NumbaObject, is_outside
 from pgimp.jit.vectors.lanes import (
     has_vectors,
@@ -31,6 +30,7 @@ def compiled(parameters: type, quantity: str):
     return numba.njit(**options)(getattr(parameters, quantity))
 
 
+@inlined
 def evaluate(quantity, materials, k, args, state):
     """Value of "stress", "energy", "speed", .. of material number `k` of the scene's tuple.
 
@@ -40,7 +40,7 @@ def evaluate(quantity, materials, k, args, state):
     Parameters
     ----------
     quantity : str
-        A literal.
+        Its name.
     materials : tuple of NamedTuple
         The scene's.
     k : int
@@ -59,78 +59,59 @@ def evaluate(quantity, materials, k, args, state):
         state, unchanged if the material has no such function. For "losses" one number for each of
         `LOSSES`, zeros if the material has none.
     """
-
-
-@overload(evaluate, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
-def _evaluate(quantity, materials, k, args, state):
-    if not isinstance(quantity, types.Literal):
-        return None  # Numba tries that too, after an error in a material
-    name = quantity.literal_value
     if len(materials) == 1:
-        return lambda quantity, materials, k, args, state: _ask(name, materials[0], args, state)
-    if len(set(materials)) == 1:
-        return lambda quantity, materials, k, args, state: _ask(name, materials[k], args, state)
-
-    def branch(quantity, materials, k, args, state):
+        return _ask(quantity, materials[0], args, state)
+    if _are_alike(materials):
+        return _ask(quantity, materials[k], args, state)
+    if not has_vectors(args):
         if k == 0:
-            return _ask(name, materials[0], args, state)
-        return evaluate(name, materials[1:], k - 1, args, state)
-
-    def branch_of_vectors(quantity, materials, k, args, state):
-        if k == 0:  # models may differ: one returns a number, another a vector
-            return vectors_as(_ask(name, materials[0], args, state), args[0][0])
-        return vectors_as(evaluate(name, materials[1:], k - 1, args, state), args[0][0])
-
-    return branch_of_vectors if has_vectors(args) else branch
+            return _ask(quantity, materials[0], args, state)
+        return evaluate(quantity, materials[1:], k - 1, args, state)
+    if k == 0:  # models may differ: one returns a number, another a vector
+        return vectors_as(_ask(quantity, materials[0], args, state), args[0][0])
+    return vectors_as(evaluate(quantity, materials[1:], k - 1, args, state), args[0][0])
 
 
+@of_types
+def _are_alike(materials):
+    """Whether all materials are of one type."""
+    return len(set(materials)) == 1
+
+
+@inlined
 def _ask(quantity, material, args, state):
     """Value of a quantity of one material, see `evaluate`; `state` is cut to its own states."""
-
-
-@overload(_ask, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
-def _ask_material(quantity, material, args, state):
-    if not isinstance(quantity, types.Literal):
-        return None
-    name, kind = quantity.literal_value, material.instance_class
-    if name in OPTIONAL and not has(kind, name):
-        value = OPTIONAL[name]
-        if value is None:
-            return lambda quantity, material, args, state: state
-        return lambda quantity, material, args, state: value
-    function = compiled(kind, name)
+    kind = class_of(material)
+    if quantity in OPTIONAL and not has(kind, quantity):
+        return state if OPTIONAL[quantity] is None else OPTIONAL[quantity]
+    function = compiled(kind, quantity)
     own = state_width(kind, isqrt(len(args[0])))
-    if name == "stress" and len(args) > _WITHOUT_Q and not takes_viscous_pressure(kind):
-        return lambda quantity, material, args, state: _ask(
-            name, material, args[:_WITHOUT_Q], state
-        )
-    if name == "stress" and len(args) == _WITHOUT_Q and takes_viscous_pressure(kind):
-        return lambda quantity, material, args, state: _ask(name, material, (*args, 0.0), state)
-    if len(state) == 0:
-        return lambda quantity, material, args, state: function(material, *args)
-    if own == 0 and name == "stress":
-        return lambda quantity, material, args, state: (*function(material, *args), *state)
-    if own == 0:
-        return lambda quantity, material, args, state: function(material, *args)
-    if name == "initial_state":
-        return lambda quantity, material, args, state: (
-            *function(material, *args, state[:own]),
-            *state[own:],
-        )
-    if name != "stress":
-        return lambda quantity, material, args, state: function(material, *args, state[:own])
-
-    def stress(quantity, material, args, state):
+    if quantity == "stress" and takes_viscous_pressure(kind) and len(args) == _WITHOUT_Q:
+        return _ask(quantity, material, (*args, 0.0), state)
+    if quantity == "stress" and not takes_viscous_pressure(kind):
+        args = args[:_WITHOUT_Q]
+    if quantity == "stress" and own > 0:
         sigma, now = function(material, *args, state[:own])
         return (*sigma, *now, *state[own:])
+    if quantity == "stress":
+        return (*function(material, *args), *state)
+    if own == 0:
+        return function(material, *args)
+    if quantity == "initial_state":
+        return (*function(material, *args, state[:own]), *state[own:])
+    return function(material, *args, state[:own])
 
-    return stress
+
+@of_types
+def _take_vectors(quantity, materials, args, state):
+    """Whether the materials' functions compile for vectors; those with branches do not."""
+    return all(_takes_vectors(material, quantity, args, state) for material in materials)
 
 
 def _takes_vectors(
     material: NumbaObject, quantity: str, args: NumbaObject, state: NumbaObject
 ) -> bool:
-    """Whether a material's function compiles for vectors; functions with branches do not."""
+    """Whether a material's function compiles for vectors."""
     kind = material.instance_class
     if quantity in OPTIONAL and not has(kind, quantity):
         return True
@@ -146,17 +127,7 @@ def _takes_vectors(
     return True
 
 
-def _number_of(numbers, j):
-    """Number of the material of particle `j`, see `evaluate_four`."""
-
-
-@overload(_number_of, jit_options=INLINE_OPTIONS, strict=False)
-def _number_of_one(numbers, j):
-    if isinstance(numbers, types.Integer):
-        return lambda numbers, j: numbers
-    return lambda numbers, j: numbers[j]
-
-
+@inlined
 def evaluate_four(quantity, materials, numbers, args, state, like):
     """As `evaluate`, for four particles, or for eight.
 
@@ -165,51 +136,25 @@ def evaluate_four(quantity, materials, numbers, args, state, like):
     function with branches takes no vectors and is called particle by particle. Parameters that vary
     in space are vectors as well, see `pgimp.kernels.update.varying`.
     """
-
-
-@overload(evaluate_four, jit_options=INLINE_OPTIONS, prefer_literal=True, strict=False)
-def _evaluate_four(quantity, materials, numbers, args, state, like):
-    if not isinstance(quantity, types.Literal):
-        return None
-    name, lanes = quantity.literal_value, lanes_of(like)
-    if not all(_takes_vectors(material, name, args, state) for material in materials):
-
-        def one_by_one(quantity, materials, numbers, args, state, like):
-            values = like
-            for j in range(lanes):
-                k = _number_of(numbers, j)
-                one = evaluate(name, materials, k, of_lane(args, j), of_lane(state, j))
-                values = with_lanes(values, j, one)
-            return values
-
-        def one_by_one_of_own(quantity, materials, numbers, args, state, like):
-            values = like
-            for j in range(lanes):
-                own, given = of_lane(materials, j), of_lane(args, j)
-                one = evaluate(name, own, _number_of(numbers, j), given, of_lane(state, j))
-                values = with_lanes(values, j, one)
-            return values
-
-        return one_by_one_of_own if has_vectors(materials) else one_by_one
-    if len(materials) == 1:
-        return lambda quantity, materials, numbers, args, state, like: vectors_as(
-            evaluate(name, materials, 0, args, state), args[0][0]
-        )
-    if isinstance(numbers, types.Integer):
-        return lambda quantity, materials, numbers, args, state, like: vectors_as(
-            evaluate(name, materials, numbers, args, state), args[0][0]
-        )
-
-    def by_material(quantity, materials, numbers, args, state, like):
-        kinds = pack(float(numbers[0]), float(numbers[1]), float(numbers[2]), float(numbers[3]))
+    if not _take_vectors(quantity, materials, args, state):
         values = like
-        done = 0
-        for j in range(4):
-            if done >> j & 1 == 0:
-                mask = kinds == numbers[j]
-                found = evaluate(name, materials, numbers[j], args, state)
-                values = where_all(mask, vectors_as(found, args[0][0]), values)
-                done |= bits(mask)
+        for j in range(lanes_of(like)):
+            k = numbers if is_number(numbers) else numbers[j]
+            own = of_lane(materials, j) if has_vectors(materials) else materials
+            one = evaluate(quantity, own, k, of_lane(args, j), of_lane(state, j))
+            values = with_lanes(values, j, one)
         return values
-
-    return by_material
+    if len(materials) == 1:
+        return vectors_as(evaluate(quantity, materials, 0, args, state), args[0][0])
+    if is_number(numbers):
+        return vectors_as(evaluate(quantity, materials, numbers, args, state), args[0][0])
+    kinds = pack(float(numbers[0]), float(numbers[1]), float(numbers[2]), float(numbers[3]))
+    values = like
+    done = 0
+    for j in range(4):
+        if done >> j & 1 == 0:
+            mask = kinds == numbers[j]
+            found = evaluate(quantity, materials, numbers[j], args, state)
+            values = where_all(mask, vectors_as(found, args[0][0]), values)
+            done |= bits(mask)
+    return values

@@ -3,7 +3,7 @@
 from math import cos, sin
 
 import pgimp
-from pgimp.jit.kernel import specialise
+from pgimp.jit.kernel import inlined
 from pgimp.jit.tuples import plus_scaled, scaled
 
 
@@ -43,25 +43,11 @@ def patchy(x, mean, part, wave):
     return mean * (1.0 + part * sin(wave * x[0]))
 
 
+@inlined
 def stress_like(x, p, wave):
     """Pressure p sin(wave x), as the components of a stress in the dimension of `x`."""
-
-
-@specialise(stress_like)
-def _stress_like(x, p, wave):
-    def line(x, p, wave):
-        s = p * sin(wave * x[0])
-        return s, s, s
-
-    def plane(x, p, wave):
-        s = p * sin(wave * x[0])
-        return s, s, s, 0.1 * s
-
-    def space(x, p, wave):
-        s = p * sin(wave * x[0])
-        return s, s, s, 0.1 * s, 0.0, -0.1 * s
-
-    return (line, plane, space)[len(x) - 1]
+    s = p * sin(wave * x[0])
+    return (s, s, s, 0.1 * s, 0.0, -0.1 * s)[: (3, 4, 6)[len(x) - 1]]
 
 
 @pgimp.stress
