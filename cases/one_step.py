@@ -6,9 +6,9 @@ import numpy as np
 import pgimp
 from pgimp.kernels.data.arguments import Forcing, Report
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD
-from pgimp.kernels.grid.momentum import WHOLE, update_momentum
-from pgimp.kernels.transfer.g2p import grid_to_particles
-from pgimp.kernels.transfer.p2g import particles_to_grid
+from pgimp.kernels.step.g2p import grid_to_particles
+from pgimp.kernels.step.momentum import WHOLE, update_momentum
+from pgimp.kernels.step.p2g import particles_to_grid
 
 DT = 5e-4
 RUBBER = {"model": "neo-hookean", "young": 1.0e6, "poisson": 0.3, "density": 1000.0}

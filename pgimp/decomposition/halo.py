@@ -18,7 +18,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid, aligned
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.transfer.p2g import complete
+from pgimp.kernels.step.p2g import complete
 from pgimp.mpi.communicator import Communicator, Request
 from pgimp.mpi.switches import switched_on
 

@@ -17,7 +17,7 @@ from pgimp.io.frames.xdmf import Collection, particles
 from pgimp.io.rundir.ownfiles import FAILURE as FOLDER
 from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.order.order import vertices_of
-from pgimp.kernels.update.checks import OUTSIDE
+from pgimp.kernels.step.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
 from pgimp.physics.derived import DERIVED
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source

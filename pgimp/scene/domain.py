@@ -13,7 +13,7 @@ from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
 from pgimp.kernels.grid.seam import Seam
-from pgimp.kernels.grid.wall_gap import Sides
+from pgimp.kernels.loads.wall_gap import Sides
 from pgimp.kernels.order.order import cell_numbers
 from pgimp.kernels.update.turns import PERIODIC
 from pgimp.scene.faces import (

@@ -17,7 +17,7 @@ from pgimp.kernels.grid.position_limits import (
     VELOCITY,
     WALL,
 )
-from pgimp.kernels.grid.wall_gap import Sides, Wall
+from pgimp.kernels.loads.wall_gap import Sides, Wall
 from pgimp.physics.boundaries import BOUNDARIES
 from pgimp.physics.boundaries.base import Boundary
 

@@ -10,8 +10,8 @@ from pgimp.case.schema import Case
 from pgimp.decomposition.population import Population
 from pgimp.errors import CaseError
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.grid.wall_gap import Sides
 from pgimp.kernels.loads.loads import Loads
+from pgimp.kernels.loads.wall_gap import Sides
 from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.constraints import at_places

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from pgimp.kernels.data.arguments import Forcing, Order
+from pgimp.kernels.data.particles import OUTFLOW
 from pgimp.kernels.sums.sums import layer_sums
-from pgimp.kernels.update.checks import OUTFLOW
 from pgimp.solver.configurations import ConfigurationGroup
 from pgimp.solver.rank import MOST_LISTED, Rank
 from pgimp.solver.transfers import RangeReport, update_particles

@@ -1,4 +1,4 @@
-"""Steps with sums of the filling, where bodies flow; see `pgimp.kernels.grid.filling`."""
+"""Steps with sums of the filling, where bodies flow; see `pgimp.kernels.flows.filling`."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.frame import Window
-from pgimp.kernels.grid.calming import Calming
-from pgimp.kernels.grid.filling import (
+from pgimp.kernels.flows.calming import Calming
+from pgimp.kernels.flows.filling import (
     Filling,
     FillingSums,
     find_filling,
@@ -26,7 +26,7 @@ from pgimp.solver.vertex_sums import VertexSums
 #: Steps from one shift to the next, as each costs a sum over all particles.
 EVERY = 8
 
-#: eps and delta of `pgimp.kernels.grid.filling`. The noise that delta removes arises from motion,
+#: eps and delta of `pgimp.kernels.flows.filling`. The noise that delta removes arises from motion,
 #: at each crossing of cells. With 0.0025 waves half a cell high keep 0.32 of their height in ten
 #: periods, without 0.67. With 0.02 water that swings under a sudden gravity begins to slosh.
 SHIFT, RELAX = 0.02, 0.001

@@ -15,8 +15,8 @@ from pgimp.kernels.lagrangian.advance import advance_cells
 from pgimp.kernels.lagrangian.cells import Cells
 from pgimp.kernels.lagrangian.keep import recall_masses
 from pgimp.kernels.loads.loads import Loads
-from pgimp.kernels.transfer.g2p import grid_to_particles
-from pgimp.kernels.transfer.p2g import Others, particles_to_grid
+from pgimp.kernels.step.g2p import grid_to_particles
+from pgimp.kernels.step.p2g import Others, particles_to_grid
 from pgimp.kernels.update.turns import turn_particles
 from pgimp.solver.configurations import ConfigurationGroup
 from pgimp.solver.lagrangian.cells import cleared, no_cells, report_cells

@@ -15,12 +15,12 @@ from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.volumes import VolumeSums
 from pgimp.kernels.data.arguments import Field, Order
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.grid.filling import FillingSums
+from pgimp.kernels.flows.filling import FillingSums
 from pgimp.kernels.loads.following import DisplacementSums
-from pgimp.kernels.transfer.contribution import VolumeSums
-from pgimp.kernels.transfer.p2g import complete, particles_to_grid
+from pgimp.kernels.step.p2g import complete, particles_to_grid
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 
@@ -35,7 +35,7 @@ class VertexSums:
     comm : communicator
         Of all ranks.
     loads
-        Stand-in for `Loads` with the summed quantity, see `pgimp.kernels.transfer.contribution`.
+        Stand-in for `Loads` with the summed quantity, see `pgimp.kernels.contact.volumes`.
 
     Attributes
     ----------

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import box, energy, field, finish, scene, start
 
-from pgimp.kernels.transfer.p2g import particles_to_grid
+from pgimp.kernels.step.p2g import particles_to_grid
 
 pytestmark = pytest.mark.slow(30)
 

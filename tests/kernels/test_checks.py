@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from kernel_driver import SEED, Rank, entry, make_frame, random_particles, random_positions
 
-from pgimp.kernels.data.particles import Carried, Particles
-from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUTFLOW, OUTSIDE, TOO_FAST
+from pgimp.kernels.data.particles import OUTFLOW, Carried, Particles
+from pgimp.kernels.step.checks import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
 from pgimp.physics.shapes import SHAPES
 
 ORIGIN, CELL, CELLS = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9), (5, 4, 3)

@@ -7,8 +7,8 @@ from tiers import wide
 
 from pgimp.decomposition.grid import Grid
 from pgimp.jit.kernel import kernel
+from pgimp.kernels.contact.fill import FAR, NEAR, _is_near
 from pgimp.kernels.data.record import MASS, RECORD
-from pgimp.kernels.rigid.fill import FAR, NEAR, _is_near
 from pgimp.solver.contact.multifield import MultifieldContact
 
 pytestmark = pytest.mark.slow(80)

@@ -9,7 +9,7 @@ from pgimp.geometry.distancefield import distance_field
 from pgimp.geometry.outline import outline
 from pgimp.geometry.regions import Ball, Box
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.rigid.fill import fill
+from pgimp.kernels.contact.fill import fill
 from pgimp.mpi.comm import Serial
 from pgimp.scene.scene import Scene
 

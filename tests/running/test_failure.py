@@ -12,7 +12,7 @@ from scenes import box, scene, start, write_case
 
 import pgimp
 from pgimp.errors import RunError
-from pgimp.kernels.update.checks import INVERTED, NOT_FINITE
+from pgimp.kernels.step.checks import INVERTED, NOT_FINITE
 from pgimp.physics.derived import DERIVED
 from pgimp.physics.fields import EVERY
 from pgimp.running import failure

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from studies.contact import detection, gap, motion, problems, rolls, walls
 
-from pgimp.kernels.grid.wall_gap import CLOSED
+from pgimp.kernels.loads.wall_gap import CLOSED
 
 ROOT = Path(__file__).resolve().parents[2]
 

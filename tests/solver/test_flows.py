@@ -8,7 +8,7 @@ from scenes import start
 from tiers import wide
 
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.grid.filling import EXCESS, FIELD
+from pgimp.kernels.flows.filling import EXCESS, FIELD
 from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.flows import EVERY, SHIFT
 from pgimp.solver.time.clock import Step

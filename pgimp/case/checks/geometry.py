@@ -132,7 +132,7 @@ def check_rings(
                 "is along the axis, y, alone, as all of a body moves at it: x is the radius",
             )
         law = materials.get(body.material)
-        # What keeps a flow's volume (`kernels/grid/filling.py`) divides the volumes summed at a
+        # What keeps a flow's volume (`kernels/flows/filling.py`) divides the volumes summed at a
         # vertex by a cell of the plane: of rings they are 2 pi r times as great. Its shift is along
         # gradients without the hoop, and would move rings across the axis.
         if law is not None and law.flow_speed > 0.0:

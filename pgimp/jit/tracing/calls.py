@@ -112,7 +112,7 @@ class Calls(Functions):
         if function is range:
             return Value(None, None, Range(args))
         if function is isinstance:
-            return constant(issubclass(class_of(self.kind_of(args[0])), args[1].constant))
+            return constant(issubclass(python_class(self.kind_of(args[0])), args[1].constant))
         if function is len and is_tuple(args[0].kind):
             return constant(len(self.items(args[0])))
         if function in _FOLDED and all(each.known for each in args):
@@ -194,7 +194,7 @@ def is_traced(function: NumbaObject) -> bool:
     return is_kernel and not function.targetoptions.get("_nrt")
 
 
-def class_of(kind: NumbaObject) -> type:
+def python_class(kind: NumbaObject) -> type:
     """Class of Python's values of a Numba type: of numbers and NamedTuples."""
     numbers: Any = ((types.Boolean, bool), (types.Integer, int), (types.Float, float))
     found = next((own for numba, own in numbers if isinstance(kind, numba)), NoneType)

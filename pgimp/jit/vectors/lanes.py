@@ -114,3 +114,19 @@ def where_all(mask, a, b):
     if len(a) == 1:
         return (where(mask, a[0], b[0]),)
     return (where(mask, a[0], b[0]), *where_all(mask, a[1:], b[1:]))
+
+
+@inlined
+def and_finite(mask, values):
+    """The mask, also false where one of the vectors `values` is not finite."""
+    if len(values) == 0:
+        return mask
+    return and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
+
+
+@inlined
+def and_positive(mask, margin):
+    """The mask, also false where a vector is not above zero; a number does not change it."""
+    if is_vector(margin):
+        return mask & (margin > 0.0)
+    return mask

@@ -3,9 +3,9 @@
 from math import inf
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record
+from pgimp.kernels.contact.fill import FAR, fill
 from pgimp.kernels.rigid.around import way_around
 from pgimp.kernels.rigid.bodies import arm_of, position_of
-from pgimp.kernels.rigid.fill import FAR, fill
 
 
 @inlined

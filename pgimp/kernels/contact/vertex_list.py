@@ -12,6 +12,7 @@ from pgimp.kernels.contact.rigid_fields import (
     may_be_near,
     set_rigid_velocity,
 )
+from pgimp.kernels.contact.volumes import VOLUME_CORRECTION
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
@@ -19,7 +20,6 @@ from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.faces import on_walls, wall_sides
 from pgimp.kernels.rigid.around import way_around, way_between
-from pgimp.kernels.transfer.contribution import VOLUME_CORRECTION
 
 
 class Search(NamedTuple):

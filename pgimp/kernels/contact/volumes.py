@@ -7,9 +7,10 @@ lies within the whole box, and has its support within the whole support. Shapes 
 have the weights of whole particles, corrected by their gradient over the offset to the centroid.
 """
 
+from typing import NamedTuple
+
 from pgimp.jit.kernel import class_of, inlined, is_number
 from pgimp.jit.tuples import plus_scaled, scaled
-from pgimp.kernels.transfer.contribution import VolumeSums, moved
 from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_axial
 from pgimp.kernels.transfer.lane_io import coordinates, deformations, take_row
 from pgimp.kernels.transfer.supports import keep_hoop, keep_support, supports
@@ -21,6 +22,48 @@ BOXES = GimpParameters | FiniteGimpParameters
 
 #: Least half-width of a cut box, in cells.
 LEAST = 1e-4
+
+
+#: The entry of a vertex's record with the correction of the sums of volumes.
+VOLUME_CORRECTION = 4
+
+
+class VolumeSums(NamedTuple):
+    """Stand-in for the loads in the sums of volumes in place of masses.
+
+    The sums are then V_p and V_p (b + 1), b being the number of the particle's body. In place of
+    the forces they have V_p grad S, the integral of S over the surface with its outward normal. Cut
+    particles also add their number and the curvature's share of their gap. The fields are as in
+    `Loads`, and
+
+    gradient : float or ()
+        A number where S belongs to whole particles: `VOLUME_CORRECTION` then has V_p d . grad S
+        for the offset d of their volume; see `pgimp.kernels.contact.volumes`.
+    """
+
+    viscosity: tuple[()] = ()
+    tractions: tuple[()] = ()
+    force: tuple[()] = ()
+    relaxation: tuple[()] = ()
+    affine: tuple[()] = ()
+    approached: tuple[()] = ()
+    mean: tuple[()] = ()
+    mean_lagrangian: tuple[()] = ()
+    gradient: float | tuple[()] = ()
+
+
+@inlined
+def moved(F, d):
+    """Offset F d of a particle deformed by F, as many numbers as `d` has."""
+    if len(d) == 1:
+        return (F[0] * d[0],)
+    if len(d) == 2:
+        return (F[0] * d[0] + F[1] * d[1], F[2] * d[0] + F[3] * d[1])
+    return (
+        F[0] * d[0] + F[1] * d[1] + F[2] * d[2],
+        F[3] * d[0] + F[4] * d[1] + F[5] * d[2],
+        F[6] * d[0] + F[7] * d[1] + F[8] * d[2],
+    )
 
 
 def volume_sums(shape: object) -> VolumeSums:

@@ -161,9 +161,9 @@ class Forcing(NamedTuple):
     clearances : (faces, vertices) float64 or ()
         Clearances of bodies from unilateral walls, see `find_clearances`.
     filling : Filling or ()
-        Filled parts of the vertices, where bodies flow; see `pgimp.kernels.grid.filling`.
+        Filled parts of the vertices, where bodies flow; see `pgimp.kernels.flows.filling`.
     keepers : Keepers or ()
-        The rigid bodies that hold particles out, see `pgimp.kernels.rigid.hold`.
+        The rigid bodies that hold particles out, see `pgimp.kernels.contact.hold`.
     """
 
     dt: float

@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 from pgimp.kernels.data.frame import identity
 from pgimp.physics.loads.surfaces import surface_width
 
+#: The layer of a particle that has left through an open face.
+OUTFLOW = -1
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Columns = tuple[tuple[IntArray, ...], tuple[NDArray[np.int32], ...]]

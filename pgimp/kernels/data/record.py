@@ -14,7 +14,7 @@ MASS = 0
 MOMENTUM = VELOCITY = 1
 
 #: One entry with three meanings, one after the other: the sum for the clearances of
-#: `pgimp.kernels.grid.wall_gap`; beyond a mirror, once folded, the mass; the code of the held
+#: `pgimp.kernels.loads.wall_gap`; beyond a mirror, once folded, the mass; the code of the held
 #: components.
 CLEARANCE_SUM = FOLDED_MASS = HELD = 4
 

@@ -1,1 +1,1 @@
-"""Update of the vertices: momentum, conditions of faces and constraints, mirrors, filling."""
+"""Vertices: conditions of faces and constraints, mirrors, seams, damping, absorbing faces."""

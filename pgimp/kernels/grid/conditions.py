@@ -9,8 +9,8 @@ from pgimp.kernels.data.ledger import WALL_HEAT, WALL_LOSS
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.constraints import constrained_velocity, former_velocity
 from pgimp.kernels.grid.faces import KIND, Faces, constrained, is_beyond, side_of, unilateral_walls
-from pgimp.kernels.grid.wall_gap import clearance_at
 from pgimp.kernels.loads.loads import given
+from pgimp.kernels.loads.wall_gap import clearance_at
 
 
 class Holding(NamedTuple):

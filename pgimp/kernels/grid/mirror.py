@@ -35,8 +35,8 @@ from pgimp.kernels.data.record import (
 from pgimp.kernels.data.used_rows import is_used, note_range, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.constraint_flags import also_held
-from pgimp.kernels.grid.wall_gap import clearance_at
 from pgimp.kernels.loads.loads import given, relaxed_part
+from pgimp.kernels.loads.wall_gap import clearance_at
 
 
 class Mirror(NamedTuple):

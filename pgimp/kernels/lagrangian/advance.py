@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from pgimp.jit.algebra import determinant, inverse, multiply
 from pgimp.jit.kernel import inlined, kernel
 from pgimp.jit.tuples import plus_scaled, scaled
-from pgimp.jit.vectors.lanes import of_lane, vectors, with_lanes
+from pgimp.jit.vectors.lanes import and_finite, and_positive, of_lane, vectors, with_lanes
 from pgimp.jit.vectors.simd import bits, lane, load, vector, where
 from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.kernels.lagrangian.cell_derivatives import (
@@ -22,7 +22,6 @@ from pgimp.kernels.lagrangian.cell_derivatives import (
 from pgimp.kernels.lagrangian.cells import note_wrong, raise_rate
 from pgimp.kernels.lagrangian.stored_stress import averages, four_slots
 from pgimp.kernels.transfer.lane_io import deformations, put, put_row, take, take_row
-from pgimp.kernels.update.checks import and_finite, and_positive
 from pgimp.kernels.update.deformation import side
 from pgimp.kernels.update.mean_dilatation_lagrangian import LEAST
 from pgimp.kernels.update.speed import grid_speed

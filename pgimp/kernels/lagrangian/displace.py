@@ -14,12 +14,12 @@ from pgimp.jit.vectors.lanes import vectors
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.arguments import FourParticles
 from pgimp.kernels.data.particles import FloatArray
-from pgimp.kernels.transfer.g2p import materials_of
 from pgimp.kernels.transfer.gather_shared import take_from_grid
 from pgimp.kernels.transfer.lane_io import LANES, coordinates, four_rows, put, put_row, take
 from pgimp.kernels.transfer.rings import ring_motion
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, supports
 from pgimp.kernels.transfer.transpose import SUMS
+from pgimp.kernels.update.stress import materials_of
 from pgimp.physics.materials.parameters.evaluate import evaluate_four
 
 

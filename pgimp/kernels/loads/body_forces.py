@@ -4,7 +4,7 @@ from pgimp.jit.kernel import class_of, inlined, inner_kernel, is_record
 from pgimp.jit.tuples import read
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import number, pack, store
-from pgimp.kernels.grid.wall_gap import divergence
+from pgimp.kernels.loads.wall_gap import divergence
 from pgimp.physics.exact.base import BodyForce, body_force
 from pgimp.physics.functions.call import call
 from pgimp.physics.loads.bodyforce import acceleration
@@ -71,7 +71,7 @@ def _force(force, frame, particles, p):
 def weight(force, walls, frame, particles, p):
     """Vector (0, m_p b_p), which (17) adds to the force on the support's vertices, or ().
 
-    With walls its first component is for `pgimp.kernels.grid.wall_gap`.
+    With walls its first component is for `pgimp.kernels.loads.wall_gap`.
     """
     forced, near = is_record(force), len(walls) > 0
     if not forced and not near:

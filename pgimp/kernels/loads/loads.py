@@ -9,9 +9,9 @@ import numpy as np
 
 from pgimp.jit.kernel import class_of, inlined, is_empty
 from pgimp.jit.tuples import plus_scaled, scaled
-from pgimp.kernels.grid.wall_gap import Sides
 from pgimp.kernels.loads.surfaces import scatter_surfaces, surface_power
 from pgimp.kernels.loads.tractions import Booking, scatter_tractions, traction_power
+from pgimp.kernels.loads.wall_gap import Sides
 from pgimp.physics.exact.base import BodyForce
 from pgimp.physics.loads.surfaces import SurfaceLoad
 from pgimp.physics.loads.tractions import Traction

@@ -5,7 +5,7 @@ int64.
 """
 
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.update.checks import OUTFLOW
+from pgimp.kernels.data.particles import OUTFLOW
 
 
 @kernel

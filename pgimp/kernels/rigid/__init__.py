@@ -1,1 +1,1 @@
-"""Rigid bodies on the grid: signed distances, filled parts, particles held out."""
+"""Rigid bodies on the grid: signed distances, motion, their impulses."""

@@ -1,1 +1,1 @@
-"""Transfers between particles and vertices, (8) to (12): weights, scatter, gather, layered sums."""
+"""Transfers between a particle and its vertices, (8) to (12): weights, scatter, gather."""

@@ -8,10 +8,9 @@ from pgimp.jit.tuples import joined, plus_scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import load, vector
 from pgimp.kernels.transfer.cornertransfer import gather_corners
+from pgimp.kernels.transfer.mean_dilatation_weights import factor, no_rates
 from pgimp.kernels.transfer.supports import HOOP, entry
 from pgimp.kernels.transfer.transfer import last_step, transfer_products
-from pgimp.kernels.update.mean_dilatation import no_rates
-from pgimp.kernels.update.mean_dilatation_weights import factor
 from pgimp.physics.shapes.base import by_corners
 
 

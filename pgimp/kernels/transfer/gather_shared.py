@@ -15,6 +15,7 @@ from pgimp.kernels.data.record import ACCELERATION, HELD, RECORD, VELOCITY
 from pgimp.kernels.transfer.first_vertex import is_axial, is_initial
 from pgimp.kernels.transfer.gather import gather
 from pgimp.kernels.transfer.lane_io import LANES
+from pgimp.kernels.transfer.mean_dilatation_weights import keep_rates
 from pgimp.kernels.transfer.supports import extents, first_offset, four_entries, share_support
 from pgimp.kernels.transfer.transfer import Support
 from pgimp.kernels.transfer.transpose import (
@@ -24,7 +25,6 @@ from pgimp.kernels.transfer.transpose import (
     keep_sums,
     repeat_sums,
 )
-from pgimp.kernels.update.mean_dilatation import keep_rates
 
 
 @inlined

@@ -7,9 +7,9 @@ from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.simd import load, store
 from pgimp.kernels.transfer.cornertransfer import scatter_corners
+from pgimp.kernels.transfer.mean_dilatation_weights import factor, factored, plus_factored
 from pgimp.kernels.transfer.supports import HOOP, entry
 from pgimp.kernels.transfer.transfer import last_step, transfer_products
-from pgimp.kernels.update.mean_dilatation_weights import factor, factored, plus_factored
 from pgimp.physics.shapes.base import by_corners
 
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from pgimp.jit.kernel import class_of, inlined
 from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.transfer.mean_dilatation_weights import factors
 from pgimp.kernels.transfer.supports import entries, extent, extents
-from pgimp.kernels.update.mean_dilatation_weights import factors
 
 
 class Support(NamedTuple):

@@ -1,1 +1,1 @@
-"""Update of the particles after the gather: velocity, deformation gradient, stress, checks."""
+"""Update of particles after the gather: velocity, deformation gradient, stress."""

@@ -42,15 +42,12 @@ from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, pack, store, vector
 from pgimp.kernels.transfer.first_vertex import is_axial, off_axis
 from pgimp.kernels.transfer.lane_io import put_row, take, take_row
-from pgimp.kernels.transfer.supports import MEANS
+from pgimp.kernels.transfer.mean_dilatation_weights import GATHERED_RATES
 from pgimp.kernels.transfer.transpose import gathered_mass
 from pgimp.kernels.update.viscosity import trace, viscous_pressure
 
 #: d-th roots of the filled part from which a particle counts as not isolated, and as isolated.
 DENSE, SPARSE = 0.58, 0.45
-
-#: Offset of the four particles' gathered sums in the buffer for supports, after their a.
-_GATHERED = MEANS + 48
 
 
 @inlined
@@ -86,22 +83,6 @@ def mean_force(loads, frame, particles, p):
     V = particles.V[p] * (particles.alone[p, 0] - 1.0)
     f = V * (_average(particles, p, frame) - q)
     return pack(0.0, f, f, third * f)
-
-
-@inlined
-def no_rates(mean):
-    """Initial value of the sums of velocities times factors; () unless there is a `mean`."""
-    if is_empty(mean):
-        return ()
-    return vector(0.0)
-
-
-@inlined
-def keep_rates(M, buffer, j):
-    """Store the sum M of velocities times factors of particle `j` of four in the buffer."""
-    if is_empty(M):
-        return None
-    return store(buffer, _GATHERED + 4 * j, M)
 
 
 @inlined
@@ -174,11 +155,11 @@ def _rates(buffer, count, like):
     """D_p of four particles; `like` has an entry for each direction."""
     third = float(len(like) == 3)
     for j in range(count, 4):
-        store(buffer, _GATHERED + 4 * j, load(buffer, _GATHERED + 4 * (count - 1)))
+        store(buffer, GATHERED_RATES + 4 * j, load(buffer, GATHERED_RATES + 4 * (count - 1)))
     rate = transpose(
-        load(buffer, _GATHERED),
-        load(buffer, _GATHERED + 4),
-        load(buffer, _GATHERED + 8),
-        load(buffer, _GATHERED + 12),
+        load(buffer, GATHERED_RATES),
+        load(buffer, GATHERED_RATES + 4),
+        load(buffer, GATHERED_RATES + 8),
+        load(buffer, GATHERED_RATES + 12),
     )
     return rate[1] + rate[2] + third * rate[3]

@@ -30,6 +30,11 @@ from pgimp.kernels.transfer.first_vertex import is_axial, is_plate
 from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.gather_shared import gather_shared, row_major
 from pgimp.kernels.transfer.lane_io import LANES, deformations, put_row, take, take_row
+from pgimp.kernels.transfer.mean_dilatation_weights import (
+    gradients_of_rings,
+    means_of_parts,
+    means_of_rings,
+)
 from pgimp.kernels.transfer.scatter import Share, scatter_products
 from pgimp.kernels.transfer.supports import (
     first_offset,
@@ -48,11 +53,6 @@ from pgimp.kernels.transfer.transpose import (
 )
 from pgimp.kernels.update.deformation import side, update_deformation, velocity_gradients
 from pgimp.kernels.update.mean_dilatation import section
-from pgimp.kernels.update.mean_dilatation_weights import (
-    gradients_of_rings,
-    means_of_parts,
-    means_of_rings,
-)
 from pgimp.kernels.update.piola import BY_CELLS, kept_force, kept_hoop
 from pgimp.kernels.update.plates import deform_plate
 

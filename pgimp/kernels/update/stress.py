@@ -31,6 +31,17 @@ def _takes_viscous_pressure(materials):
 
 
 @inlined
+def materials_of(material_of, body, rows):
+    """Materials of four particles."""
+    return (
+        material_of[body[rows[0]]],
+        material_of[body[rows[1]]],
+        material_of[body[rows[2]]],
+        material_of[body[rows[3]]],
+    )
+
+
+@inlined
 def states(materials, particles, rows, like):
     """State of four particles, as many vectors as the widest material needs; `like` is as F."""
     width = _width(materials, like)

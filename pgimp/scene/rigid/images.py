@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from pgimp.errors import CaseError
 from pgimp.geometry.distancefield import MARGIN, DistanceField
+from pgimp.kernels.contact.fill import CERTAINLY
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.rigid.fill import CERTAINLY
 from pgimp.physics.rigid import Motion, Pose, RigidBody
 from pgimp.schema.sizes import AXES
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.kernels.data.ledger import Ledger
-from pgimp.kernels.grid.momentum import WHOLE, update_momentum
+from pgimp.kernels.step.momentum import WHOLE, update_momentum
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState

@@ -7,7 +7,7 @@ import numpy as np
 from pgimp.decomposition.grid import Grid
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.grid.wall_gap import find_clearances
+from pgimp.kernels.loads.wall_gap import find_clearances
 from pgimp.scene.scene import Scene
 
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from pgimp.jit.bound import Bound
+from pgimp.kernels.contact.hold import Keepers, count_inside, count_near
 from pgimp.kernels.data.ledger import RIGID_WORK, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.rigid.bodies import RigidBodies
-from pgimp.kernels.rigid.hold import Keepers, count_inside, count_near
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion
 from pgimp.scene.rigid.free_body import State

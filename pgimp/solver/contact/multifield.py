@@ -12,6 +12,7 @@ from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import marked, needed
 from pgimp.kernels.contact.data import Contact
+from pgimp.kernels.contact.fill import find_rigid_vertices
 from pgimp.kernels.contact.forces import contact_forces
 from pgimp.kernels.contact.rigid_newton import find_rigid_impulses
 from pgimp.kernels.contact.select import select_near
@@ -20,8 +21,7 @@ from pgimp.kernels.contact.vertex_list import list_vertices
 from pgimp.kernels.contact.volumes import volume_sums
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
-from pgimp.kernels.grid.momentum import BEGINNING, REST, WHOLE
-from pgimp.kernels.rigid.fill import find_rigid_vertices
+from pgimp.kernels.step.momentum import BEGINNING, REST, WHOLE
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact

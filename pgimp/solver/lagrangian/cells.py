@@ -12,7 +12,7 @@ from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.lagrangian.cell_derivatives import MOST
 from pgimp.kernels.lagrangian.cells import Cells
 from pgimp.kernels.lagrangian.keep import beyond_bounds
-from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE
+from pgimp.kernels.step.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE
 from pgimp.scene.scene import Scene
 from pgimp.solver.lagrangian.pieces import runs
 from pgimp.solver.rank_state import RankState

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.kernels.data.frame import volume_ratio
-from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE, TOO_FAST
+from pgimp.kernels.step.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE, TOO_FAST
 from pgimp.scene.checks.own_functions import force_without_value
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step

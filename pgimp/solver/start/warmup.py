@@ -13,10 +13,10 @@ from pgimp.kernels.once.prestress import bearable_stress, remember_stress
 from pgimp.kernels.order.layer_changes import partition_migrants
 from pgimp.kernels.order.order import layers_of
 from pgimp.kernels.rigid.bodies import distances
+from pgimp.kernels.step.g2p import grid_to_particles
+from pgimp.kernels.step.p2g import complete, particles_to_grid
 from pgimp.kernels.sums.energies import strain_energies
 from pgimp.kernels.sums.errors import initial_velocities
-from pgimp.kernels.transfer.g2p import grid_to_particles
-from pgimp.kernels.transfer.p2g import complete, particles_to_grid
 from pgimp.kernels.update.turns import turn_particles
 from pgimp.mpi.comm import Serial
 from pgimp.mpi.communicator import Communicator

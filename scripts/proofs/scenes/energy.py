@@ -6,7 +6,7 @@ from unittest import mock
 import numpy as np
 
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.grid.momentum import REST
+from pgimp.kernels.step.momentum import REST
 from pgimp.solver import step as stepping
 from pgimp.solver import transfers
 from pgimp.solver.contact import base

@@ -17,12 +17,12 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.mirror import Mirror, fold, reflect
-from pgimp.kernels.grid.momentum import WHOLE, update_momentum
 from pgimp.kernels.grid.position_limits import WALL
-from pgimp.kernels.grid.wall_gap import find_clearances
 from pgimp.kernels.loads.loads import Loads
-from pgimp.kernels.transfer.g2p import grid_to_particles
-from pgimp.kernels.transfer.p2g import particles_to_grid
+from pgimp.kernels.loads.wall_gap import find_clearances
+from pgimp.kernels.step.g2p import grid_to_particles
+from pgimp.kernels.step.momentum import WHOLE, update_momentum
+from pgimp.kernels.step.p2g import particles_to_grid
 from pgimp.physics.materials.hooke import HookeParameters
 from pgimp.physics.materials.neo_hookean import NeoHookeanParameters
 from pgimp.physics.shapes import SHAPES

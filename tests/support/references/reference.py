@@ -7,7 +7,7 @@ import numpy as np
 from reference_materials import STRESS, matrix, speed, tensor, voigt
 from reference_weights import ReferenceWeights
 
-from pgimp.kernels.grid.wall_gap import CLOSED
+from pgimp.kernels.loads.wall_gap import CLOSED
 from pgimp.kernels.update.mean_dilatation import DENSE, SPARSE
 
 

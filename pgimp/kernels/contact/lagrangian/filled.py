@@ -7,12 +7,12 @@ reach it within the slack, the sums of all particles there would be for nothing.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.kernels.contact.fill import FLAT, halves, tangent
 from pgimp.kernels.contact.gap import LEAST_FILLED, LEAST_HELD
 from pgimp.kernels.contact.lagrangian.candidates import inside, reached_range
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.grid.faces import on_walls
 from pgimp.kernels.rigid.bodies import find_distance, position_of
-from pgimp.kernels.rigid.fill import FLAT, halves, tangent
 from pgimp.kernels.rigid.tents import cut
 
 #: How two groups, or a group and a rigid body, act on each other: not at all, only with filled

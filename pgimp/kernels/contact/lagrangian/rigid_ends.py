@@ -10,10 +10,10 @@ from math import inf, sqrt
 from pgimp.geometry.distancefield import MARGIN
 from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.jit.memory import structure
+from pgimp.kernels.contact.fill import fill
 from pgimp.kernels.contact.rigid_fields import set_rigid_velocity
 from pgimp.kernels.rigid.around import way_around
 from pgimp.kernels.rigid.bodies import find_distance, lever, move_freely, position_of
-from pgimp.kernels.rigid.fill import fill
 
 #: What a rigid body fills of the neighbourhood of a vertex: whether that is known, and whether it
 #: is near; then as in `FIELD_STATE`. It lasts while the body rests.

@@ -83,7 +83,7 @@ def _ask(quantity, material, args, state):
     """Value of a quantity of one material, see `evaluate`; `state` is cut to its own states."""
     kind = class_of(material)
     if quantity in OPTIONAL and not has(kind, quantity):
-        return state if OPTIONAL[quantity] is None else OPTIONAL[quantity]
+        return state if quantity == "initial_state" else OPTIONAL[quantity]
     function = compiled(kind, quantity)
     own = state_width(kind, isqrt(len(args[0])))
     if quantity == "stress" and takes_viscous_pressure(kind) and len(args) == _WITHOUT_Q:

@@ -8,6 +8,7 @@ from scenes import scene
 
 from pgimp.case.schema import Case
 from pgimp.jit.kernel import kernel
+from pgimp.kernels.contact.fill import fill
 from pgimp.kernels.contact.gap import LEAST_FILLED
 from pgimp.kernels.contact.lagrangian.candidates import find_candidates
 from pgimp.kernels.contact.lagrangian.filled import _greatest_filled, bound_filled
@@ -20,7 +21,6 @@ from pgimp.kernels.contact.lagrangian.vertices import (
     Reached,
 )
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.rigid.fill import fill
 from pgimp.mpi.comm import Serial
 from pgimp.scene.rigid import images
 from pgimp.scene.scene import Scene

@@ -5,13 +5,14 @@ from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.contact.volumes import summed_supports
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.data.used_rows import layer_marks, mark_support
-from pgimp.kernels.grid.calming import motion_share
-from pgimp.kernels.grid.filling import FillingSums, ratio_arms
+from pgimp.kernels.flows.calming import motion_share
+from pgimp.kernels.flows.filling import FillingSums, ratio_arms
 from pgimp.kernels.loads.body_forces import weight
 from pgimp.kernels.loads.following import DisplacementSums, displacement_arms
 from pgimp.kernels.loads.loads import scatter_loads
-from pgimp.kernels.transfer.contribution import contribution, hoop_force
+from pgimp.kernels.step.contribution import contribution, hoop_force
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
+from pgimp.kernels.transfer.mean_dilatation_weights import keep_means
 from pgimp.kernels.transfer.scatter import Share, scatter
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset
 from pgimp.kernels.transfer.transfer import Support
@@ -21,7 +22,6 @@ from pgimp.kernels.update.mean_dilatation_lagrangian import (
     keep_mean_lagrangian,
     scatter_mean_lagrangian,
 )
-from pgimp.kernels.update.mean_dilatation_weights import keep_means
 from pgimp.kernels.update.piola import PIOLA_SIZE, keep_forces
 
 

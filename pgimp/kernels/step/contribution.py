@@ -1,45 +1,17 @@
 """Contribution of a particle to the sums of the grid: mass, momentum, stress."""
 
-from typing import NamedTuple
-
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import inlined, is_number
 from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.simd import pack
-from pgimp.kernels.grid.filling import FillingSums, filling_share
-from pgimp.kernels.grid.wall_gap import moment, wall
+from pgimp.kernels.contact.volumes import VolumeSums, moved
+from pgimp.kernels.flows.filling import FillingSums, filling_share
 from pgimp.kernels.loads.following import DisplacementSums, displacement_share
+from pgimp.kernels.loads.wall_gap import moment, wall
 from pgimp.kernels.transfer.first_vertex import deformation, is_axial, is_initial
 from pgimp.kernels.update.mean_dilatation import set_apart
 from pgimp.kernels.update.piola import kept_force, kept_hoop
 from pgimp.kernels.update.viscosity import viscous_pressure
-
-#: The entry of a vertex's record with the correction of the sums of volumes.
-VOLUME_CORRECTION = 4
-
-
-class VolumeSums(NamedTuple):
-    """Stand-in for the loads in the sums of volumes in place of masses.
-
-    The sums are then V_p and V_p (b + 1), b being the number of the particle's body. In place of
-    the forces they have V_p grad S, the integral of S over the surface with its outward normal. Cut
-    particles also add their number and the curvature's share of their gap. The fields are as in
-    `Loads`, and
-
-    gradient : float or ()
-        A number where S belongs to whole particles: `VOLUME_CORRECTION` then has V_p d . grad S
-        for the offset d of their volume; see `pgimp.kernels.contact.volumes`.
-    """
-
-    viscosity: tuple[()] = ()
-    tractions: tuple[()] = ()
-    force: tuple[()] = ()
-    relaxation: tuple[()] = ()
-    affine: tuple[()] = ()
-    approached: tuple[()] = ()
-    mean: tuple[()] = ()
-    mean_lagrangian: tuple[()] = ()
-    gradient: float | tuple[()] = ()
 
 
 @inlined
@@ -55,7 +27,7 @@ def contribution(loads, frame, particles, p, forces, j):
     S : tuple of Vec4
         For each direction i the column (m_p w_i, -V_p (sigma_xi, sigma_yi, sigma_zi)), for (16).
         The stress is reduced by the viscous pressure (45), or by its mean, see `set_apart`. w is
-        the moment for `pgimp.kernels.grid.wall_gap`. In the initial configuration (0, -V0_p
+        the moment for `pgimp.kernels.loads.wall_gap`. In the initial configuration (0, -V0_p
         (P_xi, P_yi, P_zi)).
     """
     D = len(frame.origin)
@@ -128,20 +100,6 @@ def _outward(V, d):
     if len(d) == 2:
         return (*_outward(V, d[:1]), pack(V * d[1], 0.0, V, 0.0))
     return (*_outward(V, d[:2]), pack(V * d[2], 0.0, 0.0, V))
-
-
-@inlined
-def moved(F, d):
-    """Offset F d of a particle deformed by F, as many numbers as `d` has."""
-    if len(d) == 1:
-        return (F[0] * d[0],)
-    if len(d) == 2:
-        return (F[0] * d[0] + F[1] * d[1], F[2] * d[0] + F[3] * d[1])
-    return (
-        F[0] * d[0] + F[1] * d[1] + F[2] * d[2],
-        F[3] * d[0] + F[4] * d[1] + F[5] * d[2],
-        F[6] * d[0] + F[7] * d[1] + F[8] * d[2],
-    )
 
 
 @inlined

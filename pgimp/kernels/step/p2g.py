@@ -24,7 +24,7 @@ from pgimp.kernels.data.used_rows import (
 from pgimp.kernels.lagrangian.cells import CELL_VERTICES, Cells, add_cells
 from pgimp.kernels.lagrangian.keep import begin_with_masses
 from pgimp.kernels.loads.loads import Loads
-from pgimp.kernels.transfer.sum_layer import sum_layer
+from pgimp.kernels.step.sum_layer import sum_layer
 
 
 class Others(NamedTuple):

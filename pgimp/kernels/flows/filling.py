@@ -33,13 +33,13 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import pack
+from pgimp.kernels.contact.fill import fill
 from pgimp.kernels.data.frame import Window
 from pgimp.kernels.data.mirror_images import beyond_count, image_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.used_rows import is_used, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
-from pgimp.kernels.grid.calming import Calming, find_motion
-from pgimp.kernels.rigid.fill import fill
+from pgimp.kernels.flows.calming import Calming, find_motion
 from pgimp.kernels.transfer.first_vertex import deformation
 
 #: Entries of a vertex's record during the sums: volume of all bodies; mass of the bodies with
@@ -58,7 +58,7 @@ class FillingSums(NamedTuple):
     most : (bodies,) float64
         The greatest J without voids where J is relaxed; 0 for other bodies, which only fill.
     calming : Calming or ()
-        See `pgimp.kernels.grid.calming`.
+        See `pgimp.kernels.flows.calming`.
     """
 
     viscosity: tuple[()] = ()

@@ -9,9 +9,12 @@ velocities into D_p.
 
 from pgimp.jit.kernel import class_of, inlined, is_empty
 from pgimp.jit.tuples import scaled
-from pgimp.jit.vectors.simd import load, number, pack, vector, where
+from pgimp.jit.vectors.simd import load, number, pack, store, vector, where
 from pgimp.kernels.transfer.first_vertex import is_axial
 from pgimp.kernels.transfer.supports import BOX, MEANS, PLAIN, entry, four_entries, keep_vectors
+
+#: Offset of the four particles' gathered sums in the buffer for supports, after their a.
+GATHERED_RATES = MEANS + 48
 
 
 @inlined
@@ -158,3 +161,19 @@ def plus_factored(f, M, V):
     if is_empty(M):
         return V
     return f * M + V
+
+
+@inlined
+def no_rates(mean):
+    """Initial value of the sums of velocities times factors; () unless there is a `mean`."""
+    if is_empty(mean):
+        return ()
+    return vector(0.0)
+
+
+@inlined
+def keep_rates(M, buffer, j):
+    """Store the sum M of velocities times factors of particle `j` of four in the buffer."""
+    if is_empty(M):
+        return None
+    return store(buffer, GATHERED_RATES + 4 * j, M)

@@ -14,8 +14,8 @@ from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import lane, load, pack, store
 from pgimp.kernels.data.ledger import CARRIED, ROOM
 from pgimp.kernels.data.velocity_fields import field_of
-from pgimp.kernels.grid.calming import keep_gain, with_gains
-from pgimp.kernels.grid.filling import EXCESS, FIELD, OVERLAP, SURPLUS
+from pgimp.kernels.flows.calming import keep_gain, with_gains
+from pgimp.kernels.flows.filling import EXCESS, FIELD, OVERLAP, SURPLUS
 from pgimp.kernels.grid.position_limits import free_part
 from pgimp.kernels.transfer.first_vertex import deformation, is_initial
 from pgimp.kernels.transfer.gather import gather

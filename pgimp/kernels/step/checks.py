@@ -4,9 +4,9 @@ from math import isfinite
 
 from pgimp.jit.kernel import inlined, inner_kernel
 from pgimp.jit.tuples import read, squared
-from pgimp.jit.vectors.kinds import is_vector
-from pgimp.jit.vectors.lanes import of_lane
+from pgimp.jit.vectors.lanes import and_finite, and_positive, of_lane
 from pgimp.jit.vectors.simd import bits, lane, vector
+from pgimp.kernels.data.particles import OUTFLOW
 from pgimp.kernels.grid.position_limits import hold_inside
 from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_initial, off_axis
 from pgimp.kernels.update.turns import is_periodic
@@ -18,9 +18,6 @@ NOT_FINITE, INVERTED, TOO_FAST, OUTSIDE, OUT_OF_RANGE = 1, 2, 3, 4, 5
 #: Result of `_outside` for a particle that has left through an open face.
 _LEAVES = -1
 
-#: The layer of a particle that has left.
-OUTFLOW = -1
-
 
 @inlined
 def within(bounds, x):
@@ -28,22 +25,6 @@ def within(bounds, x):
     if len(x) == 1:
         return (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1])
     return (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1]) & within(bounds[1:], x[1:])
-
-
-@inlined
-def and_finite(mask, values):
-    """The mask, also false where one of the vectors `values` is not finite."""
-    if len(values) == 0:
-        return mask
-    return and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
-
-
-@inlined
-def and_positive(mask, margin):
-    """The mask, also false where a vector is not above zero; a number does not change it."""
-    if is_vector(margin):
-        return mask & (margin > 0.0)
-    return mask
 
 
 @inlined

@@ -3,41 +3,30 @@
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.vectors.simd import lane, stack, vector
+from pgimp.kernels.contact.hold import hold_outside
 from pgimp.kernels.data.arguments import FourParticles
+from pgimp.kernels.flows.refill import refill
 from pgimp.kernels.loads.body_forces import FORCES, add_force_power, book_shifts
 from pgimp.kernels.loads.loads import layer_power
 from pgimp.kernels.loads.tractions import Booking
-from pgimp.kernels.rigid.hold import hold_outside
+from pgimp.kernels.step.checks import check, limits_of
 from pgimp.kernels.transfer.gather_shared import take_from_grid
 from pgimp.kernels.transfer.lane_io import LANES, four_rows, put, put_row, take
+from pgimp.kernels.transfer.mean_dilatation_weights import keep_means
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, supports
 from pgimp.kernels.transfer.transpose import SUMS
 from pgimp.kernels.update.affine import keep_gradients, when_moved
-from pgimp.kernels.update.checks import check, limits_of
 from pgimp.kernels.update.mean_dilatation import with_means
 from pgimp.kernels.update.mean_dilatation_lagrangian import (
     deform,
     keep_mean_lagrangian,
     take_mean_lagrangian,
 )
-from pgimp.kernels.update.mean_dilatation_weights import keep_means
-from pgimp.kernels.update.refill import refill
 from pgimp.kernels.update.speed import grid_speed
-from pgimp.kernels.update.stress import keep_state, margins, update_stress
+from pgimp.kernels.update.stress import keep_state, margins, materials_of, update_stress
 from pgimp.kernels.update.varying import substitute_parameters
 from pgimp.kernels.update.velocity import update_position, update_velocity
 from pgimp.kernels.update.viscosity import update_viscous_pressure
-
-
-@kernel
-def materials_of(material_of, body, rows):
-    """Materials of four particles."""
-    return (
-        material_of[body[rows[0]]],
-        material_of[body[rows[1]]],
-        material_of[body[rows[2]]],
-        material_of[body[rows[3]]],
-    )
 
 
 @kernel

@@ -10,8 +10,8 @@ from pgimp.kernels.grid.conditions import Holding, book_losses, hold
 from pgimp.kernels.grid.constraint_flags import also_held
 from pgimp.kernels.grid.constraints import constrained_velocity
 from pgimp.kernels.grid.faces import beyond_any, face_count, side_of, wall_of
-from pgimp.kernels.grid.wall_gap import clear
 from pgimp.kernels.loads.loads import given
+from pgimp.kernels.loads.wall_gap import clear
 
 #: Parts of the update: all; up to the last pass of contact, and the rest.
 WHOLE, BEGINNING, REST = 0, 1, 2

@@ -1,0 +1,1 @@
+"""Flows: filled parts of cells, positions that even them out, calmed motion."""

@@ -1,0 +1,1 @@
+"""The loops of a step over particles and vertices: sums, momentum, gather, checks."""
