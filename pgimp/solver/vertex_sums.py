@@ -15,12 +15,10 @@ from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.volumes import VolumeSums
 from pgimp.kernels.data.arguments import Field, Order
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.flows.filling import FillingSums
-from pgimp.kernels.loads.following import DisplacementSums
 from pgimp.kernels.step.p2g import complete, particles_to_grid
+from pgimp.kernels.transfer.quantity import Quantity
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 
@@ -34,8 +32,8 @@ class VertexSums:
         The scene.
     comm : communicator
         Of all ranks.
-    loads
-        Stand-in for `Loads` with the summed quantity, see `pgimp.kernels.contact.volumes`.
+    quantity : Quantity
+        What is summed.
 
     Attributes
     ----------
@@ -45,10 +43,8 @@ class VertexSums:
 
     grid: Grid
 
-    def __init__(
-        self, scene: Scene, comm: Communicator, loads: VolumeSums | FillingSums | DisplacementSums
-    ) -> None:
-        self.scene, self.comm, self.loads, self.call = scene, comm, loads, Bound()
+    def __init__(self, scene: Scene, comm: Communicator, quantity: Quantity) -> None:
+        self.scene, self.comm, self.quantity, self.call = scene, comm, quantity, Bound()
         self._known: Field | None = None
         self._planes, self._runs = np.empty(0, np.int64), np.empty((0, 3), np.int64)
         self._halos: dict[tuple[bool, bool], Halo] = {}
@@ -102,7 +98,7 @@ class VertexSums:
         own.active.fill(0)
         self.call(
             particles_to_grid, self.scene.setting.without_materials(), own.field, particles,
-            self.loads, order, self._runs, (),
+            self.quantity, order, self._runs, (),
         )  # fmt: skip
         lower = slab.lower is not None and bool(planes[0] < shared)
         upper = slab.upper is not None and bool(planes[-1] >= slab.layers)

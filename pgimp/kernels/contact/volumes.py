@@ -9,10 +9,13 @@ have the weights of whole particles, corrected by their gradient over the offset
 
 from typing import NamedTuple
 
+from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import class_of, inlined, is_number
-from pgimp.jit.tuples import plus_scaled, scaled
-from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_axial
+from pgimp.jit.tuples import plus_scaled, read, scaled
+from pgimp.jit.vectors.simd import pack
+from pgimp.kernels.transfer.first_vertex import box, deformation, first_vertex, is_axial
 from pgimp.kernels.transfer.lane_io import coordinates, deformations, take_row
+from pgimp.kernels.transfer.scatter import Share
 from pgimp.kernels.transfer.supports import keep_hoop, keep_support, supports
 from pgimp.physics.shapes.finite_gimp import FiniteGimpParameters
 from pgimp.physics.shapes.gimp import GimpParameters
@@ -23,37 +26,55 @@ BOXES = GimpParameters | FiniteGimpParameters
 #: Least half-width of a cut box, in cells.
 LEAST = 1e-4
 
-
 #: The entry of a vertex's record with the correction of the sums of volumes.
 VOLUME_CORRECTION = 4
 
 
 class VolumeSums(NamedTuple):
-    """Stand-in for the loads in the sums of volumes in place of masses.
+    """Sums of volumes, in place of mass and momentum; see `Quantity`.
 
     The sums are then V_p and V_p (b + 1), b being the number of the particle's body. In place of
     the forces they have V_p grad S, the integral of S over the surface with its outward normal. Cut
-    particles also add their number and the curvature's share of their gap. The fields are as in
-    `Loads`, and
+    particles also add their number and the curvature's share of their gap.
 
+    Attributes
+    ----------
     gradient : float or ()
         A number where S belongs to whole particles: `VOLUME_CORRECTION` then has V_p d . grad S
         for the offset d of their volume; see `pgimp.kernels.contact.volumes`.
     """
 
-    viscosity: tuple[()] = ()
-    tractions: tuple[()] = ()
-    force: tuple[()] = ()
-    relaxation: tuple[()] = ()
-    affine: tuple[()] = ()
-    approached: tuple[()] = ()
-    mean: tuple[()] = ()
-    mean_lagrangian: tuple[()] = ()
     gradient: float | tuple[()] = ()
+
+    @staticmethod
+    def supports(quantity, shape, frame, window, particles, rows, layer, buffer):
+        """See `Quantity`: of cut boxes, or of whole particles with a `gradient`."""
+        supports(shape, frame, window, particles, rows, layer, buffer, ())
+        if is_number(quantity.gradient):
+            return
+        F = deformations(frame, particles, rows)
+        offset = _moved(F, take_row(particles.offset, rows, 0, frame.origin))
+        x = coordinates(frame, particles, rows)
+        half = box(shape, frame, F, x)[0]
+        _narrow(shape, frame, buffer, 0, half, x, offset, layer)
+        _narrow_ring(shape, frame, buffer, half, x, offset, layer)
+
+    @staticmethod
+    def share(quantity, shape, frame, particles, p):
+        """See `Quantity`; of rings with the hoop's part, for the sums of a closed surface."""
+        F = deformation(frame, particles, p)
+        V, d = particles.V0[p] * determinant(F), read(particles.offset, p, 0, frame.origin)
+        cut = 0.0
+        for e in d:
+            cut = 1.0 if e != 0.0 else cut
+        A = pack(V, V * (particles.body[p] + 1), particles.excess[p, 0], cut)
+        by = _moved(F, d) if is_number(quantity.gradient) else scaled(0.0, d)
+        hoop = pack(0.0, V, 0.0, 0.0) if is_axial(frame) else ()
+        return Share(A, (), _outward(V, by), (), (), hoop)
 
 
 @inlined
-def moved(F, d):
+def _moved(F, d):
     """Offset F d of a particle deformed by F, as many numbers as `d` has."""
     if len(d) == 1:
         return (F[0] * d[0],)
@@ -72,18 +93,13 @@ def volume_sums(shape: object) -> VolumeSums:
 
 
 @inlined
-def summed_supports(loads, shape, frame, window, particles, rows, layer, buffer):
-    """Supports as of `supports`; where `loads` sum volumes, the supports of cut boxes."""
-    if not isinstance(loads, VolumeSums) or is_number(loads.gradient):
-        supports(shape, frame, window, particles, rows, layer, buffer, loads.affine)
-        return
-    supports(shape, frame, window, particles, rows, layer, buffer, ())
-    F = deformations(frame, particles, rows)
-    offset = moved(F, take_row(particles.offset, rows, 0, frame.origin))
-    x = coordinates(frame, particles, rows)
-    half = box(shape, frame, F, x)[0]
-    _narrow(shape, frame, buffer, 0, half, x, offset, layer)
-    _narrow_ring(shape, frame, buffer, half, x, offset, layer)
+def _outward(V, d):
+    """Vectors V (d_i, e_i) of as many directions as the offset `d` has."""
+    if len(d) == 1:
+        return (pack(V * d[0], V, 0.0, 0.0),)
+    if len(d) == 2:
+        return (*_outward(V, d[:1]), pack(V * d[1], 0.0, V, 0.0))
+    return (*_outward(V, d[:2]), pack(V * d[2], 0.0, 0.0, V))
 
 
 @inlined
@@ -121,11 +137,10 @@ def _narrow_ring(shape, frame, buffer, half, x, offset, vertex):
 @inlined
 def cut_moments(shape, half, f):
     """As `pgimp.physics.shapes.base.moments`, for boxes as of `cut_weights`."""
+    third = half * half * (1.0 / 3.0)
     if class_of(shape).vertices() == 3:
-        third = half * half * (1.0 / 3.0)
         K, e = _kink(half, f - 1.0)
         return (K - third, third - 2.0 * K, K), (e, -2.0 * e, e)
-    third = half * half * (1.0 / 3.0)
     K1, e1 = _kink(half, f - 1.0)
     K2, e2 = _kink(half, f - 2.0)
     return (

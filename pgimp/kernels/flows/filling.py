@@ -39,8 +39,10 @@ from pgimp.kernels.data.mirror_images import beyond_count, image_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.used_rows import is_used, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
-from pgimp.kernels.flows.calming import Calming, find_motion
+from pgimp.kernels.flows.calming import Calming, find_motion, motion_share
 from pgimp.kernels.transfer.first_vertex import deformation
+from pgimp.kernels.transfer.scatter import Share
+from pgimp.kernels.transfer.supports import supports
 
 #: Entries of a vertex's record during the sums: volume of all bodies; mass of the bodies with
 #: relaxed J, and this mass times J.
@@ -51,26 +53,36 @@ EXCESS, FIELD, SURPLUS, OVERLAP = 0, 1, 2, 3
 
 
 class FillingSums(NamedTuple):
-    """Stand-in for the loads in the sums of the filling.
+    """Sums of the filling, in place of mass and momentum; see `Quantity`.
 
-    The fields are as in `Loads`, with arms for the gradient of J, and
-
+    Attributes
+    ----------
     most : (bodies,) float64
         The greatest J without voids where J is relaxed; 0 for other bodies, which only fill.
     calming : Calming or ()
         See `pgimp.kernels.flows.calming`.
     """
 
-    viscosity: tuple[()] = ()
-    tractions: tuple[()] = ()
-    force: tuple[()] = ()
-    relaxation: tuple[()] = ()
-    affine: float = 1.0
-    approached: tuple[()] = ()
-    mean: tuple[()] = ()
-    mean_lagrangian: tuple[()] = ()
-    most: FloatArray | tuple[()] = ()
+    most: FloatArray
     calming: Calming | tuple[()] = ()
+
+    @staticmethod
+    def supports(quantity, shape, frame, window, particles, rows, layer, buffer):
+        """See `Quantity`; with arms for the gradient of J."""
+        supports(shape, frame, window, particles, rows, layer, buffer, 1.0)
+
+    @staticmethod
+    def share(quantity, shape, frame, particles, p):
+        """(V, m, m J, 0) of a particle, the gradient of m J, and its motion; see `Quantity`."""
+        V, m, J = particles.V0[p], particles.m[p], determinant(deformation(frame, particles, p))
+        most = quantity.most[particles.body[p]]
+        motion = motion_share(quantity.calming, frame, particles, p)
+        nothing, A, C = zeros(frame.origin), pack(V * J, 0.0, 0.0, 0.0), zeros(frame.origin)
+        if most > 0.0:
+            J = min(J, most)
+            A = pack(V * J, m, m * J, 0.0)
+            C = _in_ratio(scaled(m, read(particles.slope, p, 0, frame.origin)))
+        return Share(A, motion, nothing, C, (), ())
 
 
 class Filling(NamedTuple):
@@ -107,25 +119,6 @@ class Filling(NamedTuple):
     most: FloatArray
     gap: IntArray
     calming: Calming | tuple[()] = ()
-
-
-@inlined
-def filling_share(loads, frame, particles, p):
-    """The vector (V, m, m J, 0) of particle `p`, and its columns of stress, which are zero."""
-    V, m, J = particles.V0[p], particles.m[p], determinant(deformation(frame, particles, p))
-    most = loads.most[particles.body[p]]
-    if not most > 0.0:
-        return pack(V * J, 0.0, 0.0, 0.0), zeros(frame.origin)
-    J = min(J, most)
-    return pack(V * J, m, m * J, 0.0), zeros(frame.origin)
-
-
-@inlined
-def ratio_arms(loads, frame, particles, p):
-    """Gradient of m_p J for each direction, as in `affine_momentum`."""
-    if not loads.most[particles.body[p]] > 0.0:
-        return zeros(frame.origin)
-    return _in_ratio(scaled(particles.m[p], read(particles.slope, p, 0, frame.origin)))
 
 
 @inlined

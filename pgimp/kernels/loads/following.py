@@ -13,7 +13,7 @@ In axisymmetry the hoop's stretch is x_p/X_p along the radius. In plane stress t
 is F's.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pgimp.jit.algebra import determinant, inverse, multiply
 from pgimp.jit.kernel import inlined, inner_kernel, is_empty, kernel
@@ -33,6 +33,7 @@ from pgimp.kernels.transfer.first_vertex import (
 )
 from pgimp.kernels.transfer.gather import gather
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
+from pgimp.kernels.transfer.scatter import Share
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset, supports
 from pgimp.kernels.transfer.transfer import Support
 
@@ -41,23 +42,28 @@ _LEAST, _MOST = 0.05, 25.0
 
 
 class DisplacementSums(NamedTuple):
-    """Stand-in for the loads in the sums of displacements.
+    """Sums of displacements, in place of mass and momentum; see `Quantity`."""
 
-    The fields are as in `Loads`, and
+    @staticmethod
+    def supports(quantity, shape, frame, window, particles, rows, layer, buffer):
+        """See `Quantity`; with arms for the gradient of u."""
+        supports(shape, frame, window, particles, rows, layer, buffer, 1.0)
 
-    shape : NamedTuple
-        Parameters of the shape.
-    """
+    @staticmethod
+    def share(quantity, shape, frame, particles, p):
+        """(m, m u) of a particle, and the gradient of m u; see `Quantity`.
 
-    viscosity: tuple[()] = ()
-    tractions: tuple[()] = ()
-    force: tuple[()] = ()
-    relaxation: tuple[()] = ()
-    affine: float = 1.0
-    approached: tuple[()] = ()
-    mean: tuple[()] = ()
-    mean_lagrangian: tuple[()] = ()
-    shape: Any = ()
+        Of rings u is at the centroid, from which arms are counted.
+        """
+        m, G = particles.m[p], _carried_gradient(frame, particles, p)
+        x = m * _displacement(frame, particles, p, 0)
+        y = m * _displacement(frame, particles, p, 1)
+        z = m * _displacement(frame, particles, p, 2)
+        if is_axial(frame):
+            half = half_widths(shape, frame, particles, p)[0] * frame.cell[0]
+            arm = half * half / (3.0 * off_axis(frame, (particles.x[p, 0],))[0])
+            x, y = x + arm * G[0], y + arm * G[2]
+        return Share(pack(m, x, y, z), (), zeros(frame.origin), _columns(G), (), ())
 
 
 @inner_kernel
@@ -74,26 +80,6 @@ def _carried_gradient(frame, particles, p):
     F = deformation(frame, particles, p)
     F = multiply(read(particles.drift, p, 0, F), F)
     return scaled(particles.m[p], _one_minus(inverse(_plane(F, frame.origin))))
-
-
-@inlined
-def displacement_share(shape, frame, particles, p):
-    """The vector (m, m u) of particle `p`, and its columns of stress, which are zero.
-
-    Of rings u is at the centroid, from which arms are counted.
-    """
-    if is_axial(frame):
-        half = half_widths(shape, frame, particles, p)[0] * frame.cell[0]
-        arm = half * half / (3.0 * off_axis(frame, (particles.x[p, 0],))[0])
-        G, m = _carried_gradient(frame, particles, p), particles.m[p]
-        x = m * _displacement(frame, particles, p, 0) + arm * G[0]
-        y = m * _displacement(frame, particles, p, 1) + arm * G[2]
-        return pack(m, x, y, 0.0), zeros(frame.origin)
-    m = particles.m[p]
-    x = _displacement(frame, particles, p, 0)
-    y = _displacement(frame, particles, p, 1)
-    z = _displacement(frame, particles, p, 2)
-    return pack(m, m * x, m * y, m * z), zeros(frame.origin)
 
 
 @inlined
@@ -114,12 +100,10 @@ def _one_minus(A):
 
 
 @inlined
-def displacement_arms(frame, particles, p):
-    """Gradient of m_p u for each direction, as in `affine_momentum`."""
-    if len(frame.origin) == 2:
-        G = _carried_gradient(frame, particles, p)
+def _columns(G):
+    """Columns of a matrix, as vectors (0, column)."""
+    if len(G) == 4:
         return (pack(0.0, G[0], G[2], 0.0), pack(0.0, G[1], G[3], 0.0))
-    G = _carried_gradient(frame, particles, p)
     return (pack(0.0, G[0], G[3], G[6]), pack(0.0, G[1], G[4], G[7]), pack(0.0, G[2], G[5], G[8]))
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from pgimp.jit.kernel import class_of, inlined, is_empty
+from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.kernels.loads.surfaces import scatter_surfaces, surface_power
 from pgimp.kernels.loads.tractions import Booking, scatter_tractions, traction_power
@@ -64,12 +64,6 @@ class Loads(NamedTuple):
 
 
 @inlined
-def _has_surfaces(loads):
-    """Whether loads, or a stand-in for them, have any on surfaces."""
-    return hasattr(class_of(loads), "surfaces") and len(loads.surfaces) > 0
-
-
-@inlined
 def relaxed_part(rate, dt):
     """Grid's part of a particle's velocity after a step; 0 without relaxation."""
     if is_empty(rate):
@@ -105,30 +99,21 @@ def given(rate, m, dt, v, a, V, A):
 @inlined
 def scatter_loads(loads, setting, field, particles, rows, span, layer):
     """Add the loads of a layer's particles, but for stress and body force, to its planes."""
-    faces, surfaces = len(loads.tractions) > 0, _has_surfaces(loads)
-    if faces and surfaces:
+    if len(loads.tractions) > 0:
         scatter_tractions(loads.tractions, setting, field, particles, rows, span, layer)
+    if len(loads.surfaces) > 0:
         scatter_surfaces(loads.surfaces, setting, field, particles, rows, span, layer)
-        return
-    if surfaces:
-        return scatter_surfaces(loads.surfaces, setting, field, particles, rows, span, layer)
-    if not faces:
-        return None
-    return scatter_tractions(loads.tractions, setting, field, particles, rows, span, layer)
 
 
 @inlined
 def layer_power(loads, setting, field, particles, rows, span, layer, booking):
     """Power of the loads on a layer's particles, without the body force; see `Booking`."""
-    faces, surfaces = len(loads.tractions), _has_surfaces(loads)
-    if faces and surfaces:
-        own = traction_power(loads.tractions, setting, field, particles, rows, span, layer, booking)
-        next_rows = Booking(booking.dt, booking.impulse, faces)
-        return own + surface_power(
-            loads.surfaces, setting, field, particles, rows, span, layer, next_rows
+    power, faces = 0.0, len(loads.tractions)
+    if faces > 0:
+        power += traction_power(
+            loads.tractions, setting, field, particles, rows, span, layer, booking
         )
-    if surfaces:
-        return surface_power(loads.surfaces, setting, field, particles, rows, span, layer, booking)
-    if not faces:
-        return 0.0
-    return traction_power(loads.tractions, setting, field, particles, rows, span, layer, booking)
+    if len(loads.surfaces) > 0:
+        own = Booking(booking.dt, booking.impulse, faces)
+        power += surface_power(loads.surfaces, setting, field, particles, rows, span, layer, own)
+    return power

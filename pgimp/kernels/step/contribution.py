@@ -1,14 +1,10 @@
 """Contribution of a particle to the sums of the grid: mass, momentum, stress."""
 
-from pgimp.jit.algebra import determinant
-from pgimp.jit.kernel import inlined, is_number
+from pgimp.jit.kernel import inlined
 from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.simd import pack
-from pgimp.kernels.contact.volumes import VolumeSums, moved
-from pgimp.kernels.flows.filling import FillingSums, filling_share
-from pgimp.kernels.loads.following import DisplacementSums, displacement_share
 from pgimp.kernels.loads.wall_gap import moment, wall
-from pgimp.kernels.transfer.first_vertex import deformation, is_axial, is_initial
+from pgimp.kernels.transfer.first_vertex import is_axial, is_initial
 from pgimp.kernels.update.mean_dilatation import set_apart
 from pgimp.kernels.update.piola import kept_force, kept_hoop
 from pgimp.kernels.update.viscosity import viscous_pressure
@@ -31,35 +27,19 @@ def contribution(loads, frame, particles, p, forces, j):
         (P_xi, P_yi, P_zi)).
     """
     D = len(frame.origin)
-    if isinstance(loads, DisplacementSums):
-        return displacement_share(loads.shape, frame, particles, p)
-    if isinstance(loads, FillingSums):
-        return filling_share(loads, frame, particles, p)
-    if isinstance(loads, VolumeSums):
-        F = deformation(frame, particles, p)
-        V, d = particles.V0[p] * determinant(F), read(particles.offset, p, 0, frame.origin)
-        cut = 0.0
-        for e in d:
-            cut = 1.0 if e != 0.0 else cut
-        A = pack(V, V * (particles.body[p] + 1), particles.excess[p, 0], cut)
-        return A, _outward(V, _summed_offset(loads.gradient, moved(F, d)))
     if is_initial(frame):
         m = particles.m[p]
         v = scaled(m, read(particles.v, p, 0, frame.origin))
         return _mass_and_momentum(m, v), kept_force(forces, 0, j, frame.origin)
+    m, V = particles.m[p], -particles.V[p]
     if D == 1:
-        m = particles.m[p]
-        V = -particles.V[p]
         q = viscous_pressure(loads.viscosity, particles, p)
         mx = moment(wall(loads.approached, 0), particles, p, 0)
         return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
             pack(mx, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
         )
+    q, s = set_apart(loads, frame, particles, p), particles.sigma
     if D == 2:
-        m = particles.m[p]
-        V = -particles.V[p]
-        q = set_apart(loads, frame, particles, p)
-        s = particles.sigma
         xy = V * s[p, 3]
         mx = moment(wall(loads.approached, 0), particles, p, 0)
         my = moment(wall(loads.approached, 1), particles, p, 1)
@@ -67,11 +47,7 @@ def contribution(loads, frame, particles, p, forces, j):
             pack(mx, V * (s[p, 0] - q), xy, 0.0),
             pack(my, xy, V * (s[p, 1] - q), 0.0),
         )
-    m = particles.m[p]
-    V = -particles.V[p]
-    q = set_apart(loads, frame, particles, p)
     v = particles.v
-    s = particles.sigma
     xy = V * s[p, 3]
     yz = V * s[p, 4]
     xz = V * s[p, 5]
@@ -93,35 +69,13 @@ def _mass_and_momentum(m, p):
 
 
 @inlined
-def _outward(V, d):
-    """Vectors V (d_i, e_i) of as many directions as the offset `d` has."""
-    if len(d) == 1:
-        return (pack(V * d[0], V, 0.0, 0.0),)
-    if len(d) == 2:
-        return (*_outward(V, d[:1]), pack(V * d[1], 0.0, V, 0.0))
-    return (*_outward(V, d[:2]), pack(V * d[2], 0.0, 0.0, V))
-
-
-@inlined
-def _summed_offset(gradient, d):
-    """Offset `d` where its effect is summed as a `gradient`; zero where weights include it."""
-    if is_number(gradient):
-        return d
-    return scaled(0.0, d)
-
-
-@inlined
 def hoop_force(loads, frame, particles, p, forces, j):
     """The vector (m_p w_x, -V_p sigma_zz, 0, 0) of a ring, times T the hoop's part of its sums.
 
-    Of volumes (0, V_p, 0, 0): with it S has the sums of a closed surface. () outside of
-    axisymmetry, and where filled parts or displacements are summed.
+    () outside of axisymmetry.
     """
-    if not is_axial(frame) or isinstance(loads, FillingSums) or isinstance(loads, DisplacementSums):
+    if not is_axial(frame):
         return ()
-    if isinstance(loads, VolumeSums):
-        V = particles.V0[p] * determinant(deformation(frame, particles, p))
-        return pack(0.0, V, 0.0, 0.0)
     if is_initial(frame):
         return kept_hoop(forces, 0, j)
     hoop = particles.sigma[p, 2] - set_apart(loads, frame, particles, p)

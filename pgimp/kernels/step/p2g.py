@@ -86,13 +86,15 @@ def _reach(others, vertices):
 
 
 @kernel
-def particles_to_grid(setting, field, particles, loads, order, runs, others):
+def particles_to_grid(setting, field, particles, quantity, order, runs, others):
     """Sum the particles of some layers of a rank into its planes.
 
     Parameters
     ----------
-    setting, field, particles, loads, order
-        See `KernelScene`, `Field`, `Particles`, `Loads`, `Order`.
+    setting, field, particles, order
+        See `KernelScene`, `Field`, `Particles`, `Order`.
+    quantity : Loads or Quantity
+        What is summed: mass, momentum and forces with the loads, or another `Quantity`.
     runs : (k, 3) int64
         Runs of layers to sum, one after the other: first layer, layer after the last one, and
         whether to defer. Deferred are the sums for planes not shared with the upper rank. Only the
@@ -113,7 +115,7 @@ def particles_to_grid(setting, field, particles, loads, order, runs, others):
             if start[layer] < start[layer + 1]:
                 reach = vertices
                 low, high = sum_layer(
-                    setting, field, particles, loads, order.rows,
+                    setting, field, particles, quantity, order.rows,
                     (start[layer], start[layer + 1]), layer + window.lower[0],
                 )  # fmt: skip
             low, high = _sum_others(others, field, particles, layer, (low, high))

@@ -41,7 +41,7 @@ class Following(StepPart):
         self.fallen = 0
         self.scene, self.call = scene, Bound()
         self.bodies = scene.interaction.loads.surfaces.followed
-        self._sums = VertexSums(scene, comm, DisplacementSums(shape=scene.settings.shape))
+        self._sums = VertexSums(scene, comm, DisplacementSums())
 
     def begin(self, rank: RankState, order: Order, done: int) -> None:
         """Find how far F has drifted, when it is due; collective."""
