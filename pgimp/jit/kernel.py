@@ -108,7 +108,7 @@ def is_record(kind: NumbaObject) -> bool:
 @of_types
 def is_empty(kind: NumbaObject) -> bool:
     """Whether a value is the () that is in the place of a record or a number."""
-    return hasattr(kind, "count")
+    return isinstance(kind, numba.types.BaseTuple) and not is_record(kind) and len(kind) == 0
 
 
 @of_types

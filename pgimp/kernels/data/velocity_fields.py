@@ -18,7 +18,7 @@ def field_size(window):
 @inlined
 def field_count(window):
     """Number of fields."""
-    if is_empty(window[3]):
+    if is_empty(window.bodies):
         return 1
     return window.stride[0] // field_size(window)
 
@@ -26,7 +26,7 @@ def field_count(window):
 @inlined
 def field_of(window, particles, p):
     """Offset of particle `p`'s field in a plane, in float64."""
-    if is_empty(window[3]):
+    if is_empty(window.bodies):
         return 0
     return window.bodies[particles.body[p]] if len(window.bodies) else 0
 
@@ -34,7 +34,7 @@ def field_of(window, particles, p):
 @inlined
 def move_to_fields(window, particles, rows, buffer, at):
     """Shift four offsets, in the buffer from `at` on, to the fields of their particles."""
-    if is_empty(window[3]):
+    if is_empty(window.bodies):
         return None
     bodies, body = window.bodies, particles.body
     if len(bodies) > 0:
