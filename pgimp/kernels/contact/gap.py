@@ -40,7 +40,7 @@ def find_pairs(contact, frame, sides, around, count, rigid, dt):
     """Find the pairs of fields that act on each other at a vertex; returns their number.
 
     The last `rigid` of `count` fields are rigid bodies. `sides` has the directions in which
-    the vertex is on a wall, see `wall_sides`; `around` is from `way_around`.
+    the vertex is on a wall, see `wall_sides`; `around` is from `ring_volume_factor`.
     """
     fields, ends, states = contact.fields, contact.ends, contact.pair_states
     missing = 1.0

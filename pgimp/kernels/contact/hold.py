@@ -42,7 +42,7 @@ class Keepers(NamedTuple):
         The rigid bodies at their positions of the step's end.
     pairs : Pairs
         The laws of contact.
-    yields : (rigid bodies, 6, 6) float64
+    compliance : (rigid bodies, 6, 6) float64
         Velocities along and about x, y, z of a free body per impulse and moment. They are times the
         greatest mass of the particles that it may hold; 0 for others.
     impulses : (layers, rigid bodies, 6) float64
@@ -51,12 +51,12 @@ class Keepers(NamedTuple):
 
     rigid_bodies: RigidBodies
     pairs: Pairs
-    yields: np.ndarray
+    compliance: np.ndarray
     impulses: np.ndarray
 
 
 @inlined
-def hold_outside(keepers, forcing, particles, four, x, v, ledger):
+def project_out(keepers, forcing, particles, four, x, v, ledger):
     """Hold four stored particles out of rigid bodies; returns their positions and velocities.
 
     Parameters
@@ -170,14 +170,14 @@ def _material(particles, p, n):
 
 
 @inner_kernel
-def _answer(yields, arm):
+def _answer(compliance, arm):
     """Trace of the velocities of a point per impulse there, at `arm`, along x, y, z."""
     found = 0.0
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
-        found += yields[d, d]  # an impulse along d has the moment -arm[e] about f, arm[f] about e
-        found += yields[3 + f, 3 + f] * arm[e] ** 2 + yields[3 + e, 3 + e] * arm[f] ** 2
-        found -= (yields[3 + e, 3 + f] + yields[3 + f, 3 + e]) * arm[e] * arm[f]
+        found += compliance[d, d]  # an impulse along d has the moment -arm[e] about f, arm[f] about e
+        found += compliance[3 + f, 3 + f] * arm[e] ** 2 + compliance[3 + e, 3 + e] * arm[f] ** 2
+        found -= (compliance[3 + e, 3 + f] + compliance[3 + f, 3 + e]) * arm[e] * arm[f]
     return found
 
 
@@ -230,7 +230,7 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
     for d in range(D):
         across += (particles.v[p, d] - own[d] - normal * n[d]) ** 2
     across = sqrt(across)
-    mass = m / (1.0 + _answer(keepers.yields[t], arm))  # never too much for all of them together
+    mass = m / (1.0 + _answer(keepers.compliance[t], arm))  # never too much for all of them together
     part, law = 1.0, abs(entry) - 1
     if pairs.way[law] == UNILATERAL:
         part = sliding_part(pairs, law, 0.0, -normal, inf, across, across)

@@ -4,7 +4,7 @@ from math import inf
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.kernels.contact.fill import FAR, fill
-from pgimp.kernels.rigid.around import way_around
+from pgimp.kernels.rigid.around import ring_volume_factor
 from pgimp.kernels.rigid.bodies import arm_of, position_of
 
 
@@ -42,7 +42,7 @@ def load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
         row = contact.fields[found]
         contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
         row.mass, row.filled, row.curvature_gap = inf, point.filled, point.curvature_gap
-        around = way_around(frame, number, sides)
+        around = ring_volume_factor(frame, number, sides)
         for d in range(3):
             row.surface[d] = point.surface[d] * around
         set_rigid_velocity(row, rigid_bodies, t, frame, number, last)

@@ -19,7 +19,7 @@ from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
 from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.faces import on_walls, wall_sides
-from pgimp.kernels.rigid.around import way_around, way_between
+from pgimp.kernels.rigid.around import ring_volume_factor, walled_volume_factor
 
 
 class Search(NamedTuple):
@@ -85,7 +85,7 @@ def _add(contact, search, number, most, near, found):
         rigid = load_rigid_bodies(contact, contact.rigid_bodies, frame, number, sides, count, last)
     if count + rigid < 2:
         return found
-    around = way_around(frame, number, sides)
+    around = ring_volume_factor(frame, number, sides)
     pairs = find_pairs(contact, frame, sides, around, count + rigid, rigid, search.dt)
     if pairs == 0:
         return found
@@ -126,7 +126,7 @@ def _find_fields(contact, faces, frame, field, number, most):
     for d in range(3):
         r += (number[d] - window.lower[d]) * window.stride[d]
     cell = 0.5 ** on_walls(faces, frame, number)
-    cell *= way_between(faces, frame, number)
+    cell *= walled_volume_factor(faces, frame, number)
     for d in range(len(frame.cell)):
         cell *= frame.cell[d]
     count = 0

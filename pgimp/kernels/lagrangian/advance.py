@@ -19,7 +19,7 @@ from pgimp.kernels.lagrangian.cell_derivatives import (
     load_corners,
     sizes_of,
 )
-from pgimp.kernels.lagrangian.cells import note_wrong, raise_rate
+from pgimp.kernels.lagrangian.cells import note_errors, raise_rate
 from pgimp.kernels.lagrangian.stored_stress import averages, four_slots
 from pgimp.kernels.transfer.lane_io import deformations, put, put_row, take, take_row
 from pgimp.kernels.update.deformation import side
@@ -101,7 +101,7 @@ def _advance(cells, field, particles, dt):
                     margin = margins(own, material, F, J, sigma, state)
                     sound = bits(and_positive(and_finite(J > 0.0, state), margin))
                     if sound != 15:
-                        note_wrong(cells, V, sound, slot)
+                        note_errors(cells, V, sound, slot)
     raise_rate(cells, fastest)
 
 

@@ -103,7 +103,7 @@ class Cells(NamedTuple):
 
 
 @inner_kernel
-def note_wrong(cells, volume, sound, first):
+def note_errors(cells, volume, sound, first):
     """List the particles of a group of four, from slot `first` on, that are not sound."""
     for j in range(4):
         if sound >> j & 1 == 0 and lane(volume, j) > 0.0:
@@ -231,8 +231,8 @@ def _elastic_stresses(cells, material, slot, V, F, inverse, fastest):
     J = determinant(F)
     sound = (V > 0.0) & (J > 0.0)
     if bits(sound) != 255:  # materials must not see any F that missing particles may have
-        note_wrong(cells, half_of(V, 0), bits(sound) & 15, slot)
-        note_wrong(cells, half_of(V, 1), bits(sound) >> 4, slot + 4)
+        note_errors(cells, half_of(V, 0), bits(sound) & 15, slot)
+        note_errors(cells, half_of(V, 1), bits(sound) >> 4, slot + 4)
         F = where_all(sound, F, identity)
         J = determinant(F)
     setting = cells.setting

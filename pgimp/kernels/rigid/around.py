@@ -8,7 +8,7 @@ from pgimp.kernels.transfer.first_vertex import is_axial
 
 
 @inlined
-def way_around(frame, number, sides):
+def ring_volume_factor(frame, number, sides):
     """Way of a vertex's neighbourhood round the axis; 1 outside of axisymmetry.
 
     Times the area of its section it is its volume. The neighbourhood is weighted with the vertex's
@@ -28,8 +28,8 @@ def way_around(frame, number, sides):
 
 
 @inlined
-def way_between(faces, frame, number):
-    """As `way_around`, with the walls from the faces with a condition."""
+def walled_volume_factor(faces, frame, number):
+    """As `ring_volume_factor`, with the walls from the faces with a condition."""
     if not is_axial(frame):
         return 1.0
-    return way_around(frame, number, wall_sides(faces, frame, number))
+    return ring_volume_factor(frame, number, wall_sides(faces, frame, number))

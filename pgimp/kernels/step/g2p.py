@@ -3,7 +3,7 @@
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.vectors.simd import lane, stack, vector
-from pgimp.kernels.contact.hold import hold_outside
+from pgimp.kernels.contact.hold import project_out
 from pgimp.kernels.data.arguments import FourParticles
 from pgimp.kernels.flows.refill import refill
 from pgimp.kernels.loads.body_forces import FORCES, add_force_power, book_shifts
@@ -113,7 +113,7 @@ def grid_to_particles(
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
             put_row(particles.F, rows, 0, F)
-            x, v = hold_outside(forcing.keepers, forcing, particles, four, x, v, ledger)
+            x, v = project_out(forcing.keepers, forcing, particles, four, x, v, ledger)
             put_row(particles.sigma, rows, 0, sigma)
             keep_state(particles, rows, state)
             if setting.tracked:

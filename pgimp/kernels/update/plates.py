@@ -19,7 +19,7 @@ from pgimp.kernels.update.stress import update_stress, wave_speed
 from pgimp.kernels.update.varying import substitute_parameters
 
 #: Stress out of the plane that is left, over rho c^2, and evaluations until it is.
-ENOUGH, MOST = 1e-13, 40
+TOLERANCE, ITERATIONS = 1e-13, 40
 
 #: Bounds of a secant's slope over the wave's. It is 1 at most, but for rounding. J2 flow leaves
 #: K/(K + 4G/3), and rubber that is stretched by a in the plane about 1/a^2.
@@ -52,7 +52,7 @@ def deform_plate(setting, forcing, particles, four, numbers, D):
     thickness, density = before[4], take(particles.m, four.rows) / take(particles.V0, four.rows)
     r, last_r = vector(0.0), vector(0.0)
     slope, last, done = vector(1.0), vector(0.0), vector(0.0)
-    for n in range(MOST):
+    for n in range(ITERATIONS):
         now = (*F, thickness * (1.0 + dt * r))
         J = determinant(now)
         sigma, state = update_stress(own, forcing, particles, four.rows, numbers, now, J, (*L, r))
@@ -65,7 +65,7 @@ def deform_plate(setting, forcing, particles, four, numbers, D):
             change = r - last_r
             k = (s - last) / where(change == 0.0, vector(1.0), change)
             k = where(k > LEAST * slope, where(k < GREATEST * slope, k, slope), slope)
-        done = where(abs(s) * dt <= ENOUGH * slope, vector(1.0), done)
+        done = where(abs(s) * dt <= TOLERANCE * slope, vector(1.0), done)
         if bits(done > 0.0) == 15:
             break
         way = -s / k

@@ -28,7 +28,7 @@ IMPULSES = 4
 
 
 @inner_kernel
-def _see(contact, a, r, coupling, solved):
+def load_field(contact, a, r, coupling, solved):
     """Load velocity, mass and inverse mass of an end of a pair, with row `r`, as field `a`."""
     row, most = contact.fields[a], 0.0
     v = velocity_at(r, coupling, solved)
@@ -49,14 +49,14 @@ def load_pair(contact, frame, contact_pairs, k, coupling, solved):
         if s < 0:
             load_rigid(contact, contact.rigid_bodies, frame, a, s, number, rigid)
         else:
-            _see(contact, a, s, coupling, solved)
+            load_field(contact, a, s, coupling, solved)
         contact.bodies[a], contact.ends[0].fields[a] = end.bodies[a], a
     contact.ends[0].law = end.law
     contact.pair_states[0] = contact_pairs.states[k]
 
 
 @inlined
-def give_both(contact, frame, end, J, coupling, solved):
+def apply_impulse(contact, frame, end, J, coupling, solved):
     """Apply an impulse to both ends of a pair, with opposite signs."""
     number = (end.vertex[0], end.vertex[1], end.vertex[2])
     for side in range(2):
@@ -113,7 +113,7 @@ def solve_impulses(contact, free, contact_pairs, coupling, solved, changes, swee
         if change <= enough * most:
             return sweep + 1
         if sweep % 2 == 1 and sweep + 1 < sweeps:
-            before = _go_on(contact, free, contact_pairs, coupling, solved, changes, before)
+            before = conjugate_step(contact, free, contact_pairs, coupling, solved, changes, before)
     return sweeps
 
 
@@ -138,7 +138,7 @@ def _sweep(contact, free, contact_pairs, coupling, solved, forwards):
             impulse_of(row, 2) - before[2],
         )
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            give_both(contact, free.frame, end, J, coupling, solved)
+            apply_impulse(contact, free.frame, end, J, coupling, solved)
         for d in range(3):
             change = max(change, abs(J[d]) * sqrt(inverse))
             most = max(most, abs(impulse_of(row, d)) * sqrt(inverse))
@@ -154,7 +154,7 @@ def _store_impulse(row, into, k):
 
 
 @inner_kernel
-def _go_on(contact, free, contact_pairs, coupling, solved, changes, before):
+def conjugate_step(contact, free, contact_pairs, coupling, solved, changes, before):
     """Go on along the last changes of all impulses.
 
     `changes` are the impulses before the last two sweeps, and the way so far, which is set.
@@ -184,7 +184,7 @@ def _go_on(contact, free, contact_pairs, coupling, solved, changes, before):
             row.tangential_impulse[d] += way[k, 1 + d]
         J = (impulse_of(row, 0) - old[0], impulse_of(row, 1) - old[1], impulse_of(row, 2) - old[2])
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            give_both(contact, free.frame, contact_pairs.ends[k], J, coupling, solved)
+            apply_impulse(contact, free.frame, contact_pairs.ends[k], J, coupling, solved)
         for n in range(IMPULSES):
             way[k, n] += begin[k, n]
     return square

@@ -19,7 +19,7 @@ from pgimp.kernels.contact.lagrangian.rigid_ends import load_resting
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
-from pgimp.kernels.rigid.around import way_around
+from pgimp.kernels.rigid.around import ring_volume_factor
 from pgimp.physics.contact.base import UNILATERAL
 
 #: Ends of a pair: the entry of each in `ContactVertices`, later its row in `Coupling`, or -1 - n
@@ -166,7 +166,7 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
         0 if axis == 1 else sides[1],
         0 if axis == 2 else sides[2],
     )
-    around = way_around(frame, number, along)
+    around = ring_volume_factor(frame, number, along)
     area = cell * frame.inverse[axis] * around
     row.surface[axis] = -side * area * (1.0 if deep != 1 else 1e-3)
     return find_pairs(contact, frame, along, around, 2, 1, 1.0)
@@ -206,7 +206,7 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
         slots, number = order[begin:i], number_of(contact_vertices, vertex)
         count, sides = len(slots), wall_sides(faces, frame, number)
         cell = whole * 0.5 ** on_walls(faces, frame, number)
-        around = way_around(frame, number, sides)
+        around = ring_volume_factor(frame, number, sides)
         for a in range(count):
             _load(contact, a, sums[slots[a]], cell * around)
         fills = contact_vertices.fills[slots[0]]

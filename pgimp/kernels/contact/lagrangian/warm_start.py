@@ -9,7 +9,7 @@ from math import inf
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.memory import structure
 from pgimp.kernels.contact.data import impulse_of
-from pgimp.kernels.contact.lagrangian.gauss_seidel import give_both, load_pair
+from pgimp.kernels.contact.lagrangian.gauss_seidel import apply_impulse, load_pair
 from pgimp.kernels.contact.law import LEAST_GIVEN
 from pgimp.physics.contact.base import TIED
 
@@ -21,7 +21,7 @@ KEPT_FORCE = structure(
 
 #: Part of the last change of a force that is added to it. With 1, changes of impulses that move
 #: nothing, where rows of B depend on each other, would go on for ever.
-ONWARD = 0.9
+EXTRAPOLATION = 0.9
 
 
 @inner_kernel
@@ -104,7 +104,7 @@ def begin_impulses(contact, frame, kept, contact_pairs, coupling, solved, dt):
         _set_impulse(contact, end.law - 1, row, J)
         J = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            give_both(contact, frame, end, J, coupling, solved)
+            apply_impulse(contact, frame, end, J, coupling, solved)
 
 
 @kernel
@@ -131,6 +131,6 @@ def keep_impulses(contact_pairs, dt, before, kept):
         for d in range(3):
             own.vertex[d] = end.vertex[d]
             own.force[d] = J[d] / dt
-            own.change[d] = ONWARD * (own.force[d] - before[m].force[d]) if m >= 0 else 0.0
+            own.change[d] = EXTRAPOLATION * (own.force[d] - before[m].force[d]) if m >= 0 else 0.0
         found += 1
     return found
