@@ -68,19 +68,27 @@ class Calls(Functions):
         return self._result(callee.constant, args, named)
 
     def _generated(self, node: ast.GeneratorExp, frame: Frame) -> list[Value]:
-        """Values of an expression for each item of a tuple, or each number of a known range."""
-        (loop,), found, before = node.generators, [], (dict(frame.names), frame.cells)
+        """Values of an expression for each item of tuples, or each number of known ranges."""
+        before = dict(frame.names), frame.cells
         frame.cells = {}  # its names are its own
-        over = self.expression(loop.iter, frame)
+        found = self._values(node.elt, node.generators, frame)
+        frame.names, frame.cells = before
+        return found
+
+    def _values(
+        self, wanted: ast.expr, loops: Sequence[ast.comprehension], frame: Frame
+    ) -> list[Value]:
+        if not loops:
+            return [self.expression(wanted, frame)]
+        over, found = self.expression(loops[0].iter, frame), []
         if isinstance(over.constant, Range):
             items = [constant(i) for i in range(*(each.constant for each in over.constant.bounds))]
         else:
             items = self.items(over)
         for item in items:
-            self.assign(loop.target, item, frame)
-            if all(self.condition(each, frame).constant for each in loop.ifs):
-                found.append(self.expression(node.elt, frame))
-        frame.names, frame.cells = before
+            self.assign(loops[0].target, item, frame)
+            if all(self.condition(each, frame).constant for each in loops[0].ifs):
+                found += self._values(wanted, loops[1:], frame)
         return found
 
     def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
