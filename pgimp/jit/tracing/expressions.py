@@ -230,6 +230,11 @@ class Expressions(Operations):
         """Item or part of a tuple or an array."""
         if value.known and isinstance(index, Value) and index.known:
             return constant(value.constant[index.constant])
+        if isinstance(value.kind, types.Array) and isinstance(index, Value | list):
+            address = self.element(value, self.index_value(index))
+            if address is not None:
+                kind = value.kind.dtype
+                return running(kind, self.context.unpack_value(self.builder, kind, address))
         if not is_tuple(value.kind):
             return self.call(operator.getitem, [value, self.index_value(index)])
         items = self.items(value)

@@ -14,7 +14,7 @@ from pgimp.jit.results import is_tuple
 from pgimp.jit.tracing.emitter import Builder
 from pgimp.jit.tracing.expressions import Expressions
 from pgimp.jit.tracing.frame import Frame
-from pgimp.jit.tracing.values import UntraceableError, Value, running
+from pgimp.jit.tracing.values import Argument, UntraceableError, Value, running
 
 
 class Functions(Expressions):
@@ -26,7 +26,8 @@ class Functions(Expressions):
         super().__init__(typing, context, module, widened)
         self._frames: list[Frame] = []
         # Functions of their own by types of arguments, and the types of their results.
-        self._functions: dict[tuple, tuple[ir.Function, NumbaObject]] = {}
+        # For each of their arguments, number by number, array by array, whether it is passed.
+        self._functions: dict[tuple, tuple[ir.Function, NumbaObject, list[bool]]] = {}
 
     def inlined(self, function: FunctionType, contracts: bool, args: Sequence[Value]) -> Value:
         """Result of a function, whose instructions are emitted here."""
@@ -34,37 +35,64 @@ class Functions(Expressions):
 
     def define(
         self, entry: ir.Function, function: FunctionType, contracts: bool, args: Sequence[Value]
-    ) -> NumbaObject:
-        """Emit a function for arguments like the given ones; return the type of its result."""
+    ) -> tuple[NumbaObject, list[Argument]]:
+        """Emit a function for arguments like the given ones.
+
+        Returns
+        -------
+        kind
+            Type of its result.
+        arguments : list of Argument
+            Its numbers and arrays, one by one. An internal function has those that it uses.
+        """
         outer, self.builder = self.builder, Builder(entry.append_basic_block("entry"))
         frames, self._frames = self._frames, []
         convention, builder = self.context.call_conv, self.builder
         given = iter(convention.get_arguments(entry))
-        own = [each if is_object(each) else self._argument(each.kind, given) for each in args]
         first, start = builder.block, builder.append_basic_block("start")
+        arguments: list[Argument] = []
+
+        def argument(kind: NumbaObject) -> Value:
+            if is_tuple(kind):
+                return running(kind, [*map(argument, kind)])
+            arguments.append(self._argument(kind, given, first))
+            return arguments[-1]
+
+        own = [each if is_object(each) else argument(each.kind) for each in args]
         builder.position_at_end(start)
         value = self.inlined(function, contracts, own)
         result = self.kind_of(value)
         content = self.context.get_return_value(builder, result, self.content(value))
         # Its type is known only now: so is the type of the first argument, where it goes.
         entry.args[0].type = convention.get_return_type(result)
-        entry.ftype.args = entry.args[0].type, *entry.ftype.args[1:]
+        if entry.linkage == "internal":
+            entry.args = *entry.args[:2], *(x for each in arguments if each.used for x in each.parts)
+        entry.ftype.args = tuple(each.type for each in entry.args)
         convention.return_value(builder, content)
         builder.position_at_end(first)
         builder.branch(start)
         self.builder, self._frames = outer, frames
-        return result
+        return result, arguments
 
-    def _argument(self, kind: NumbaObject, given: Iterator) -> Value:
-        """Value of an argument, whose numbers and arrays come one by one."""
-        if is_tuple(kind):
-            return running(kind, [self._argument(each, given) for each in kind])
+    def _argument(self, kind: NumbaObject, given: Iterator, block: Any) -> Argument:
+        """A number or an array, whose parts come one by one; it is made at the end of a block."""
+        parts: list[Any] = []
 
         def nested(form: Any) -> Any:
-            return tuple(map(nested, form)) if isinstance(form, tuple) else next(given)
+            if isinstance(form, tuple):
+                return tuple(map(nested, form))
+            parts.append(next(given))
+            return parts[-1]
 
         model = self.context.data_model_manager[kind]
-        return running(kind, model.from_argument(self.builder, nested(model.get_argument_type())))
+        form = nested(model.get_argument_type())
+
+        def made() -> Any:
+            if kind == types.boolean:  # Numba's way has branches
+                return Builder(block).icmp_unsigned("!=", form, ir.Constant(form.type, 0))
+            return model.from_argument(Builder(block), form)
+
+        return Argument(kind, parts, made)
 
     def outlined(self, function: NumbaObject, contracts: bool, args: Sequence[Value]) -> Value:
         """Result of a function of its own, which LLVM inlines where that is worth it."""
@@ -77,10 +105,12 @@ class Functions(Expressions):
             entry = ir.Function(self.module, form, name)
             entry.linkage = "internal"
             convention.decorate_function(entry, [f"{i}" for i in range(len(kinds))], kinds)
-            result = self.define(entry, function.py_func, contracts, args)
-            self._functions[key] = entry, result
-        entry, result = self._functions[key]
-        builder, parts = self.builder, [part for each in passed for part in self._parts(each)]
+            result, arguments = self.define(entry, function.py_func, contracts, args)
+            self._functions[key] = entry, result, [each.used for each in arguments]
+        entry, result, needed = self._functions[key]
+        builder, leaves = self.builder, [leaf for each in passed for leaf in self._leaves(each)]
+        used = zip(leaves, needed, strict=True)
+        parts = [part for leaf, is_used in used if is_used for part in self._parts(leaf)]
         place = cgutils.alloca_once(builder, entry.args[0].type.pointee)
         error = cgutils.alloca_once(builder, entry.args[1].type.pointee)
         code = builder.call(entry, [place, error, *parts])
@@ -90,11 +120,19 @@ class Functions(Expressions):
         content = self.context.get_returned_value(builder, result, builder.load(place))
         return self.owned(self.value(result, content), False)
 
+    def _leaves(self, value: Value) -> Iterator[Value]:
+        """Numbers and arrays in an argument."""
+        if is_tuple(value.kind):
+            for each in self.items(value):
+                yield from self._leaves(each)
+        else:
+            yield value
+
     def _parts(self, value: Value) -> Iterator:
-        """What is passed of an argument: its numbers, and what arrays consist of."""
-        if isinstance(value.content, list):
-            for each in value.content:
-                yield from self._parts(each)
+        """What is passed of a number or an array."""
+        if isinstance(value, Argument):  # as it came
+            value.used = True
+            yield from value.parts
             return
         model = self.context.data_model_manager[self.kind_of(value)]
         yield from _flat(model.as_argument(self.builder, self.content(value)))
@@ -154,6 +192,6 @@ def _flat(parts: Any) -> Iterator:
 
 def arrays_of(value: Value) -> list[Value]:
     """Arrays in a value."""
-    if isinstance(value.content, list):
+    if is_tuple(value.kind):
         return [array for each in value.content for array in arrays_of(each)]
     return [value] if isinstance(value.kind, types.Array) and not value.known else []

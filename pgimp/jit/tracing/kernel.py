@@ -75,7 +75,8 @@ def _compiled(state: NumbaObject, widened: dict) -> NumbaObject:
         contracts = "contract" in (flags.fastmath.flags if flags.fastmath else ())
         tracer = Tracer(state.typingctx, context, module, widened)
         args = [running(kind, None) for kind in kinds]
-        result = description.restype = tracer.define(entry, function.func, contracts, args)
+        result, _ = tracer.define(entry, function.func, contracts, args)
+        description.restype = result
         context.post_lowering(module, library)
         library.add_ir_module(module)
         if not flags.no_cpython_wrapper:

@@ -141,8 +141,42 @@ class Operations(Emitter):
         emit = self.context.get_setattr(name, signature)
         emit(self.builder, self._as((record, value), signature.args))
 
+    def element(self, array: Value, index: Value) -> Any:
+        """Address of an element of a dense array by an integer for each dimension; else None.
+
+        As Numba's, in a third of its instructions.
+        """
+        kind = self.kind_of(array)
+        numbers = self.items(index) if is_tuple(index.kind) else [index]
+        dense = isinstance(kind, types.Array) and kind.layout == "C" and kind.aligned
+        if not dense or not isinstance(kind.dtype, types.Number | types.Record):
+            return None
+        if len(numbers) != kind.ndim or self.context.enable_boundscheck:
+            return None
+        if not all(isinstance(self.kind_of(each), types.Integer) for each in numbers):
+            return None
+        builder, whole, offset = self.builder, self.content(array), None
+        place = self.context.data_model_manager[kind].get_field_position
+        for d, each in enumerate(numbers):
+            known = each.known and each.constant >= 0
+            at = self.content(self.cast(each, types.intp))
+            length = None
+            if offset is not None or not known:
+                length = builder.extract_value(whole, [place("shape"), d])
+            if not known and self.kind_of(each).signed:  # from the end
+                below = builder.icmp_signed("<", at, ir.Constant(at.type, 0))
+                at = builder.select(below, builder.add(at, length), at)
+            if offset is not None:
+                at = builder.add(builder.mul(offset, length), at)
+            offset = at
+        return builder.gep(builder.extract_value(whole, place("data")), [offset])
+
     def set_item(self, array: Value, index: Value, value: Value) -> None:
         """Set entries of an array."""
+        address = self.element(array, index) if array.kind.mutable else None
+        if address is not None:
+            content = self.content(self.cast(value, array.kind.dtype))
+            return self.context.pack_value(self.builder, array.kind.dtype, content, address)
         kinds = tuple(map(self.kind_of, (array, index, value)))
         key = "[]", kinds
         if key not in self._resolved:

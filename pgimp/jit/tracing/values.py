@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from numba.core import errors, types
@@ -36,6 +36,31 @@ class Value:
     def known(self) -> bool:
         """Whether it is a constant; tuples are by their items."""
         return self.constant is not NOT_CONSTANT
+
+
+class Argument(Value):
+    """Number or array that a function is given; its instructions begin where it is first used.
+
+    Attributes
+    ----------
+    parts : list of LLVM values
+        Numbers of which it is made.
+    used : bool
+        Whether the function needs it.
+    """
+
+    __slots__ = ("_made", "_make", "parts", "used")
+
+    def __init__(self, kind: NumbaObject, parts: list, make: Callable[[], Any]) -> None:
+        self.kind, self.constant, self.parts, self.used = kind, NOT_CONSTANT, parts, False
+        self._make, self._made = make, None
+
+    @property
+    def content(self) -> Any:  # type: ignore[override]
+        """LLVM value, made at the function's beginning."""
+        if self._made is None:
+            self.used, self._made = True, self._make()
+        return self._made
 
 
 class NotConstant:
