@@ -71,6 +71,12 @@ def inner_kernel(function: Callable) -> Callable:
     return compiled
 
 
+def separate_kernel(function: Callable) -> Callable:
+    """As `inner_kernel`, for one that is called from many places, and kept as one function."""
+    function.is_separate = True  # type: ignore[attr-defined]
+    return inner_kernel(function)
+
+
 def _kernel(function: Callable, options: dict[str, NumbaObject]) -> NumbaObject:
     compiled: NumbaObject = numba.njit(**options)(function)
     if not options.get("no_cpython_wrapper"):  # parts of kernels: the compiler keeps them itself

@@ -165,7 +165,7 @@ def test_an_empty_cache_folder_is_refused(small, monkeypatch, python, mpirun):
 
 
 def test_all_that_numba_compiles_is_part_of_the_cache_name():
-    marks = r"^ *@((allocating_|inner_)?kernel|inlined|exact|overload|njit|intrinsic)"
+    marks = r"^ *@((allocating_|inner_|separate_)?kernel|inlined|exact|overload|njit|intrinsic)"
     for path in PACKAGE.rglob("*.py"):
         name = str(path.relative_to(PACKAGE))
         if re.search(marks, path.read_text(), re.M):

@@ -12,6 +12,7 @@ from numba.core import cgutils, types
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.results import is_tuple
 from pgimp.jit.tracing.emitter import Builder
+from pgimp.jit.tracing.entry import flat
 from pgimp.jit.tracing.expressions import Expressions
 from pgimp.jit.tracing.frame import Frame
 from pgimp.jit.tracing.values import Argument, UntraceableError, Value, running
@@ -34,7 +35,12 @@ class Functions(Expressions):
         raise NotImplementedError
 
     def define(
-        self, entry: ir.Function, function: FunctionType, contracts: bool, args: Sequence[Value]
+        self,
+        entry: ir.Function,
+        function: FunctionType,
+        contracts: bool,
+        args: Sequence[Value],
+        whole: bool = False,
     ) -> tuple[NumbaObject, list[Argument]]:
         """Emit a function for arguments like the given ones.
 
@@ -43,7 +49,8 @@ class Functions(Expressions):
         kind
             Type of its result.
         arguments : list of Argument
-            Its numbers and arrays, one by one. An internal function has those that it uses.
+            Its numbers and arrays, one by one. The function is given those that it uses, unless
+            `whole`.
         """
         outer, self.builder = self.builder, Builder(entry.append_basic_block("entry"))
         frames, self._frames = self._frames, []
@@ -65,8 +72,11 @@ class Functions(Expressions):
         content = self.context.get_return_value(builder, result, self.content(value))
         # Its type is known only now: so is the type of the first argument, where it goes.
         entry.args[0].type = convention.get_return_type(result)
-        if entry.linkage == "internal":
-            entry.args = *entry.args[:2], *(x for each in arguments if each.used for x in each.parts)
+        if not whole:
+            entry.args = (
+                *entry.args[:2],
+                *(x for each in arguments if each.used for x in each.parts),
+            )
         entry.ftype.args = tuple(each.type for each in entry.args)
         convention.return_value(builder, content)
         builder.position_at_end(first)
@@ -104,6 +114,8 @@ class Functions(Expressions):
             name = self.module.get_unique_name(function.py_func.__qualname__)
             entry = ir.Function(self.module, form, name)
             entry.linkage = "internal"
+            if hasattr(function.py_func, "is_separate"):
+                entry.attributes.add("noinline")
             convention.decorate_function(entry, [f"{i}" for i in range(len(kinds))], kinds)
             result, arguments = self.define(entry, function.py_func, contracts, args)
             self._functions[key] = entry, result, [each.used for each in arguments]
@@ -135,7 +147,7 @@ class Functions(Expressions):
             yield from value.parts
             return
         model = self.context.data_model_manager[self.kind_of(value)]
-        yield from _flat(model.as_argument(self.builder, self.content(value)))
+        yield from flat(model.as_argument(self.builder, self.content(value)))
 
     def owned(self, value: Value, is_part: bool) -> Value:
         """A new value; arrays in it are released at the end of the present function.
@@ -179,15 +191,6 @@ class Functions(Expressions):
 def is_object(value: Value) -> bool:
     """Whether a value is an object that kernels do not have: a function, a class, a text."""
     return value.known and not isinstance(value.constant, bool | int | float | None)
-
-
-def _flat(parts: Any) -> Iterator:
-    """Parts of nested tuples, one by one."""
-    if isinstance(parts, tuple | list):
-        for each in parts:
-            yield from _flat(each)
-    else:
-        yield parts
 
 
 def arrays_of(value: Value) -> list[Value]:

@@ -6,12 +6,14 @@ import sys
 from contextlib import suppress
 from typing import Any
 
+from llvmlite import ir
 from numba.core import compiler, funcdesc, types
 from numba.core.lowering import Environment
 from numba.core.targetconfig import ConfigStack
 from numba.core.typing.templates import signature
 
 from pgimp.jit.outside import NumbaObject
+from pgimp.jit.tracing.entry import Entry, is_simple
 from pgimp.jit.tracing.operations import AgainError
 from pgimp.jit.tracing.statements import Tracer
 from pgimp.jit.tracing.values import running
@@ -75,14 +77,23 @@ def _compiled(state: NumbaObject, widened: dict) -> NumbaObject:
         contracts = "contract" in (flags.fastmath.flags if flags.fastmath else ())
         tracer = Tracer(state.typingctx, context, module, widened)
         args = [running(kind, None) for kind in kinds]
-        result, _ = tracer.define(entry, function.func, contracts, args)
+        called = not flags.no_cpython_wrapper
+        lean = called and not (flags.forceinline or flags.nrt) and is_simple(kinds)
+        result, taken = tracer.define(entry, function.func, contracts, args, whole=not lean)
         description.restype = result
         context.post_lowering(module, library)
         library.add_ir_module(module)
-        if not flags.no_cpython_wrapper:
+        if lean:
+            wrapper = context.create_module("wrapper")
+            callee = ir.Function(wrapper, entry.ftype, description.llvm_func_name)
+            used = [each.used for each in taken]
+            Entry(context, wrapper, used, func=callee, fndesc=description, env=environment).build()
+            library.add_ir_module(wrapper)
+        elif called:
             context.create_cpython_wrapper(library, description, environment, None)
     code = target.get_executable(library, description, environment)
-    target.insert_user_function(code, description, [library])
+    if not lean:  # else it is not for functions that Numba compiles
+        target.insert_user_function(code, description, [library])
     return compiler.compile_result(
         target_context=target, typing_context=state.typingctx, library=library,
         environment=environment, entry_point=code, fndesc=description, type_annotation="",

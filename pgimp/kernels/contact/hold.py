@@ -175,7 +175,9 @@ def _answer(compliance, arm):
     found = 0.0
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
-        found += compliance[d, d]  # an impulse along d has the moment -arm[e] about f, arm[f] about e
+        found += compliance[
+            d, d
+        ]  # an impulse along d has the moment -arm[e] about f, arm[f] about e
         found += compliance[3 + f, 3 + f] * arm[e] ** 2 + compliance[3 + e, 3 + e] * arm[f] ** 2
         found -= (compliance[3 + e, 3 + f] + compliance[3 + f, 3 + e]) * arm[e] * arm[f]
     return found
@@ -230,7 +232,9 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
     for d in range(D):
         across += (particles.v[p, d] - own[d] - normal * n[d]) ** 2
     across = sqrt(across)
-    mass = m / (1.0 + _answer(keepers.compliance[t], arm))  # never too much for all of them together
+    mass = m / (
+        1.0 + _answer(keepers.compliance[t], arm)
+    )  # never too much for all of them together
     part, law = 1.0, abs(entry) - 1
     if pairs.way[law] == UNILATERAL:
         part = sliding_part(pairs, law, 0.0, -normal, inf, across, across)

@@ -4,7 +4,7 @@ A particle's record holds all its columns, one after the other, bit by bit; an i
 int64.
 """
 
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import kernel, separate_kernel
 from pgimp.kernels.data.particles import OUTFLOW
 
 
@@ -54,6 +54,22 @@ def partition_migrants(layer, order, ranks_in_order, first, layers, ring, kept, 
     return stay, down, up
 
 
+@separate_kernel
+def _pack(column, row, wire, at):
+    """Write a row of a column from `at` on; returns the place behind it."""
+    for i in range(column.shape[1]):
+        wire[at + i] = column[row, i]
+    return at + column.shape[1]
+
+
+@separate_kernel
+def _unpack(column, row, wire, at):
+    """Set a row of a column from what `_pack` wrote; returns the place behind it."""
+    for i in range(column.shape[1]):
+        column[row, i] = wire[at + i]
+    return at + column.shape[1]
+
+
 @kernel
 def pack_rows(words, halves, rows, wire, offset, width):
     """Write the records, of `width` numbers each, of the particles in `rows` from `offset` on.
@@ -61,8 +77,7 @@ def pack_rows(words, halves, rows, wire, offset, width):
     Parameters
     ----------
     words, halves : tuples of arrays
-        See `Particles.columns`: of one type each in all scenes, so that this is compiled once. A
-        loop over the columns of each scene took longer to compile than all other kernels.
+        See `Particles.columns`: of one type each in all scenes, so that this is compiled once.
     rows : (k,) int32
     wire : int64
         A message.
@@ -70,13 +85,9 @@ def pack_rows(words, halves, rows, wire, offset, width):
     for k in range(len(rows)):
         at = offset + k * width
         for column in words:
-            for i in range(column.shape[1]):
-                wire[at] = column[rows[k], i]
-                at += 1
+            at = _pack(column, rows[k], wire, at)
         for column in halves:
-            for i in range(column.shape[1]):
-                wire[at] = column[rows[k], i]
-                at += 1
+            at = _pack(column, rows[k], wire, at)
 
 
 @kernel
@@ -85,13 +96,9 @@ def unpack_rows(words, halves, rows, wire, offset, width):
     for k in range(len(rows)):
         at = offset + k * width
         for column in words:
-            for i in range(column.shape[1]):
-                column[rows[k], i] = wire[at]
-                at += 1
+            at = _unpack(column, rows[k], wire, at)
         for column in halves:
-            for i in range(column.shape[1]):
-                column[rows[k], i] = wire[at]
-                at += 1
+            at = _unpack(column, rows[k], wire, at)
 
 
 @kernel
