@@ -35,7 +35,7 @@ from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles, present
 from pgimp.solver.coming.inflow import most_at_once, to_enter
 from pgimp.solver.configurations import fastest
-from pgimp.solver.decomposition import create_particles, partition, ring_counts
+from pgimp.solver.decomposition import create_particles, open_window, partition, ring_counts
 from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
@@ -53,7 +53,6 @@ from pgimp.solver.state.state import State
 from pgimp.solver.time.clock import CourantClock, clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step, require_end
-from pgimp.solver.window import open_window
 
 if TYPE_CHECKING:
     from pgimp.io.checkpoints.checkpointfile import CheckpointFile

@@ -24,10 +24,9 @@ from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.contact.keeping import placed
-from pgimp.solver.decomposition import create_particles, ring_counts
+from pgimp.solver.decomposition import create_particles, open_window, ring_counts
 from pgimp.solver.history.diagnostics import sums_of_bodies
 from pgimp.solver.start.creation import LIGHT, Creation
-from pgimp.solver.window import open_window
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case

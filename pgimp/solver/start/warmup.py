@@ -25,6 +25,7 @@ from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks.overstress import stressed
 from pgimp.scene.scene import Scene
 from pgimp.solver.configurations import fastest
+from pgimp.solver.decomposition import open_window
 from pgimp.solver.flows import EVERY
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.motion import begin_motion, rehearse_motion
@@ -34,7 +35,6 @@ from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.grid_state import active_grid
 from pgimp.solver.step import step
 from pgimp.solver.time.clock import Step
-from pgimp.solver.window import open_window
 
 #: A step in which also flows are due.
 STEP = Step(EVERY, 0.0, 1.0, 1.0)
