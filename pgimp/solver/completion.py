@@ -45,7 +45,7 @@ def advance_particles(
 
 
 def complete_step(rank: Rank, reports: list[RangeReport], lap: Callable[[str], None]) -> None:
-    """Complete a step: counts, outflow, arrivals, and the canonical order.
+    """Complete a step: counts, outflow, particles of other ranks, and the canonical order.
 
     Parameters
     ----------
@@ -55,7 +55,6 @@ def complete_step(rank: Rank, reports: list[RangeReport], lap: Callable[[str], N
         From `stopwatch`.
     """
     population = rank.population
-    rank.keeping.finish(rank.ledger, int(rank.grid.window.lower[0]))
     rank.particle_steps += rank.count
     found, outflow, failed = 0, 0, list[int]()
     for report in reports:
@@ -76,9 +75,6 @@ def complete_step(rank: Rank, reports: list[RangeReport], lap: Callable[[str], N
     lap("migrate")
     if found or len(arrived):
         population.restore_order(changed, arrived)
-    if rank.sinks and not rank.failed:
-        rank.sinks.take(rank)
-    lap("order")
 
 
 def _remove_outflow(rank: Rank, left: np.ndarray) -> None:

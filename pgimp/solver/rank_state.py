@@ -16,7 +16,6 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.clearances import Clearances
-from pgimp.solver.contact.keeping import Keeping
 
 
 class RankState(Protocol):
@@ -34,6 +33,7 @@ class RankState(Protocol):
     vertex_bounds: np.ndarray
     error_buffer: np.ndarray
     failed: int
+    numbered: int
     contact: Any
     clearances: Clearances
     flows: Any
@@ -44,12 +44,16 @@ class RankState(Protocol):
     sinks: Any
     grips: Any
     crossings: Any
-    keeping: Keeping
+    keeping: Any
     displacement: Any
 
     @property
     def call(self) -> Bound:
         """Calls the kernels of a step that are common to all groups."""
+
+    @property
+    def free(self) -> Any:
+        """The free rigid bodies, equal on all ranks; None without any."""
 
     @property
     def lattice(self) -> Any:

@@ -90,7 +90,6 @@ def begin(
     entering = to_enter(scene.case, counts, scenes[-1].case.time.end)
     require(scene, comm, most_at_once(scene.case, counts, entering))
     counts = present(scene, counts)
-    start.count = int(counts.sum())
     layer = np.empty(len(lattice.coordinates[0]), np.int64)
     layers_of(
         scene.settings.shape,
@@ -132,7 +131,7 @@ def begin(
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)
     start.warnings += overstress.measure(scene, particles, count, comm)
-    put_in_order(start, slab, particles, count)
+    put_in_order(start, slab, particles, count, int(counts.sum()))
     begin_motion(start.rank)
     continue_motion(start.rank)
     if start.rank.grips:
@@ -193,11 +192,11 @@ def resume(
     _compile(start, scenes[now.stage + 1 :], now.counted)
     state, layers = outline(scene, source, comm)
     require_same(scene.interaction.rigid_bodies, state.rigid_bodies)
-    start.count = state.count
     if state.densest is not None:
         scene.materials.weigh(state.densest)
     slab = _decompose(start, layers)
-    put_in_order(start, slab, *read_particles(scene, slab, source, state, layers, comm))
+    particles, count, edges = read_particles(scene, slab, source, state, layers, comm)
+    put_in_order(start, slab, particles, count, state.count, edges)
     read_books(start.rank, source, state, start.diagnostic_sums)
     read_motion(start.rank, source)
     start.rate = state.rate
@@ -242,7 +241,12 @@ def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
 
 
 def put_in_order(
-    start: Start, slab: Slab, particles: Particles, count: int, layers: np.ndarray | None = None
+    start: Start,
+    slab: Slab,
+    particles: Particles,
+    count: int,
+    numbered: int,
+    layers: np.ndarray | None = None,
 ) -> None:
     """Create a rank from its particles, which are put in order; collective.
 
@@ -254,6 +258,8 @@ def put_in_order(
         This rank's.
     particles, count : Particles, int
         The particles of the slab, and their number.
+    numbered : int
+        Particles that all ranks have had so far.
     layers : (layers + 1,) int64, optional
         Beginnings of the layers; with it the particles are in order and have all their columns.
 
@@ -272,7 +278,7 @@ def put_in_order(
         scene.materials.weigh(max(dense for _, _, dense in masses))
     require_light(scene, sum(mass for _, mass, _ in masses))
     start.rank = rank = Rank(scene, comm, slab, particles, count, layers)
-    rank.mass_cutoff = LIGHT * min(least for least, _, _ in masses)
+    rank.numbered, rank.mass_cutoff = numbered, LIGHT * min(least for least, _, _ in masses)
     start.balance.watch(count)
     open_window(rank, start.reduction)
     if layers is None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from pgimp.solver.completion import advance_particles, complete_step
 from pgimp.solver.configurations import groups_by_configuration
+from pgimp.solver.parts import parts_of
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import finish_sums, particle_forcing, sum_particles
@@ -13,7 +14,6 @@ from pgimp.solver.vertices import (
     fold_mirrors,
     hold_constrained,
     keep_vertex_motion,
-    parts_of,
     reflect_mirrors,
     vertex_update,
 )
@@ -80,10 +80,15 @@ def step(
     keep_vertex_motion(rank, update)
     lap("momentum")
 
-    forcing = particle_forcing(rank, groups, update, loads, controlled)
+    forcing = particle_forcing(rank, update, loads, controlled)
+    for part in parts:
+        forcing = part.force_particles(rank, groups[0].order, t, forcing)
     lap("P2G")
     reports = advance_particles(rank, groups, forcing, lap)  # (26, 27, 29, 30)
     for part in parts:
         part.complete(rank)
     complete_step(rank, reports, lap)
+    for part in parts:
+        part.change_particles(rank, t)
+    lap("order")
     return t, max(report.rate for report in reports)

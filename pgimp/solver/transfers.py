@@ -125,11 +125,7 @@ def join_seams(rank: RankState, marked: bool) -> None:
 
 
 def particle_forcing(
-    rank: RankState,
-    groups: Sequence[ConfigurationGroup],
-    update: VertexUpdate,
-    loads: Loads,
-    controlled: bool | float,
+    rank: RankState, update: VertexUpdate, loads: Loads, controlled: bool | float
 ) -> Forcing:
     """Forcing of the particles in a step, without vertex-only loads; see `vertex_update`."""
     t, constraints = update.t, update.forcing.marked[0] if update.forcing.marked else ()
@@ -137,9 +133,7 @@ def particle_forcing(
         loads = loads._replace(approached=())
     return Forcing(
         t.dt, update.forcing.gravity, rank.mass_cutoff, loads, constraints, (),
-        update.forcing.position_limits, controlled, (),
-        rank.flows.find(rank, groups[0].order, t) if rank.flows else (),
-        rank.keeping.at(t, rank.population.stored, rank.population.order),
+        update.forcing.position_limits, controlled,
     )  # fmt: skip
 
 

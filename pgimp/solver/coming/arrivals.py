@@ -160,8 +160,9 @@ class Arrivals:
             ),
         )
         self._prepare(particles, own, scene.case.staged.start)
-        particles.id[:own] += now.count
-        first, now.count = now.count, now.count + count
+        first = rank.numbered
+        particles.id[:own] += first
+        rank.numbered += count
         population = rank.population
         rows = population.insert(own)
         p = population.stored

@@ -9,24 +9,24 @@ makes the particles of its own layers.
 from __future__ import annotations
 
 from math import floor, prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.case.schema import Case
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.order.order import grow_vertex_bounds, locate
 from pgimp.kernels.sums.sums import layer_sums
 from pgimp.kernels.update.turns import turn_particles
 from pgimp.mpi.comm import Serial
+from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.inflow import InflowEntry
 from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene, count_particles
+from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
-
-if TYPE_CHECKING:
-    from pgimp.solver.rank_state import RankState
+from pgimp.solver.vertices import StepPart
 
 #: Part of a layer's distance by which the next one may be early, for rounding; and by which
 #: rounding may move particles from where their layer should be.
@@ -102,7 +102,7 @@ class Source:
         return new
 
 
-class Inflow:
+class Inflow(StepPart):
     """The inflows of a scene, the same on every rank.
 
     Parameters
@@ -142,29 +142,21 @@ class Inflow:
         rest = numbers[2 * len(self.sources) :]
         self.sums[: len(rest)] = rest[: len(self.sums)]
 
-    def feed(self, rank: RankState, done: Step, count: int) -> int:
-        """Let in what has room after a step; returns the number of the next particle.
-
-        Parameters
-        ----------
-        rank : RankState
-            The rank, after the step; all ranks do the same.
-        done : Step
-            The step.
-        count : int
-            Number of the first new particle.
-        """
-        prescribed = self.scene.interaction.loads.constraints_at(done.start, done.end)
+    def change_particles(self, rank: RankState, t: Step) -> None:
+        """Insert the layers that have room after a step; all ranks do the same."""
+        if needed(0):  # in a rehearsal nothing enters
+            return
+        prescribed = self.scene.interaction.loads.constraints_at(t.start, t.end)
         arrived = [_NONE]
         for one in self.sources:
             velocity = prescribed[one.number].velocity
-            way, ended = velocity[one.axis] * done.dt, one.ended(done.end)
+            way, ended = velocity[one.axis] * t.dt, one.ended(t.end)
             if one.passes(way) or ended:
                 self._release(rank, one, ended)
             one.moved += way
             while not ended and one.due():
-                new = one.next(velocity, count)
-                count += new.capacity
+                new = one.next(velocity, rank.numbered)
+                rank.numbered += new.capacity
                 arrived.append(self._enter(rank, new))
         rows = np.concatenate(arrived)
         if len(rows):
@@ -172,7 +164,6 @@ class Inflow:
             population.restore_order(_NONE, rows)
             bounds = rank.vertex_bounds
             grow_vertex_bounds(shape, self.scene.order_frame, population.stored, rows, bounds)
-        return count
 
     def _release(self, rank: RankState, one: Source, ended: bool) -> None:
         """Hold the particles no more that have left the region, or all."""
@@ -208,7 +199,7 @@ def _chosen(particles: Particles, rows: np.ndarray) -> Particles:
     return Particles._make(column[rows] for column in particles)
 
 
-def inflow_of(scene: Scene, before: Inflow | None = None) -> Inflow | None:
+def inflow_of(scene: Scene, _: Communicator, before: Inflow | None = None) -> Inflow | None:
     """Return the inflows of a scene, None without any."""
     return Inflow(scene, before) if scene.case.inflow else None
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from pgimp.case.escape import sinks
@@ -12,15 +10,16 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.order.sinks import find_in_box
 from pgimp.kernels.sums.sums import layer_sums
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from pgimp.solver.rank_state import RankState
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
+from pgimp.solver.vertices import StepPart
 
 _NONE = np.empty(0, np.int32)
 
 
-class Sinks:
+class Sinks(StepPart):
     """The sinks of a scene.
 
     Particles are looked at in the box around a region, and the region is asked of these alone.
@@ -37,11 +36,13 @@ class Sinks:
         boxes = [np.array(region.bounds()) for region in regions]
         self._each = [(each, *box) for each, box in zip(regions, boxes, strict=True)]
 
-    def take(self, rank: RankState) -> None:
+    def change_particles(self, rank: RankState, t: Step) -> None:
         """Take out what is inside: book it in the sums of its layer, and free its rows.
 
         Sums are in canonical order, so that the ledger has the same bits on any number of ranks.
         """
+        if rank.failed:
+            return
         offsets = self._inside(rank)
         if not needed(len(offsets)):
             return
@@ -69,6 +70,6 @@ class Sinks:
         return offsets
 
 
-def sinks_of(scene: Scene) -> Sinks | None:
+def sinks_of(scene: Scene, _: Communicator, __: Sinks | None = None) -> Sinks | None:
     """Return the sinks of a scene, None without any."""
     return Sinks(scene) if sinks(scene.case.escape) else None

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from pgimp.jit.bound import Bound
-from pgimp.kernels.data.ledger import RIGID_WORK, Ledger
+from pgimp.kernels.data.arguments import Forcing, Order
+from pgimp.kernels.data.ledger import RIGID_WORK
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.rigid.bodies import RigidBodies
 from pgimp.kernels.rigid.hold import Keepers, count_inside, count_near
@@ -18,7 +19,9 @@ from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.rigid.rotation import solve
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.free_bodies import FreeBodies
+from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
+from pgimp.solver.vertices import StepPart
 
 #: Depth in a rigid body, in cells, from which a particle counts as inside.
 QUARTER = 0.25
@@ -39,7 +42,7 @@ def placed(rigid_bodies: SceneRigidBodies, time: float, states: list[State] | No
     return kept._replace(motion=motion, responses=())
 
 
-class Keeping:
+class Keeping(StepPart):
     """The rigid bodies of a scene that hold particles out, on one rank.
 
     Parameters
@@ -48,49 +51,31 @@ class Keeping:
         The scene.
     comm : communicator
         Of all ranks.
-    free : FreeBodies or None
-        The free ones.
-    layers : int
-        Layers of the rank.
     """
 
-    def __init__(
-        self, scene: Scene, comm: Communicator, free: FreeBodies | None, layers: int
-    ) -> None:
-        self.scene, self.comm, self.free = scene, comm, free
-        self._impulses = np.zeros((layers, len(scene.interaction.rigid_bodies), 6))
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
+        self.scene, self.comm = scene, comm
+        self._impulses = np.zeros((0, len(scene.interaction.rigid_bodies), 6))
         self._yields = np.zeros((len(scene.interaction.rigid_bodies), 6, 6))
         self._kept: Any = ()
         self._call = Bound()
         self._moves = any(entry.moves for entry in scene.interaction.rigid_bodies.entries)
 
-    def at(self, t: Step, particles: Particles, rows: np.ndarray) -> Any:
-        """Return the data to hold particles out at the end of a step, or (); collective.
-
-        Parameters
-        ----------
-        t : Step
-            The step.
-        particles, rows : Particles, (n,) int32
-            The rank's particles, before they move.
-        """
-        scene, free = self.scene, self.free
-        if (
-            not scene.interaction.rigid_bodies
-            or not scene.interaction.pairs
-            or (scene.settings.initial and not scene.settings.mixed)
-        ):
-            return ()
+    def force_particles(self, rank: RankState, order: Order, t: Step, forcing: Forcing) -> Forcing:
+        """Add the data to hold particles out at the end of a step; collective."""
+        pairs, free = self.scene.interaction.pairs, rank.free
+        assert pairs is not None
+        if len(self._impulses) != rank.slab.layers:
+            self._impulses = np.zeros((rank.slab.layers, *self._impulses.shape[1:]))
+            self._kept = ()
         if not self._kept or self._moves:
-            rigid_bodies = placed(
-                scene.interaction.rigid_bodies, t.end, free.states if free else None
-            )
+            states, population = free.states if free else None, rank.population
+            bodies = placed(self.scene.interaction.rigid_bodies, t.end, states)
             if free:
-                self._set_yields(free, self._near(rigid_bodies, particles, rows))
-            self._kept = Keepers(
-                rigid_bodies, scene.interaction.pairs, self._yields, self._impulses
-            )
-        return self._kept
+                mass = self._near(bodies, population.stored, population.order)
+                self._set_yields(free, mass)
+            self._kept = Keepers(bodies, pairs, self._yields, self._impulses)
+        return forcing._replace(keepers=self._kept)
 
     def _set_yields(self, free: FreeBodies, mass: np.ndarray) -> None:
         """Set the velocities of each free body per impulse and moment, times a mass."""
@@ -116,44 +101,15 @@ class Keeping:
             counts, most = every[:, 0].sum(axis=0), every[:, 1].max(axis=0)
         return counts * most
 
-    def inside(self, particles: Particles, rows: np.ndarray, time: float, depth: float) -> Any:
-        """Count this rank's particles that are deeper than `depth` cells in each rigid body.
-
-        Parameters
-        ----------
-        particles, rows : Particles, (n,) int32
-            The particles.
-        time : float
-            The time.
-        depth : float
-            In smallest sides of a cell.
-
-        Returns
-        -------
-        (rigid bodies,) int64
-        """
-        scene, counts = self.scene, np.zeros(len(self.scene.interaction.rigid_bodies), np.int64)
-        if len(counts) and scene.interaction.pairs:
-            rigid_bodies = placed(
-                scene.interaction.rigid_bodies, time, self.free.states if self.free else None
-            )
-            deep = depth * min(scene.domain.frame.cell)
-            count_inside(rigid_bodies, scene.interaction.pairs, particles, rows, deep, counts)
-        return counts
-
-    def finish(self, ledger: Ledger, first: int) -> None:
+    def complete(self, rank: RankState) -> None:
         """Give free bodies the impulses of the particles that they held; collective.
 
-        Parameters
-        ----------
-        ledger : Ledger
-            The rank's; the work of these bodies is booked in the domain's first layer.
-        first : int
-            Number of the rank's first layer.
+        The work of these bodies is booked in the domain's first layer.
         """
-        if not self.free or not self._kept:
+        free, ledger = rank.free, rank.ledger
+        if not free or not self._kept:
             return
-        numbers = self.free.numbers
+        numbers, first = free.numbers, int(rank.grid.window.lower[0])
         planes = self.scene.domain.frame.vertices[0]
         every = np.zeros((planes, len(numbers), 6))
         every[first : first + len(self._impulses)] = self._impulses[:, numbers]
@@ -162,10 +118,45 @@ class Keeping:
             found = np.empty_like(every)
             self.comm.Allreduce(every, found)  # a layer has but one rank: no sum is rounded
             every = found
-        work = _push(self.free, np.add.reduce(self.free.in_order(every, 0), axis=0))
+        work = _push(free, np.add.reduce(free.in_order(every, 0), axis=0))
         if self.comm.rank == 0 and len(ledger.work):
             ledger.work[0] += sum(work)
             ledger.rigid_bodies[0, numbers, RIGID_WORK] += work
+
+
+def keeping_of(scene: Scene, comm: Communicator, _: Keeping | None = None) -> Keeping | None:
+    """Return the rigid bodies that hold particles out; None without any."""
+    bodies, settings = scene.interaction.rigid_bodies, scene.settings
+    if not bodies or not scene.interaction.pairs or (settings.initial and not settings.mixed):
+        return None
+    return Keeping(scene, comm)
+
+
+def particles_inside(rank: RankState, rows: np.ndarray, time: float, depth: float) -> np.ndarray:
+    """Count this rank's particles that are deeper than `depth` cells in each rigid body.
+
+    Parameters
+    ----------
+    rank : RankState
+        The rank.
+    rows : (n,) int32
+        Rows of the particles.
+    time : float
+        The time.
+    depth : float
+        In smallest sides of a cell.
+
+    Returns
+    -------
+    (rigid bodies,) int64
+    """
+    scene, bodies = rank.scene, rank.scene.interaction.rigid_bodies
+    counts = np.zeros(len(bodies), np.int64)
+    if len(counts) and scene.interaction.pairs:
+        at = placed(bodies, time, rank.free.states if rank.free else None)
+        deep = depth * min(scene.domain.frame.cell)
+        count_inside(at, scene.interaction.pairs, rank.particles, rows, deep, counts)
+    return counts
 
 
 def _push(free: FreeBodies, given: np.ndarray) -> list[float]:

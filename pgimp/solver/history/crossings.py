@@ -12,6 +12,7 @@ import numpy as np
 
 from pgimp.case.gauges import FluxGauge
 from pgimp.kernels.data.arguments import Order
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.history.gauge_forces import chosen, gauge_surface, place_of, sums_by
 from pgimp.solver.history.gauge_surfaces import Surface
@@ -76,7 +77,7 @@ class Crossings(StepPart):
         return gauge_surface(rank.scene, gauge.flux)
 
 
-def crossings_of(scene: Scene) -> Crossings | None:
+def crossings_of(scene: Scene, _: Communicator, __: Crossings | None = None) -> Crossings | None:
     """Return the counts of a scene, None without flux gauges."""
     gauges = flux_gauges(scene)
     return Crossings(list(gauges.values())) if gauges else None

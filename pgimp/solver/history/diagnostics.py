@@ -23,7 +23,7 @@ from pgimp.kernels.data.ledger import (
 from pgimp.kernels.sums.errors import ERRORS, layer_errors
 from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses
 from pgimp.physics.materials.base import LOSSES
-from pgimp.solver.contact.keeping import QUARTER
+from pgimp.solver.contact.keeping import QUARTER, particles_inside
 from pgimp.solver.history.columns import line_of
 from pgimp.solver.history.crossings import flux_gauges
 from pgimp.solver.history.gauge_means import Means
@@ -223,8 +223,7 @@ class Diagnostics:
         impulse = _impulses(own)
         errors = self._own_errors(rank, done.end)
         gauges = measure(rank, done.end) if gauged else {}
-        particles = rank.particles if scene.interaction.rigid_bodies else rank.population.stored
-        inside = rank.keeping.inside(particles, rank.population.order, done.end, QUARTER)
+        inside = particles_inside(rank, rank.population.order, done.end, QUARTER)
         booked = (
             impulse, own.outside_mass, own.contact, own.rigid_bodies, own.wall_energy, own.filled,
             own.damping,

@@ -64,6 +64,12 @@ class Following(StepPart):
         self.fallen += EVERY * self.call(find_drifts, setting, field, particles, order, identity)
 
 
-def following_of(scene: Scene, comm: Communicator) -> Following | None:
+def following_of(
+    scene: Scene, comm: Communicator, before: Following | None = None
+) -> Following | None:
     """The displacements of a scene whose loads follow surfaces; None without any."""
-    return Following(scene, comm) if scene.carried.followed else None
+    if not scene.carried.followed:
+        return None
+    found = Following(scene, comm)
+    found.fallen = before.fallen if before else 0
+    return found

@@ -20,6 +20,7 @@ from pgimp.kernels.grid.absorbing import (
     absorb,
     book_absorbed,
 )
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.rest.absorbing_start import absorbing_face, find_face
@@ -142,6 +143,13 @@ class AbsorbingFaces(StepPart):
                 )
 
 
-def absorbing_of(scene: Scene, before: AbsorbingFaces | None = None) -> AbsorbingFaces | None:
-    """Return the absorbing faces of a scene; None without any."""
+def absorbing_of(
+    scene: Scene, _: Communicator, before: AbsorbingFaces | None = None
+) -> AbsorbingFaces | None:
+    """Return the absorbing faces of a scene; None without any.
+
+    At rest faces hold with other forces, found anew.
+    """
+    if before and (before.scene.case.rests or scene.case.rests):
+        before = None
     return AbsorbingFaces(scene, before) if scene.domain.absorbing else None

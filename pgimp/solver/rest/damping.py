@@ -26,6 +26,7 @@ from pgimp.kernels.grid.damping import (
     note_kinetic_energy,
     relax,
 )
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import StepPart, VertexUpdate
@@ -87,7 +88,9 @@ class VertexDamping(StepPart):
             rank.call(note_kinetic_energy, field, rank.ledger)
 
 
-def damping_of(scene: Scene) -> VertexDamping | None:
+def damping_of(
+    scene: Scene, _: Communicator | None = None, __: StepPart | None = None
+) -> VertexDamping | None:
     """Return the damping of a scene, None without any."""
     return VertexDamping(scene.case.damping) if scene.case.damping else None
 

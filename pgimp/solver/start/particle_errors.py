@@ -7,6 +7,7 @@ import numpy as np
 from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE, TOO_FAST
 from pgimp.scene.checks.own_functions import force_without_value
+from pgimp.solver.contact.keeping import particles_inside
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
 
@@ -105,7 +106,7 @@ def explanation(rank: Rank, row: int, error: int) -> str:
 
 def origin(rank: Rank, row: int, time: float) -> str:
     """Name the rigid body from which a particle left the domain; nothing for none."""
-    inside = rank.keeping.inside(rank.particles, np.array([row], np.int32), time, 0.0)
+    inside = particles_inside(rank, np.array([row], np.int32), time, 0.0)
     names = [
         name for name, n in zip(rank.scene.interaction.rigid_bodies.names, inside, strict=True) if n
     ]

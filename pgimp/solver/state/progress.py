@@ -104,6 +104,11 @@ class SimulationProgress:
         return self.rank.population.particles
 
     @property
+    def count(self) -> int:
+        """Particles that all ranks have had so far; one more than the greatest id."""
+        return self.rank.numbered
+
+    @property
     def known_count(self) -> int:
         """Particles of all ranks; with several ranks as of the last re-sort."""
         return self.balance.total if self.comm.size > 1 else self.rank.count
