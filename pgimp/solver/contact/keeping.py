@@ -20,6 +20,7 @@ from pgimp.scene.rigid.rotation import solve
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.rank_state import RankState
+from pgimp.solver.reduction import place_planes
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import StepPart
 
@@ -110,14 +111,9 @@ class Keeping(StepPart):
         if not free or not self._kept:
             return
         numbers, first = free.numbers, int(rank.grid.window.lower[0])
-        planes = self.scene.domain.frame.vertices[0]
-        every = np.zeros((planes, len(numbers), 6))
-        every[first : first + len(self._impulses)] = self._impulses[:, numbers]
+        layers = self.scene.domain.frame.vertices[0]
+        every = place_planes(self.comm, self._impulses[:, numbers], first, layers)
         self._impulses.fill(0.0)
-        if self.comm.size > 1:
-            found = np.empty_like(every)
-            self.comm.Allreduce(every, found)  # a layer has but one rank: no sum is rounded
-            every = found
         work = _push(free, np.add.reduce(free.in_order(every, 0), axis=0))
         if self.comm.rank == 0 and len(ledger.work):
             ledger.work[0] += sum(work)

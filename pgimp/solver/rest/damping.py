@@ -10,7 +10,6 @@ from pgimp.case.damping import Damping
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import (
-    DAMPED,
     DAMPED_ENERGY,
     DAMPED_MOMENTUM,
     KINETIC_BEFORE,
@@ -29,6 +28,7 @@ from pgimp.kernels.grid.damping import (
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
+from pgimp.solver.reduction import sum_planes
 from pgimp.solver.vertices import StepPart, VertexUpdate
 
 
@@ -97,20 +97,9 @@ def damping_of(
 
 def total_sums(rank: RankState) -> np.ndarray:
     """The sums of damping over all planes, in their order, (DAMPED,); collective."""
-    return np.add.reduce(_of_all_planes(rank), axis=0)
-
-
-def _of_all_planes(rank: RankState) -> np.ndarray:
-    """The sums of damping of all planes, (planes, DAMPED); collective."""
     grid = rank.grid
-    own, first = rank.ledger.damping[: grid.owned], grid.slab.first
-    if rank.comm.size == 1:
-        return own
-    every = np.zeros((rank.scene.domain.frame.vertices[0] + grid.vertices - 1, DAMPED))
-    every[first : first + len(own)] = own
-    found = np.empty_like(every)
-    rank.comm.Allreduce(every, found)  # a plane has but one owner: no sum is rounded
-    return found
+    planes = rank.scene.domain.frame.vertices[0] + grid.vertices - 1
+    return sum_planes(rank.comm, rank.ledger.damping[: grid.owned], grid.slab.first, planes)
 
 
 def bring_to_rest(rank: RankState) -> None:
