@@ -21,8 +21,8 @@ from pgimp.kernels.update.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
 from pgimp.physics.derived import DERIVED
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
-from pgimp.solver.configurations import fastest
 from pgimp.solver.lagrangian.pieces import source_at
+from pgimp.solver.particle_groups import fastest
 from pgimp.solver.start.particle_errors import Failure, explanation
 from pgimp.solver.time.stability import stable_courant
 from pgimp.storage.atomic import write as write_file

@@ -61,7 +61,7 @@ class Frames(Series):
         path = self.folder / f"particles-{self.written:06d}.h5"
         storage = sim.live()
         rows = self._file.rows(
-            self.comm, sim.population.stored.id[storage], storage, sim.count,
+            self.comm, sim.population.columns.id[storage], storage, sim.count,
             not sim.scene.settings.loses,
         )  # fmt: skip
         time, step = float(sim.time), int(sim.step)

@@ -77,7 +77,7 @@ class Flows(StepPart):
         """
         if t.number % EVERY:
             return self._idle
-        grid, particles = rank.grid, rank.particles
+        grid, particles = rank.grid, rank.up_to_date()
         rank.ledger.filled.fill(0.0)
         flows = self.flows
         self._sums.fit(grid, flows.fields)

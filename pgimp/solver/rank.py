@@ -71,7 +71,7 @@ class Rank:
     following, grips, absorbing, damping, crossings, flows, keeping, sinks, inflow : or None
         The parts of a step of `pgimp.solver.parts`.
     calls : tuple of Bound
-        Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
+        Calls of a step's kernels, for each group; see `pgimp.solver.particle_groups`.
     mass_cutoff : float
         Mass below which a vertex is not accelerated.
     vertex_bounds : (2, 2) int64
@@ -149,7 +149,7 @@ class Rank:
             scene.settings.lagrangian_bodies, scene.domain.periodic,
         )  # fmt: skip
         self.halo = Halo(comm, slab, scene.settings.vertices - 1)
-        self.migration = Migration(comm, slab, self.particles, scene.domain.ring_layers)
+        self.migration = Migration(comm, slab, self.population.columns, scene.domain.ring_layers)
         bodies, settings = len(scene.body_names), scene.settings
         outflow = (bodies, scene.materials.sums) if settings.escapes else (0, 0)
         constraints = len(scene.interaction.loads.booked_constraints)
@@ -184,10 +184,9 @@ class Rank:
         """Calls the kernels of a step that are common to all groups."""
         return self.calls[0]
 
-    @property
-    def particles(self) -> Particles:
-        """The particles, with holes; see `live`."""
-        return self.population.particles
+    def up_to_date(self) -> Particles:
+        """Return the particles, with holes; see `live` and `Population.up_to_date`."""
+        return self.population.up_to_date()
 
     @property
     def count(self) -> int:
@@ -259,9 +258,9 @@ class Rank:
 
     def drop_gradients(self) -> None:
         """Drop the particles' velocity gradients, which only the vertices' start needed."""
-        particles, ring = self.population.particles, self.scene.domain.ring_layers
-        self.population.particles = particles._replace(L=np.zeros((particles.capacity, 0)))
-        self.migration = Migration(self.comm, self.slab, self.particles, ring)
+        particles, ring = self.population.up_to_date(), self.scene.domain.ring_layers
+        self.population.replace(particles._replace(L=np.zeros((particles.capacity, 0))))
+        self.migration = Migration(self.comm, self.slab, self.population.columns, ring)
 
     def enter(self, scene: Scene, particles: Particles) -> None:
         """Change to the scene of another stage between two steps; the ledger starts from zero.
@@ -270,7 +269,7 @@ class Rank:
         """
         window, self.scene = self.grid.base, scene
         self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
-        self.population.particles = particles
+        self.population.replace(particles)
         self._equip()
         self._allocate(self.slab)
         self.grid.store(window)

@@ -63,6 +63,5 @@ class RankState(Protocol):
     def by_cells_alone(self) -> bool:
         """Whether all particles are in cells and have no state of their own."""
 
-    @property
-    def particles(self) -> Particles:
-        """The particles."""
+    def up_to_date(self) -> Particles:
+        """Return the particles, see `Population.up_to_date`."""

@@ -34,9 +34,9 @@ from pgimp.scene.rigid.checks import require_apart, require_clear, require_same,
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles, present
 from pgimp.solver.coming.inflow import most_at_once, to_enter
-from pgimp.solver.configurations import fastest
 from pgimp.solver.decomposition import create_particles, open_window, partition, ring_counts
 from pgimp.solver.lagrangian.motion import begin_motion
+from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.rest.relaxation import Relaxation
@@ -284,7 +284,7 @@ def put_in_order(
     if layers is None:
         scene.interaction.loads.scale_patches(rank.population, comm)
     order, controlled = rank.population.order, scene.settings.controlled or True
-    start.rate = max(comm.allgather(fastest(scene, rank.particles, order, controlled)))
+    start.rate = max(comm.allgather(fastest(scene, rank.up_to_date(), order, controlled)))
     if (
         scene.materials.variations
     ):  # waves at rest are the particles', far from which typical ones may be

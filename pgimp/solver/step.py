@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from pgimp.solver.completion import advance_particles, complete_step
-from pgimp.solver.configurations import groups_by_configuration
+from pgimp.solver.particle_groups import groups_of
 from pgimp.solver.parts import parts_of
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
@@ -51,15 +51,15 @@ def step(
     """
     scene, contact, lap = rank.scene, rank.contact, rank.stopwatch()
     loads, parts = scene.interaction.loads.at(before.end), parts_of(rank)
-    groups = groups_by_configuration(scene, rank.population)
+    groups = groups_of(rank, by_cells=True)
     contact.assign_fields(rank)
     lap("contact")
     for part in parts:
         part.begin(rank, groups[0].order, before.number)
     marked = bool(scene.interaction.loads.constraints)
-    sum_particles(rank, groups, loads, marked, by_cells=True)  # (16, 17, 18, 21, 22)
+    sum_particles(rank, groups, loads, marked)  # (16, 17, 18, 21, 22)
     lap("P2G")
-    finish_sums(rank, marked)  # the neighbours' sums, and both copies at periodic seams
+    finish_sums(rank, groups, marked)  # the neighbours' sums, and both copies at periodic seams
     t = next_step()
     lap("exchange")
 

@@ -107,7 +107,7 @@ class Arrivals:
 
     def _particles_inside(self, rank: Rank, gone: Collection[str]) -> list[_Found]:
         """First particle of this rank in the region of each body that comes."""
-        scene, p, rows = self.scene, rank.particles, rank.live()
+        scene, p, rows = self.scene, rank.up_to_date(), rank.live()
         stay = np.array([name not in gone for name in scene.body_names])
         rows = rows[stay[p.body[rows]]]
         x, deep, found = p.x[rows], _DEEP * min(self.lattice.box), []
@@ -165,7 +165,7 @@ class Arrivals:
         rank.numbered += count
         population = rank.population
         rows = population.insert(own)
-        p = population.stored
+        p = population.columns
         for name, column in particles._asdict().items():  # gradients are of the start alone
             if (stored := getattr(p, name)).shape[1:] == column.shape[1:]:
                 stored[rows] = column[:own]
@@ -200,7 +200,7 @@ class Arrivals:
         """Add what the particles from number `first` on bring to the books."""
         rank, records = now.rank, now.diagnostic_sums
         order = rank.population.order
-        offsets = np.flatnonzero(rank.particles.id[order] >= first).astype(np.int32)
+        offsets = np.flatnonzero(rank.up_to_date().id[order] >= first).astype(np.int32)
         new = Order(order[offsets], np.searchsorted(offsets, rank.population.start))
         brought = np.add.reduce(sums_of_bodies(rank, self.scene, new), axis=0)
         records.added = records.added_so_far(self.scene) + brought

@@ -163,13 +163,13 @@ class Inflow(StepPart):
             population, shape = rank.population, self.scene.settings.shape
             population.restore_order(_NONE, rows)
             bounds = rank.vertex_bounds
-            grow_vertex_bounds(shape, self.scene.order_frame, population.stored, rows, bounds)
+            grow_vertex_bounds(shape, self.scene.order_frame, population.columns, rows, bounds)
 
     def _release(self, rank: RankState, one: Source, ended: bool) -> None:
         """Hold the particles no more that have left the region, or all."""
         if one.freed:
             return
-        one.freed, p = ended, rank.population.stored
+        one.freed, p = ended, rank.population.columns
         held = np.flatnonzero(p.constraint[:, 0] == one.number + 1)
         beyond = one.sign * (p.x[held, one.axis] - one.exit) > 0.0
         p.constraint[held if ended else held[beyond], 0] = 0
@@ -188,7 +188,7 @@ class Inflow(StepPart):
         slab = rank.slab
         mine = (slab.first <= new.layer) & (new.layer < slab.first + slab.layers)
         rows: np.ndarray = rank.population.insert(int(np.count_nonzero(mine)))
-        stored = rank.population.stored
+        stored = rank.population.columns
         for name, column in new._asdict().items():
             getattr(stored, name)[rows] = column[mine]
         return rows

@@ -50,13 +50,13 @@ class Sinks(StepPart):
         rows = population.order[offsets]
         order = Order(rows, np.searchsorted(offsets, population.start))
         escaped = rank.ledger.escaped[: rank.slab.layers]
-        layer_sums(self.scene.setting.without_shape(), population.stored, order, escaped)
+        layer_sums(self.scene.setting.without_shape(), population.columns, order, escaped)
         population.free_later(rows)
         population.restore_order(offsets, _NONE)
 
     def _inside(self, rank: RankState) -> np.ndarray:
         """Offsets of the particles in any sink, ascending; of bodies that may lose particles."""
-        population, p, found = rank.population, rank.population.stored, [_NONE]
+        population, p, found = rank.population, rank.population.columns, [_NONE]
         for region, low, high in self._each:
             count = rank.call(find_in_box, population.order, p.x, low, high, population.changed)
             if count:

@@ -73,7 +73,7 @@ class Keeping(StepPart):
             states, population = free.states if free else None, rank.population
             bodies = placed(self.scene.interaction.rigid_bodies, t.end, states)
             if free:
-                mass = self._near(bodies, population.stored, population.order)
+                mass = self._near(bodies, population.columns, population.order)
                 self._set_yields(free, mass)
             self._kept = Keepers(bodies, pairs, self._yields, self._impulses)
         return forcing._replace(keepers=self._kept)
@@ -151,7 +151,7 @@ def particles_inside(rank: RankState, rows: np.ndarray, time: float, depth: floa
     if len(counts) and scene.interaction.pairs:
         at = placed(bodies, time, rank.free.states if rank.free else None)
         deep = depth * min(scene.domain.frame.cell)
-        count_inside(at, scene.interaction.pairs, rank.particles, rows, deep, counts)
+        count_inside(at, scene.interaction.pairs, rank.up_to_date(), rows, deep, counts)
     return counts
 
 

@@ -61,7 +61,7 @@ class Crossings(StepPart):
 
     def complete(self, rank: RankState) -> None:
         """See `StepPart.complete`."""
-        particles, D = rank.particles, rank.scene.dimension
+        particles, D = rank.up_to_date(), rank.scene.dimension
         for k, (gauge, near) in enumerate(zip(self._gauges, self._near, strict=True)):
             way = _unwound(rank, near.rows) - near.unwound
             part = self._surface(rank, gauge).passed(near.place, way)
@@ -91,7 +91,7 @@ def flux_gauges(scene: Scene) -> dict[str, FluxGauge]:
 
 def _unwound(rank: RankState, rows: Array) -> Array:
     """Positions of particles with their turns through periodic faces."""
-    particles, periods = rank.particles, rank.scene.domain.periods
+    particles, periods = rank.up_to_date(), rank.scene.domain.periods
     x = particles.x[rows]
     if particles.winding.shape[1]:
         x = x + particles.winding[rows] * periods

@@ -54,7 +54,7 @@ def _own_sums(rank: Rank, scene: Scene, order: Order) -> tuple[np.ndarray, np.nd
     sum_layers(rank, scene, order, sums)
     masses = np.zeros((len(scene.body_names), 2), np.int64)
     unit = 2.0 ** (HIGH - 2 - frexp(scene.materials.most_mass)[1])  # see `put_in_order`
-    exact_masses(rank.population.stored, order.rows, unit, masses)
+    exact_masses(rank.population.columns, order.rows, unit, masses)
     return sums, masses, unit
 
 

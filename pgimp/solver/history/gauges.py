@@ -96,7 +96,7 @@ def _counted(rank: Rank, gauge: Gauge) -> tuple[Array, Array]:
 
 def _flux(rank: Rank, gauge: FluxGauge) -> Array:
     """Sums by layer of mass and momentum that leave a surface, per time."""
-    surface, particles = gauge_surface(rank.scene, gauge.flux), rank.particles
+    surface, particles = gauge_surface(rank.scene, gauge.flux), rank.up_to_date()
     rows, layer = _counted(rank, gauge)
     rate = surface.passing(place_of(rank, rows), np.take(particles.v, rows, axis=0))
     there = np.flatnonzero(rate)
@@ -109,7 +109,7 @@ def _flux(rank: Rank, gauge: FluxGauge) -> Array:
 
 def _level(rank: Rank, gauge: LevelGauge) -> Array:
     """Sums by layer of volumes in a column, and the highest point in each."""
-    scene, particles, up = rank.scene, rank.particles, rank.scene.dimension - 1
+    scene, particles, up = rank.scene, rank.up_to_date(), rank.scene.dimension - 1
     cell, periods = scene.domain.frame.cell, scene.domain.periods
     rows, layer = _counted(rank, gauge)
     x = place_of(rank, rows)

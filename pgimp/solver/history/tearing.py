@@ -39,7 +39,7 @@ class TearingWatch:
         if not limits or 0 <= done.number - self._last < _EVERY:
             return []
         self._last = done.number
-        particles, rows = rank.population.stored, rank.population.order
+        particles, rows = rank.population.columns, rank.population.order
         found = np.zeros((len(limits), 3))  # particles, those beyond, greatest stretch
         for k, (body, limit) in enumerate(limits.items()):
             for first in range(0, len(rows), _BLOCK):

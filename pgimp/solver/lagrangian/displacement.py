@@ -29,7 +29,7 @@ class Displacement:
 
         Of elastic ones among those `near` only positions and F: all columns stay out of date.
         """
-        rank, stored = self._rank, self._rank.population.stored
+        rank, stored = self._rank, self._rank.population.columns
         order = rank.lattice.inside if near is None else self._near_order(near)
         if near is None or rank.scene.cell_loads:
             self.place(order, Displaced(*(getattr(stored, name) for name in Displaced._fields)))
@@ -45,7 +45,7 @@ class Displacement:
             setting = setting.without_materials()
         rank.call(
             displace_particles, setting, rank.scene.domain.frame, rank.grid.motion_field,
-            rank.population.stored, order, displaced, order.rows if to is None else to,
+            rank.population.columns, order, displaced, order.rows if to is None else to,
         )  # fmt: skip
 
     def _near_order(self, near: np.ndarray) -> Order:

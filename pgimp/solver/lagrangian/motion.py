@@ -6,6 +6,7 @@ See `pgimp.kernels.data.motion`. Between two steps it is in `Grid.motion`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,9 +19,9 @@ from pgimp.kernels.lagrangian.sums import motion_sums
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.kernels.sums.sums import layer_sums
 from pgimp.scene.scene import Scene
-from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.lagrangian.cells import find_beyond, mark_corners
 from pgimp.solver.lagrangian.pieces import by_layers
+from pgimp.solver.particle_groups import groups_of
 from pgimp.solver.transfers import sum_particles
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     if scene.settings.lagrangian_bodies is None:
         return
     rank.contact.assign_fields(rank)
-    particles, D = rank.particles, scene.dimension
+    particles, D = rank.up_to_date(), scene.dimension
     v, L = particles.v.copy(), np.zeros((particles.capacity, D, D))
     if gradients is not None:
         L = gradients
@@ -101,9 +102,9 @@ def _sums(rank: Rank, order: Order | None = None) -> tuple[np.ndarray, np.ndarra
     Of all particles, or of those of an `order` of one group.
     """
     scene, grid = rank.scene, rank.grid
-    groups = groups_by_configuration(scene, rank.population)
+    groups = groups_of(rank)
     if order is not None:
-        groups = (groups[0]._replace(order=order),)
+        groups = (replace(groups[0], order=order),)
     sum_particles(
         rank, groups, scene.interaction.loads.at(0.0), bool(scene.interaction.loads.constraints)
     )
@@ -219,7 +220,7 @@ def _regroup(rank: Rank, bodies: list[int], before: Grid, was: np.ndarray, now: 
     population, order = rank.population, rank.population.ordered
     mass = np.zeros(now.shape[:-1])
     for b in bodies:
-        mine = rank.particles.body[order.rows] == b
+        mine = rank.up_to_date().body[order.rows] == b
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         population.order, population.start = order.rows[mine], edges
         try:

@@ -47,7 +47,7 @@ class Following(StepPart):
         """Find how far F has drifted, when it is due; collective."""
         if done % EVERY:
             return
-        particles, setting = rank.particles, self.scene.setting.without_materials()
+        particles, setting = rank.up_to_date(), self.scene.setting.without_materials()
         if rank.failed:  # other ranks are not notified yet; such particles may be anywhere
             order = order._replace(start=np.zeros_like(order.start))
         if len(order.rows) and not self.bodies.all():

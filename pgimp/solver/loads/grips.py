@@ -60,7 +60,7 @@ class Grips(StepPart):
         """Take the mean velocity of each grip's particles, with other states `kept`; collective."""
         if kept is not None:
             self.state[:] = kept
-        p, (rows, start) = rank.population.particles, rank.population.ordered
+        p, (rows, start) = rank.population.up_to_date(), rank.population.ordered
         layers, number = len(start) - 1, p.constraint[rows, 0]
         sums = np.zeros((layers, len(self.entries) + 1, 4))
         layer = np.repeat(np.arange(layers), np.diff(start))

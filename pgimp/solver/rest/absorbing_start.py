@@ -127,7 +127,7 @@ def _near_particles(rank: RankState, face: Face) -> tuple[np.ndarray, np.ndarray
 
     Collective; in canonical order.
     """
-    scene, particles, D = rank.scene, rank.particles, rank.scene.dimension
+    scene, particles, D = rank.scene, rank.up_to_date(), rank.scene.dimension
     frame, rows = scene.domain.frame, rank.population.order.astype(np.int64)
     x = (scene.weighed(particles, rows) - frame.origin) * frame.inverse + frame.ghost
     near = np.abs(x[:, face.axis] - _wall(scene, face)) < _REACH[-1]
@@ -150,7 +150,7 @@ def _mean_speeds(rank: RankState, near: tuple[np.ndarray, np.ndarray, np.ndarray
     rows = rank.population.order.astype(np.int64)
     every, setting = np.zeros((len(rows), 2)), rank.scene.setting.without_shape()
     length = min(rank.scene.domain.frame.cell)
-    rank.call(small_wave_speeds, setting, rank.particles, rows, length, every)
+    rank.call(small_wave_speeds, setting, rank.up_to_date(), rows, length, every)
     return np.max(rank.comm.allgather(every.max(axis=0, initial=0.0)), axis=0)
 
 

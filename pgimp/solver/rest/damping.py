@@ -104,7 +104,7 @@ def total_sums(rank: RankState) -> np.ndarray:
 
 def bring_to_rest(rank: RankState) -> None:
     """Set the velocities of all particles and vertices to zero, and book what they had."""
-    population, particles, grid = rank.population, rank.population.particles, rank.grid
+    population, particles, grid = rank.population, rank.population.up_to_date(), rank.grid
     if rank.grips:
         rank.grips.rest()
     rows, start = population.order, population.start

@@ -10,9 +10,9 @@ from math import inf
 import numpy as np
 
 from pgimp.errors import NO_REST, NoRestError
-from pgimp.solver.configurations import fastest
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.loads.grips import DISPLACEMENT
+from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.rest.damping import bring_to_rest, damping_of
 from pgimp.solver.rest.relaxation import EVERY, Relaxation, unbalanced_sums
@@ -52,7 +52,7 @@ def _tractions(rank: Rank) -> float:
     loads = rank.scene.interaction.loads.at(rank.scene.case.staged.start)
     if not (loads.tractions or loads.surfaces):
         return 0.0
-    p, (rows, start) = rank.population.stored, rank.population.ordered
+    p, (rows, start) = rank.population.columns, rank.population.ordered
     sums = np.zeros(len(start) - 1)
     layer = np.repeat(np.arange(len(sums)), np.diff(start))
     for each in loads.tractions:
@@ -121,8 +121,8 @@ def _rest(start: Start) -> Start:
     Stress, deformation, displacements and books stay.
     """
     bring_to_rest(start.rank)
-    if start.rank.particles.q.shape[1]:
-        start.rank.particles.q[:] = 0.0
+    if start.rank.up_to_date().q.shape[1]:
+        start.rank.up_to_date().q[:] = 0.0
     start.scene.domain.settling = start.settling = False
     start.watch = start.watch if start.case.watched else None
     return start
@@ -136,7 +136,7 @@ def begin_at_rest(start: Start) -> Start:
     weights follow from, so that their displacements count from there.
     """
     rank, scene, comm = start.rank, start.scene, start.comm
-    particles = rank.particles
+    particles = rank.up_to_date()
     bring_to_rest(rank)
     if particles.q.shape[1]:
         particles.q[:] = 0.0

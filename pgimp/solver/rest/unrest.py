@@ -20,7 +20,7 @@ def what_moves(rank: Rank, cycle: float) -> str:
     cycle : float
         Steps in half a period of the motion.
     """
-    p, rows, names = rank.particles, rank.live(), rank.scene.body_names
+    p, rows, names = rank.up_to_date(), rank.live(), rank.scene.body_names
     D = p.x.shape[1]
     m, v, body = p.m[rows], p.v[rows], p.body[rows]
     twice = m * (v * v).sum(axis=1)  # kinetic energy

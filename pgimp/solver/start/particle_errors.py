@@ -77,7 +77,7 @@ def collect_errors(rank: Rank, step: Step) -> Failure:
 
 def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     """Describe the rank's first particle at fault: error, position and time, advice."""
-    p, (row, error) = rank.particles, rank.errors[0].tolist()
+    p, (row, error) = rank.up_to_date(), rank.errors[0].tolist()
     position = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = rank.scene.body_names[p.body[row]]
@@ -115,7 +115,7 @@ def origin(rank: Rank, row: int, time: float) -> str:
 
 def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
     """Explanation and advice of a particle's material; see `Material.out_of_range`."""
-    scene, p = rank.scene, rank.particles
+    scene, p = rank.scene, rank.up_to_date()
     number = scene.materials.body_material[p.body[row]]
     entry = scene.materials.variations.entry(number, p.own[row])
     J = float(volume_ratio(p.F[row], scene.dimension))
@@ -126,11 +126,11 @@ def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
 def _face(rank: Rank, row: int) -> str:
     """Name of the closed face that a particle has passed."""
     frame = rank.scene.domain.frame
-    if rank.scene.settings.lagrangian[rank.particles.body[row]]:
+    if rank.scene.settings.lagrangian[rank.up_to_date().body[row]]:
         for d, (low, high) in enumerate(rank.scene.domain.bounds or ()):
-            if not low <= rank.particles.x[row, d] <= high:
-                return f"{'xyz'[d]}-{'max' if rank.particles.x[row, d] > high else 'min'}"
-    for d, x in enumerate(rank.particles.x[row]):
+            if not low <= rank.up_to_date().x[row, d] <= high:
+                return f"{'xyz'[d]}-{'max' if rank.up_to_date().x[row, d] > high else 'min'}"
+    for d, x in enumerate(rank.up_to_date().x[row]):
         xi = (x - frame.origin[d]) * frame.inverse[d]
         if (
             not 0.0 <= xi <= frame.cells[d]

@@ -61,7 +61,7 @@ class Point:
 
     def known(self, population: Population) -> bool:
         """Return whether the particle is on this rank, in its last row."""
-        p, row, self.row = population.stored, self.row, -1
+        p, row, self.row = population.columns, self.row, -1
         if 0 <= row < p.capacity and p.id[row] == self.number:
             layer = int(p.layer[row]) - population.first
             if 0 <= layer < population.layers:
@@ -75,7 +75,7 @@ class Point:
         self.row = -1
         for begin, end in blocks(len(population.order), _BLOCK):
             rows = population.order[begin:end]
-            there = np.flatnonzero(population.stored.id[rows] == self.number)
+            there = np.flatnonzero(population.columns.id[rows] == self.number)
             if len(there):
                 self.row = int(rows[there[0]])
         return self.row >= 0
@@ -169,7 +169,7 @@ class Place:
 
     def line(self, sim: Simulation, parts: list[list[np.ndarray]]) -> Line:
         """A line on rank 0, from the sums of each rank."""
-        D, S = sim.scene.dimension, sim.population.stored.sigma.shape[1]
+        D, S = sim.scene.dimension, sim.population.columns.sigma.shape[1]
         ends = {"AXIS": AXES[:D], "COMPONENT": TENSOR.split()[:S]}
         names = []
         for name in PLACE:
@@ -200,7 +200,7 @@ def _undeformed(sim: Simulation, rows: np.ndarray) -> np.ndarray:
 
     Of particles that keep no such position, the present one.
     """
-    p, periods = sim.population.stored, sim.scene.domain.periods
+    p, periods = sim.population.columns, sim.scene.domain.periods
     x = p.origin[rows] if p.origin.shape[1] else sim.particles.x[rows]
     return x + p.winding[rows] * periods if periods.any() else x
 
@@ -220,7 +220,7 @@ def nearest(sim: Simulation, body: int, at: Sequence[float], fields: Sequence[st
     Of several that are equally close, the one with the lowest number.
     """
     population, found = sim.population, (np.inf, -1, ())
-    p = population.stored
+    p = population.columns
     for begin, end in blocks(len(population.order), _BLOCK):
         rows = population.order[begin:end]
         rows = rows[p.body[rows] == body]

@@ -101,7 +101,7 @@ class SimulationProgress:
     @property
     def particles(self) -> Particles:
         """The particles of this rank, with holes; see `live`."""
-        return self.rank.population.particles
+        return self.rank.population.up_to_date()
 
     @property
     def count(self) -> int:

@@ -102,7 +102,7 @@ class Ordered(Mapping[str, np.ndarray]):
     def __init__(self, rank: Rank) -> None:
         self._rank, self.order = rank, rank.live()
         population = rank.population
-        particles = population.stored if population.released else population.particles
+        particles = population.columns if population.released else population.up_to_date()
         self.columns = {
             name: array
             for name, array in particles._asdict().items()

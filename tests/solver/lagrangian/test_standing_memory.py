@@ -159,4 +159,4 @@ def test_particles_with_a_state_keep_their_columns():
     for _ in range(3):
         sim.advance()
     assert len(sim.rank.lattice.others.rows) and not sim.population.released
-    assert sim.population.stored.F[:, 0].all()
+    assert sim.population.columns.F[:, 0].all()

@@ -133,7 +133,7 @@ class LagrangianContact(NoContact):
         scene, grid, population = self.scene, rank.grid, rank.population
         if not self.fields:
             return
-        p, order = population.particles, population.order
+        p, order = population.up_to_date(), population.order
         boxes = np.full((2, self.bodies, scene.dimension), np.inf)
         boxes[1] = -np.inf
         grow_boxes(scene.domain.frame, p._replace(x=p.origin), order, boxes)
