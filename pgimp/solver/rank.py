@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.gauges import flux_gauges
 from pgimp.decomposition.grid import LAG, Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.migrate import Migration
@@ -22,7 +23,6 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.clearances import Clearances
 from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.kinds import contact_kind
-from pgimp.solver.history.crossings import flux_gauges
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
 from pgimp.solver.lagrangian.displacement import Displacement
 from pgimp.solver.parts import PARTS
@@ -158,8 +158,8 @@ class Rank:
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
             (bodies if scene.interaction.flows else 0,
-             DAMPED if settings.damps or settings.settles else 0, len(flux_gauges(scene)),
-             len(scene.interaction.loads.booked_tractions)),
+             DAMPED if settings.damps or settings.settles else 0,
+             len(flux_gauges(scene.case.gauges)), len(scene.interaction.loads.booked_tractions)),
         )  # fmt: skip
 
     @property

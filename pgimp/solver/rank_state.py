@@ -15,7 +15,6 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.clearances import Clearances
 
 
 class RankState(Protocol):
@@ -34,8 +33,10 @@ class RankState(Protocol):
     error_buffer: np.ndarray
     failed: int
     numbered: int
+    timings: dict[str, float]
+    errors: np.ndarray
     contact: Any
-    clearances: Clearances
+    clearances: Any
     flows: Any
     following: Any
     damping: Any
@@ -52,6 +53,10 @@ class RankState(Protocol):
         """Calls the kernels of a step that are common to all groups."""
 
     @property
+    def count(self) -> int:
+        """Number of the rank's particles."""
+
+    @property
     def free(self) -> Any:
         """The free rigid bodies, equal on all ranks; None without any."""
 
@@ -65,3 +70,9 @@ class RankState(Protocol):
 
     def up_to_date(self) -> Particles:
         """Return the particles, see `Population.up_to_date`."""
+
+    def live(self) -> np.ndarray:
+        """Rows of the particles in canonical order, (n,) int64."""
+
+    def booked(self) -> Ledger:
+        """Return the ledger of the planes that the rank owns."""

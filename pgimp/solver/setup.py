@@ -21,10 +21,10 @@ from pgimp.kernels.once.prestress import remember_stress
 from pgimp.kernels.order.order import layers_of
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
+from pgimp.scene.bodies.counts import count_particles, present
 from pgimp.scene.bodies.initial_stress import set_initial_stress
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks import nearness, overstress
-from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
 from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.checks.quiet import unquiet
@@ -32,24 +32,25 @@ from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.mass_scaling import scaling_notes
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
-from pgimp.scene.scene import Scene, count_particles, present
+from pgimp.scene.scene import Scene
+from pgimp.scene.wave_speeds import rest_rate
 from pgimp.solver.coming.inflow import most_at_once, to_enter
 from pgimp.solver.decomposition import create_particles, open_window, partition, ring_counts
-from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.rest.relaxation import Relaxation
-from pgimp.solver.rest.settle import begin_settling
 from pgimp.solver.start.continued import continue_motion, verify_checkpoints
 from pgimp.solver.start.creation import LIGHT, Creation
 from pgimp.solver.start.require_memory import require
+from pgimp.solver.start.settle import begin_settling
 from pgimp.solver.start.sound import require_light, require_particles
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
 from pgimp.solver.start.warmup import warm_up
 from pgimp.solver.state.restore import outline, read_books, read_motion, read_particles
 from pgimp.solver.state.state import State
+from pgimp.solver.state.vertex_motion import begin_motion
 from pgimp.solver.time.clock import CourantClock, clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step, require_end

@@ -14,10 +14,10 @@ from pgimp.solver.decomposition import RESORT, rebalance, resort
 from pgimp.solver.each.each import Each, calls_of
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.reduction import Request, StepReduction
-from pgimp.solver.rest.settle import CALM, end_at_rest, is_due, require_rest, unbalanced_part
 from pgimp.solver.stages import enter
 from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.particle_errors import Failure, collect_errors
+from pgimp.solver.start.settle import CALM, end_at_rest, is_due, require_rest, unbalanced_part
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import absent, look_ahead
 from pgimp.solver.state.progress import SimulationProgress

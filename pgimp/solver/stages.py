@@ -12,26 +12,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.case.checks.stages import reselects
+from pgimp.case.gauges import flux_gauges
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import TAKEN, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import STRAIN, SUMS
 from pgimp.physics.loads.surfaces import surface_width
-from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.rigid.free_body import State
 from pgimp.scene.scene import Scene
-from pgimp.solver.coming.arrivals import arrivals_of, coming
+from pgimp.scene.wave_speeds import rest_rate
 from pgimp.solver.decomposition import partition
-from pgimp.solver.history.crossings import flux_gauges
 from pgimp.solver.history.diagnostics import sums_of_bodies
-from pgimp.solver.lagrangian.motion import enter_motion
 from pgimp.solver.loads.grips import STATES, Grips
 from pgimp.solver.particle_groups import fastest
-from pgimp.solver.rest.settle import begin_settling
+from pgimp.solver.start.arrivals import arrivals_of, coming
+from pgimp.solver.start.settle import begin_settling
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.warmup import warm_up
+from pgimp.solver.state.vertex_motion import enter_motion
 from pgimp.solver.time.clock import clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step
@@ -198,7 +198,8 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
 def _forces(scene: Scene) -> list[Hashable]:
     """Names of the rows of `Diagnostics.last`, in their order."""
     faces, constraints, tractions, contact, rigid_bodies = _booked(scene)
-    fluxes: list[Hashable] = [(name, i) for name in flux_gauges(scene) for i in range(2)]
+    gauges = flux_gauges(scene.case.gauges)
+    fluxes: list[Hashable] = [(name, i) for name in gauges for i in range(2)]
     kinds = {
         "face": faces,
         "constraint": constraints,

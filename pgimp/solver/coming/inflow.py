@@ -22,8 +22,9 @@ from pgimp.kernels.update.turns import turn_particles
 from pgimp.mpi.comm import Serial
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.inflow import InflowEntry
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.bodies.populate import populate
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import StepPart

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.case.gauges import FluxGauge
+from pgimp.case.gauges import FluxGauge, flux_gauges
 from pgimp.kernels.data.arguments import Order
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -79,14 +79,8 @@ class Crossings(StepPart):
 
 def crossings_of(scene: Scene, _: Communicator, __: Crossings | None = None) -> Crossings | None:
     """Return the counts of a scene, None without flux gauges."""
-    gauges = flux_gauges(scene)
+    gauges = flux_gauges(scene.case.gauges)
     return Crossings(list(gauges.values())) if gauges else None
-
-
-def flux_gauges(scene: Scene) -> dict[str, FluxGauge]:
-    """Return the flux gauges of a scene by name, in the order of the ledger."""
-    entries = scene.case.gauges.items()
-    return {name: gauge for name, gauge in entries if isinstance(gauge, FluxGauge)}
 
 
 def _unwound(rank: RankState, rows: Array) -> Array:

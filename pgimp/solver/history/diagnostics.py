@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.case.gauges import flux_gauges
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import (
     BOOKED,
@@ -25,14 +26,13 @@ from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exac
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.contact.keeping import QUARTER, particles_inside
 from pgimp.solver.history.columns import line_of
-from pgimp.solver.history.crossings import flux_gauges
 from pgimp.solver.history.gauge_means import Means
 from pgimp.solver.history.gauges import measure
 from pgimp.solver.history.tearing import TearingWatch
 from pgimp.solver.history.totals import Totals
-from pgimp.solver.lagrangian.motion import sum_layers
+from pgimp.solver.lagrangian.layer_sums import sum_layers
 from pgimp.solver.lagrangian.pieces import by_layers
-from pgimp.solver.rank import Rank
+from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import START, Step
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def _mass(sums: np.ndarray, unit: float) -> float:
     return ldexp(float((high << LOW) + low), -LOW) / unit
 
 
-def _own_sums(rank: Rank, scene: Scene, order: Order) -> tuple[np.ndarray, np.ndarray, float]:
+def _own_sums(rank: RankState, scene: Scene, order: Order) -> tuple[np.ndarray, np.ndarray, float]:
     """Sums by layer and body of some particles of a rank, their masses, and the masses' unit."""
     sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))
     sum_layers(rank, scene, order, sums)
@@ -89,7 +89,7 @@ def _impulses(own: Ledger) -> np.ndarray:
 
 def _fluxes(scene: Scene, force: np.ndarray) -> dict[str, np.ndarray]:
     """Mass and momentum that left per time since the last line, by gauge; see `Totals.force`."""
-    names = list(flux_gauges(scene))
+    names = list(flux_gauges(scene.case.gauges))
     end = len(force) - 2 * len(scene.interaction.rigid_bodies)
     rows = force[end - 2 * len(names) : end].reshape(len(names), 6)
     if scene.case.axisymmetric:  # what points along the radius vanishes all round
@@ -97,12 +97,12 @@ def _fluxes(scene: Scene, force: np.ndarray) -> dict[str, np.ndarray]:
     return {name: row[[0, 3, 4, 5]] for name, row in zip(names, rows, strict=True)}
 
 
-def sums_of_bodies(rank: Rank, scene: Scene, order: Order) -> np.ndarray:
+def sums_of_bodies(rank: RankState, scene: Scene, order: Order) -> np.ndarray:
     """Sums by body of some particles, as in `layer_sums`, on rank 0; collective.
 
     Parameters
     ----------
-    rank : Rank
+    rank : RankState
         The rank with the particles.
     scene : Scene
         The scene with the parameters.
@@ -135,7 +135,7 @@ def column_names(scene: Scene) -> list[str]:
     moved = np.zeros((len(scene.case.constraints), 3))
     loads = scene.interaction.loads
     held = len(loads.booked_constraints) + len(loads.booked_tractions)
-    crossed = 2 * len(flux_gauges(scene))
+    crossed = 2 * len(flux_gauges(scene.case.gauges))
     force = np.zeros((faces + held + len(contact) + crossed + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
     bodies = np.zeros((len(scene.body_names), scene.materials.sums))
@@ -184,7 +184,7 @@ class Diagnostics:
         """Sums of the bodies that have come in stages."""
         return np.zeros(scene.materials.sums) if self.added is None else self.added
 
-    def line(self, rank: Rank, done: Step) -> dict[str, float] | None:
+    def line(self, rank: RankState, done: Step) -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
 
         The reaction of a face, or of a constraint, is its mean force on the material since the last
@@ -197,7 +197,7 @@ class Diagnostics:
         self.said += torn if line is not None else []
         return line
 
-    def reading(self, rank: Rank, done: Step, gauges: bool) -> dict[str, float] | None:
+    def reading(self, rank: RankState, done: Step, gauges: bool) -> dict[str, float] | None:
         """As `line`, for a function of a program: lines stay as they are without it; collective.
 
         Mean forces are over the time since the last reading; `read` on rank 0 is then this one.
@@ -212,11 +212,11 @@ class Diagnostics:
         return line
 
     @staticmethod
-    def rows(rank: Rank) -> int:
+    def rows(rank: RankState) -> int:
         """Number of mean forces and moments in a line, see `Totals.force`."""
         return _impulses(rank.booked()).shape[1]
 
-    def _line(self, rank: Rank, done: Step, gauged: bool) -> dict[str, float] | None:
+    def _line(self, rank: RankState, done: Step, gauged: bool) -> dict[str, float] | None:
         scene = rank.scene
         sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)
         own = rank.booked()
@@ -273,7 +273,7 @@ class Diagnostics:
             )
         )  # fmt: skip
 
-    def note_forces(self, rank: Rank, done: Step) -> None:
+    def note_forces(self, rank: RankState, done: Step) -> None:
         """Take mean forces from here on, as if there were a line; collective."""
         parts = rank.comm.gather(_impulses(rank.booked()))
         if parts is not None:
@@ -309,7 +309,7 @@ class Diagnostics:
                 )
 
     @staticmethod
-    def _own_errors(rank: Rank, time: float) -> tuple[np.ndarray, ...]:
+    def _own_errors(rank: RankState, time: float) -> tuple[np.ndarray, ...]:
         """Sums and maxima of the errors by layer, of this rank's particles; () without any."""
         scene = rank.scene
         if not scene.settings.exact:

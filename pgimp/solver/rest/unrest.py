@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from pgimp.solver.rank import Rank
+from pgimp.solver.rank_state import RankState
 
 #: Part of a body's kinetic energy from which it moves as a whole.
 WHOLE = 0.9
 
 
-def what_moves(rank: Rank, cycle: float) -> str:
+def what_moves(rank: RankState, cycle: float) -> str:
     """Describe the motion that is left, and what would end it; collective.
 
     Parameters
     ----------
-    rank : Rank
+    rank : RankState
         The rank.
     cycle : float
         Steps in half a period of the motion.

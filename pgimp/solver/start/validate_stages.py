@@ -6,9 +6,9 @@ import numpy as np
 
 from pgimp.errors import CaseError
 from pgimp.mpi.communicator import Communicator
-from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.sanity import small_step_warning
 from pgimp.scene.scene import Scene
+from pgimp.scene.wave_speeds import rest_rate
 from pgimp.solver.history.diagnostics import column_names
 from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank

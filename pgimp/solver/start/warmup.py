@@ -27,12 +27,12 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.decomposition import open_window
 from pgimp.solver.flows import EVERY
 from pgimp.solver.history.diagnostics import Diagnostics
-from pgimp.solver.lagrangian.motion import begin_motion, rehearse_motion
 from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
 from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.grid_state import active_grid
+from pgimp.solver.state.vertex_motion import begin_motion, rehearse_motion
 from pgimp.solver.step import step
 from pgimp.solver.time.clock import Step
 

@@ -16,10 +16,10 @@ from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.pieces import source_at
-from pgimp.solver.lagrangian.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.contact import FIELDS, FORCES
+from pgimp.solver.state.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EnergyWatch
 

@@ -12,8 +12,8 @@ from tiers import wide
 from pgimp.errors import RunError
 from pgimp.kernels.data.record import FORCE, RECORD
 from pgimp.scene.scene import Scene
-from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.particle_groups import groups_of
+from pgimp.solver.state.vertex_motion import begin_motion
 from pgimp.solver.transfers import sum_particles
 
 pytestmark = pytest.mark.slow(30)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.points.block import Block
 from pgimp.geometry.regions.base import Bounds
+from pgimp.scene.bodies.clouds.point_cloud import Cloud
 from pgimp.scene.bodies.lattice_body import LatticeBody
-from pgimp.scene.bodies.point_cloud import Cloud
 
 Reals = NDArray[np.float64]
 Ints = NDArray[np.int64]

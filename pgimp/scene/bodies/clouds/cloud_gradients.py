@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.geometry.points.block import Block
+from pgimp.scene.bodies.clouds.point_cloud import Cloud
 from pgimp.scene.bodies.lattice import ParticleBlock
-from pgimp.scene.bodies.point_cloud import Cloud
 
 Reals = NDArray[np.float64]
 

@@ -19,10 +19,11 @@ from pgimp.kernels.order.order import layers_of, locate
 from pgimp.kernels.rigid.bodies import distances
 from pgimp.kernels.sums.sums import SUMS
 from pgimp.mpi.collective import all_or_none
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.bodies.initial_stress import set_initial_stress
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.geometry import release, share, take_as_empty
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 from pgimp.solver.contact.keeping import placed
 from pgimp.solver.decomposition import create_particles, open_window, ring_counts
 from pgimp.solver.history.diagnostics import sums_of_bodies
