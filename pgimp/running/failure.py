@@ -13,7 +13,7 @@ import numpy as np
 from pgimp.case.stepping.courant import largest_courant
 from pgimp.errors import RunError, explain
 from pgimp.io.frames.particlefile import ParticleFile
-from pgimp.io.frames.xdmf import Collection, particles
+from pgimp.io.frames.xdmf import Collection
 from pgimp.io.rundir.ownfiles import FAILURE as FOLDER
 from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.order.order import vertices_of
@@ -110,8 +110,8 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
 
     def end() -> None:
         collection = Collection(folder / "particles.xdmf")
-        collection.add(particles(path, failure.time, shown.count, file.types, file.kinds))
-        collection.write()
+        collection.add(file.mesh(path, (failure.time, failure.step), shown.count))
+        collection.finish()
         states = [state for part, _ in gathered or () for state in part][:_MOST_STATES]
         kinds = set().union(*(part for _, part in gathered or ()))
         number = f"first {len(states)} of {failure.number}" if failure.number > len(states) else ""
