@@ -24,7 +24,7 @@ from pgimp.scene.rigid.free_body import State
 from pgimp.scene.scene import Scene
 from pgimp.scene.wave_speeds import rest_rate
 from pgimp.solver.decomposition import partition
-from pgimp.solver.history.diagnostics import sums_of_bodies
+from pgimp.solver.history.body_sums import sums_of_bodies
 from pgimp.solver.loads.grips import STATES, Grips
 from pgimp.solver.particle_groups import fastest
 from pgimp.solver.start.arrivals import arrivals_of, coming

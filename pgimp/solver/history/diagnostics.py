@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from copy import copy, deepcopy
-from math import frexp, ldexp
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.case.gauges import flux_gauges
-from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import (
     BOOKED,
     DAMPED,
@@ -22,15 +20,15 @@ from pgimp.kernels.data.ledger import (
     Ledger,
 )
 from pgimp.kernels.sums.errors import ERRORS, layer_errors
-from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses
+from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, SUMS
 from pgimp.physics.materials.base import LOSSES
 from pgimp.solver.contact.keeping import QUARTER, particles_inside
+from pgimp.solver.history.body_sums import own_sums, reduced
 from pgimp.solver.history.columns import line_of
 from pgimp.solver.history.gauge_means import Means
 from pgimp.solver.history.gauges import measure
 from pgimp.solver.history.tearing import TearingWatch
 from pgimp.solver.history.totals import Totals
-from pgimp.solver.lagrangian.layer_sums import sum_layers
 from pgimp.solver.lagrangian.pieces import by_layers
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import START, Step
@@ -40,32 +38,6 @@ if TYPE_CHECKING:
 
 #: Part of the volume of flowing bodies without room on the grid that is worth a warning.
 LOST = 0.02
-
-
-def _mass(sums: np.ndarray, unit: float) -> float:
-    """Mass in rows of `exact_masses`, rounded once."""
-    high, low = (sum(map(int, column)) for column in sums.T)
-    return ldexp(float((high << LOW) + low), -LOW) / unit
-
-
-def _own_sums(rank: RankState, scene: Scene, order: Order) -> tuple[np.ndarray, np.ndarray, float]:
-    """Sums by layer and body of some particles of a rank, their masses, and the masses' unit."""
-    sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))
-    sum_layers(rank, scene, order, sums)
-    masses = np.zeros((len(scene.body_names), 2), np.int64)
-    unit = 2.0 ** (HIGH - 2 - frexp(scene.materials.most_mass)[1])  # see `put_in_order`
-    exact_masses(rank.population.columns, order.rows, unit, masses)
-    return sums, masses, unit
-
-
-def _reduced(
-    sums: list[np.ndarray], masses: list[np.ndarray], unit: float
-) -> tuple[np.ndarray, float]:
-    """Sums by body over the layers of all ranks, and the mass of all."""
-    bodies = np.add.reduce(np.concatenate(sums), axis=0)
-    every = np.stack(masses)  # by rank and body
-    bodies[:, MASS] = [_mass(every[:, body], unit) for body in range(len(bodies))]
-    return bodies, _mass(every.reshape(-1, 2), unit)
 
 
 def _impulses(own: Ledger) -> np.ndarray:
@@ -95,30 +67,6 @@ def _fluxes(scene: Scene, force: np.ndarray) -> dict[str, np.ndarray]:
     if scene.case.axisymmetric:  # what points along the radius vanishes all round
         rows = rows * [1.0, 1.0, 1.0, 0.0, 1.0, 1.0]
     return {name: row[[0, 3, 4, 5]] for name, row in zip(names, rows, strict=True)}
-
-
-def sums_of_bodies(rank: RankState, scene: Scene, order: Order) -> np.ndarray:
-    """Sums by body of some particles, as in `layer_sums`, on rank 0; collective.
-
-    Parameters
-    ----------
-    rank : RankState
-        The rank with the particles.
-    scene : Scene
-        The scene with the parameters.
-    order : Order
-        The particles, by layer.
-
-    Returns
-    -------
-    (bodies, columns) float64
-        Zeros except on rank 0.
-    """
-    sums, masses, unit = _own_sums(rank, scene, order)
-    parts = rank.comm.gather((sums, masses))
-    if parts is None:
-        return np.zeros((len(scene.body_names), scene.materials.sums))
-    return _reduced([part[0] for part in parts], [part[1] for part in parts], unit)[0]
 
 
 def column_names(scene: Scene) -> list[str]:
@@ -218,7 +166,7 @@ class Diagnostics:
 
     def _line(self, rank: RankState, done: Step, gauged: bool) -> dict[str, float] | None:
         scene = rank.scene
-        sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)
+        sums, masses, unit = own_sums(rank, scene, rank.population.ordered)
         own = rank.booked()
         impulse = _impulses(own)
         errors = self._own_errors(rank, done.end)
@@ -231,7 +179,7 @@ class Diagnostics:
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None or gauges is None:
             return None
-        bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
+        bodies, every = reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
         impulse, outside_mass, contact, rigid_bodies, walls, filled, damping = (
             np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(7)

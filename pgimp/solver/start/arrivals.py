@@ -26,7 +26,7 @@ from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.keeping import placed
 from pgimp.solver.decomposition import create_particles, open_window, ring_counts
-from pgimp.solver.history.diagnostics import sums_of_bodies
+from pgimp.solver.history.body_sums import sums_of_bodies
 from pgimp.solver.start.creation import LIGHT, Creation
 
 if TYPE_CHECKING:
