@@ -7,15 +7,15 @@ from typing import Any
 
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.coming.inflow import inflow_of
-from pgimp.solver.coming.sinks import sinks_of
-from pgimp.solver.contact.keeping import keeping_of
+from pgimp.solver.contact.penetration import penetration_of
+from pgimp.solver.damping.absorbing import absorbing_of
+from pgimp.solver.damping.damping import damping_of
 from pgimp.solver.flows import flows_of
 from pgimp.solver.history.crossings import crossings_of
 from pgimp.solver.loads.following import following_of
 from pgimp.solver.loads.grips import grips_of
-from pgimp.solver.rest.absorbing import absorbing_of
-from pgimp.solver.rest.damping import damping_of
+from pgimp.solver.sources.inflow import inflow_of
+from pgimp.solver.sources.sinks import sinks_of
 from pgimp.solver.vertices import StepPart
 
 #: By its attribute of a rank, what makes a part from the scene, the communicator and the part of
@@ -27,7 +27,7 @@ PARTS: dict[str, Callable[[Scene, Communicator, Any], StepPart | None]] = {
     "damping": damping_of,
     "crossings": crossings_of,
     "flows": flows_of,
-    "keeping": keeping_of,
+    "penetration": penetration_of,
     "sinks": sinks_of,
     "inflow": inflow_of,
 }

@@ -68,7 +68,7 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    following, grips, absorbing, damping, crossings, flows, keeping, sinks, inflow : or None
+    following, grips, absorbing, damping, crossings, flows, penetration, sinks, inflow
         The parts of a step of `pgimp.solver.parts`.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.particle_groups`.
@@ -97,7 +97,7 @@ class Rank:
     damping: Any
     crossings: Any
     flows: Any
-    keeping: Any
+    penetration: Any
     sinks: Any
     inflow: Any
 

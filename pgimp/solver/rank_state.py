@@ -45,7 +45,7 @@ class RankState(Protocol):
     sinks: Any
     grips: Any
     crossings: Any
-    keeping: Any
+    penetration: Any
     displacement: Any
 
     @property

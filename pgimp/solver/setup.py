@@ -29,11 +29,11 @@ from pgimp.scene.rigid.checks import require_apart, require_clear, require_same,
 from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene
 from pgimp.scene.wave_speeds import rest_rate
+from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.decomposition import open_window
 from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
-from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.start.continued import continue_motion
 from pgimp.solver.start.created import create_start, decompose
 from pgimp.solver.start.creation import LIGHT, Creation

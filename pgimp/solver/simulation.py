@@ -10,8 +10,8 @@ from pgimp.errors import DamagedError, RunError
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver import setup
+from pgimp.solver.callbacks.callback import Each, calls_of
 from pgimp.solver.decomposition import RESORT, rebalance, resort
-from pgimp.solver.each.each import Each, calls_of
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.stages import enter

@@ -73,7 +73,7 @@ def enter(now: Start, case: Case) -> Start:
         order = rank.population.ordered
         before, after = (sums_of_bodies(rank, scene, order).sum(axis=0) for scene in (old, new))
         records.changed += float(after[STRAIN] - before[STRAIN])
-        records.told[: new.materials.sums - SUMS] += after[SUMS:] - before[SUMS:]
+        records.initial_losses[: new.materials.sums - SUMS] += after[SUMS:] - before[SUMS:]
     particles = _carried(rank, old, new)
     for name in ("last", "read"):
         if since := getattr(records, name):

@@ -82,7 +82,7 @@ def populate(
         p.body[rows] = block.body
         p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
         if scene.case.axisymmetric and block.rows is None:  # files have the volumes of rings
-            p.V0[rows] = p.V[rows] = p.V[rows] * scene.domain.around(block.centroids)
+            p.V0[rows] = p.V[rows] = p.V[rows] * scene.domain.circumference(block.centroids)
         if scene.carried.surfaces:
             p.offset[rows] = block.centroids - block.positions
             p.excess[rows, 0] = lattice.excess(block)

@@ -22,7 +22,7 @@ from pgimp.kernels.data.ledger import (
 from pgimp.kernels.sums.errors import ERRORS, layer_errors
 from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, SUMS
 from pgimp.physics.materials.base import LOSSES
-from pgimp.solver.contact.keeping import QUARTER, particles_inside
+from pgimp.solver.contact.penetration import QUARTER, particles_inside
 from pgimp.solver.history.body_sums import own_sums, reduced
 from pgimp.solver.history.columns import line_of
 from pgimp.solver.history.gauge_means import Means
@@ -87,9 +87,9 @@ def column_names(scene: Scene) -> list[str]:
     force = np.zeros((faces + held + len(contact) + crossed + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
     bodies = np.zeros((len(scene.body_names), scene.materials.sums))
-    errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
+    errors, losses = np.zeros(ERRORS), np.zeros(len(LOSSES))
     totals = Totals(
-        scene, START, bodies, none, none, none, none, none, 0.0, 0.0, told, 0.0, 0.0, force,
+        scene, START, bodies, none, none, none, none, none, 0.0, 0.0, losses, 0.0, 0.0, force,
         np.zeros(faces), np.zeros((faces, WALL_BOOKED)), contact, rigid_bodies,
         np.zeros(len(rigid_bodies), np.int64), np.zeros((len(bodies), VOLUMES)), np.zeros(DAMPED),
         {}, moved, errors, errors, {}, {},
@@ -120,7 +120,7 @@ class Diagnostics:
         self.removed: np.ndarray | None = None
         self.added: np.ndarray | None = None
         self.changed = 0.0
-        self.told = np.zeros(len(LOSSES))
+        self.initial_losses = np.zeros(len(LOSSES))
         #: Means of the gauges, on rank 0.
         self.means = Means()
 
@@ -192,7 +192,7 @@ class Diagnostics:
         if self.first_energy is None:
             self.first_energy = float(total[KINETIC] + total[STRAIN])
             if not done.end:
-                self.told[: len(total) - SUMS] = total[SUMS:]
+                self.initial_losses[: len(total) - SUMS] = total[SUMS:]
         escaped, added, most = np.zeros(scene.materials.sums), np.zeros(ERRORS), np.zeros(ERRORS)
         if scene.settings.escapes:
             escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
@@ -214,7 +214,7 @@ class Diagnostics:
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene),
                 self.added_so_far(scene), inflow, self.changed,
-                self.settling_time, self.told, self.first_energy, work,
+                self.settling_time, self.initial_losses, self.first_energy, work,
                 force, outside_mass, walls, contact, rigid_bodies, inside,
                 filled, damping, rank.free.now if rank.free else {}, moved, added, most,
                 gauges, means,

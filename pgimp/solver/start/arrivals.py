@@ -24,7 +24,7 @@ from pgimp.scene.bodies.initial_stress import set_initial_stress
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.keeping import placed
+from pgimp.solver.contact.penetration import placed
 from pgimp.solver.decomposition import create_particles, open_window, ring_counts
 from pgimp.solver.history.body_sums import sums_of_bodies
 from pgimp.solver.start.creation import LIGHT, Creation
@@ -205,7 +205,7 @@ class Arrivals:
         new = Order(order[offsets], np.searchsorted(offsets, rank.population.start))
         brought = np.add.reduce(sums_of_bodies(rank, self.scene, new), axis=0)
         records.added = records.added_so_far(self.scene) + brought
-        records.told[: len(brought) - SUMS] += brought[SUMS:]
+        records.initial_losses[: len(brought) - SUMS] += brought[SUMS:]
 
 
 def coming(before: Case, now: Case) -> list[str]:

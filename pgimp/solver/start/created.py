@@ -15,8 +15,8 @@ from pgimp.scene.bodies.counts import count_particles, present
 from pgimp.scene.geometry import share
 from pgimp.scene.mass_scaling import scaling_notes
 from pgimp.scene.scene import Scene
-from pgimp.solver.coming.inflow import most_at_once, to_enter
 from pgimp.solver.decomposition import create_particles, partition, ring_counts
+from pgimp.solver.sources.inflow import most_at_once, to_enter
 from pgimp.solver.start.continued import verify_checkpoints
 from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.require_memory import require

@@ -7,7 +7,7 @@ import numpy as np
 from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.update.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE, TOO_FAST
 from pgimp.scene.checks.own_functions import force_without_value
-from pgimp.solver.contact.keeping import particles_inside
+from pgimp.solver.contact.penetration import particles_inside
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 

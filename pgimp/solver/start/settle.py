@@ -10,13 +10,13 @@ from math import inf
 import numpy as np
 
 from pgimp.errors import NO_REST, NoRestError
+from pgimp.solver.damping.damping import bring_to_rest, damping_of
+from pgimp.solver.damping.relaxation import EVERY, Relaxation, unbalanced_sums
+from pgimp.solver.damping.unrest import what_moves
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.loads.grips import DISPLACEMENT
 from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
-from pgimp.solver.rest.damping import bring_to_rest, damping_of
-from pgimp.solver.rest.relaxation import EVERY, Relaxation, unbalanced_sums
-from pgimp.solver.rest.unrest import what_moves
 from pgimp.solver.start.start import Start
 from pgimp.solver.time.clock import CourantClock, Step, clock_of, settling_clock
 from pgimp.solver.time.energy_watch import EnergyWatch

@@ -24,13 +24,13 @@ from pgimp.mpi.node import shared_out
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks.overstress import stressed
 from pgimp.scene.scene import Scene
+from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.decomposition import open_window
 from pgimp.solver.flows import EVERY
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
-from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.grid_state import active_grid
 from pgimp.solver.state.vertex_motion import begin_motion, rehearse_motion
 from pgimp.solver.step import step

@@ -182,7 +182,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
     records.removed = None if state.removed is None else np.array(state.removed)
     records.changed, records.settling_time = state.changed, state.settling_time
     records.added = None if state.added is None else np.array(state.added)
-    records.told[:] = state.told
+    records.initial_losses[:] = state.told
     records.means.restore(scene, found.get("gauge-lines"))
     if state.last_line is not None:
         none = np.zeros((0, 3))

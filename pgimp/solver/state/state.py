@@ -14,10 +14,10 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationE
 
 from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
+from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.solver.rank import Rank
-from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.contact import FIELDS, FORCES
 from pgimp.solver.state.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
@@ -217,7 +217,7 @@ def capture(
         changed=records.changed,
         settling_time=records.settling_time,
         relaxation=rank.damping.numbers if isinstance(rank.damping, Relaxation) else None,
-        told=records.told.tolist(),
+        told=records.initial_losses.tolist(),
     )
     layers, extra = rank.scene.domain.frame.vertices[0], rank.scene.settings.vertices - 1
     before = rank.scene.domain.ring or 0

@@ -12,7 +12,7 @@ from scenes import box, finish, scene, start, write_case
 
 import pgimp
 from pgimp.decomposition.population import Population
-from pgimp.solver.each.particles import Particles
+from pgimp.solver.callbacks.particles import Particles
 from pgimp.solver.lagrangian import pieces
 from pgimp.solver.state.state import Ordered
 

@@ -14,9 +14,9 @@ from run_files import digests, go_back
 
 import pgimp
 from pgimp.errors import CaseError, DamagedError, RunError, UsageError
-from pgimp.solver.each.exact_sum import parts_of, rounded
-from pgimp.solver.each.exchange import Exchange
-from pgimp.solver.each.memory import decoded, encoded
+from pgimp.solver.callbacks.exact_sum import parts_of, rounded
+from pgimp.solver.callbacks.exchange import Exchange
+from pgimp.solver.callbacks.memory import decoded, encoded
 
 PROBE = PROGRAMS / "each_probe.py"
 

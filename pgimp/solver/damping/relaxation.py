@@ -25,8 +25,8 @@ from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import INTERNAL, POWER, UNBALANCED
 from pgimp.kernels.grid.damping import relax
 from pgimp.kernels.grid.unbalanced import sum_internal_forces, sum_power, sum_unbalanced_forces
+from pgimp.solver.damping.damping import bring_to_rest, total_sums
 from pgimp.solver.rank_state import RankState
-from pgimp.solver.rest.damping import bring_to_rest, total_sums
 from pgimp.solver.vertices import StepPart, VertexUpdate
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from scenes import box, finish, scene, start
 
 import pgimp
 from pgimp.errors import NoRestError
-from pgimp.solver.rest import relaxation
+from pgimp.solver.damping import relaxation
 
 pytestmark = pytest.mark.slow(40)
 

@@ -22,8 +22,8 @@ from pgimp.kernels.grid.absorbing import (
 )
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
+from pgimp.solver.damping.absorbing_start import absorbing_face, find_face
 from pgimp.solver.rank_state import RankState
-from pgimp.solver.rest.absorbing_start import absorbing_face, find_face
 from pgimp.solver.vertices import StepPart, VertexUpdate
 
 if TYPE_CHECKING:

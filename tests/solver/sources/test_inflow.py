@@ -8,7 +8,7 @@ from scenes import box, field, finish, scene, start
 import pgimp
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
-from pgimp.solver.coming.inflow import most_at_once
+from pgimp.solver.sources.inflow import most_at_once
 
 SPEED = 2.0
 RAMP = {"ramp": {"from": 0.0, "to": SPEED, "begin": 0.0, "duration": 0.5}}

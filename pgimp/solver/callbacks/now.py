@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from pgimp.physics.loads.controlled import Level
 from pgimp.schema.messages import unknown
-from pgimp.solver.each.exact_sum import parts_of, rounded
-from pgimp.solver.each.exchange import Exchange
-from pgimp.solver.each.particles import Particles
-from pgimp.solver.each.readings import History
+from pgimp.solver.callbacks.exact_sum import parts_of, rounded
+from pgimp.solver.callbacks.exchange import Exchange
+from pgimp.solver.callbacks.particles import Particles
+from pgimp.solver.callbacks.readings import History
 
 if TYPE_CHECKING:
     from pgimp.solver.state.progress import SimulationProgress

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from pgimp.schema.messages import unknown
-from pgimp.solver.each.exchange import Exchange
+from pgimp.solver.callbacks.exchange import Exchange
 from pgimp.solver.history.diagnostics import column_names
 from pgimp.solver.start.validate_stages import absent
 

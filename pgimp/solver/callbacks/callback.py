@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.errors import DamagedError, RunError, UsageError, raised_at
-from pgimp.solver.each.exchange import Exchange
-from pgimp.solver.each.levels import levels_of
-from pgimp.solver.each.memory import decoded, encoded
-from pgimp.solver.each.now import Now
+from pgimp.solver.callbacks.exchange import Exchange
+from pgimp.solver.callbacks.levels import levels_of
+from pgimp.solver.callbacks.memory import decoded, encoded
+from pgimp.solver.callbacks.now import Now
 
 if TYPE_CHECKING:
     from pgimp.solver.state.progress import SimulationProgress

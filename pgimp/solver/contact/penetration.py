@@ -43,7 +43,7 @@ def placed(rigid_bodies: SceneRigidBodies, time: float, states: list[State] | No
     return kept._replace(motion=motion, responses=())
 
 
-class Keeping(StepPart):
+class PenetrationCorrection(StepPart):
     """The rigid bodies of a scene that hold particles out, on one rank.
 
     Parameters
@@ -57,7 +57,7 @@ class Keeping(StepPart):
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.comm = scene, comm
         self._impulses = np.zeros((0, len(scene.interaction.rigid_bodies), 6))
-        self._yields = np.zeros((len(scene.interaction.rigid_bodies), 6, 6))
+        self._compliance = np.zeros((len(scene.interaction.rigid_bodies), 6, 6))
         self._kept: Any = ()
         self._call = Bound()
         self._moves = any(entry.moves for entry in scene.interaction.rigid_bodies.entries)
@@ -74,18 +74,18 @@ class Keeping(StepPart):
             bodies = placed(self.scene.interaction.rigid_bodies, t.end, states)
             if free:
                 mass = self._near(bodies, population.columns, population.order)
-                self._set_yields(free, mass)
-            self._kept = Keepers(bodies, pairs, self._yields, self._impulses)
+                self._set_compliance(free, mass)
+            self._kept = Keepers(bodies, pairs, self._compliance, self._impulses)
         return forcing._replace(keepers=self._kept)
 
-    def _set_yields(self, free: FreeBodies, mass: np.ndarray) -> None:
+    def _set_compliance(self, free: FreeBodies, mass: np.ndarray) -> None:
         """Set the velocities of each free body per impulse and moment, times a mass."""
         for number, (body, state) in free.now.items():
             M = body.mass_matrix(body.inertia(state.turn))
             for i in range(6):
                 if body.may[i]:
                     unit = [float(mass[number]) * (j == i) for j in range(6)]
-                    self._yields[number, i] = solve(M, unit)
+                    self._compliance[number, i] = solve(M, unit)
 
     def _near(
         self, rigid_bodies: RigidBodies, particles: Particles, rows: np.ndarray
@@ -120,12 +120,14 @@ class Keeping(StepPart):
             ledger.rigid_bodies[0, numbers, RIGID_WORK] += work
 
 
-def keeping_of(scene: Scene, comm: Communicator, _: Keeping | None = None) -> Keeping | None:
+def penetration_of(
+    scene: Scene, comm: Communicator, _: PenetrationCorrection | None = None
+) -> PenetrationCorrection | None:
     """Return the rigid bodies that hold particles out; None without any."""
     bodies, settings = scene.interaction.rigid_bodies, scene.settings
     if not bodies or not scene.interaction.pairs or (settings.initial and not settings.mixed):
         return None
-    return Keeping(scene, comm)
+    return PenetrationCorrection(scene, comm)
 
 
 def particles_inside(rank: RankState, rows: np.ndarray, time: float, depth: float) -> np.ndarray:
