@@ -98,10 +98,10 @@ def test_grid_to_particles_does_not_see_the_neighbours(name, D):
     whole = Rank(shape, frame, copy_of(particles))
     whole.particles_to_grid()
     whole.update_momentum(DT, GRAVITY[:D])
-    before = copy_of(whole.particles)
+    before = copy_of(whole.up_to_date())
     assert whole.grid_to_particles(DT)[0] == 0
-    expected = {field: bits(getattr(whole.particles, field)) for field in ADVANCED}
-    assert (before.layer != whole.particles.layer).sum() > 3
+    expected = {field: bits(getattr(whole.up_to_date(), field)) for field in ADVANCED}
+    assert (before.layer != whole.up_to_date().layer).sum() > 3
     rates = []
     for chosen, rows, capacity in selections(rng, len(particles.m)):
         rank = Rank(shape, frame, copy_of(before))
@@ -111,7 +111,7 @@ def test_grid_to_particles_does_not_see_the_neighbours(name, D):
         assert error == 0
         for field in ADVANCED:
             assert bits(getattr(rank.up_to_date(), field)[rows]) == expected[field][chosen], field
-        moved = before.layer[chosen] != whole.particles.layer[chosen]
+        moved = before.layer[chosen] != whole.up_to_date().layer[chosen]
         assert (rank.population.changed[:found] == np.flatnonzero(moved)).all()
         rates.append(rate)
     assert rates[0] <= rates[-1] and len(set(rates)) > 1
@@ -192,8 +192,8 @@ def test_locate_does_not_see_the_neighbours(name, D):
         p = rank.up_to_date()
         p.layer[:], p.cell[:] = -5, 0
         locate(rank.shape, frame, p, rank.population.order, frame.vertices)
-        assert (p.layer[rows] == whole.particles.layer[order[chosen]]).all()
-        assert (p.cell[rows] == whole.particles.cell[order[chosen]]).all()
+        assert (p.layer[rows] == whole.up_to_date().layer[order[chosen]]).all()
+        assert (p.cell[rows] == whole.up_to_date().cell[order[chosen]]).all()
         assert (np.delete(p.layer, rows) == -5).all()
         first = vertices_of(p.cell[rows], frame.vertices)
         assert (first[:, 0] == p.layer[rows]).all()

@@ -88,7 +88,7 @@ def test_errors_are_listed_in_canonical_order_while_the_others_go_on():
     """F of one particle reaches no other in the same step; what does not fit is counted."""
     sound, rank = still_particles("gimp"), still_particles("gimp")
     for each in (sound, rank):
-        each.particles.v[:] = np.random.default_rng(1).normal(size=each.particles.v.shape)
+        each.up_to_date().v[:] = np.random.default_rng(1).normal(size=each.up_to_date().v.shape)
     order = rank.population.order
     bad = {int(order[i]): kind for i, kind in ((1, INVERTED), (4, NOT_FINITE), (6, INVERTED))}
     for row, kind in bad.items():

@@ -171,8 +171,7 @@ class Rank:
         self.halo = Halo(comm, self.slab, self.vertices - 1)
         self.halo.piece = 7  # so that messages overlap with several pieces of some slabs
 
-    @property
-    def particles(self) -> Particles:
+    def up_to_date(self) -> Particles:
         return self.population.up_to_date()
 
     def particles_to_grid(self, faces: tuple = ()) -> None:
@@ -280,8 +279,8 @@ def split(shape: Any, frame: Frame, particles: Particles, cuts: list[int], bound
     ranks = []
     for rank in range(len(cuts) - 1):
         slab = slab_of(cuts, rank)
-        layer = whole.particles.layer
+        layer = whole.up_to_date().layer
         mine = (layer >= slab.first) & (layer < slab.first + slab.layers)
-        own = Particles(*(array[mine] for array in whole.particles))
+        own = Particles(*(array[mine] for array in whole.up_to_date()))
         ranks.append(Rank(shape, frame, own, slab, Comm(rank, boxes), bounds))
     return ranks
