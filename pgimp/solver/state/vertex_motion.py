@@ -80,12 +80,8 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
 
 def _joined(rank: Rank, values: np.ndarray) -> np.ndarray:
     """Values at the vertices, summed over both copies of those at seams across y and z."""
-    frame, window = rank.grid.frame, rank.grid.window
     for seam in rank.scene.domain.seams:
-        by_row = np.moveaxis(values, seam.axis + 1, 0)
-        first = frame.ghost + frame.cells[seam.axis] - window.lower[seam.axis]
-        beyond = by_row[first:]
-        inside = by_row[first - frame.cells[seam.axis] :][: len(beyond)]
+        inside, beyond = rank.grid.copies(values, seam.axis)
         inside += beyond
         beyond[:] = inside
     return values
