@@ -52,7 +52,7 @@ class GroupReport(NamedTuple):
     held: int
 
 
-@dataclass(frozen=True)
+@dataclass
 class ParticleGroup:
     """Particles of one setting: all, or those in the current configuration beside others.
 
@@ -165,7 +165,7 @@ class InitialGroup(ParticleGroup):
         return forcing._replace(loads=self.loaded(forcing.loads), keepers=())
 
 
-@dataclass(frozen=True)
+@dataclass
 class CellGroup(ParticleGroup):
     """Particles in the initial configuration, of which those on the lattice go cell by cell.
 

@@ -130,18 +130,22 @@ def update_particles(
     found : sequence of RangeReport
         Reports of the earlier ranges; this one writes behind them.
     """
-    first = sum(len(report.changed) for report in found)
+    first = 0
+    for earlier in found:
+        first += len(earlier.changed)
     buffers = rank.error_buffer[len(groups) * len(found) :]
-    end, reports = first, []
+    end, rate, outflow, clamped, held = first, 0.0, 0, 0, 0
+    failed: list[int] = []
     for group, call, errors in zip(groups, rank.calls, buffers, strict=False):
         report = Report(rank.vertex_bounds, rank.population.changed[end:], errors)
-        reports.append(group.advance(call, rank, forcing, layers, report, not found))
-        end += reports[-1].changed
+        own = group.advance(call, rank, forcing, layers, report, not found)
+        failed.append(own.failed)
+        end, rate, outflow = end + own.changed, max(rate, own.rate), outflow + own.outflow
+        clamped, held = clamped + own.clamped, held + own.held
     changed = rank.population.changed[first:end]
     if any(rank.scene.domain.periodic) and not rank.scene.settings.initial:
         _turn(rank, changed)
-    failed, outflow, _, rates, clamped, held = zip(*reports, strict=True)
-    return RangeReport(changed, max(rates), sum(outflow), sum(clamped), sum(held), failed)
+    return RangeReport(changed, rate, outflow, clamped, held, tuple(failed))
 
 
 def _turn(rank: RankState, changed: np.ndarray) -> None:
