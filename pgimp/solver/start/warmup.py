@@ -65,11 +65,15 @@ def _rehearse(scene: Scene) -> None:
     """Call the kernels of set-up, step, history and exchange on a rank without particles."""
     particles, rows = Particles.empty(1, scene.created), np.empty(0, np.int32)
     rank = Rank(scene, Serial(), Slab(0, 1, None, None), particles, 0)
+    later = rank.damping if scene.settings.settles else None
     if scene.settings.settles:
         rank.damping = Relaxation()
     open_window(rank, StepReduction(Serial()))
     begin_motion(rank)
     step(rank, STEP._replace(end=STEP.start), lambda: STEP, scene.settings.controlled)
+    if later:  # the damping that acts when the run has come to rest
+        rank.damping = later
+        step(rank, STEP._replace(end=STEP.start), lambda: STEP, scene.settings.controlled)
     rehearse_motion(rank)
     rank.population.restore_order(rows, rows)
     fastest(scene, particles, rows, scene.settings.controlled)
