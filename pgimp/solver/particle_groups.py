@@ -197,7 +197,7 @@ class CellGroup(ParticleGroup):
     def finish_sums(self, rank: RankState) -> None:
         """Set the masses of vertices that keep them, where sums have not begun with them."""
         field, known = rank.grid.field, (0, 0)
-        if not len(rank.lattice.others.rows) and isinstance(field.used, tuple):
+        if not len(rank.lattice_cells().others.rows) and isinstance(field.used, tuple):
             known = (rank.grid.shared_lower, rank.slab.layers)
         rank.call(recall_masses, field, known)
 
@@ -215,7 +215,7 @@ class CellGroup(ParticleGroup):
         if not first:
             return found
         if rank.scene.cell_loads:
-            cells, p = rank.lattice.cells, rank.population.columns
+            cells, p = rank.lattice_cells().cells, rank.population.columns
             rank.call(advance_cells, cells, rank.grid.field, p, forcing.dt)
         failed, rate = report_cells(rank, report.errors, found.failed, found.rate)
         return found._replace(failed=failed, rate=rate)
@@ -236,7 +236,7 @@ def groups_of(rank: RankState, by_cells: bool = False) -> tuple[ParticleGroup, .
     if rank.failed:  # other ranks are not notified yet; such particles may be anywhere
         order = order._replace(start=np.zeros_like(order.start))
     if scene.by_cells:
-        lattice = rank.lattice if by_cells and not rank.failed else None
+        lattice = rank.lattice_cells() if by_cells and not rank.failed else None
         return (CellGroup(scene.setting, order, lattice=lattice),)
     if not scene.settings.mixed:
         return (ParticleGroup(scene.setting, order),)

@@ -162,17 +162,15 @@ class Rank:
              len(flux_gauges(scene.case.gauges)), len(scene.interaction.loads.booked_tractions)),
         )  # fmt: skip
 
-    @property
-    def lattice(self) -> LatticeCells:
-        """The cells of lattice particles, in the initial configuration."""
+    def lattice_cells(self) -> LatticeCells:
+        """Return the cells of lattice particles, in the initial configuration; found once."""
         if self._lattice is None:
             self._lattice = find_cells(self)
         return self._lattice
 
-    @property
     def by_cells_alone(self) -> bool:
-        """Whether all particles are in cells and have no state of their own."""
-        return self.scene.stateless and not len(self.lattice.others.rows)
+        """Return whether all particles are in cells and have no state of their own."""
+        return self.scene.stateless and not len(self.lattice_cells().others.rows)
 
     def sort(self) -> None:
         """Sort the particles' rows."""

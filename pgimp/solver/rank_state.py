@@ -60,13 +60,11 @@ class RankState(Protocol):
     def free(self) -> Any:
         """The free rigid bodies, equal on all ranks; None without any."""
 
-    @property
-    def lattice(self) -> Any:
-        """The cells of lattice particles."""
+    def lattice_cells(self) -> Any:
+        """Return the cells of lattice particles."""
 
-    @property
     def by_cells_alone(self) -> bool:
-        """Whether all particles are in cells and have no state of their own."""
+        """Return whether all particles are in cells and have no state of their own."""
 
     def up_to_date(self) -> Particles:
         """Return the particles, see `Population.up_to_date`."""

@@ -136,7 +136,7 @@ def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:
     if rank.grid.motion:
         rank.call(keep_motion, rank.grid.field, update.t.dt)
         if rank.scene.by_cells:
-            rank.population.outdate(rank.by_cells_alone)
+            rank.population.outdate(rank.by_cells_alone())
 
 
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:

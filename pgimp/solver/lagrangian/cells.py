@@ -140,7 +140,7 @@ def _find(
 
 def mark_corners(rank: RankState) -> np.ndarray:
     """Whether vertices are corners of a rank's cells, (planes, fields, y, z) bool."""
-    cells, window, D = rank.lattice.cells, rank.grid.window, rank.scene.dimension
+    cells, window, D = rank.lattice_cells().cells, rank.grid.window, rank.scene.dimension
     values = np.zeros_like(rank.grid.kept.values)
     layer = np.repeat(np.arange(len(cells.start) - 1), np.diff(cells.start))
     first = layer * window.stride[0] + cells.place
@@ -179,7 +179,7 @@ def report_cells(rank: RankState, errors: np.ndarray, wrong: int, rate: float) -
     wrong, rate : int, float
         Their number, and the greatest rate so far.
     """
-    lattice, scene, population = rank.lattice, rank.scene, rank.population
+    lattice, scene, population = rank.lattice_cells(), rank.scene, rank.population
     count = int(lattice.cells.wrong[0])
     rows = lattice.rows[lattice.cells.wrong[1 : 1 + min(count, _LISTED)]]
     kind: int | np.ndarray = INVERTED

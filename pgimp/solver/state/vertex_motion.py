@@ -123,7 +123,7 @@ def _forget_unreached(rank: Rank) -> None:
     """
     if not rank.scene.by_cells:
         return
-    others, grid, comm = _sums(rank, rank.lattice.others)[0], rank.grid, rank.comm
+    others, grid, comm = _sums(rank, rank.lattice_cells().others)[0], rank.grid, rank.comm
     reached, lower, upper = mark_corners(rank), rank.slab.lower, rank.slab.upper
     if lower == comm.rank:
         reached[:1] |= reached[rank.slab.layers :][:1]
