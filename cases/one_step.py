@@ -23,7 +23,7 @@ CASE = {
 # %% Scene, grid, particles and their order, as a rank of the solver has them before its first step.
 hand = pgimp.Simulation(CASE)
 rank, scene, domain = hand.core.rank, hand.core.scene, hand.core.scene.domain
-grid, population, p, ledger = rank.grid, rank.population, rank.particles, rank.ledger
+grid, population, p, ledger = rank.grid, rank.population, rank.up_to_date(), rank.ledger
 setting, layers, vertices = scene.setting, np.arange(population.layers), grid.G.reshape(-1, RECORD)
 faces, walls = domain.face_parameters(0.0, DT), domain.walls(0.0, DT)
 loads = scene.interaction.loads.at(0.0)

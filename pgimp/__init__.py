@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     )
     from pgimp.physics.materials.parameters.outside import takes_vectors
     from pgimp.physics.materials.registry import register_material
+    from pgimp.solver.callbacks.callback import Each
     from pgimp.solver.driver import Simulation
-    from pgimp.solver.each.each import Each
     from pgimp.utilities.element.march import element
     from pgimp.utilities.opened import open
 
@@ -55,7 +55,7 @@ __all__ = [
 
 _HOMES = {
     "CaseError": "pgimp.errors",
-    "Each": "pgimp.solver.each.each",
+    "Each": "pgimp.solver.callbacks.callback",
     "PgimpError": "pgimp.errors",
     "RunError": "pgimp.errors",
     "Simulation": "pgimp.solver.driver",

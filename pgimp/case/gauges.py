@@ -76,6 +76,11 @@ class LevelGauge(Gauge):
     )
 
 
+def flux_gauges(gauges: Mapping[str, Any]) -> dict[str, FluxGauge]:
+    """Return the flux gauges of a case by name, in the order of the ledger."""
+    return {name: gauge for name, gauge in gauges.items() if isinstance(gauge, FluxGauge)}
+
+
 GAUGES: Mapping[str, type[BaseModel]] = {
     "cut": CutGauge,
     "flux": FluxGauge,

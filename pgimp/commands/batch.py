@@ -16,8 +16,9 @@ from pgimp.io.rundir.runinfo import installed
 from pgimp.mpi.comm import Serial
 from pgimp.physics.materials.registry import imported
 from pgimp.running.stop import wall_time
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.geometry import share
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 from pgimp.solver.start.validate_stages import look_ahead
 from pgimp.storage import atomic
 from pgimp.storage.plain import read_plain

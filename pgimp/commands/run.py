@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.io.results.reader import Run
     from pgimp.schema.overrides import Overrides
-    from pgimp.solver.each.each import Each
-    from pgimp.solver.each.now import Now
+    from pgimp.solver.callbacks.callback import Each
+    from pgimp.solver.callbacks.now import Now
     from pgimp.solver.simulation import Simulation
 
 #: Exit status of a run that stopped early on request, with a checkpoint.
@@ -160,8 +160,8 @@ def run(
     """
     from pgimp.case.load import load
     from pgimp.case.writer import dump_case
-    from pgimp.solver.each.each import each_of
-    from pgimp.solver.each.levels import own_levels
+    from pgimp.solver.callbacks.callback import each_of
+    from pgimp.solver.callbacks.levels import own_levels
     from pgimp.utilities import opened
 
     calls = each_of(each)

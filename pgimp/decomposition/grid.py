@@ -245,12 +245,25 @@ class Grid:
 
     def join_marks(self, axis: int) -> None:
         """Unite the constraints of both copies of the vertices at a seam across y or z."""
-        if not self.planes:
-            return
-        frame, extent = self.frame, self.window.extent
-        marks = np.moveaxis(self.marks.reshape(self.planes, -1, *extent[1:]), axis + 1, 0)
-        end = frame.ghost + frame.cells[axis] - self.window.lower[axis]
-        marks[end - frame.cells[axis] :][: len(marks[end:])] |= marks[end:]
+        if self.planes:
+            marks = self.marks.reshape(self.planes, -1, *self.window.extent[1:])
+            inside, beyond = self.copies(marks, axis)
+            inside |= beyond
+
+    def copies(self, values: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
+        """Views on both copies of the vertices at a seam across y or z: inside, and beyond it.
+
+        Parameters
+        ----------
+        values : (planes, fields, y, z, ...)
+            Values at the vertices.
+        axis : int
+            The direction across the seam; it comes first in the views.
+        """
+        rows, cells = np.moveaxis(values, axis + 1, 0), self.frame.cells[axis]
+        first = self.frame.ghost + cells - self.window.lower[axis]
+        beyond = rows[first:]
+        return rows[first - cells :][: len(beyond)], beyond
 
     def _bounds(self) -> tuple[tuple[float, float], ...]:
         """Coordinates within which a particle is certainly in the domain and within `inner_bounds`.

@@ -160,7 +160,7 @@ class Migration:
         if found:
             self._arrivals = with_capacity(self._arrivals, self._stay + found, self._stay)
             self._migrants = with_capacity(self._migrants, found)
-            layer, order = population.particles.layer, population.order
+            layer, order = population.up_to_date().layer, population.order
             slab, kept = (population.first, population.layers), self._arrivals[self._stay :]
             stay, down, up = partition_migrants(
                 layer, order, offsets, *slab, self._ring, kept, self._migrants
@@ -172,7 +172,7 @@ class Migration:
         migrants = self._migrants[:down], self._migrants[len(self._migrants) - up :]
         for link, rows in zip((self._lower, self._upper), migrants, strict=True):
             if link is not None:
-                self.messages += link.send(population.columns, rows)
+                self.messages += link.send(population.layout(), rows)
                 self.bytes += 8 * (1 + len(rows) * link.columns)
                 if len(rows):
                     population.free_later(rows)
@@ -192,7 +192,7 @@ class Migration:
                 self._arrivals = with_capacity(self._arrivals, count + number, count)
                 rows = self._arrivals[count : count + number]
                 population.insert(number, rows)
-                unpack_rows(*population.columns, rows, link.incoming, 1, link.columns)
+                unpack_rows(*population.layout(), rows, link.incoming, 1, link.columns)
                 count += number
         for link in self._links:
             link.end()

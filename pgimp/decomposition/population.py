@@ -29,7 +29,7 @@ def _nothing(near: np.ndarray | None = None) -> None:
 class Population:
     """Particles of the layers `first` to ``first + layers - 1``.
 
-    The rows of `particles` do not move between two re-sorts. `order` lists the living ones in
+    The rows of `columns` do not move between two re-sorts. `order` lists the living ones in
     canonical order (current layer, cell at the last re-sort, id). A particle that changes its layer
     only moves in that list; the row of a leaving particle is a hole until the next re-sort.
 
@@ -45,8 +45,8 @@ class Population:
 
     Attributes
     ----------
-    particles : Particles
-        Structure of arrays.
+    columns : Particles
+        Structure of arrays; where bodies keep their motion at vertices, some may be out of date.
     order : (count,) int32
         Rows in canonical order.
     start : (layers + 1,) int64
@@ -56,7 +56,7 @@ class Population:
     def __init__(
         self, particles: Particles, count: int, shape, frame: Frame, slab, start=None
     ) -> None:
-        self.stored = particles
+        self.columns = particles
         #: Whether columns lag behind the vertices' motion, and the function that updates them.
         self.outdated, self.update = False, _nothing
         #: Whether these columns have no memory meanwhile, see `outdate`.
@@ -74,29 +74,28 @@ class Population:
         self._left, self._left_count = np.empty(0, np.int32), 0
         self._offsets = np.empty(0, np.int32)
         self._scratch = np.empty(0)
-        self._columns: tuple[Particles, Columns] | None = None
+        self._layout: tuple[Particles, Columns] | None = None
         if start is None:
             self.sort()
         else:
             self.start[:] = start
 
-    @property
-    def particles(self) -> Particles:
-        """The particles; `stored` are their columns, which may be out of date."""
+    def up_to_date(self) -> Particles:
+        """Return the columns, updated where they lag behind the vertices' motion."""
         if self.outdated:
             self.outdated = self.released = False
             self.update()
-        return self.stored
+        return self.columns
 
-    @particles.setter
-    def particles(self, particles: Particles) -> None:
-        self.stored, self.released = particles, False
+    def replace(self, particles: Particles) -> None:
+        """Take other columns, of the same particles."""
+        self.columns, self.released = particles, False
 
     def outdate(self, all_displaced: bool) -> None:
         """Note that the vertices have moved in a step, so that columns lag behind.
 
         Columns for which nothing has asked since the step before give their memory back, until
-        something asks for `particles`. So scenes that ask in each step keep them.
+        something asks for `up_to_date`. So scenes that ask in each step keep them.
 
         Parameters
         ----------
@@ -107,7 +106,7 @@ class Population:
         if self.outdated and all_displaced and not self.released:
             self.released, self._scratch = True, np.empty(0)
             for name in Displaced._fields:
-                give_back(getattr(self.stored, name))
+                give_back(getattr(self.columns, name))
         self.outdated = True
 
     @property
@@ -115,12 +114,11 @@ class Population:
         """Scratch for as many rows as particles, between two changes of the order."""
         return self._spare
 
-    @property
-    def columns(self) -> Columns:
-        """`Particles.columns`, kept until the arrays change."""
-        if self._columns is None or self._columns[0] is not self.stored:
-            self._columns = (self.stored, self.stored.columns())
-        return self._columns[1]
+    def layout(self) -> Columns:
+        """Return `Particles.columns`, kept until the arrays change."""
+        if self._layout is None or self._layout[0] is not self.columns:
+            self._layout = (self.columns, self.columns.columns())
+        return self._layout[1]
 
     @property
     def ordered(self) -> Order:
@@ -129,7 +127,7 @@ class Population:
 
     def sort(self) -> None:
         """Sort the rows themselves by (layer, cell, id), closing the holes."""
-        p, rows = self.stored, self.order
+        p, rows = self.columns, self.order
         locate(self.shape, self.frame, p, rows, self.frame.vertices)
         rows = rows[self._sorting(p.cell[rows], p.id[rows])]
         for array in p:
@@ -144,7 +142,7 @@ class Population:
     def _permute(self, array: np.ndarray, rows: np.ndarray) -> None:
         """Move the given rows of an array to its beginning, in their order."""
         size = len(rows) * prod(array.shape[1:])
-        scratch = self.scratch(size, max(each.size for each in self.stored))
+        scratch = self.scratch(size, max(each.size for each in self.columns))
         taken = scratch.view(array.dtype)[:size].reshape(len(rows), *array.shape[1:])
         np.take(array, rows, axis=0, out=taken, mode="clip")
         array[: len(rows)] = taken
@@ -172,7 +170,7 @@ class Population:
     def vertex_bounds(self) -> np.ndarray:
         """First vertices of the supports, (least, greatest; y, z)."""
         bounds = np.array([[2**62] * 2, [-(2**62)] * 2])
-        grow_vertex_bounds(self.shape, self.frame, self.stored, self.order, bounds)
+        grow_vertex_bounds(self.shape, self.frame, self.columns, self.order, bounds)
         return bounds
 
     def free_later(self, rows: np.ndarray) -> None:
@@ -203,8 +201,8 @@ class Population:
 
     def insert(self, count: int, rows: np.ndarray | None = None) -> np.ndarray:
         """Rows for `count` newcomers: holes first, then new ones; in `rows` if that is given."""
-        if self._used + count - self._holes_count > self.stored.capacity:
-            self._grow(max(count, self.stored.capacity // 8))
+        if self._used + count - self._holes_count > self.columns.capacity:
+            self._grow(max(count, self.columns.capacity // 8))
         rows = np.empty(count, np.int32) if rows is None else rows
         reused = min(count, self._holes_count)
         self._holes_count -= reused
@@ -214,13 +212,13 @@ class Population:
         return rows
 
     def _grow(self, rows: int) -> None:
-        arrays: list[np.ndarray] = list(self.stored)
-        self._columns = None
-        del self.stored  # so that no more than one array is there twice
+        arrays: list[np.ndarray] = list(self.columns)
+        self._layout = None
+        del self.columns  # so that no more than one array is there twice
         for i, array in enumerate(arrays):
             arrays[i] = np.zeros((len(array) + rows, *array.shape[1:]), array.dtype)
             arrays[i][: len(array)] = array
-        self.particles = Particles._make(arrays)
+        self.replace(Particles._make(arrays))
 
     def restore_order(self, left: np.ndarray, arrivals: np.ndarray) -> None:
         """Restore the canonical order.
@@ -232,7 +230,7 @@ class Population:
         arrivals : (l,) int32
             Rows of the particles that have entered a layer; sorted here.
         """
-        p = self.stored
+        p = self.columns
         self._offsets = with_capacity(self._offsets, max(len(left), len(arrivals)))
         sort_rows(p.layer, p.cell, p.id, arrivals, self._offsets)
         offsets = self._offsets[: len(left)]

@@ -57,7 +57,7 @@ def redistribute(
     before, after = slab_of(old, rank, ring), slab_of(new, rank, ring)
     had, gets = _planes(old, extra, rank, ring), _planes(new, extra, rank, ring)
     start, order, layers = population.start, population.order, before.layers
-    columns = population.particles.width
+    columns = population.up_to_date().width
     each = max(1, _PIECE // columns)
     shapes = [part.shape[1:] for part in sums]
 
@@ -95,14 +95,14 @@ def redistribute(
         for done in range(0, max(len(leaving), number), each):
             request, piece = None, leaving[done : done + each]
             if len(piece):
-                message = pack(population.particles, piece)
+                message = pack(population.up_to_date(), piece)
                 request = comm.Isend(message, to, _TAG)
                 population.free(piece)
             if done < number:
                 records = np.empty((min(each, number - done), columns), np.int64)
                 comm.Recv(records, source, _TAG)
                 rows[source].append(population.insert(len(records)))
-                unpack(records, population.particles, rows[source][-1])
+                unpack(records, population.up_to_date(), rows[source][-1])
             if request:
                 request.Wait()
 

@@ -106,7 +106,7 @@ class Checkpoints:
         self._schedule.skip(sim.time, sim.step, sim.dt)
         self._pause = every.wall if isinstance(every, WallTime) else math.inf
         self._next = monotonic() + self._pause
-        row = sum(array[0].nbytes for array in sim.population.stored)
+        row = sum(array[0].nbytes for array in sim.population.columns)
         self.seconds = sim.count * row / _SLOW
         self._measured = False
         self._stands_for: tuple[int, int, Mapping[str, Record]] = (-1, -1, {})

@@ -13,7 +13,7 @@ import numpy as np
 from pgimp.case.stepping.courant import largest_courant
 from pgimp.errors import RunError, explain
 from pgimp.io.frames.particlefile import ParticleFile
-from pgimp.io.frames.xdmf import Collection, particles
+from pgimp.io.frames.xdmf import Collection
 from pgimp.io.rundir.ownfiles import FAILURE as FOLDER
 from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.order.order import vertices_of
@@ -21,8 +21,8 @@ from pgimp.kernels.step.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
 from pgimp.physics.derived import DERIVED
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
-from pgimp.solver.configurations import fastest
 from pgimp.solver.lagrangian.pieces import source_at
+from pgimp.solver.particle_groups import fastest
 from pgimp.solver.start.particle_errors import Failure, explanation
 from pgimp.solver.time.stability import stable_courant
 from pgimp.storage.atomic import write as write_file
@@ -110,8 +110,8 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
 
     def end() -> None:
         collection = Collection(folder / "particles.xdmf")
-        collection.add(particles(path, failure.time, shown.count, file.types, file.kinds))
-        collection.write()
+        collection.add(file.mesh(path, (failure.time, failure.step), shown.count))
+        collection.finish()
         states = [state for part, _ in gathered or () for state in part][:_MOST_STATES]
         kinds = set().union(*(part for _, part in gathered or ()))
         number = f"first {len(states)} of {failure.number}" if failure.number > len(states) else ""

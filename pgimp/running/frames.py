@@ -6,10 +6,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pgimp.io.frames.mesh import Mesh, described
 from pgimp.io.frames.particlefile import ParticleFile
-from pgimp.io.frames.series import Entry, Series
-from pgimp.io.frames.vtkseries import Mesh, described
-from pgimp.io.frames.xdmf import Collection, particles
+from pgimp.io.frames.series import Series
 from pgimp.io.results.reader import Frame
 from pgimp.io.rundir.ownfiles import FRAME
 from pgimp.physics.fields import ALWAYS
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Frames(Series):
-    """Writes the frames of a run and the XDMF file that lists them.
+    """Writes the frames of a run and the files that list them.
 
     Parameters
     ----------
@@ -34,7 +33,7 @@ class Frames(Series):
     """
 
     def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:
-        super().__init__(sim.comm, Collection(directory / "particles.xdmf"), FRAME)
+        super().__init__(sim.comm, directory / "particles", FRAME)
         self.enter(case, sim)
 
     def enter(self, case: Case, sim: Simulation) -> None:
@@ -43,13 +42,15 @@ class Frames(Series):
         compressed = case.output.compression != "none"
         self._file = ParticleFile(case, sim.scene, self.fields, case.output.precision, compressed)
 
-    def write(self, sim: Simulation) -> None:
+    def write(self, sim: Simulation, number: int | None = None) -> None:
         """Write the present state as the next frame, and finish the previous one; collective.
 
         Parameters
         ----------
         sim : Simulation
             The run; it may continue at once.
+        number : int, optional
+            Number of the frame, by default the next one.
 
         Raises
         ------
@@ -58,23 +59,18 @@ class Frames(Series):
             completely. That frame then has no file; the frames before it are intact.
         """
         self.finish()
-        path = self.folder / f"particles-{self.written:06d}.h5"
+        number = self.written if number is None else number
+        path = self.folder / f"particles-{number:06d}.h5"
         storage = sim.live()
         rows = self._file.rows(
-            self.comm, sim.population.stored.id[storage], storage, sim.count,
+            self.comm, sim.population.columns.id[storage], storage, sim.count,
             not sim.scene.settings.loses,
         )  # fmt: skip
         time, step = float(sim.time), int(sim.step)
         what = f"write the frame {path} at step {step}"
         file = self._file.write(path, partial(source_at, sim.rank), rows, (time, step), what)
-        types, kinds = self._file.types, self._file.kinds
-        fields = {name: (kinds[name].columns, dtype) for name, dtype in types.items()}
-        mesh = Mesh(path, time, rows.count, rows.count, 1, fields)
-        text = particles(path, time, rows.count, types, kinds)
-        self._wait_for(file, Entry(time, step, text, mesh))
+        self._wait_for(file, self._file.mesh(path, (time, step), rows.count))
 
-    def _listed(self, path: Path) -> Entry:
-        frame = Frame(path)
-        types = {name: frame.types[name] for name in self.fields if name in frame}
-        text = particles(path, frame.time, len(frame), types, self._file.kinds)
-        return Entry(frame.time, frame.step, text, described(path))
+    def _listed(self, path: Path) -> Mesh:
+        Frame(path)
+        return described(path, self.fields)

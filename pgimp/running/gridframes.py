@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.io.frames.mesh import Mesh, columns, described
 from pgimp.io.frames.particlefile import FORMAT_VERSION
-from pgimp.io.frames.series import Entry, Series
-from pgimp.io.frames.vtkhdf import add_group
-from pgimp.io.frames.vtkseries import Mesh
-from pgimp.io.frames.xdmf import Collection, mesh
+from pgimp.io.frames.series import Series
+from pgimp.io.frames.writers import begin_frame
 from pgimp.io.results.gridreader import GridFrame
 from pgimp.io.rundir.ownfiles import GRID_FRAME
 from pgimp.mpi.collective import on_root
@@ -31,7 +29,7 @@ Array = np.ndarray
 
 
 class GridFrames(Series):
-    """Writes the frames of the grid, if the case has any, and the XDMF file that lists them.
+    """Writes the frames of the grid, if the case has any, and the files that list them.
 
     They have the numbers of the particles' frames. Each rank writes its own vertices and cells;
     the ranks' parts are consecutive in the file.
@@ -47,10 +45,10 @@ class GridFrames(Series):
     """
 
     def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:
-        super().__init__(sim.comm, Collection(directory / "grid.xdmf"), GRID_FRAME)
-        self.enter(case)
+        super().__init__(sim.comm, directory / "grid", GRID_FRAME)
+        self.enter(case, sim)
 
-    def enter(self, case: Case) -> None:
+    def enter(self, case: Case, sim: Simulation) -> None:
         """Use the output settings of a case, or of another stage of it."""
         self.fields = [name for name in GRID if name in case.output.grid]
         self._type = np.dtype(case.output.precision).newbyteorder("<").str
@@ -97,7 +95,7 @@ class GridFrames(Series):
         def create() -> dict[str, int]:
             shape = (state.total[1], 2**self._dimension)
             cells = {"connectivity": np.broadcast_to(np.int64(0), shape)}
-            layout = lay_out(self._datasets, state.total[0], attributes, cells, more=add_group)
+            layout = lay_out(self._datasets, state.total[0], attributes, cells, more=begin_frame)
             with explained_errors(what):
                 layout.create(part)
             says.update(layout.parts)
@@ -115,19 +113,22 @@ class GridFrames(Series):
             place = offsets["connectivity"] + state.first[1] * 8 * 2**self._dimension
             file.write(place, state.cells)
             unfinished = Unfinished(part, path, file, self.comm, what)
-        self._wait_for(unfinished, self._entry(path, time, step, state.total, self._types))
+        shapes = {name: (0 if name == "mass" else 3, self._type) for name in self._names}
+        self._wait_for(
+            unfinished, Mesh(path, time, step, *state.total, 2**self._dimension, columns(shapes))
+        )
 
     @property
-    def _types(self) -> dict[str, str]:
-        return dict.fromkeys(["position", *self.fields], self._type)
+    def _names(self) -> list[str]:
+        return ["position", *self.fields]
 
     @property
     def _datasets(self) -> list[Dataset]:
         meaning = {"position": "position of the vertex [length]"}
         meaning |= {name: GRID[name].meaning for name in self.fields}
         return [
-            Dataset(name, dtype, (3,) if name != "mass" else (), {"meaning": meaning[name]})
-            for name, dtype in self._types.items()
+            Dataset(name, self._type, (3,) if name != "mass" else (), {"meaning": meaning[name]})
+            for name in self._names
         ]
 
     def _rounded(self, name: str, values: Array, file: FrameFile) -> Array:
@@ -141,30 +142,18 @@ class GridFrames(Series):
             )
             return np.zeros(values.shape, self._type)
 
-    def _entry(
-        self, path: Path, time: float, step: int, counts: tuple[int, int], types: Mapping[str, str]
-    ) -> Entry:
-        kinds = {
-            name: ("Scalar", 0, dtype) if name == "mass" else ("Vector", 3, dtype)
-            for name, dtype in types.items()
-        }
-        text = mesh(path, time, counts, self._dimension, kinds)
-        fields = {name: (columns, dtype) for name, (_, columns, dtype) in kinds.items()}
-        return Entry(time, step, text, Mesh(path, time, *counts, 2**self._dimension, fields))
-
     def resume(self, number: int) -> list[str]:
         """See `Series.resume`; nothing is done if there have never been frames of the grid."""
-        there = on_root(self.comm, self._collection.path.exists)
+        there = on_root(self.comm, self._writers[0].path.exists)
         return super().resume(number) if self.fields or there else []
 
     def _missing(self, number: int, there: int) -> list[str]:
         """No messages: frames of the grid may have been requested only later."""
         return []
 
-    def _listed(self, path: Path) -> Entry:
-        frame = GridFrame(path)
-        counts = frame.vertices, frame.cells
-        return self._entry(path, frame.time, frame.step, counts, frame.types)
+    def _listed(self, path: Path) -> Mesh:
+        GridFrame(path)
+        return described(path, self._names)
 
 
 def _values(name: str, state: ActiveGrid) -> Array:

@@ -115,9 +115,8 @@ class Recorder:
         with self._timed("frames"):
             for series in self._series:
                 series.finish()
-        self.frames.enter(case, sim)
-        self.grid.enter(case)
-        self.rigid.enter(case)
+        for series in self._series:
+            series.enter(case, sim)
         self.probes.enter(case)
         self._frame_times = Schedule(case.output.every, case.output.at)
         self._line_times = Schedule(case.history.every)
@@ -205,9 +204,9 @@ class Recorder:
                 self.history.write(self._sim)
         if frame:
             with self._timed("frames"), self._salvaging():
-                self.frames.write(self._sim)
-                self.grid.write(self._sim, self.frames.written)
-                self.rigid.write(self._sim, self.frames.written)
+                self.frames.finish()
+                for series in self._series:
+                    series.write(self._sim, self.frames.written)
 
     @contextmanager
     def _salvaging(self) -> Iterator[None]:
@@ -243,7 +242,7 @@ class Recorder:
     @property
     def ready(self) -> bool:
         """Whether this rank can finish the last frames without waiting for the disk."""
-        return self.frames.ready and self.grid.ready
+        return all(series.ready for series in self._series)
 
     def close(self) -> None:
         """Close the history and the probes' files, and list all frames."""

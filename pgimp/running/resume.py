@@ -19,7 +19,7 @@ from pgimp.running.checkpoints import About, intact, made_by, number_of, present
 from pgimp.running.log import Log
 from pgimp.running.probes import require_known
 from pgimp.schema.document import LARGEST_FILE
-from pgimp.solver.each.each import Each
+from pgimp.solver.callbacks.callback import Each
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.state.state import State
 from pgimp.solver.time.clock import clock_of

@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.io.frames.mesh import Mesh, columns, described
 from pgimp.io.frames.particlefile import FORMAT_VERSION
-from pgimp.io.frames.series import Entry, Series
-from pgimp.io.frames.vtkhdf import add_group
-from pgimp.io.frames.vtkseries import Mesh
-from pgimp.io.frames.xdmf import Collection, surface
-from pgimp.io.results.frame import Reading
+from pgimp.io.frames.series import Series
+from pgimp.io.frames.writers import begin_frame
 from pgimp.io.rundir.ownfiles import RIGID_FRAME
 from pgimp.mpi.collective import on_root
 from pgimp.storage.atomic import temporary
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class RigidFrames(Series):
-    """Writes the surfaces of rigid bodies, if the case has any, and the XDMF file that lists them.
+    """Writes the surfaces of rigid bodies, if the case has any, and the files that list them.
 
     They have the numbers of the particles' frames. Rank 0 has all surfaces, and writes them.
 
@@ -41,10 +39,10 @@ class RigidFrames(Series):
     """
 
     def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:
-        super().__init__(sim.comm, Collection(directory / "rigid.xdmf"), RIGID_FRAME)
-        self.enter(case)
+        super().__init__(sim.comm, directory / "rigid", RIGID_FRAME)
+        self.enter(case, sim)
 
-    def enter(self, case: Case) -> None:
+    def enter(self, case: Case, sim: Simulation) -> None:
         """Use the bodies of a case, or of another stage of it."""
         self._dimension = case.dimensions
         self._attributes = {
@@ -83,7 +81,7 @@ class RigidFrames(Series):
                 len(rigid_bodies.surface.body),
                 attributes,
                 {"connectivity": rigid_bodies.surface.cells},
-                more=add_group,
+                more=begin_frame,
             )
             with explained_errors(what):
                 layout.create(part)
@@ -100,19 +98,13 @@ class RigidFrames(Series):
                 file.write(offsets["connectivity"], rigid_bodies.surface.cells)
             unfinished = Unfinished(part, path, file, self.comm, what)
         counts = len(rigid_bodies.surface.body), len(rigid_bodies.surface.cells)
-        self._wait_for(unfinished, self._entry(path, time, step, counts))
-
-    def _entry(self, path: Path, time: float, step: int, counts: tuple[int, int]) -> Entry:
-        fields = {"position": (3, "<f8"), "body": (0, "<i8")}
-        shown = Mesh(path, time, *counts, 2 ** (self._dimension - 1), fields)
-        return Entry(time, step, surface(path, time, counts, self._dimension), shown)
+        fields = columns({"position": (3, "<f8"), "body": (0, "<i8")})
+        nodes = 2 ** (self._dimension - 1)
+        self._wait_for(unfinished, Mesh(path, time, step, *counts, nodes, fields))
 
     def resume(self, number: int) -> list[str]:
         """See `Series.resume`; nothing is done if there is no rigid body."""
         return super().resume(number) if self._attributes["bodies"] else []
 
-    def _listed(self, path: Path) -> Entry:
-        with Reading(path) as file:
-            time, step = float(file.attrs["time"]), int(file.attrs["step"])
-            counts = len(file["position"]), len(file["connectivity"])
-        return self._entry(path, time, step, counts)
+    def _listed(self, path: Path) -> Mesh:
+        return described(path, ("position", "body"))

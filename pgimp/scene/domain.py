@@ -149,10 +149,10 @@ class Domain:
             return ()
         return tuple(zip(self.frame.origin, self.periods.tolist(), strict=True))
 
-    def around(self, centroids: np.ndarray) -> np.ndarray:
-        """Way of parts with these centroids, (n, D), round the axis.
+    def circumference(self, centroids: np.ndarray) -> np.ndarray:
+        """Circumference 2 pi r of the rings with these centroids, (n, D).
 
-        Times their areas it is the volumes of their rings (Pappus).
+        Times the areas of their sections it is their volumes (Pappus).
         """
         return np.asarray(2.0 * np.pi * centroids[:, 0])
 

@@ -287,7 +287,7 @@ class SceneLoads:
         """
         if not self.tractions:
             return
-        p, start = population.particles, population.start
+        p, start = population.up_to_date(), population.start
         rows = population.order.astype(np.int64)
         sums = np.zeros((len(start) - 1, len(self.tractions)))
         layer = np.repeat(np.arange(len(sums)), np.diff(start))

@@ -1,22 +1,16 @@
 """The scene: a case in the form that the solver uses, the same on every rank."""
 
-from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
-from pgimp.case.locations import located
 from pgimp.case.schema import Case
-from pgimp.errors import CaseError
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.frame import FRAMES, MixedFrame
 from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.lagrangian.cell_derivatives import MOST
 from pgimp.kernels.loads.loads import Loads
-from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import EVERY
-from pgimp.scene.bodies.counts import count_all
-from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.domain import Domain
 from pgimp.scene.interaction import Interaction
 from pgimp.scene.mass_scaling import scaled
@@ -143,30 +137,3 @@ class Scene:
             lagrangian = self.settings.lagrangian[particles.body[rows]]
             return np.where(lagrangian[:, None], particles.origin[rows], particles.x[rows])
         return particles.x[rows]
-
-
-def count_particles(
-    scene: Scene, comm: Communicator, only: Collection[str] | None = None
-) -> tuple[Lattice, np.ndarray, list[str]]:
-    """Count the particles: lattice, counts by body and plane, and notes; collective.
-
-    Those of bodies that come in later stages count, too; see `present`. `only` leaves all bodies
-    out but some.
-
-    Raises
-    ------
-    CaseError
-        See `pgimp.scene.bodies.counts.count_all`.
-    """
-    lattice = Lattice(scene.case, only)
-    with located(scene.case):
-        taken = count_all(lattice, comm)
-        if int(taken.counts.sum()) >= 2**53:
-            raise CaseError("grid.cell: more particles than can be numbered; use larger cells")
-    return lattice, taken.counts, taken.notes
-
-
-def present(scene: Scene, counts: np.ndarray) -> np.ndarray:
-    """Counts by body and plane without the bodies that come in later stages."""
-    awaited = [name in scene.case.staged.awaited for name in scene.body_names]
-    return np.where(np.array(awaited)[:, None], 0, counts)

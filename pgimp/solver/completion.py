@@ -9,19 +9,19 @@ import numpy as np
 from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.particles import OUTFLOW
 from pgimp.kernels.sums.sums import layer_sums
-from pgimp.solver.configurations import ConfigurationGroup
+from pgimp.solver.particle_groups import ParticleGroup
 from pgimp.solver.rank import MOST_LISTED, Rank
 from pgimp.solver.transfers import RangeReport, update_particles
 
 
 def advance_particles(
-    rank: Rank, groups: Sequence[ConfigurationGroup], forcing: Forcing, lap: Callable[[str], None]
+    rank: Rank, groups: Sequence[ParticleGroup], forcing: Forcing, lap: Callable[[str], None]
 ) -> list[RangeReport]:
     """Update the particles by ranges of layers, and send those that leave the slab.
 
     Parameters
     ----------
-    groups : sequence of ConfigurationGroup
+    groups : sequence of ParticleGroup
         The rank's particles.
     forcing : Forcing
         From `particle_forcing`.
@@ -45,7 +45,7 @@ def advance_particles(
 
 
 def complete_step(rank: Rank, reports: list[RangeReport], lap: Callable[[str], None]) -> None:
-    """Complete a step: counts, outflow, arrivals, and the canonical order.
+    """Complete a step: counts, outflow, particles of other ranks, and the canonical order.
 
     Parameters
     ----------
@@ -55,7 +55,6 @@ def complete_step(rank: Rank, reports: list[RangeReport], lap: Callable[[str], N
         From `stopwatch`.
     """
     population = rank.population
-    rank.keeping.finish(rank.ledger, int(rank.grid.window.lower[0]))
     rank.particle_steps += rank.count
     found, outflow, failed = 0, 0, list[int]()
     for report in reports:
@@ -76,9 +75,6 @@ def complete_step(rank: Rank, reports: list[RangeReport], lap: Callable[[str], N
     lap("migrate")
     if found or len(arrived):
         population.restore_order(changed, arrived)
-    if rank.sinks and not rank.failed:
-        rank.sinks.take(rank)
-    lap("order")
 
 
 def _remove_outflow(rank: Rank, left: np.ndarray) -> None:
@@ -94,11 +90,11 @@ def _remove_outflow(rank: Rank, left: np.ndarray) -> None:
     """
     scene, population = rank.scene, rank.population
     rows = population.order[left]
-    gone = rank.particles.layer[rows] == OUTFLOW
+    gone = rank.up_to_date().layer[rows] == OUTFLOW
     leaving = rows[gone]
     order = Order(leaving, np.searchsorted(left[gone], population.start))
     escaped = rank.ledger.escaped[: rank.slab.layers]
-    layer_sums(scene.setting.without_shape(), rank.particles, order, escaped)
+    layer_sums(scene.setting.without_shape(), rank.up_to_date(), order, escaped)
     population.free_later(leaving)
 
 
@@ -113,7 +109,7 @@ def _list_errors(rank: Rank, numbers: list[int]) -> None:
     found = np.concatenate(
         [buffer[:n] for buffer, n in zip(rank.error_buffer, numbers, strict=False)]
     )
-    rank_in_order = np.empty(rank.particles.capacity, np.int64)
+    rank_in_order = np.empty(rank.up_to_date().capacity, np.int64)
     rank_in_order[rank.population.order] = np.arange(rank.count)
     rank.failed = sum(numbers)
     rank.errors = found[np.argsort(rank_in_order[found[:, 0]])][:MOST_LISTED]

@@ -16,10 +16,10 @@ from pgimp.mpi.peers import created, together
 from pgimp.mpi.together import end_all_on_exceptions, require_same
 from pgimp.schema.overrides import Overrides
 from pgimp.solver import simulation
-from pgimp.solver.each.each import Each, each_of
-from pgimp.solver.each.levels import own_levels
-from pgimp.solver.each.now import Now
-from pgimp.solver.each.particles import Particles
+from pgimp.solver.callbacks.callback import Each, each_of
+from pgimp.solver.callbacks.levels import own_levels
+from pgimp.solver.callbacks.now import Now
+from pgimp.solver.callbacks.particles import Particles
 
 #: Relative difference, to the later one, below which times are equal.
 _SAME = 1e-12

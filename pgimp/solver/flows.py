@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pgimp.jit.bound import Bound
-from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.frame import Window
 from pgimp.kernels.flows.calming import Calming
 from pgimp.kernels.flows.filling import (
@@ -22,6 +22,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertex_sums import VertexSums
+from pgimp.solver.vertices import StepPart
 
 #: Steps from one shift to the next, as each costs a sum over all particles.
 EVERY = 8
@@ -38,7 +39,7 @@ CALM = 0.002
 WEIGHTLESS = 0.01
 
 
-class Flows:
+class Flows(StepPart):
     """The filling of a rank's vertices.
 
     Parameters
@@ -58,6 +59,10 @@ class Flows:
         self._idle = idle(self.flows)
         self.shift = WEIGHTLESS if scene.case.gravity is None else SHIFT
 
+    def force_particles(self, rank: RankState, order: Order, t: Step, forcing: Forcing) -> Forcing:
+        """See `StepPart.force_particles`; collective."""
+        return forcing._replace(filling=self.find(rank, order, t))
+
     def find(self, rank: RankState, order: Order, t: Step) -> Filling:
         """Find the filling at the step's beginning, when it is due; collective.
 
@@ -72,7 +77,7 @@ class Flows:
         """
         if t.number % EVERY:
             return self._idle
-        grid, particles = rank.grid, rank.particles
+        grid, particles = rank.grid, rank.up_to_date()
         rank.ledger.filled.fill(0.0)
         flows = self.flows
         self._sums.fit(grid, flows.fields)
@@ -98,6 +103,11 @@ class Flows:
             flows.gap,
             Calming(flows.calms * (1.0 - np.exp(-CALM * rate))) if flows.calms.any() else (),
         )
+
+
+def flows_of(scene: Scene, comm: Communicator, _: Flows | None = None) -> Flows | None:
+    """Return the filling of a scene's vertices; None where no body flows."""
+    return Flows(scene, comm) if scene.interaction.flows else None
 
 
 def sums_of(flows: SceneFlows) -> FillingSums:

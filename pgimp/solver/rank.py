@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
+from pgimp.case.gauges import flux_gauges
 from pgimp.decomposition.grid import LAG, Grid
 from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.migrate import Migration
@@ -18,21 +20,12 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shares_cores
 from pgimp.scene.scene import Scene
-from pgimp.solver.coming.inflow import inflow_of
-from pgimp.solver.coming.sinks import sinks_of
 from pgimp.solver.contact.clearances import Clearances
 from pgimp.solver.contact.free_bodies import FreeBodies
-from pgimp.solver.contact.keeping import Keeping
 from pgimp.solver.contact.kinds import contact_kind
-from pgimp.solver.flows import Flows
-from pgimp.solver.history.crossings import crossings_of, flux_gauges
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
 from pgimp.solver.lagrangian.displacement import Displacement
-from pgimp.solver.loads.following import following_of
-from pgimp.solver.loads.grips import grips_of
-from pgimp.solver.rest.absorbing import absorbing_of
-from pgimp.solver.rest.damping import VertexDamping, damping_of
-from pgimp.solver.rest.relaxation import Relaxation
+from pgimp.solver.parts import PARTS
 from pgimp.solver.time.stopwatch import stopwatch
 
 #: Phases of a step, as `Rank.timings` names them.
@@ -75,11 +68,10 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    flows, damping, absorbing, inflow, sinks, grips, following, crossings : Flows, .., or None
-        Filling of vertices, damping, absorbing faces, inflow, sinks, grips, followed surfaces, and
-        counts of flux gauges.
+    following, grips, absorbing, damping, crossings, flows, penetration, sinks, inflow
+        The parts of a step of `pgimp.solver.parts`.
     calls : tuple of Bound
-        Calls of a step's kernels, for each group; see `pgimp.solver.configurations`.
+        Calls of a step's kernels, for each group; see `pgimp.solver.particle_groups`.
     mass_cutoff : float
         Mass below which a vertex is not accelerated.
     vertex_bounds : (2, 2) int64
@@ -88,6 +80,8 @@ class Rank:
         Seconds spent in each phase.
     worked : dict of str to float
         CPU seconds, where ranks share cores; else equal to `timings`.
+    numbered : int
+        Particles that all ranks have had so far: the number of the next one.
     particle_steps, clamped, held : int
         Particle-steps in this process. Since the start, particle-steps with a half-width clamped to
         one cell, and with a particle held in by a wall.
@@ -96,6 +90,16 @@ class Rank:
     error_buffer : (calls, size, 2) int64
         Where the kernels write them.
     """
+
+    following: Any
+    grips: Any
+    absorbing: Any
+    damping: Any
+    crossings: Any
+    flows: Any
+    penetration: Any
+    sinks: Any
+    inflow: Any
 
     def __init__(
         self,
@@ -114,13 +118,11 @@ class Rank:
         )
         self.timings = dict.fromkeys((*PHASES, "sort", "balance"), 0.0)
         self.worked = dict.fromkeys(PHASES, 0.0) if shares_cores(comm) else self.timings
-        self.particle_steps = self.clamped = self.held = 0
+        self.particle_steps = self.clamped = self.held = self.numbered = 0
         self.error_buffer = np.zeros((2 * (1 + scene.settings.mixed), MOST_LISTED, 2), np.int64)
         self.errors, self.failed = self.error_buffer[0, :0], 0
         self.vertex_bounds = np.zeros((2, 2), np.int64)
         self._equip()
-        self.absorbing, self.inflow = absorbing_of(scene), inflow_of(scene)
-        self.grips = grips_of(scene, comm)
         self._lattice: LatticeCells | None = None
         self.displacement = Displacement(self)
         self.population.update = self.displacement.update
@@ -129,14 +131,12 @@ class Rank:
         self._allocate(slab)
 
     def _equip(self) -> None:
-        """Make what the scene needs beside grid and particles, without a state of its own."""
+        """Make what the scene needs beside grid and particles; parts go on from those before."""
         scene, comm = self.scene, self.comm
         self.contact = contact_kind(scene)(scene, comm)
-        self.clearances, self.following = Clearances(scene), following_of(scene, comm)
-        self.flows = Flows(scene, comm) if scene.interaction.flows else None
-        self.damping: VertexDamping | Relaxation | None = damping_of(scene)
-        self.sinks = sinks_of(scene)
-        self.crossings = crossings_of(scene)
+        self.clearances = Clearances(scene)
+        for name, make in PARTS.items():
+            setattr(self, name, make(scene, comm, getattr(self, name, None)))
 
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
@@ -149,8 +149,7 @@ class Rank:
             scene.settings.lagrangian_bodies, scene.domain.periodic,
         )  # fmt: skip
         self.halo = Halo(comm, slab, scene.settings.vertices - 1)
-        self.migration = Migration(comm, slab, self.particles, scene.domain.ring_layers)
-        self.keeping = Keeping(scene, comm, self.free, slab.layers)
+        self.migration = Migration(comm, slab, self.population.columns, scene.domain.ring_layers)
         bodies, settings = len(scene.body_names), scene.settings
         outflow = (bodies, scene.materials.sums) if settings.escapes else (0, 0)
         constraints = len(scene.interaction.loads.booked_constraints)
@@ -159,21 +158,19 @@ class Rank:
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
             (bodies if scene.interaction.flows else 0,
-             DAMPED if settings.damps or settings.settles else 0, len(flux_gauges(scene)),
-             len(scene.interaction.loads.booked_tractions)),
+             DAMPED if settings.damps or settings.settles else 0,
+             len(flux_gauges(scene.case.gauges)), len(scene.interaction.loads.booked_tractions)),
         )  # fmt: skip
 
-    @property
-    def lattice(self) -> LatticeCells:
-        """The cells of lattice particles, in the initial configuration."""
+    def lattice_cells(self) -> LatticeCells:
+        """Return the cells of lattice particles, in the initial configuration; found once."""
         if self._lattice is None:
             self._lattice = find_cells(self)
         return self._lattice
 
-    @property
     def by_cells_alone(self) -> bool:
-        """Whether all particles are in cells and have no state of their own."""
-        return self.scene.stateless and not len(self.lattice.others.rows)
+        """Return whether all particles are in cells and have no state of their own."""
+        return self.scene.stateless and not len(self.lattice_cells().others.rows)
 
     def sort(self) -> None:
         """Sort the particles' rows."""
@@ -185,10 +182,9 @@ class Rank:
         """Calls the kernels of a step that are common to all groups."""
         return self.calls[0]
 
-    @property
-    def particles(self) -> Particles:
-        """The particles, with holes; see `live`."""
-        return self.population.particles
+    def up_to_date(self) -> Particles:
+        """Return the particles, with holes; see `live` and `Population.up_to_date`."""
+        return self.population.up_to_date()
 
     @property
     def count(self) -> int:
@@ -260,27 +256,19 @@ class Rank:
 
     def drop_gradients(self) -> None:
         """Drop the particles' velocity gradients, which only the vertices' start needed."""
-        particles, ring = self.population.particles, self.scene.domain.ring_layers
-        self.population.particles = particles._replace(L=np.zeros((particles.capacity, 0)))
-        self.migration = Migration(self.comm, self.slab, self.particles, ring)
+        particles, ring = self.population.up_to_date(), self.scene.domain.ring_layers
+        self.population.replace(particles._replace(L=np.zeros((particles.capacity, 0))))
+        self.migration = Migration(self.comm, self.slab, self.population.columns, ring)
 
     def enter(self, scene: Scene, particles: Particles) -> None:
         """Change to the scene of another stage between two steps; the ledger starts from zero.
 
         It has the same bodies, and the particles the columns of the scene.
         """
-        fallen = self.following.fallen if self.following else 0
-        # At rest faces hold with other forces, found anew.
-        kept = None if self.scene.case.rests or scene.case.rests else self.absorbing
         window, self.scene = self.grid.base, scene
         self.calls = tuple(Bound() for _ in range(1 + scene.settings.mixed))
-        self.population.particles = particles
+        self.population.replace(particles)
         self._equip()
-        if self.following:
-            self.following.fallen = fallen
-        self.absorbing = absorbing_of(scene, kept)
-        self.inflow = inflow_of(scene, self.inflow)
-        self.grips = grips_of(scene, self.comm, self.grips)
         self._allocate(self.slab)
         self.grid.store(window)
 

@@ -15,8 +15,6 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.clearances import Clearances
-from pgimp.solver.contact.keeping import Keeping
 
 
 class RankState(Protocol):
@@ -34,8 +32,11 @@ class RankState(Protocol):
     vertex_bounds: np.ndarray
     error_buffer: np.ndarray
     failed: int
+    numbered: int
+    timings: dict[str, float]
+    errors: np.ndarray
     contact: Any
-    clearances: Clearances
+    clearances: Any
     flows: Any
     following: Any
     damping: Any
@@ -44,7 +45,7 @@ class RankState(Protocol):
     sinks: Any
     grips: Any
     crossings: Any
-    keeping: Keeping
+    penetration: Any
     displacement: Any
 
     @property
@@ -52,13 +53,24 @@ class RankState(Protocol):
         """Calls the kernels of a step that are common to all groups."""
 
     @property
-    def lattice(self) -> Any:
-        """The cells of lattice particles."""
+    def count(self) -> int:
+        """Number of the rank's particles."""
 
     @property
+    def free(self) -> Any:
+        """The free rigid bodies, equal on all ranks; None without any."""
+
+    def lattice_cells(self) -> Any:
+        """Return the cells of lattice particles."""
+
     def by_cells_alone(self) -> bool:
-        """Whether all particles are in cells and have no state of their own."""
+        """Return whether all particles are in cells and have no state of their own."""
 
-    @property
-    def particles(self) -> Particles:
-        """The particles."""
+    def up_to_date(self) -> Particles:
+        """Return the particles, see `Population.up_to_date`."""
+
+    def live(self) -> np.ndarray:
+        """Rows of the particles in canonical order, (n,) int64."""
+
+    def booked(self) -> Ledger:
+        """Return the ledger of the planes that the rank owns."""

@@ -1,9 +1,11 @@
-"""The reduction after a step: speed, requests and the window, for all ranks.
+"""Reductions: sums over planes, and the one after a step (speed, requests, window).
 
-It begins after a rank's step and ends when the next step needs it, after the sums of the grid. So a
-rank need not wait at a step's end for ranks that are behind by less than its work until then.
-Actions due between two steps complete it first.
+The latter begins after a rank's step and ends when the next step needs it, after the sums of the
+grid. So a rank need not wait at a step's end for ranks that are behind by less than its work until
+then. Actions due between two steps complete it first.
 """
+
+from __future__ import annotations
 
 import weakref
 from enum import IntEnum
@@ -24,6 +26,43 @@ class Request(IntEnum):
     STOP = 3
     #: Particles of the rank are at fault.
     ERROR = 4
+
+
+def place_planes(comm: Communicator, own: np.ndarray, first: int, planes: int) -> np.ndarray:
+    """Return the values of all planes, each of one rank; collective.
+
+    Parameters
+    ----------
+    comm : communicator
+        Of all ranks.
+    own : (n, ...) float64
+        Values of this rank's planes.
+    first : int
+        Place of the first of them.
+    planes : int
+        Number of all planes; those of no rank get zeros.
+
+    Returns
+    -------
+    (planes, ...) float64
+    """
+    every = np.zeros((planes, *own.shape[1:]))
+    every[first : first + len(own)] = own
+    if comm.size > 1:
+        found = np.empty_like(every)
+        comm.Allreduce(every, found)  # a plane has but one owner: no sum is rounded
+        every = found
+    return every
+
+
+def sum_planes(comm: Communicator, own: np.ndarray, first: int, planes: int) -> np.ndarray:
+    """Sum over planes, each of one rank, in their order; parameters as of `place_planes`.
+
+    Collective; all ranks get the same bits, on any number of ranks.
+    """
+    every = own if comm.size == 1 else place_planes(comm, own, first, planes)
+    total: np.ndarray = np.add.reduce(every, axis=0)
+    return total
 
 
 def _complete(requests: list[communicator.Request]) -> None:

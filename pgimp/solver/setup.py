@@ -13,47 +13,42 @@ import numpy as np
 
 from pgimp.case.locations import located
 from pgimp.decomposition.slabs import Slab
-from pgimp.errors import CaseError
 from pgimp.jit.compiled.cache import messages, problems
 from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.once.prestress import remember_stress
-from pgimp.kernels.order.order import layers_of
-from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.initial_stress import set_initial_stress
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks import nearness, overstress
-from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
 from pgimp.scene.checks.locking import locking, stripes
 from pgimp.scene.checks.quiet import unquiet
-from pgimp.scene.geometry import release, share, take_as_empty
-from pgimp.scene.mass_scaling import scaling_notes
+from pgimp.scene.geometry import release, take_as_empty
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
 from pgimp.scene.rigid.warnings import motion_warnings
-from pgimp.scene.scene import Scene, count_particles, present
-from pgimp.solver.coming.inflow import most_at_once, to_enter
-from pgimp.solver.configurations import fastest
-from pgimp.solver.decomposition import create_particles, partition, ring_counts
-from pgimp.solver.lagrangian.motion import begin_motion
+from pgimp.scene.scene import Scene
+from pgimp.scene.wave_speeds import rest_rate
+from pgimp.solver.damping.relaxation import Relaxation
+from pgimp.solver.decomposition import open_window
+from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
-from pgimp.solver.rest.relaxation import Relaxation
-from pgimp.solver.rest.settle import begin_settling
-from pgimp.solver.start.continued import continue_motion, verify_checkpoints
+from pgimp.solver.start.continued import continue_motion
+from pgimp.solver.start.created import create_start, decompose
 from pgimp.solver.start.creation import LIGHT, Creation
 from pgimp.solver.start.require_memory import require
+from pgimp.solver.start.settle import begin_settling
 from pgimp.solver.start.sound import require_light, require_particles
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import rates_at_rest, require_stable_stages
 from pgimp.solver.start.warmup import warm_up
 from pgimp.solver.state.restore import outline, read_books, read_motion, read_particles
 from pgimp.solver.state.state import State
+from pgimp.solver.state.vertex_motion import begin_motion
 from pgimp.solver.time.clock import CourantClock, clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step, require_end
-from pgimp.solver.window import open_window
 
 if TYPE_CHECKING:
     from pgimp.io.checkpoints.checkpointfile import CheckpointFile
@@ -82,62 +77,28 @@ def begin(
     """
     scene = scenes[0]
     start = Start(scene, comm, reduction)
-    verify_checkpoints(scene, comm)
-    share(start.case, comm)
-    require(scene, comm)
-    scene.interaction.rigid_bodies.measure(comm, keep=True)
-    lattice, counts, notes = count_particles(scene, comm)
-    start.notes += notes
-    entering = to_enter(scene.case, counts, scenes[-1].case.time.end)
-    require(scene, comm, most_at_once(scene.case, counts, entering))
-    counts = present(scene, counts)
-    start.count = int(counts.sum())
-    layer = np.empty(len(lattice.coordinates[0]), np.int64)
-    layers_of(
-        scene.settings.shape,
-        scene.order_frame,
-        scene.setting.identity,
-        lattice.coordinates[0],
-        layer,
-    )
-    on_lattice = np.bincount(layer, counts.sum(axis=0), scene.domain.frame.vertices[0])
-    slab = _decompose(start, ring_counts(scene, creation.layer_counts(on_lattice)))
-    particles, count = create_particles(
-        scene,
-        slab,
-        comm,
-        lambda own: all_or_none(
-            comm, lambda: creation.create(own, lattice, counts, layer), CaseError
-        ),
-    )
+    slab, particles, count, numbered = create_start(start, scenes, creation)
+
+    # What the particles show, before kernels are compiled.
     require_particles(scene, particles, count, comm)
-    if later := later_constraints([each.case for each in scenes]):
-        mine = held(later, particles.body[:count], particles.x[:count])
-        start.warnings += idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
-    if scene.interaction.rigid_bodies:
-        require_apart(
-            scene.interaction.rigid_bodies, [(particles.x[:count], particles.body[:count])], comm
-        )
-        require_clear(
-            scene.interaction.rigid_bodies,
-            scene.domain.faces,
-            scene.interaction.rigid_bodies.first,
-            0,
-            0.0,
-            comm,
-        )
+    start.warnings += _idle_constraints(scenes, comm, particles, count)
+    _require_clear_bodies(scene, comm, particles, count)
     _compile(start, scenes[1:], 0)
+
+    # The state at the start: of particles, then of the vertices and grips that go on from theirs.
     if scene.case.start.stress is not None:
         set_initial_stress(scene, particles, count, comm, scene.case.start.stress)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)
     start.warnings += overstress.measure(scene, particles, count, comm)
-    put_in_order(start, slab, particles, count)
+    put_in_order(start, slab, particles, count, numbered)
     begin_motion(start.rank)
     continue_motion(start.rank)
     if start.rank.grips:
         start.rank.grips.start(start.rank)
+
+    # Warnings, and the first step.
     if len(scenes) > 1 and scene.materials.variations:
         require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
     start.warnings += locking(start.case)
@@ -157,6 +118,27 @@ def begin(
     if start.watch:
         start.watch.begin(start.rank)
     return start
+
+
+def _idle_constraints(
+    scenes: Sequence[Scene], comm: Communicator, particles: Particles, count: int
+) -> list[str]:
+    """Warnings about constraints of later stages that would hold nothing; collective."""
+    later = later_constraints([each.case for each in scenes])
+    if not later:
+        return []
+    mine = held(later, particles.body[:count], particles.x[:count])
+    return idle_warnings(later, np.sum(comm.allgather(mine), axis=0))
+
+
+def _require_clear_bodies(
+    scene: Scene, comm: Communicator, particles: Particles, count: int
+) -> None:
+    """Refuse rigid bodies that overlap particles, each other or walls; collective."""
+    bodies = scene.interaction.rigid_bodies
+    if bodies:
+        require_apart(bodies, [(particles.x[:count], particles.body[:count])], comm)
+        require_clear(bodies, scene.domain.faces, bodies.first, 0, 0.0, comm)
 
 
 def resume(
@@ -194,11 +176,11 @@ def resume(
     _compile(start, scenes[now.stage + 1 :], now.counted)
     state, layers = outline(scene, source, comm)
     require_same(scene.interaction.rigid_bodies, state.rigid_bodies)
-    start.count = state.count
     if state.densest is not None:
         scene.materials.weigh(state.densest)
-    slab = _decompose(start, layers)
-    put_in_order(start, slab, *read_particles(scene, slab, source, state, layers, comm))
+    slab = decompose(start, layers)
+    particles, count, edges = read_particles(scene, slab, source, state, layers, comm)
+    put_in_order(start, slab, particles, count, state.count, edges)
     read_books(start.rank, source, state, start.diagnostic_sums)
     read_motion(start.rank, source)
     start.rate = state.rate
@@ -216,13 +198,6 @@ def resume(
             start.watch.numbers = state.watch
         start.watch.shorten(start.clock)
     return start
-
-
-def _decompose(start: Start, counts: np.ndarray) -> Slab:
-    """Cut the layers into slabs, one a rank, with balanced numbers of particles."""
-    slab, start.balance, notes = partition(start.scene, start.comm, counts)
-    start.notes += [*notes, *scaling_notes(start.case)]
-    return slab
 
 
 def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
@@ -243,7 +218,12 @@ def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
 
 
 def put_in_order(
-    start: Start, slab: Slab, particles: Particles, count: int, layers: np.ndarray | None = None
+    start: Start,
+    slab: Slab,
+    particles: Particles,
+    count: int,
+    numbered: int,
+    layers: np.ndarray | None = None,
 ) -> None:
     """Create a rank from its particles, which are put in order; collective.
 
@@ -255,6 +235,8 @@ def put_in_order(
         This rank's.
     particles, count : Particles, int
         The particles of the slab, and their number.
+    numbered : int
+        Particles that all ranks have had so far.
     layers : (layers + 1,) int64, optional
         Beginnings of the layers; with it the particles are in order and have all their columns.
 
@@ -273,13 +255,13 @@ def put_in_order(
         scene.materials.weigh(max(dense for _, _, dense in masses))
     require_light(scene, sum(mass for _, mass, _ in masses))
     start.rank = rank = Rank(scene, comm, slab, particles, count, layers)
-    rank.mass_cutoff = LIGHT * min(least for least, _, _ in masses)
+    rank.numbered, rank.mass_cutoff = numbered, LIGHT * min(least for least, _, _ in masses)
     start.balance.watch(count)
     open_window(rank, start.reduction)
     if layers is None:
         scene.interaction.loads.scale_patches(rank.population, comm)
     order, controlled = rank.population.order, scene.settings.controlled or True
-    start.rate = max(comm.allgather(fastest(scene, rank.particles, order, controlled)))
+    start.rate = max(comm.allgather(fastest(scene, rank.up_to_date(), order, controlled)))
     if (
         scene.materials.variations
     ):  # waves at rest are the particles', far from which typical ones may be

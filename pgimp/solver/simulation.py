@@ -10,14 +10,14 @@ from pgimp.errors import DamagedError, RunError
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver import setup
+from pgimp.solver.callbacks.callback import Each, calls_of
 from pgimp.solver.decomposition import RESORT, rebalance, resort
-from pgimp.solver.each.each import Each, calls_of
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.reduction import Request, StepReduction
-from pgimp.solver.rest.settle import CALM, end_at_rest, is_due, require_rest, unbalanced_part
 from pgimp.solver.stages import enter
 from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.particle_errors import Failure, collect_errors
+from pgimp.solver.start.settle import CALM, end_at_rest, is_due, require_rest, unbalanced_part
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import absent, look_ahead
 from pgimp.solver.state.progress import SimulationProgress
@@ -59,8 +59,6 @@ class Simulation(SimulationProgress):
     done, doing : Step, Step or None
         The last step that succeeded on all ranks. The step after it, if done by this rank with its
         reduction incomplete.
-    count : int
-        Particles that all ranks have had so far, one more than the greatest id; see `present`.
     notes, warnings : list of str
         Messages to the user, equal on every rank.
     request : Request
@@ -88,7 +86,6 @@ class Simulation(SimulationProgress):
     #: Creates the particles at the start.
     creation: type[Creation] = Creation
     watch: EnergyWatch | None
-    count: int
     rate: float
     diagnostic_sums: Diagnostics
     notes: list[str]
@@ -127,7 +124,7 @@ class Simulation(SimulationProgress):
         """Continue from a start."""
         self.case, self.scene, self.stage = start.case, start.scene, start.stage
         self.clock, self.watch, self.done = start.clock, start.watch, start.done
-        self.rank, self.balance, self.count = start.rank, start.balance, start.count
+        self.rank, self.balance = start.rank, start.balance
         self.rate, self.diagnostic_sums = start.rate, start.diagnostic_sums
         self.notes, self.warnings = start.notes, start.warnings
         self.settling = start.settling
@@ -136,7 +133,7 @@ class Simulation(SimulationProgress):
         """Return the start of another stage."""
         start = Start(
             self.scene, self.comm, self.reduction, self.diagnostic_sums, self.done, self.stage,
-            self.settling, self.count, self.rate, self.watch, self.notes, self.warnings,
+            self.settling, self.rate, self.watch, self.notes, self.warnings,
         )  # fmt: skip
         start.clock, start.balance, start.rank = self.clock, self.balance, self.rank
         return start
@@ -193,8 +190,6 @@ class Simulation(SimulationProgress):
         self.doing, number = doing, doing.number
         if self.case.rests:
             self.diagnostic_sums.settling_time += doing.dt
-        if rank.inflow:
-            self.count = rank.inflow.feed(rank, doing, self.count)
         if self.comm.size > 1:
             balance.note(rank.worked, rank.count, number)
         move = reduction.rebalance_requested

@@ -12,26 +12,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.case.checks.stages import reselects
+from pgimp.case.gauges import flux_gauges
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.ledger import TAKEN, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import STRAIN, SUMS
 from pgimp.physics.loads.surfaces import surface_width
-from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.geometry import take_as_empty
 from pgimp.scene.rigid.free_body import State
 from pgimp.scene.scene import Scene
-from pgimp.solver.coming.arrivals import arrivals_of, coming
-from pgimp.solver.configurations import fastest
+from pgimp.scene.wave_speeds import rest_rate
 from pgimp.solver.decomposition import partition
-from pgimp.solver.history.crossings import flux_gauges
-from pgimp.solver.history.diagnostics import sums_of_bodies
-from pgimp.solver.lagrangian.motion import enter_motion
+from pgimp.solver.history.body_sums import sums_of_bodies
 from pgimp.solver.loads.grips import STATES, Grips
-from pgimp.solver.rest.settle import begin_settling
+from pgimp.solver.particle_groups import fastest
+from pgimp.solver.start.arrivals import arrivals_of, coming
+from pgimp.solver.start.settle import begin_settling
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.warmup import warm_up
+from pgimp.solver.state.vertex_motion import enter_motion
 from pgimp.solver.time.clock import clock_of
 from pgimp.solver.time.energy_watch import EnergyWatch
 from pgimp.solver.time.stability import check_first_step
@@ -73,7 +73,7 @@ def enter(now: Start, case: Case) -> Start:
         order = rank.population.ordered
         before, after = (sums_of_bodies(rank, scene, order).sum(axis=0) for scene in (old, new))
         records.changed += float(after[STRAIN] - before[STRAIN])
-        records.told[: new.materials.sums - SUMS] += after[SUMS:] - before[SUMS:]
+        records.initial_losses[: new.materials.sums - SUMS] += after[SUMS:] - before[SUMS:]
     particles = _carried(rank, old, new)
     for name in ("last", "read"):
         if since := getattr(records, name):
@@ -84,9 +84,9 @@ def enter(now: Start, case: Case) -> Start:
     counts = np.concatenate(comm.allgather(np.diff(rank.population.start)))
     _, balance, _ = partition(new, comm, counts + arrivals.layers if arrivals else counts)
     if balance.cuts != now.balance.cuts:
-        rank.population.particles = particles
+        rank.population.replace(particles)
         rank.move(now.balance.cuts, balance.cuts)
-        particles = rank.particles
+        particles = rank.up_to_date()
     balance.watch(rank.count)
     books, free, before = rank.booked(), dict(_free(rank)), rank.grid
     grips = _grips(rank.grips, old, new)
@@ -99,7 +99,7 @@ def enter(now: Start, case: Case) -> Start:
         rank.grips.start(rank, grips)
     if arrivals:
         arrivals.enter(now)
-        particles = rank.particles
+        particles = rank.up_to_date()
 
     now.stage, now.scene, now.balance = now.stage + 1, new, balance
     rate = fastest(new, particles, rank.population.order, new.settings.controlled or True)
@@ -128,7 +128,7 @@ def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
     """Remove all particles of some bodies; return their sums, of use on rank 0."""
     population = rank.population
     order = population.order
-    offsets = np.flatnonzero(np.isin(rank.particles.body[order], bodies)).astype(np.int32)
+    offsets = np.flatnonzero(np.isin(rank.up_to_date().body[order], bodies)).astype(np.int32)
     rows = order[offsets]
     start = np.searchsorted(offsets, population.start)
     taken = sums_of_bodies(rank, rank.scene, Order(rows, start))
@@ -139,7 +139,7 @@ def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
 
 def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
     """The particles with the columns of the next stage; new columns are zero."""
-    p, rows = rank.particles, rank.live()
+    p, rows = rank.up_to_date(), rank.live()
     arrays = {}
     for name, like in Particles.empty(0, new.carried)._asdict().items():
         array = getattr(p, name)
@@ -170,7 +170,7 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
 
     Existing constraints keep their particles; of several the last one holds.
     """
-    p, rows = rank.particles, rank.live()
+    p, rows = rank.up_to_date(), rank.live()
     had = p.constraint[rows, 0] if p.constraint.shape[1] else np.zeros(len(rows), np.int32)
     number = {name: i for i, name in enumerate(before.constraints, 1)}
     found = np.zeros(len(rows), np.int32)
@@ -198,7 +198,8 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
 def _forces(scene: Scene) -> list[Hashable]:
     """Names of the rows of `Diagnostics.last`, in their order."""
     faces, constraints, tractions, contact, rigid_bodies = _booked(scene)
-    fluxes: list[Hashable] = [(name, i) for name in flux_gauges(scene) for i in range(2)]
+    gauges = flux_gauges(scene.case.gauges)
+    fluxes: list[Hashable] = [(name, i) for name in gauges for i in range(2)]
     kinds = {
         "face": faces,
         "constraint": constraints,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from pgimp.solver.completion import advance_particles, complete_step
-from pgimp.solver.configurations import groups_by_configuration
+from pgimp.solver.particle_groups import groups_of
+from pgimp.solver.parts import parts_of
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import finish_sums, particle_forcing, sum_particles
@@ -13,7 +14,6 @@ from pgimp.solver.vertices import (
     fold_mirrors,
     hold_constrained,
     keep_vertex_motion,
-    parts_of,
     reflect_mirrors,
     vertex_update,
 )
@@ -51,15 +51,15 @@ def step(
     """
     scene, contact, lap = rank.scene, rank.contact, rank.stopwatch()
     loads, parts = scene.interaction.loads.at(before.end), parts_of(rank)
-    groups = groups_by_configuration(scene, rank.population)
+    groups = groups_of(rank, by_cells=True)
     contact.assign_fields(rank)
     lap("contact")
     for part in parts:
         part.begin(rank, groups[0].order, before.number)
     marked = bool(scene.interaction.loads.constraints)
-    sum_particles(rank, groups, loads, marked, by_cells=True)  # (16, 17, 18, 21, 22)
+    sum_particles(rank, groups, loads, marked)  # (16, 17, 18, 21, 22)
     lap("P2G")
-    finish_sums(rank, marked)  # the neighbours' sums, and both copies at periodic seams
+    finish_sums(rank, groups, marked)  # the neighbours' sums, and both copies at periodic seams
     t = next_step()
     lap("exchange")
 
@@ -80,10 +80,15 @@ def step(
     keep_vertex_motion(rank, update)
     lap("momentum")
 
-    forcing = particle_forcing(rank, groups, update, loads, controlled)
+    forcing = particle_forcing(rank, update, loads, controlled)
+    for part in parts:
+        forcing = part.force_particles(rank, groups[0].order, t, forcing)
     lap("P2G")
     reports = advance_particles(rank, groups, forcing, lap)  # (26, 27, 29, 30)
     for part in parts:
         part.complete(rank)
     complete_step(rank, reports, lap)
+    for part in parts:
+        part.change_particles(rank, t)
+    lap("order")
     return t, max(report.rate for report in reports)

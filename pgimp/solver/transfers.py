@@ -9,17 +9,11 @@ import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Forcing, Report
-from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
 from pgimp.kernels.grid.seam import join_seam
-from pgimp.kernels.lagrangian.advance import advance_cells
-from pgimp.kernels.lagrangian.cells import Cells
-from pgimp.kernels.lagrangian.keep import recall_masses
 from pgimp.kernels.loads.loads import Loads
-from pgimp.kernels.step.g2p import grid_to_particles
-from pgimp.kernels.step.p2g import Others, particles_to_grid
+from pgimp.kernels.step.p2g import particles_to_grid
 from pgimp.kernels.update.turns import turn_particles
-from pgimp.solver.configurations import ConfigurationGroup
-from pgimp.solver.lagrangian.cells import cleared, no_cells, report_cells
+from pgimp.solver.particle_groups import ParticleGroup
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import VertexUpdate
 
@@ -50,10 +44,9 @@ class RangeReport(NamedTuple):
 
 def sum_particles(
     rank: RankState,
-    groups: Sequence[ConfigurationGroup],
+    groups: Sequence[ParticleGroup],
     loads: Loads,
     marked: bool,
-    by_cells: bool = False,
     call: Bound | None = None,
 ) -> None:
     """Sum a rank's particles into its planes; `Halo.finish` adds the neighbours' sums.
@@ -62,58 +55,36 @@ def sum_particles(
     ----------
     rank : RankState
         The rank.
-    groups : sequence of ConfigurationGroup
+    groups : sequence of ParticleGroup
         Its particles.
     loads : Loads
         The loads on them.
     marked : bool
         Whether constrained vertices are marked.
-    by_cells : bool
-        Whether lattice particles may be summed cell by cell, without their masses.
     call : Bound, optional
         For loads of other types than the steps have.
     """
-    call = call or rank.call
-    by_cells &= rank.scene.by_cells and not rank.failed
-    grid, population, every = rank.grid, rank.population, []
-    particles = population.stored if by_cells else population.particles
-    for group in groups:
-        order = group.order
-        if rank.failed:  # other ranks are not notified yet; such particles may be anywhere
-            order = order._replace(start=np.zeros_like(order.start))
-        every.append((group.setting.without_materials(), group.loaded(loads.summed()), order))
+    call, grid = call or rank.call, rank.grid
+    first, *more = groups
+    particles = first.columns(rank.population)
     if marked:
         grid.marks.fill(0)
-        for each, (setting, _, order) in zip(rank.calls, every, strict=True):
-            each(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
-    setting, summed, order = every[0]
-    others: Others | Cells | tuple[()] = Others(*every[1]) if len(every) > 1 else ()
-    if by_cells:
-        order, others = rank.lattice.others, cleared(rank.lattice.cells)
-    elif rank.scene.by_cells:
-        others = no_cells(rank.scene, rank.grid.slab.layers)
+        for each, group in zip(rank.calls, groups, strict=True):
+            group.mark(each, rank, particles)
+    setting, summed, order = first.summands(loads)
+    others = first.others(rank, more, loads)
     grid.active.fill(0)
     for runs in rank.halo.parts(rank.population.start):  # first the layers neighbours wait for
-        call(  # (16, 17, 18, 21, 22)
-            particles_to_grid, setting, grid.field, particles, summed, order, runs, others
-        )
+        call(particles_to_grid, setting, grid.field, particles, summed, order, runs, others)
         rank.halo.proceed(grid, marked)
 
 
-def finish_sums(rank: RankState, marked: bool = False) -> None:
+def finish_sums(rank: RankState, groups: Sequence[ParticleGroup], marked: bool = False) -> None:
     """Add the neighbours' sums, and set the masses of vertices that keep them; collective."""
     rank.halo.finish(rank.grid)
-    if rank.scene.by_cells:
-        _recall_masses(rank)
+    for group in groups:
+        group.finish_sums(rank)
     join_seams(rank, marked)
-
-
-def _recall_masses(rank: RankState) -> None:
-    """Set the masses of vertices that keep them, where sums have not begun with them."""
-    field, known = rank.grid.field, (0, 0)
-    if not len(rank.lattice.others.rows) and isinstance(field.used, tuple):
-        known = (rank.grid.shared_lower, rank.slab.layers)
-    rank.call(recall_masses, field, known)
 
 
 def join_seams(rank: RankState, marked: bool) -> None:
@@ -125,11 +96,7 @@ def join_seams(rank: RankState, marked: bool) -> None:
 
 
 def particle_forcing(
-    rank: RankState,
-    groups: Sequence[ConfigurationGroup],
-    update: VertexUpdate,
-    loads: Loads,
-    controlled: bool | float,
+    rank: RankState, update: VertexUpdate, loads: Loads, controlled: bool | float
 ) -> Forcing:
     """Forcing of the particles in a step, without vertex-only loads; see `vertex_update`."""
     t, constraints = update.t, update.forcing.marked[0] if update.forcing.marked else ()
@@ -137,15 +104,13 @@ def particle_forcing(
         loads = loads._replace(approached=())
     return Forcing(
         t.dt, update.forcing.gravity, rank.mass_cutoff, loads, constraints, (),
-        update.forcing.position_limits, controlled, (),
-        rank.flows.find(rank, groups[0].order, t) if rank.flows else (),
-        rank.keeping.at(t, rank.population.stored, rank.population.order),
+        update.forcing.position_limits, controlled,
     )  # fmt: skip
 
 
 def update_particles(
     rank: RankState,
-    groups: Sequence[ConfigurationGroup],
+    groups: Sequence[ParticleGroup],
     forcing: Forcing,
     layers: np.ndarray,
     found: Sequence[RangeReport],
@@ -156,7 +121,7 @@ def update_particles(
     ----------
     rank : RankState
         The rank.
-    groups : sequence of ConfigurationGroup
+    groups : sequence of ParticleGroup
         Its particles.
     forcing : Forcing
         From `particle_forcing`.
@@ -166,30 +131,18 @@ def update_particles(
         Reports of the earlier ranges; this one writes behind them.
     """
     first = 0
-    for report in found:
-        first += len(report.changed)
+    for earlier in found:
+        first += len(earlier.changed)
     buffers = rank.error_buffer[len(groups) * len(found) :]
-    moved, rate, outflow, clamped, held = 0, 0.0, 0, 0, 0
+    end, rate, outflow, clamped, held = first, 0.0, 0, 0, 0
     failed: list[int] = []
     for group, call, errors in zip(groups, rank.calls, buffers, strict=False):
-        mine = rank.population.changed[first + moved :]
-        order = rank.lattice.others if rank.scene.by_cells else group.order
-        wrong, left, away, fastest, narrow, kept = call(
-            grid_to_particles, group.setting, group.bounded(rank.scene, rank.grid.field),
-            rank.population.stored, order, layers, group.forced(forcing),
-            Report(rank.vertex_bounds, mine, errors), rank.ledger,
-        )  # fmt: skip
-        if rank.scene.by_cells and not found:
-            if rank.scene.cell_loads:
-                cells, field = rank.lattice.cells, rank.grid.field
-                rank.call(advance_cells, cells, field, rank.population.stored, forcing.dt)
-            wrong, fastest = report_cells(rank, errors, wrong, fastest)
-        if away and group.rank_in_order is not None:
-            mine[:away] = group.rank_in_order[mine[:away]]
-        failed.append(wrong)
-        rate, moved, outflow = max(rate, fastest), moved + away, outflow + left
-        clamped, held = clamped + narrow, held + kept
-    changed = rank.population.changed[first : first + moved]
+        report = Report(rank.vertex_bounds, rank.population.changed[end:], errors)
+        own = group.advance(call, rank, forcing, layers, report, not found)
+        failed.append(own.failed)
+        end, rate, outflow = end + own.changed, max(rate, own.rate), outflow + own.outflow
+        clamped, held = clamped + own.clamped, held + own.held
+    changed = rank.population.changed[first:end]
     if any(rank.scene.domain.periodic) and not rank.scene.settings.initial:
         _turn(rank, changed)
     return RangeReport(changed, rate, outflow, clamped, held, tuple(failed))
@@ -208,6 +161,6 @@ def _turn(rank: RankState, changed: np.ndarray) -> None:
         scene.settings.shape,
         scene.domain.frame,
         scene.domain.exits,
-        population.stored,
+        population.columns,
         rows,
     )

@@ -39,7 +39,10 @@ class VertexUpdate(NamedTuple):
 
 
 class StepPart:
-    """What a scene may add to a step; each part overrides the methods that it needs."""
+    """What a scene may add to a step; each part overrides the methods that it needs.
+
+    A step calls the methods in the order of their definition. `pgimp.solver.parts` lists the parts.
+    """
 
     def begin(self, rank: RankState, order: Order, done: int) -> None:
         """Act before the sums over particles; collective.
@@ -60,14 +63,15 @@ class StepPart:
     def book(self, rank: RankState, update: VertexUpdate) -> None:
         """Book impulses and work, after all conditions and contact; collective."""
 
+    def force_particles(self, rank: RankState, order: Order, t: Step, forcing: Forcing) -> Forcing:
+        """Return the forcing of the particles with what the part adds to it; collective."""
+        return forcing
+
     def complete(self, rank: RankState) -> None:
         """Act when the particles have moved, in the rows and the order as the step began."""
 
-
-def parts_of(rank: RankState) -> list[StepPart]:
-    """Return the parts that a rank's scene adds to a step, in their order."""
-    parts = (rank.following, rank.grips, rank.absorbing, rank.damping, rank.crossings)
-    return [part for part in parts if part]
+    def change_particles(self, rank: RankState, t: Step) -> None:
+        """Take particles out, or let others in, when the canonical order is restored."""
 
 
 def vertex_update(
@@ -132,7 +136,7 @@ def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:
     if rank.grid.motion:
         rank.call(keep_motion, rank.grid.field, update.t.dt)
         if rank.scene.by_cells:
-            rank.population.outdate(rank.by_cells_alone)
+            rank.population.outdate(rank.by_cells_alone())
 
 
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:

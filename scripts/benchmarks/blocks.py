@@ -100,7 +100,7 @@ def shake(sim):
         places = 0.25 + 0.5 * places
     p.x[rows] = origin + (corner + places) * cell
     start = sim.now_as_start()
-    put_in_order(start, sim.rank.slab, p, len(rows))
+    put_in_order(start, sim.rank.slab, p, len(rows), sim.count)
     sim.take(start)
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 import pgimp
 from pgimp.mpi.comm import Serial
-from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.state.vertex_motion import begin_motion
 
 
 def box(low: Iterable[float], high: Iterable[float]) -> dict[str, Any]:

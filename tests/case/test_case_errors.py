@@ -15,8 +15,9 @@ from pgimp.case.reader import dump_case, read_case
 from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.geometry import share
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 
 JARGON = re.compile(
     r"Input should|pydantic|validation|\btuple\b|\bdict\b|\bNone\b|Traceback|_type\b|<class|\bctx\b"

@@ -18,7 +18,8 @@ from pgimp.case.reader import read_case
 from pgimp.cli import main
 from pgimp.commands.init import packaged
 from pgimp.mpi.comm import Serial
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.bodies.counts import count_particles
+from pgimp.scene.scene import Scene
 from pgimp.utilities.reference.jsonschema import json_schema, study_schema
 from pgimp.utilities.study.plan import read_plan
 

@@ -121,7 +121,7 @@ def test_layers_go_to_any_rank_with_all_they_have(data, seed, piece):
     for rank, (_, population, _) in enumerate(ranks):
         layers, planes = owned(new, rank), owned(new, rank, EXTRA)
         mine = order[everyone.start[layers.start] : everyone.start[layers.stop]]
-        for all_rows, array in zip(p, population.particles, strict=True):
+        for all_rows, array in zip(p, population.up_to_date(), strict=True):
             assert array[population.order].tobytes() == all_rows[mine].tobytes()
         begins = everyone.start[layers.start : layers.stop + 1] - everyone.start[layers.start]
         assert population.start.tolist() == begins[: slab_of(new, rank).layers + 1].tolist()

@@ -85,7 +85,7 @@ class World:
         together([lambda r=rank: self.advance(*r) for rank in self.ranks])
 
     def advance(self, migration, slab, population):
-        p, order, changed, found = population.particles, population.order, population.changed, 0
+        p, order, changed, found = population.up_to_date(), population.order, population.changed, 0
         for place, row in enumerate(order):
             n = int(p.id[row])
             p.x[row] = self.x[n]
@@ -108,7 +108,7 @@ class World:
 
     def check(self):
         for _, slab, population in self.ranks:
-            p, order = population.particles, population.order
+            p, order = population.up_to_date(), population.order
             expected = self.expected(slab)
             assert p.id[order].tolist() == expected
             assert p.layer[order].tolist() == [self.layer[n] for n in expected]
@@ -196,7 +196,7 @@ def test_large_numbers_sort_alike():
         expected = [k for _, k in sorted(zip(keys, p.id.tolist(), strict=True))]
         slab = Slab(0, frame.vertices[0], None, None)
         population = Population(p, n, shape.parameters(frame.cell), frame, slab)
-        assert population.particles.id.tolist() == expected
+        assert population.up_to_date().id.tolist() == expected
 
 
 def test_rows_of_those_that_left_are_used_again():
@@ -208,16 +208,16 @@ def test_rows_of_those_that_left_are_used_again():
     p.id[:] = np.arange(6)
     slab = Slab(0, 8, None, 1)
     population = Population(p, 6, shape.parameters(frame.cell), frame, slab)
-    population.particles.layer[[1, 4]] = 8
+    population.up_to_date().layer[[1, 4]] = 8
     population.free_later(np.array([1, 4], np.int32))
     population.restore_order(np.array([1, 4], np.int32), np.empty(0, np.int32))
-    assert population.particles.id[population.order].tolist() == [0, 2, 3, 5]
+    assert population.up_to_date().id[population.order].tolist() == [0, 2, 3, 5]
     assert sorted(population.insert(2).tolist()) == [1, 4]
-    assert population.particles.capacity == 6
+    assert population.up_to_date().capacity == 6
     assert population.insert(3).tolist() == [6, 7, 8]
-    assert population.particles.capacity >= 9
-    assert population.particles.id[[0, 2, 3, 5]].tolist() == [0, 2, 3, 5]
-    assert population.particles.origin.shape == (population.particles.capacity, 1)
+    assert population.up_to_date().capacity >= 9
+    assert population.up_to_date().id[[0, 2, 3, 5]].tolist() == [0, 2, 3, 5]
+    assert population.up_to_date().origin.shape == (population.up_to_date().capacity, 1)
 
 
 #: As float64: quiet and signalling NaN with payloads, infinity, denormals, zeros of both signs.

@@ -16,7 +16,7 @@ SLAB = Slab(3, 3, 0, 2)
 
 
 def keys(population):
-    p, rows = population.particles, population.order
+    p, rows = population.up_to_date(), population.order
     return list(zip(p.layer[rows], p.cell[rows], p.id[rows], strict=True))
 
 
@@ -34,7 +34,7 @@ def test_the_order_is_canonical_whoever_comes_and_goes(seed, count, steps):
     population = Population(p, count, SHAPE, FRAME, SLAB)
     members, next_id = {*range(count)}, count
     for newcomers, share in steps:
-        order, p = population.order, population.particles
+        order, p = population.order, population.up_to_date()
         changed = np.flatnonzero(rng.random(len(order)) < share)
         assert len(population.changed) >= len(order), "room for all, should all move"
         p.layer[order[changed]] += rng.choice([-1, 1], len(changed)).astype(np.int32)
@@ -43,7 +43,7 @@ def test_the_order_is_canonical_whoever_comes_and_goes(seed, count, steps):
         # As `migrate` does it: rows are given up first, then newcomers get rows.
         population.free_later(rows[gone])
         new = population.insert(newcomers)
-        p = population.particles
+        p = population.up_to_date()
         p.id[new] = rng.permutation(newcomers) + next_id
         p.cell[new] = rng.integers(2, 7, newcomers)
         p.layer[new] = rng.choice([3, 5], newcomers)

@@ -24,7 +24,7 @@ def vertices(sim):
     particles_to_grid(
         scene_.setting.without_materials(),
         grid.field,
-        population.particles,
+        population.up_to_date(),
         scene_.interaction.loads.at(0.0),
         population.ordered,
         *sim.rank.halo.parts(population.start),

@@ -84,9 +84,9 @@ def selections(rng, n):
 def restored(rank, chosen, rows, capacity):
     """Let a rank hold only some of its particles, in other rows of arrays at odd addresses."""
     population = rank.population
-    taken = Particles(*(array[population.order[chosen]].copy() for array in rank.particles))
+    taken = Particles(*(array[population.order[chosen]].copy() for array in rank.up_to_date()))
     spread = place(taken, rows + 1, capacity + 1)
-    population.particles = Particles(*(array[1:] for array in spread))
+    population.replace(Particles(*(array[1:] for array in spread)))
     population.order = rows.astype(np.int32)
     edges = np.arange(rank.slab.layers + 1) + rank.slab.first
     population.start = np.searchsorted(taken.layer, edges)
@@ -98,10 +98,10 @@ def test_grid_to_particles_does_not_see_the_neighbours(name, D):
     whole = Rank(shape, frame, copy_of(particles))
     whole.particles_to_grid()
     whole.update_momentum(DT, GRAVITY[:D])
-    before = copy_of(whole.particles)
+    before = copy_of(whole.up_to_date())
     assert whole.grid_to_particles(DT)[0] == 0
-    expected = {field: bits(getattr(whole.particles, field)) for field in ADVANCED}
-    assert (before.layer != whole.particles.layer).sum() > 3
+    expected = {field: bits(getattr(whole.up_to_date(), field)) for field in ADVANCED}
+    assert (before.layer != whole.up_to_date().layer).sum() > 3
     rates = []
     for chosen, rows, capacity in selections(rng, len(particles.m)):
         rank = Rank(shape, frame, copy_of(before))
@@ -110,8 +110,8 @@ def test_grid_to_particles_does_not_see_the_neighbours(name, D):
         error, _, found, rate, *_ = rank.grid_to_particles(DT)
         assert error == 0
         for field in ADVANCED:
-            assert bits(getattr(rank.particles, field)[rows]) == expected[field][chosen], field
-        moved = before.layer[chosen] != whole.particles.layer[chosen]
+            assert bits(getattr(rank.up_to_date(), field)[rows]) == expected[field][chosen], field
+        moved = before.layer[chosen] != whole.up_to_date().layer[chosen]
         assert (rank.population.changed[:found] == np.flatnonzero(moved)).all()
         rates.append(rate)
     assert rates[0] <= rates[-1] and len(set(rates)) > 1
@@ -189,11 +189,11 @@ def test_locate_does_not_see_the_neighbours(name, D):
     for chosen, rows, capacity in selections(rng, len(particles.m)):
         rank = Rank(shape, frame, copy_of(particles))
         restored(rank, chosen, rows, capacity)
-        p = rank.particles
+        p = rank.up_to_date()
         p.layer[:], p.cell[:] = -5, 0
         locate(rank.shape, frame, p, rank.population.order, frame.vertices)
-        assert (p.layer[rows] == whole.particles.layer[order[chosen]]).all()
-        assert (p.cell[rows] == whole.particles.cell[order[chosen]]).all()
+        assert (p.layer[rows] == whole.up_to_date().layer[order[chosen]]).all()
+        assert (p.cell[rows] == whole.up_to_date().cell[order[chosen]]).all()
         assert (np.delete(p.layer, rows) == -5).all()
         first = vertices_of(p.cell[rows], frame.vertices)
         assert (first[:, 0] == p.layer[rows]).all()
@@ -227,9 +227,9 @@ def test_all_kernels_find_the_same_layer(name, D):
         particles = random_particles(rng, x)
         particles.F[len(lattice) :: 2] = IDENTITIES[D - 1]
         rank = Rank(shape, frame, particles)
-        layer = rank.particles.layer.copy()
+        layer = rank.up_to_date().layer.copy()
         rank.grid.active[:] = 1
         assert not rank.grid.G.any()
         error, _, found, *_ = rank.grid_to_particles(1e-3)
         assert (error, found) == (0, 0)
-        assert (rank.particles.layer == layer).all()
+        assert (rank.up_to_date().layer == layer).all()

@@ -45,7 +45,7 @@ def still_particles(name):
 def test_a_particle_at_fault_is_found_in_the_same_step(name, field, axis, value, reason):
     rank = still_particles(name)
     if field:
-        getattr(rank.particles, field)[:, axis] = value
+        getattr(rank.up_to_date(), field)[:, axis] = value
     rank.particles_to_grid()
     rank.update_momentum(DT)
     error, row, *_ = rank.grid_to_particles(DT)
@@ -68,13 +68,13 @@ def test_rounding_takes_no_particle_past_two_layers(name):
         p.m[:] = p.V[:] = p.V0[:] = 1.0
         p.v[:] = -L / DT
         rank = Rank(shape, frame, p)
-        layer = int(rank.particles.layer[0])
+        layer = int(rank.up_to_date().layer[0])
         rank.particles_to_grid()
         rank.update_momentum(DT)
         error, _, found, *_ = rank.grid_to_particles(DT)
         assert error in (0, TOO_FAST)
         stopped += error == TOO_FAST
-        assert error or layer - rank.particles.layer[0] == found <= 1
+        assert error or layer - rank.up_to_date().layer[0] == found <= 1
     assert 0 < stopped < 100
 
 
@@ -88,22 +88,22 @@ def test_errors_are_listed_in_canonical_order_while_the_others_go_on():
     """F of one particle reaches no other in the same step; what does not fit is counted."""
     sound, rank = still_particles("gimp"), still_particles("gimp")
     for each in (sound, rank):
-        each.particles.v[:] = np.random.default_rng(1).normal(size=each.particles.v.shape)
+        each.up_to_date().v[:] = np.random.default_rng(1).normal(size=each.up_to_date().v.shape)
     order = rank.population.order
     bad = {int(order[i]): kind for i, kind in ((1, INVERTED), (4, NOT_FINITE), (6, INVERTED))}
     for row, kind in bad.items():
-        rank.particles.F[row, 0] = np.nan if kind == NOT_FINITE else -9.0
-    layers = rank.particles.layer.copy()
+        rank.up_to_date().F[row, 0] = np.nan if kind == NOT_FINITE else -9.0
+    layers = rank.up_to_date().layer.copy()
     stepped(sound)
     assert sound.failed == 0 and stepped(rank)[:2] == (INVERTED, next(iter(bad)))
     assert rank.errors.tolist() == [[row, kind] for row, kind in bad.items()]
-    assert (rank.particles.layer[list(bad)] == layers[list(bad)]).all()
+    assert (rank.up_to_date().layer[list(bad)] == layers[list(bad)]).all()
     others = np.setdiff1d(order, list(bad))
-    for mine, theirs in zip(rank.particles, sound.particles, strict=True):
+    for mine, theirs in zip(rank.up_to_date(), sound.up_to_date(), strict=True):
         assert mine[others].tobytes() == theirs[others].tobytes()
 
     rank = still_particles("gimp")
-    rank.particles.F[list(bad), 0] = -9.0
+    rank.up_to_date().F[list(bad), 0] = -9.0
     rank.capacity = 2
     stepped(rank)
     assert rank.failed == 3 and rank.errors[:, 0].tolist() == list(bad)[:2]
@@ -113,11 +113,13 @@ def test_errors_are_listed_in_canonical_order_while_the_others_go_on():
 def test_no_place_that_is_none_becomes_a_number(value):
     """Particles flung away change neither layers nor window, whatever their positions."""
     rank = still_particles("gimp")
-    rank.particles.v[:] = value
-    layers = rank.particles.layer.copy()
+    rank.up_to_date().v[:] = value
+    layers = rank.up_to_date().layer.copy()
     _, _, found, *_ = stepped(rank)
     assert rank.failed == len(rank.population.order) and found == rank.outflow == 0
-    assert (rank.particles.layer == layers).all() and (rank.vertex_bounds == rank.grid.base).all()
+    assert (rank.up_to_date().layer == layers).all() and (
+        rank.vertex_bounds == rank.grid.base
+    ).all()
 
 
 @pytest.mark.parametrize("name", ["mpm", "finite-gimp"])
@@ -148,7 +150,7 @@ def test_particles_leave_through_faces_that_let_them_go(name, exits, directions,
     error, _, found, *_ = stepped(rank)
     if reason == OUTFLOW:
         assert (rank.failed, rank.outflow, found) == (0, 1, 1)
-        assert rank.particles.layer[0] == OUTFLOW and rank.population.changed[0] == 0
-        np.testing.assert_allclose(rank.particles.v[0], 0.41 * np.array(directions) * CELL / DT)
+        assert rank.up_to_date().layer[0] == OUTFLOW and rank.population.changed[0] == 0
+        np.testing.assert_allclose(rank.up_to_date().v[0], 0.41 * np.array(directions) * CELL / DT)
     else:
         assert error == reason and rank.outflow == found == 0

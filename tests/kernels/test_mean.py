@@ -10,7 +10,7 @@ from tiers import wide
 from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, PER_CELL, close, copied, setting
 
 from pgimp.kernels.data.record import FORCE, MASS, RECORD, VELOCITY
-from pgimp.solver.configurations import groups_by_configuration
+from pgimp.solver.particle_groups import groups_of
 from pgimp.solver.transfers import sum_particles
 
 #: Boxes that reach three and four vertices, in each number of directions where it is not the same.
@@ -129,7 +129,7 @@ def test_viscous_pressure_acts_through_the_cells():
     for q in (np.zeros(len(rows)), rng.uniform(0.0, 9.0, len(rows))):
         p.q[rows, 0] = q
         p.alone[rows] = 0.0
-        parts = groups_by_configuration(sim.scene, sim.population)
+        parts = groups_of(sim.rank)
         sum_particles(sim.rank, parts, sim.scene.interaction.loads.at(0.0), False)
         G = grid.G.reshape(*grid.window.extent, RECORD).copy()
         G[grid.active == 0] = 0.0

@@ -144,7 +144,7 @@ def test_sums_of_rings(kind):
     assert (force * v).sum() == pytest.approx(-power, rel=1e-11)
 
     rank.grid_to_particles(DT)
-    q = rank.particles
+    q = rank.up_to_date()
     rows = np.argsort(q.id[rank.population.order])
     after = Particles(*(a[rank.population.order][rows] for a in q))
     rows = np.argsort(p.id)
@@ -208,7 +208,7 @@ def test_mean_dilatation_of_rings(kind):
     assert abs(force[..., 1].sum()) <= 1e-12 * np.abs(force[..., 1]).sum()
     rank.grid_to_particles(DT)
     order = rank.population.order
-    hoop = rank.particles.F[order][np.argsort(rank.particles.id[order]), 4]
+    hoop = rank.up_to_date().F[order][np.argsort(rank.up_to_date().id[order]), 4]
     assert np.abs(hoop - (p.F[:, 4] * (1 + DT * L[:, 4]))[np.argsort(p.id)]).max() <= 1e-11
 
 

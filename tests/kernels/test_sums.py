@@ -42,7 +42,7 @@ def test_sums_and_rate(D):
     rank = Rank(shape, frame, random_particles(rng, random_positions(rng, frame, 80)))
     sums = sums_of(rank, D, 2, MATERIAL_OF)
 
-    p = rank.particles
+    p = rank.up_to_date()
     x, v = np.zeros((2, 80, 3))
     x[:, :D], v[:, :D] = p.x, p.v
     laws = [MATERIALS[MATERIAL_OF[body]] for body in p.body]

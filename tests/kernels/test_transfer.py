@@ -61,9 +61,9 @@ def test_particles_to_grid_between_two_sorts(name, D):
     """Particles have moved since their rows were sorted: the order within a layer is stale."""
     rank, reference, _ = setting(name, D)
     rng = np.random.default_rng(SEED)
-    for layer in np.unique(rank.particles.layer):
-        rows = np.flatnonzero(rank.particles.layer == layer)
-        rank.particles.x[rows, 1:] = rank.particles.x[rng.permutation(rows), 1:]
+    for layer in np.unique(rank.up_to_date().layer):
+        rows = np.flatnonzero(rank.up_to_date().layer == layer)
+        rank.up_to_date().x[rows, 1:] = rank.up_to_date().x[rng.permutation(rows), 1:]
     rank.particles_to_grid()
     reference.particles_to_grid(copied(rank))
     assert records_agree(rank, reference.m, reference.p, reference.f)

@@ -12,10 +12,10 @@ from pgimp.geometry import measure
 from pgimp.mpi.comm import Serial
 from pgimp.scene.bodies import lattice as lattice_module
 from pgimp.scene.bodies import lattice_body as latticebody
-from pgimp.scene.bodies.counts import count_all
+from pgimp.scene.bodies.counts import count_all, count_particles
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.populate import populate
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 
 
 def case(D, surface="cut", **changes):

@@ -11,8 +11,9 @@ from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.commands import check
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.checks import bonds, nearness
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 
 CASES = Path(__file__).parents[2] / "cases"
 

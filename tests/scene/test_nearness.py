@@ -7,8 +7,9 @@ from tiers import wide
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.checks import bonds, nearness
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 from pgimp.solver.simulation import Simulation
 
 pytestmark = pytest.mark.slow(20)

@@ -8,10 +8,11 @@ from scenes import BAR, SOFT, box, field, finish, scene, start
 import pgimp
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.bodies.populate import populate
 from pgimp.scene.checks.facts import examine
 from pgimp.scene.geometry import release, share
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 
 
 def particles(case):

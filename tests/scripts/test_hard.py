@@ -13,7 +13,7 @@ from studies.initial import vertices
 from pgimp.case.stepping.courant import VERTEX_LIMITS
 from pgimp.physics.shapes import SHAPES
 from pgimp.physics.shapes.courant import LIMITS
-from pgimp.solver.lagrangian.motion import begin_motion
+from pgimp.solver.state.vertex_motion import begin_motion
 
 ROOT = Path(__file__).resolve().parents[2]
 

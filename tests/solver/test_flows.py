@@ -9,8 +9,8 @@ from tiers import wide
 
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.flows.filling import EXCESS, FIELD
-from pgimp.solver.configurations import groups_by_configuration
 from pgimp.solver.flows import EVERY, SHIFT
+from pgimp.solver.particle_groups import groups_of
 from pgimp.solver.time.clock import Step
 
 #: A tank 8 cells wide, filled to 8 cells; sound at ten times sqrt(g depth).
@@ -41,7 +41,7 @@ def tank(**parts):
 def filling(sim):
     """EXCESS and FIELD of the vertices of the domain's grid, in the order of y, x."""
     rank = sim.rank
-    order = groups_by_configuration(rank.scene, rank.population)[0].order
+    order = groups_of(rank)[0].order
     found = rank.flows.find(rank, order, Step(EVERY, 0.0, 0.01, 0.01))
     (i, j, _), extent = rank.grid.window.lower, rank.grid.window.extent
     G = found.G.reshape(rank.grid.planes, extent[1], RECORD)
@@ -68,7 +68,7 @@ def test_what_is_too_much_is_that_of_plain_sums():
     """Of particles at random places: volumes by tents, over the part within the walls."""
     sim = tank()
     rank, rows = sim.rank, sim.rank.live()
-    p, rng = rank.particles, np.random.default_rng(3)
+    p, rng = rank.up_to_date(), np.random.default_rng(3)
     sim.advance()
     p.x[rows] += rng.uniform(-0.2, 0.2, p.x[rows].shape) * (np.abs(p.x[rows] - 4.0) < 3.0)
     found = filling(sim)
@@ -84,7 +84,7 @@ def test_a_linear_pressure_is_left_as_it_is():
     """J that is linear in space is that of the vertices, at the walls and at the surface, too."""
     sim = tank()
     rank, rows = sim.rank, sim.rank.live()
-    p = rank.particles
+    p = rank.up_to_date()
     sim.advance()  # the window is that of a step
     p.slope[rows] = 1e-4, 3e-4
     x = p.x[rows]
@@ -119,7 +119,7 @@ def test_what_sinks_into_a_wall_has_the_pressure_of_the_water_above(wall):
 def test_what_is_crowded_spreads_and_keeps_its_momentum():
     """Shifts change no velocity: without forces the momentum is kept to rounding."""
     sim = tank(gravity=[0.0, 0.0])
-    p, rows = sim.rank.particles, sim.rank.live()
+    p, rows = sim.rank.up_to_date(), sim.rank.live()
     p.x[rows, 1] = 6.0 + 0.8 * (p.x[rows, 1] - 4.0)
     p.v[rows, 1] = 0.02
     width, energy = np.ptp(p.x[rows, 1]), sim.diagnostics()["strain-energy"]
@@ -134,7 +134,7 @@ def test_what_is_crowded_spreads_and_keeps_its_momentum():
 def test_gravity_works_on_what_is_shifted():
     """Its work is the weight times the way of the centre, shifts included."""
     sim = tank()
-    p, rows = sim.rank.particles, sim.rank.live()
+    p, rows = sim.rank.up_to_date(), sim.rank.live()
     p.x[rows, 1] *= 0.8
     before, start_of = sim.diagnostics(), p.x[rows, 1].sum()
     for _ in range(2 * EVERY):
@@ -170,7 +170,7 @@ def test_what_is_prescribed_is_not_shifted():
     held = {"body": "water", "region": {"box": {"min": [0, 0], "max": [8, 4]}}}
     case = TANK | {"constraints": {"held": held | {"velocity": [0.1, None]}}, "gravity": [0.0, 0.0]}
     sim = start(case | {"boundaries": {"x-min": "slip"}})
-    p, rows = sim.rank.particles, sim.rank.live()
+    p, rows = sim.rank.up_to_date(), sim.rank.live()
     p.x[rows] = 4.0 + 0.8 * (p.x[rows] - 4.0)
     before, mine = p.x[rows].copy(), p.constraint[rows, 0] == 1
     while sim.step < 2 * EVERY:
@@ -218,7 +218,7 @@ def test_calm_water_stays(method):
     sim = tank(method=method)
     while sim.time < 40.0 * UNIT:
         sim.advance()
-    centre = sim.rank.particles.x[sim.rank.live(), 1].mean()
+    centre = sim.rank.up_to_date().x[sim.rank.live(), 1].mean()
     assert centre / 4.0 - 1.0 == pytest.approx(-0.0067, abs=0.005)
 
 
@@ -226,17 +226,17 @@ def test_water_that_sloshes_keeps_its_volume():
     """By 60 sqrt(depth/g) it has its height to 2 %, where it lost a tenth and more."""
     sim = tank()
     rows = sim.rank.live()
-    x = sim.rank.particles.x[rows]
-    sim.rank.particles.v[rows, 0] = 0.3 * UNIT * np.sin(np.pi * x[:, 0] / 8.0)
+    x = sim.rank.up_to_date().x[rows]
+    sim.rank.up_to_date().v[rows, 0] = 0.3 * UNIT * np.sin(np.pi * x[:, 0] / 8.0)
     while sim.time < 60.0 * UNIT:
         sim.advance()
-    assert sim.rank.particles.x[sim.rank.live(), 1].mean() / 4.0 == pytest.approx(1.0, abs=0.02)
+    assert sim.rank.up_to_date().x[sim.rank.live(), 1].mean() / 4.0 == pytest.approx(1.0, abs=0.02)
 
 
 def test_the_volume_on_the_grid_is_what_vertices_have_room_for():
     """Of crowded particles: the sum over the vertices, by tents; the warning names the liquid."""
     sim = tank(gravity=[0.0, 0.0])
-    p, rows, rng = sim.rank.particles, sim.rank.live(), np.random.default_rng(5)
+    p, rows, rng = sim.rank.up_to_date(), sim.rank.live(), np.random.default_rng(5)
     p.x[rows, 1] = 4.0 + 0.9 * (p.x[rows, 1] - 4.0)
     p.x[rows] += rng.uniform(-0.2, 0.2, p.x[rows].shape) * (np.abs(p.x[rows] - 4.0) < 3.0)
     x, room = p.x[rows].copy(), 0.0
@@ -273,7 +273,7 @@ def test_gaps_of_loose_soil_close_where_space_is_full(model):
         "friction-angle": 30.0,
     }  # fmt: skip
     sim = tank(materials={"water": law}, gravity=[0.0, 0.0])
-    p, rows = sim.rank.particles, sim.rank.live()
+    p, rows = sim.rank.up_to_date(), sim.rank.live()
     column = {"drucker-prager": 0, "mohr-coulomb": 4}[model]
     p.F[rows] *= np.exp(0.025)
     p.state[rows, column] = 0.05

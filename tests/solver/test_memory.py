@@ -19,7 +19,8 @@ from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.mpi.limits import Limit, limits
 from pgimp.scene.bodies import extent
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.bodies.counts import count_particles
+from pgimp.scene.scene import Scene
 from pgimp.solver.start import require_memory
 
 pytestmark = pytest.mark.slow(30)

@@ -19,19 +19,19 @@ def alone(**method):
         },
     }  # fmt: skip
     sim = start(case)
-    assert len(sim.rank.particles.id) == 1
-    sim.rank.particles.x[0] += 0.2
+    assert len(sim.rank.up_to_date().id) == 1
+    sim.rank.up_to_date().x[0] += 0.2
     return sim
 
 
 def test_a_particle_alone_keeps_its_volume_and_its_spin():
     # Without the rule its stretch feeds itself: at t = 1.1 the particle has half of its volume.
     sim = alone()
-    sim.rank.particles.L[0] = [3.0, -0.5, 0.5, -3.0]
+    sim.rank.up_to_date().L[0] = [3.0, -0.5, 0.5, -3.0]
     while sim.time < 5.0:
         sim.advance()
-        assert 0.9 < float(sim.rank.particles.V[0]) / 0.25 < 1.5
-    spin = sim.rank.particles.L[0].reshape(2, 2)
+        assert 0.9 < float(sim.rank.up_to_date().V[0]) / 0.25 < 1.5
+    spin = sim.rank.up_to_date().L[0].reshape(2, 2)
     np.testing.assert_allclose(spin + spin.T, 0.0, atol=0.05)
-    np.testing.assert_allclose(sim.rank.particles.v[0, :2], [0.05, 0.0], atol=1e-12)
+    np.testing.assert_allclose(sim.rank.up_to_date().v[0, :2], [0.05, 0.0], atol=1e-12)
     assert 0.25 < spin[1, 0] < 0.75  # the voids that its stretch opened have slowed it a little

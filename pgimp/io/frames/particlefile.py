@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.io.frames.mesh import Column, Mesh
 from pgimp.io.frames.particlevalues import CONNECTIVITY, Values
-from pgimp.io.frames.vtkhdf import add_group
+from pgimp.io.frames.writers import begin_frame
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.fields import Source
@@ -95,6 +96,14 @@ class ParticleFile:
             "materials": names["material"],
         } | saved_attributes(scene)
 
+    def mesh(self, path: Path, state: tuple[float, int], count: int) -> Mesh:
+        """Return the content of a file with `count` particles, at a time and step."""
+        fields = {
+            name: Column(self.kinds[name].columns, dtype, self.kinds[name].kind)
+            for name, dtype in self.types.items()
+        }
+        return Mesh(path, *state, count, count, 1, fields)
+
     def rows(
         self, comm: Communicator, ids: Array, storage: Array, count: int, complete: bool
     ) -> Rows:
@@ -161,7 +170,7 @@ class ParticleFile:
                 stands_for = {"time": np.frombuffer(_TIME, "<f8")[0]}
                 stands_for |= {"step": np.frombuffer(_STEP, "<i8")[0]}
                 header = attributes | stands_for
-                self._layout = lay_out(self._datasets, rows.count, header, more=add_group)
+                self._layout = lay_out(self._datasets, rows.count, header, more=begin_frame)
                 self._count = rows.count
             time, step = np.array(attributes["time"], "<f8"), np.array(attributes["step"], "<i8")
             for place, data in self._layout.parts.items():
@@ -202,7 +211,7 @@ class ParticleFile:
 
         def finish() -> None:
             with explained_errors(what):
-                says.update(made[0].finish(add_group))
+                says.update(made[0].finish(begin_frame))
 
         on_root(rows.comm, begin)
         file = FrameFile(part, rows.comm)

@@ -1,4 +1,4 @@
-"""A series of files in the folder of frames, with the files that list them: XDMF and VTKHDF.
+"""A series of files in the folder of frames, with the files that list them, see `Writer`.
 
 The run does not wait for the disk. A file is written to the kernel's memory, synced to the disk
 during the next steps, and only then renamed. So a file with its final name is complete, even after
@@ -12,24 +12,15 @@ import re
 from abc import ABC, abstractmethod
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 from pgimp.errors import RunError, explain
-from pgimp.io.frames.vtkseries import Mesh, VtkSeries
-from pgimp.io.frames.xdmf import Collection
+from pgimp.io.frames.mesh import Mesh
+from pgimp.io.frames.writers import writers_of
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.storage.atomic import sync_folder
 from pgimp.storage.unfinished import Unfinished
-
-
-class Entry(NamedTuple):
-    """Entry of a file in the lists: time, step, text in the XDMF file, and description for VTK."""
-
-    time: float
-    step: int
-    text: str
-    mesh: Mesh
 
 
 class Series(ABC):
@@ -39,8 +30,8 @@ class Series(ABC):
     ----------
     comm : communicator
         Of all ranks.
-    collection : Collection
-        The XDMF file; the VTKHDF file has the same name.
+    path : Path
+        Path of the files that list the frames, without suffix; frames are in a folder beside it.
     pattern : re.Pattern
         Pattern of the file names; its group is the number.
 
@@ -55,27 +46,32 @@ class Series(ABC):
         Bytes of the files written by this process, on rank 0.
     """
 
-    def __init__(
-        self, comm: Communicator, collection: Collection, pattern: re.Pattern[str]
-    ) -> None:
-        self.folder = collection.path.parent / "frames"
+    def __init__(self, comm: Communicator, path: Path, pattern: re.Pattern[str]) -> None:
+        self.folder = path.parent / "frames"
         self.comm = comm
         self.written = self.size = 0
         self.latest = 0.0
         self.step = -1
-        self._collection, self._pattern = collection, pattern
-        self._vtk = VtkSeries(collection.path.with_suffix(".vtkhdf"))
-        self._pending: tuple[Unfinished, Entry] | None = None
+        self._writers, self._pattern = writers_of(path), pattern
+        self._pending: tuple[Unfinished, Mesh] | None = None
         self._synced = 0
 
     @abstractmethod
-    def _listed(self, path: Path) -> Entry:
-        """Read a file's entry in the list; a RunError if the file is wrong."""
+    def enter(self, case: Any, sim: Any) -> None:
+        """Use the output settings of a case, or of another stage of it."""
 
-    def _wait_for(self, file: Unfinished, entry: Entry) -> None:
+    @abstractmethod
+    def write(self, sim: Any, number: int) -> None:
+        """Write the present state as a frame, and finish the previous one; collective."""
+
+    @abstractmethod
+    def _listed(self, path: Path) -> Mesh:
+        """Read the content of a file; a RunError if the file is wrong."""
+
+    def _wait_for(self, file: Unfinished, mesh: Mesh) -> None:
         """Schedule a file for renaming at the next `finish`."""
-        self._pending = file, entry
-        self.step = entry.step
+        self._pending = file, mesh
+        self.step = mesh.step
 
     @property
     def waiting(self) -> bool:
@@ -102,19 +98,18 @@ class Series(ABC):
         """
         if self._pending is None:
             return
-        file, entry = self._pending
+        file, mesh = self._pending
         self._pending = None
 
         def show() -> None:
             self.size += file.path.stat().st_size
-            self._collection.add(entry.text)
-            self._collection.write(durable=last)
-            self._vtk.add(entry.mesh)
-            self._vtk.show()
+            for writer in self._writers:
+                writer.add(mesh)
+                writer.finish(last)
 
         file.end(show)
         self.written += 1
-        self.latest = entry.time
+        self.latest = mesh.time
 
     def sync(self, last: bool = False) -> None:
         """Ensure that all files so far survive a crash of the machine; collective.
@@ -135,8 +130,8 @@ class Series(ABC):
 
         def names() -> None:
             try:
-                if last:
-                    self._vtk.write(durable=True)
+                for writer in self._writers if last else ():
+                    writer.sync()
                 sync_folder(self.folder)
             except OSError as error:
                 raise RunError(f"cannot write to {self.folder}: {explain(error)}") from error
@@ -147,8 +142,9 @@ class Series(ABC):
     def close(self) -> None:
         """List all frames so far, if that is possible."""
         if self.comm.rank == 0:
-            with suppress(OSError):
-                self._vtk.write()
+            for writer in self._writers:
+                with suppress(OSError):
+                    writer.close()
 
     def resume(self, number: int) -> list[str]:
         """Continue after the first `number` files; later files are deleted; collective.
@@ -190,14 +186,15 @@ class Series(ABC):
             notes = self._missing(number, len(before))
             for path in (paths[i] for i in before):
                 try:
-                    time, step, text, mesh = self._listed(path)
+                    mesh = self._listed(path)
                 except RunError as error:
-                    notes.append(f"{error}; {self._collection.path.name} goes on without it")
+                    notes.append(f"{error}; {self._writers[0].path.name} goes on without it")
                     continue
-                self._collection.add(text)
-                self._vtk.add(mesh)
-            self._collection.write()
-            self._vtk.restart()
+                time, step = mesh.time, mesh.step
+                for writer in self._writers:
+                    writer.add(mesh)
+            for writer in self._writers:
+                writer.restart()
             for i in paths:
                 if i >= number:
                     paths[i].unlink()

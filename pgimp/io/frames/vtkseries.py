@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 
 from pgimp.io.frames import vtkhdf
-from pgimp.io.frames.xdmf import relative
-from pgimp.io.results.frame import FOR_READERS, Reading
+from pgimp.io.frames.mesh import Mesh
+from pgimp.io.frames.writer import Writer
 from pgimp.storage.atomic import write
 from pgimp.storage.hdf5 import open_file
 from pgimp.storage.image import Image
@@ -22,25 +21,7 @@ Array = np.ndarray
 _SHARE = 0.01
 
 
-class Mesh(NamedTuple):
-    """Points and cells of a frame, and its fields."""
-
-    path: Path
-    time: float
-    points: int
-    cells: int
-    nodes: int
-    """Vertices of a cell."""
-    fields: Mapping[str, tuple[int, str]]
-    """Columns, 0 for a scalar, and type of each field, including `position`."""
-
-    @property
-    def cut(self) -> bool:
-        """Whether it is cut in parts: particles are, as their cells do not share vertices."""
-        return "id" in self.fields
-
-
-class VtkSeries:
+class VtkSeries(Writer):
     """A temporal series of frames, whose datasets it shows without a copy.
 
     A field that a frame does not have is not a number there, or -1. So is each field of a frame
@@ -52,37 +33,46 @@ class VtkSeries:
         The file; its name ends in ``.vtkhdf``.
     """
 
+    suffix: ClassVar[str] = ".vtkhdf"
+
     def __init__(self, path: Path) -> None:
-        self.path = path
+        super().__init__(path)
         self._meshes: list[Mesh] = []
         self._stale = False
         self._next = 0.0
 
+    @classmethod
+    def begin(cls, file: Any) -> None:
+        """See `Writer.begin`."""
+        vtkhdf.add_group(file)
+
     def add(self, mesh: Mesh) -> None:
-        """Add a frame."""
+        """See `Writer.add`."""
         self._meshes.append(mesh)
         self._stale = True
 
     def restart(self) -> None:
-        """Delete the file, unless it can be rewritten; an OSError if that is not possible."""
+        """See `Writer.restart`; without frames the file is deleted."""
         if self._meshes:
             self.write()
         else:
             self.path.unlink(missing_ok=True)
 
-    def show(self) -> None:
-        """Rewrite the file, unless that would take too large a share of the run's time.
-
-        Raises
-        ------
-        OSError
-            If it cannot be written; the older version then stays.
-        """
+    def finish(self, last: bool = False) -> None:
+        """See `Writer.finish`: unless that would take too large a share of the run's time."""
         began = perf_counter()
         if began >= self._next:
             self.write()
             ended = perf_counter()
             self._next = ended + (ended - began) / _SHARE
+
+    def sync(self) -> None:
+        """See `Writer.sync`."""
+        self.write(durable=True)
+
+    def close(self) -> None:
+        """See `Writer.close`."""
+        self.write()
 
     def write(self, durable: bool = False) -> None:
         """Rewrite the file with all frames so far, if it does not have them yet.
@@ -105,21 +95,6 @@ class VtkSeries:
         image.seek(0)
         write(self.path, image.read(image.size), durable)
         self._stale = False
-
-
-def described(path: Path) -> Mesh:
-    """Read the description of a frame; a RunError if the file is wrong."""
-    with Reading(path) as file:
-        names = [name for name in file.names if name not in FOR_READERS]
-        datasets = {name: file[name] for name in names}
-        fields = {
-            name: (dataset.shape[1] if dataset.ndim == 2 else 0, dataset.dtype.str)
-            for name, dataset in datasets.items()
-        }
-        cells = file["connectivity"].shape
-        nodes = cells[1] if len(cells) == 2 else 1
-        points = len(datasets["position"])
-        return Mesh(path, float(file.attrs["time"]), points, cells[0], nodes, fields)
 
 
 def _fill(group: Any, meshes: list[Mesh]) -> None:
@@ -145,14 +120,14 @@ def _fill(group: Any, meshes: list[Mesh]) -> None:
     ):
         vtkhdf.small(steps, name, values)
     of_all = max(int(start) + mesh.points for start, mesh in zip(points, meshes, strict=True))
-    files = [relative(mesh.path).encode() for mesh in meshes]
+    files = [mesh.relative.encode() for mesh in meshes]
     data, offsets = group.create_group("PointData"), steps.create_group("PointDataOffsets")
     for name, (columns, dtype) in _fields(meshes).items():
         fill = np.nan if dtype.kind == "f" else -1
         where = (group, "Points") if name == "position" else (data, name)
         views = vtkhdf.Views(*where, of_all, dtype, columns, fill)
         for start, file, mesh in zip(points.tolist(), files, meshes, strict=True):
-            if mesh.fields.get(name, (-1,))[0] == columns:
+            if name in mesh.fields and mesh.fields[name].columns == columns:
                 shape = (mesh.points, columns) if columns else (mesh.points,)
                 views.add(start, mesh.points, file, f"/{name}".encode(), shape)
         views.create()
@@ -208,7 +183,7 @@ def _fields(meshes: list[Mesh]) -> dict[str, tuple[int, np.dtype]]:
     """Columns and type of each field of any frame, by name; of several types, the widest."""
     found: dict[str, tuple[int, np.dtype]] = {}
     for mesh in meshes:
-        for name, (columns, dtype) in mesh.fields.items():
+        for name, (columns, dtype, _) in mesh.fields.items():
             known = found.get(name, (columns, np.dtype(dtype)))
             found[name] = known[0], np.promote_types(known[1], dtype)
     return dict(sorted(found.items()))

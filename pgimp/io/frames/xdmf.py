@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
+from typing import ClassVar
 from xml.sax.saxutils import quoteattr
 
-from pgimp.physics.fields import Field
+from pgimp.io.frames.mesh import Mesh
+from pgimp.io.frames.writer import Writer
 from pgimp.storage.atomic import write
-
-Kind = tuple[str, int, str]
-"""Of a field: its attribute type, number of columns (0 for a scalar) and type in the file."""
 
 _NUMBER_TYPE = {"f": "Float", "i": "Int"}
 
+#: Type of the cells with so many vertices.
+_CELLS = {1: "Polyvertex", 2: "Polyline", 4: "Quadrilateral", 8: "Hexahedron"}
 
-class Collection:
+
+class Collection(Writer):
     """A temporal collection of frames, complete after each frame.
 
     ParaView has three readers of XDMF, which agree only on a subset: cells by an explicit
@@ -27,13 +28,23 @@ class Collection:
         The file; its name without suffix is the collection's.
     """
 
+    suffix: ClassVar[str] = ".xdmf"
+
     def __init__(self, path: Path) -> None:
-        self.path = path
+        super().__init__(path)
         self._grids: list[str] = []
 
-    def add(self, grid: str) -> None:
-        """Add a frame, the text from `particles` or `mesh`."""
-        self._grids.append(grid)
+    def add(self, mesh: Mesh) -> None:
+        """See `Writer.add`."""
+        self._grids.append(_grid(mesh))
+
+    def finish(self, last: bool = False) -> None:
+        """See `Writer.finish`."""
+        self.write(durable=last)
+
+    def restart(self) -> None:
+        """See `Writer.restart`."""
+        self.write()
 
     def write(self, durable: bool = False) -> None:
         """Rewrite the file with all frames so far.
@@ -57,95 +68,26 @@ class Collection:
         )
 
 
-def particles(
-    path: Path, time: float, count: int, types: Mapping[str, str], kinds: Mapping[str, Field]
-) -> str:
-    """Return the XDMF text of a frame of particles.
-
-    Parameters
-    ----------
-    path : Path
-        The frame's file; the XDMF file is in the folder above or beside it.
-    time : float
-        Simulated time.
-    count : int
-        Number of particles.
-    types : mapping of str to str
-        Fields, including `position`, and their types.
-    kinds : mapping of str to Field
-        Definition of each field.
-    """
-    file = relative(path)
-    topology = 'TopologyType="Polyvertex"', 1
-    fields = {name: (kinds[name].kind, kinds[name].columns, types[name]) for name in types}
-    return _grid("particles", file, time, (count, count), topology, fields)
-
-
-#: Type of the cells of a grid, by dimension, with its attribute.
-_CELLS = ('TopologyType="Polyline"', 'TopologyType="Quadrilateral"', 'TopologyType="Hexahedron"')
-
-
-def mesh(
-    path: Path, time: float, counts: tuple[int, int], dimension: int, fields: Mapping[str, Kind]
-) -> str:
-    """Return the XDMF text of a frame of the grid.
-
-    Parameters
-    ----------
-    path : Path
-        The frame's file.
-    time : float
-        Its simulated time.
-    counts : (int, int)
-        Numbers of vertices and of cells.
-    dimension : int
-        1, 2 or 3.
-    fields : mapping of str to (str, int, str)
-        Fields, including `position`: attribute type, columns (0 for a scalar), type.
-    """
-    topology = _CELLS[dimension - 1], 2**dimension
-    return _grid("grid", relative(path), time, counts, topology, fields)
-
-
-def surface(path: Path, time: float, counts: tuple[int, int], dimension: int) -> str:
-    """Return the XDMF text of a frame of the rigid bodies; as `mesh`, for cells of surfaces."""
-    fields: dict[str, Kind] = {"position": ("Vector", 3, "<f8"), "body": ("Scalar", 0, "<i8")}
-    topology = ('TopologyType="Polyvertex"', *_CELLS)[dimension - 1], 2 ** (dimension - 1)
-    return _grid("rigid", relative(path), time, counts, topology, fields)
-
-
-def relative(path: Path) -> str:
-    """Return the name of a frame in the files that list all of them."""
-    return f"{path.parent.name}/{path.name}" if path.parent.name == "frames" else path.name
-
-
-def _grid(
-    name: str,
-    file: str,
-    time: float,
-    counts: tuple[int, int],
-    topology: tuple[str, int],
-    fields: Mapping[str, Kind],
-) -> str:
-    vertices, cells = counts
-    kind, nodes = topology
-    columns = 0 if nodes == 1 else nodes
+def _grid(mesh: Mesh) -> str:
+    """Text of a frame."""
+    file, nodes = mesh.relative, mesh.nodes
     lines = [
-        f'<Grid Name="{name}" GridType="Uniform">',
-        f'<Time Value="{time!r}"/>',
-        f'<Topology {kind} NumberOfElements="{cells}" NodesPerElement="{nodes}">',
-        _item(file, "connectivity", "<i8", cells, columns),
+        f'<Grid Name="{mesh.series}" GridType="Uniform">',
+        f'<Time Value="{mesh.time!r}"/>',
+        f'<Topology TopologyType="{_CELLS[nodes]}" NumberOfElements="{mesh.cells}" '
+        f'NodesPerElement="{nodes}">',
+        _item(file, "connectivity", "<i8", mesh.cells, 0 if nodes == 1 else nodes),
         "</Topology>",
         '<Geometry GeometryType="XYZ">',
-        _item(file, "position", fields["position"][2], vertices, 3),
+        _item(file, "position", mesh.fields["position"].dtype, mesh.points, 3),
         "</Geometry>",
     ]
-    for field, (attribute, width, dtype) in fields.items():
-        if field == "position":
+    for name, field in mesh.fields.items():
+        if name == "position":
             continue
         lines += [
-            f'<Attribute Name={quoteattr(field)} AttributeType="{attribute}" Center="Node">',
-            _item(file, field, dtype, vertices, width),
+            f'<Attribute Name={quoteattr(name)} AttributeType="{field.kind}" Center="Node">',
+            _item(file, name, field.dtype, mesh.points, field.columns),
             "</Attribute>",
         ]
     return "\n".join([*lines, "</Grid>\n"])

@@ -1,12 +1,15 @@
 """Particle counts before creation, each rank a share of the planes, and overlap checks."""
 
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from pgimp.case.locations import located
 from pgimp.errors import CaseError
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.lattice import Lattice
+from pgimp.scene.scene import Scene
 
 
 class Counts(NamedTuple):
@@ -64,3 +67,30 @@ def count_all(lattice: Lattice, comm: Communicator) -> Counts:
     counted = zip(lattice.bodies, lattice.counted, strict=True)
     notes += [note for body, counts_ in counted if counts_ for note in body.region.notes()]
     return Counts(counts, notes)
+
+
+def count_particles(
+    scene: Scene, comm: Communicator, only: Collection[str] | None = None
+) -> tuple[Lattice, np.ndarray, list[str]]:
+    """Count the particles: lattice, counts by body and plane, and notes; collective.
+
+    Those of bodies that come in later stages count, too; see `present`. `only` leaves all bodies
+    out but some.
+
+    Raises
+    ------
+    CaseError
+        See `count_all`.
+    """
+    lattice = Lattice(scene.case, only)
+    with located(scene.case):
+        taken = count_all(lattice, comm)
+        if int(taken.counts.sum()) >= 2**53:
+            raise CaseError("grid.cell: more particles than can be numbered; use larger cells")
+    return lattice, taken.counts, taken.notes
+
+
+def present(scene: Scene, counts: np.ndarray) -> np.ndarray:
+    """Counts by body and plane without the bodies that come in later stages."""
+    awaited = [name in scene.case.staged.awaited for name in scene.body_names]
+    return np.where(np.array(awaited)[:, None], 0, counts)

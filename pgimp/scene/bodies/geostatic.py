@@ -76,7 +76,7 @@ def weight_above(
     per_cell = np.array(method.particles_per_cell)
     x, m = particles.x[:count], particles.m[:count]
     area = np.prod(frame.cell) / np.prod(per_cell) / frame.cell[axis] * per_cell[axis]
-    areas = scene.domain.around(x) * area if scene.case.axisymmetric else area
+    areas = scene.domain.circumference(x) * area if scene.case.axisymmetric else area
     number = np.floor((x - frame.origin) * frame.inverse * per_cell).astype(np.int64)
     level = -number[:, axis] if pull < 0.0 else number[:, axis]
     across = np.delete(number, axis, axis=1)

@@ -22,11 +22,11 @@ from pgimp.geometry.points.block import Block, Saved
 from pgimp.geometry.regions import Points
 from pgimp.geometry.sweep import close_pairs
 from pgimp.physics.contact.pairs import sharing
+from pgimp.scene.bodies.clouds.overlap import overlaps
+from pgimp.scene.bodies.clouds.point_cloud import Cloud
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.merge import LEAST_FRACTION
-from pgimp.scene.bodies.point_cloud import Cloud
 from pgimp.scene.bodies.volume_fractions import Ranges, VolumeFractions
-from pgimp.scene.checks.overlap import overlaps
 
 #: Particles that are created at a time.
 _BLOCK = 200_000
@@ -162,7 +162,7 @@ class Lattice:
     def close_pairs(self) -> Iterator[tuple[int, int, Ranges]]:
         """Pairs of bodies whose boxes reach into the same cells, with that part of the lattice.
 
-        `pgimp.scene.checks.overlap` checks particles from files.
+        `pgimp.scene.bodies.clouds.overlap` checks particles from files.
         """
         on_lattice = [n for n, body in enumerate(self.bodies) if isinstance(body, LatticeBody)]
         every = np.array([self.bodies[n].box for n in on_lattice]).reshape(-1, len(self.edges), 2)

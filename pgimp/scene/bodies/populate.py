@@ -13,10 +13,10 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.physics.loads.own_velocity import OwnVelocity
 from pgimp.physics.materials.base import has
-from pgimp.scene.bodies.cloud_gradients import with_gradients
+from pgimp.scene.bodies.clouds.cloud_gradients import with_gradients
+from pgimp.scene.bodies.clouds.point_cloud import Cloud
 from pgimp.scene.bodies.lattice import Lattice, ParticleBlock
 from pgimp.scene.bodies.lattice_body import LatticeBody
-from pgimp.scene.bodies.point_cloud import Cloud
 from pgimp.scene.bodies.saved_state import restore_state
 from pgimp.scene.bodies.surface_elements import parts_of
 from pgimp.scene.scene import Scene
@@ -82,7 +82,7 @@ def populate(
         p.body[rows] = block.body
         p.V0[rows] = p.V[rows] = lattice.volume * block.fractions  # (3)
         if scene.case.axisymmetric and block.rows is None:  # files have the volumes of rings
-            p.V0[rows] = p.V[rows] = p.V[rows] * scene.domain.around(block.centroids)
+            p.V0[rows] = p.V[rows] = p.V[rows] * scene.domain.circumference(block.centroids)
         if scene.carried.surfaces:
             p.offset[rows] = block.centroids - block.positions
             p.excess[rows, 0] = lattice.excess(block)

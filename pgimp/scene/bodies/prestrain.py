@@ -43,7 +43,7 @@ def _mean_alone(scene: Scene, name: str) -> bool:
 
 
 def unknowns_along(scene: Scene, name: str, axis: int) -> list[Unknown]:
-    """Stretches along an axis and across it, or of a law with its mean stress alone of all."""
+    """Axial and transverse stretch; one isotropic stretch for laws with mean stress alone."""
     places = _diagonal(scene)
     if _mean_alone(scene, name):
         return [Unknown(places, None)]
@@ -53,7 +53,7 @@ def unknowns_along(scene: Scene, name: str, axis: int) -> list[Unknown]:
 
 
 def every_unknown(scene: Scene, name: str) -> list[Unknown]:
-    """All numbers of a symmetric F, or of a law with its mean stress alone one stretch."""
+    """Components of a symmetric F; one isotropic stretch for laws with mean stress alone."""
     places, D = _diagonal(scene), scene.dimension
     if _mean_alone(scene, name):
         return [Unknown(places, None)]

@@ -11,12 +11,11 @@ import numpy as np
 from pgimp.case.output import PlaceProbe
 from pgimp.case.schema import Case
 from pgimp.geometry.regions import Points
-from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.scene.bodies.lattice import Lattice, ParticleBlock
 from pgimp.scene.bodies.populate import velocities
 from pgimp.scene.checks.later_constraints import LaterConstraint, held, later_constraints
 from pgimp.scene.scene import Scene
+from pgimp.scene.wave_speeds import rest_rate, wave_speed
 
 _Reals = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -224,41 +223,6 @@ class _Varied:
         rows = np.stack([self._least, self._sums / self._count, self._most], axis=1).tolist()
         keys = (".".join(path) for path in self._layout.paths)
         return {key: (row[0], row[1], row[2]) for key, row in zip(keys, rows, strict=True)}
-
-
-def wave_speed(scene: Scene, body: int, points: tuple[_Reals, _Reals] | None = None) -> float:
-    """Wave speed of a body at rest; see `rest_rate`."""
-    # Cells are so large here that viscosity is negligible.
-    return rest_rate(scene, body, 2.0**-200, points) * 2.0**200
-
-
-def rest_rate(
-    scene: Scene, body: int, inverse: float = 0.0, points: tuple[_Reals, _Reals] | None = None
-) -> float:
-    """Rate that limits the step of a body at rest, by waves and viscosity, 1/time.
-
-    Parameters
-    ----------
-    scene, body : Scene, int
-        The body's number in a scene.
-    inverse : float
-        Inverse of the side of a cell; by default the scene's.
-    points : ((n, own), (n, k)) float64, optional
-        Columns `own` and `state` of particles whose material varies; by default typical ones.
-    """
-    number = scene.materials.body_material[body]
-    if points is None:
-        points = (
-            scene.materials.variations.typical[number][None],
-            scene.materials.states.initial[number][None],
-        )
-    point = Particles.empty(len(points[0]), scene.carried)
-    point.body[:] = body
-    point.own[:], point.state[:] = points
-    setting, D = scene.setting.without_shape(), scene.dimension
-    if inverse:
-        setting = setting._replace(frame=setting.frame._replace(inverse=(inverse,) * D))
-    return fastest_rate(setting, point, np.arange(len(point.body), dtype=np.int32), True)
 
 
 def _gap(ends: tuple[_Reals, _Reals], low: Any, high: Any) -> _Reals:

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.rigid import Motion
-from pgimp.scene.checks.facts import wave_speed
 from pgimp.scene.faces import Face
 from pgimp.scene.rigid.rigid import SceneRigidBodies
+from pgimp.scene.wave_speeds import wave_speed
 
 if TYPE_CHECKING:
     from pgimp.scene.scene import Scene

@@ -21,6 +21,7 @@ from pgimp.scene.rigid.checks import may_collide, require_clear
 from pgimp.scene.rigid.free_body import FreeBody, State
 from pgimp.scene.rigid.rotation import Matrix, solve
 from pgimp.scene.scene import Scene
+from pgimp.solver.reduction import place_planes
 from pgimp.solver.time.clock import Step
 
 #: Iterations of Newton's method. Contact that only opens, closes, sticks or slides takes two or
@@ -253,21 +254,14 @@ class FreeBodies:
         """Sum up `responses`, plane by plane in their order; collective."""
         lattice = rigid_bodies.lattice[self.numbers]
         low, high = int(lattice["least"][:, 0].min()), int(lattice["most"][:, 0].max())
-        every = np.zeros((high - low + 1, len(self.bodies)), RESPONSE)
         first = int(grid.window.lower[0])
-        begin, end = max(low, first), min(high + 1, first + grid.owned)
-        if begin < end:
-            active = grid.active[begin - first : end - first] > 0
-            every[begin - low : end - low][active] = rigid_bodies.responses[
-                begin - first : end - first
-            ][active]
-        if self.comm.size > 1:
-            found = np.empty_like(every)
-            # A plane has but one owner: no sum is rounded.
-            self.comm.Allreduce(every.view(np.float64), found.view(np.float64))
-            every = found
-        numbers = every.view(np.float64).reshape(*every.shape, -1)
-        return np.add.reduce(self.in_order(numbers, low), axis=0).view(RESPONSE)[:, 0]
+        begin = max(low, first)
+        mine = slice(begin - first, max(begin, min(high + 1, first + grid.owned)) - first)
+        own = rigid_bodies.responses[mine].copy()
+        own[grid.active[mine] == 0] = np.zeros((), RESPONSE)
+        numbers = own.view(np.float64).reshape(*own.shape, RESPONSE.itemsize // 8)
+        every = place_planes(self.comm, numbers, begin - low, high - low + 1)
+        return np.add.reduce(self.in_order(every, low), axis=0).view(RESPONSE)[:, 0]
 
     def in_order(self, values: np.ndarray, low: int) -> np.ndarray:
         """Return values by plane, from `low` on, and body in the order in which they are summed.

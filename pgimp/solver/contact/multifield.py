@@ -98,7 +98,7 @@ class MultifieldContact(NoContact):
         """Boxes of the bodies; collective."""
         population, domain = rank.population, self.scene.domain
         count = len(self.fields)
-        return body_boxes(domain, population.particles, population.order, count, self.comm)
+        return body_boxes(domain, population.up_to_date(), population.order, count, self.comm)
 
     def _share(
         self, rank: RankState, boxes: np.ndarray, fields: tuple[int, ...], steps: int
@@ -148,7 +148,7 @@ class MultifieldContact(NoContact):
         found = marked(contact.vertex_counts)
         if len(found):
             order = self._near(grid, rank.population, found)
-            self._volumes.add(rank.particles, order, found)
+            self._volumes.add(rank.up_to_date(), order, found)
 
     def update_momentum(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.update_momentum`.
@@ -263,7 +263,7 @@ class MultifieldContact(NoContact):
             self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)
         start = np.empty_like(order.start)
         self.call(
-            select_near, self.scene.domain.frame, grid.window, population.particles, order,
+            select_near, self.scene.domain.frame, grid.window, population.up_to_date(), order,
             self.data.vertex_ranges, shared, self._rows, start,
         )  # fmt: skip
         return Order(self._rows[: start[-1]], start)

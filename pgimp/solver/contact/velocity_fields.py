@@ -23,6 +23,7 @@ from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.domain import Domain
 from pgimp.scene.scene import Scene
+from pgimp.solver.contact.grown import grown
 
 #: Least number of steps without contact for bodies that share a field, and the most before the next
 #: search. In a step a particle moves by a cell at most, or the run ends.
@@ -84,12 +85,12 @@ def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: 
         return np.empty((0, 2))
     numbers, wide, room = np.array(fields, np.int64), 2.0 * steps + reach, 8 * len(fields)
     axis, order = _sweep(boxes)
-    while True:
-        ends = np.empty((room, 2))
-        found = find_intervals(boxes, numbers, wide, axis, order, ends)
-        if found <= room:
-            return ends[:found]
-        room = found
+    ends, found = grown(
+        room,
+        lambda size: np.empty((size, 2)),
+        lambda ends: find_intervals(boxes, numbers, wide, axis, order, ends),
+    )
+    return ends[:found]
 
 
 def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
@@ -110,13 +111,12 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
         Steps for which this holds.
     """
     count = boxes.shape[1]
-    (axis, order), room = _sweep(boxes), 8 * count
-    while True:
-        pairs = np.empty((room, 2), np.int64)
-        found = find_neighbours(boxes, reach, FEWEST, axis, order, pairs)
-        if found <= room:
-            break
-        room = found
+    axis, order = _sweep(boxes)
+    pairs, found = grown(
+        8 * count,
+        lambda size: np.empty((size, 2), np.int64),
+        lambda pairs: find_neighbours(boxes, reach, FEWEST, axis, order, pairs),
+    )
     fields, scratch = np.zeros(count, np.int64), np.zeros(2 * count + found + 2, np.int64)
     steps = colour_bodies(boxes, reach, MOST, axis, order, pairs[:found], scratch, fields)
     return tuple(fields.tolist()), min(steps, NEAR) if fields.any() else steps

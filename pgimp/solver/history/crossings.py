@@ -10,8 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.case.gauges import FluxGauge
+from pgimp.case.gauges import FluxGauge, flux_gauges
 from pgimp.kernels.data.arguments import Order
+from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.history.gauge_forces import chosen, gauge_surface, place_of, sums_by
 from pgimp.solver.history.gauge_surfaces import Surface
@@ -60,7 +61,7 @@ class Crossings(StepPart):
 
     def complete(self, rank: RankState) -> None:
         """See `StepPart.complete`."""
-        particles, D = rank.particles, rank.scene.dimension
+        particles, D = rank.up_to_date(), rank.scene.dimension
         for k, (gauge, near) in enumerate(zip(self._gauges, self._near, strict=True)):
             way = _unwound(rank, near.rows) - near.unwound
             part = self._surface(rank, gauge).passed(near.place, way)
@@ -76,21 +77,15 @@ class Crossings(StepPart):
         return gauge_surface(rank.scene, gauge.flux)
 
 
-def crossings_of(scene: Scene) -> Crossings | None:
+def crossings_of(scene: Scene, _: Communicator, __: Crossings | None = None) -> Crossings | None:
     """Return the counts of a scene, None without flux gauges."""
-    gauges = flux_gauges(scene)
+    gauges = flux_gauges(scene.case.gauges)
     return Crossings(list(gauges.values())) if gauges else None
-
-
-def flux_gauges(scene: Scene) -> dict[str, FluxGauge]:
-    """Return the flux gauges of a scene by name, in the order of the ledger."""
-    entries = scene.case.gauges.items()
-    return {name: gauge for name, gauge in entries if isinstance(gauge, FluxGauge)}
 
 
 def _unwound(rank: RankState, rows: Array) -> Array:
     """Positions of particles with their turns through periodic faces."""
-    particles, periods = rank.particles, rank.scene.domain.periods
+    particles, periods = rank.up_to_date(), rank.scene.domain.periods
     x = particles.x[rows]
     if particles.winding.shape[1]:
         x = x + particles.winding[rows] * periods

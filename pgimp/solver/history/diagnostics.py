@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from copy import copy, deepcopy
-from math import frexp, ldexp
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pgimp.kernels.data.arguments import Order
+from pgimp.case.gauges import flux_gauges
 from pgimp.kernels.data.ledger import (
     BOOKED,
     DAMPED,
@@ -21,18 +20,17 @@ from pgimp.kernels.data.ledger import (
     Ledger,
 )
 from pgimp.kernels.sums.errors import ERRORS, layer_errors
-from pgimp.kernels.sums.sums import HIGH, KINETIC, LOW, MASS, STRAIN, SUMS, exact_masses
+from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN, SUMS
 from pgimp.physics.materials.base import LOSSES
-from pgimp.solver.contact.keeping import QUARTER
+from pgimp.solver.contact.penetration import QUARTER, particles_inside
+from pgimp.solver.history.body_sums import own_sums, reduced
 from pgimp.solver.history.columns import line_of
-from pgimp.solver.history.crossings import flux_gauges
 from pgimp.solver.history.gauge_means import Means
 from pgimp.solver.history.gauges import measure
 from pgimp.solver.history.tearing import TearingWatch
 from pgimp.solver.history.totals import Totals
-from pgimp.solver.lagrangian.motion import sum_layers
 from pgimp.solver.lagrangian.pieces import by_layers
-from pgimp.solver.rank import Rank
+from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import START, Step
 
 if TYPE_CHECKING:
@@ -40,32 +38,6 @@ if TYPE_CHECKING:
 
 #: Part of the volume of flowing bodies without room on the grid that is worth a warning.
 LOST = 0.02
-
-
-def _mass(sums: np.ndarray, unit: float) -> float:
-    """Mass in rows of `exact_masses`, rounded once."""
-    high, low = (sum(map(int, column)) for column in sums.T)
-    return ldexp(float((high << LOW) + low), -LOW) / unit
-
-
-def _own_sums(rank: Rank, scene: Scene, order: Order) -> tuple[np.ndarray, np.ndarray, float]:
-    """Sums by layer and body of some particles of a rank, their masses, and the masses' unit."""
-    sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))
-    sum_layers(rank, scene, order, sums)
-    masses = np.zeros((len(scene.body_names), 2), np.int64)
-    unit = 2.0 ** (HIGH - 2 - frexp(scene.materials.most_mass)[1])  # see `put_in_order`
-    exact_masses(rank.population.stored, order.rows, unit, masses)
-    return sums, masses, unit
-
-
-def _reduced(
-    sums: list[np.ndarray], masses: list[np.ndarray], unit: float
-) -> tuple[np.ndarray, float]:
-    """Sums by body over the layers of all ranks, and the mass of all."""
-    bodies = np.add.reduce(np.concatenate(sums), axis=0)
-    every = np.stack(masses)  # by rank and body
-    bodies[:, MASS] = [_mass(every[:, body], unit) for body in range(len(bodies))]
-    return bodies, _mass(every.reshape(-1, 2), unit)
 
 
 def _impulses(own: Ledger) -> np.ndarray:
@@ -89,36 +61,12 @@ def _impulses(own: Ledger) -> np.ndarray:
 
 def _fluxes(scene: Scene, force: np.ndarray) -> dict[str, np.ndarray]:
     """Mass and momentum that left per time since the last line, by gauge; see `Totals.force`."""
-    names = list(flux_gauges(scene))
+    names = list(flux_gauges(scene.case.gauges))
     end = len(force) - 2 * len(scene.interaction.rigid_bodies)
     rows = force[end - 2 * len(names) : end].reshape(len(names), 6)
     if scene.case.axisymmetric:  # what points along the radius vanishes all round
         rows = rows * [1.0, 1.0, 1.0, 0.0, 1.0, 1.0]
     return {name: row[[0, 3, 4, 5]] for name, row in zip(names, rows, strict=True)}
-
-
-def sums_of_bodies(rank: Rank, scene: Scene, order: Order) -> np.ndarray:
-    """Sums by body of some particles, as in `layer_sums`, on rank 0; collective.
-
-    Parameters
-    ----------
-    rank : Rank
-        The rank with the particles.
-    scene : Scene
-        The scene with the parameters.
-    order : Order
-        The particles, by layer.
-
-    Returns
-    -------
-    (bodies, columns) float64
-        Zeros except on rank 0.
-    """
-    sums, masses, unit = _own_sums(rank, scene, order)
-    parts = rank.comm.gather((sums, masses))
-    if parts is None:
-        return np.zeros((len(scene.body_names), scene.materials.sums))
-    return _reduced([part[0] for part in parts], [part[1] for part in parts], unit)[0]
 
 
 def column_names(scene: Scene) -> list[str]:
@@ -135,13 +83,13 @@ def column_names(scene: Scene) -> list[str]:
     moved = np.zeros((len(scene.case.constraints), 3))
     loads = scene.interaction.loads
     held = len(loads.booked_constraints) + len(loads.booked_tractions)
-    crossed = 2 * len(flux_gauges(scene))
+    crossed = 2 * len(flux_gauges(scene.case.gauges))
     force = np.zeros((faces + held + len(contact) + crossed + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
     bodies = np.zeros((len(scene.body_names), scene.materials.sums))
-    errors, told = np.zeros(ERRORS), np.zeros(len(LOSSES))
+    errors, losses = np.zeros(ERRORS), np.zeros(len(LOSSES))
     totals = Totals(
-        scene, START, bodies, none, none, none, none, none, 0.0, 0.0, told, 0.0, 0.0, force,
+        scene, START, bodies, none, none, none, none, none, 0.0, 0.0, losses, 0.0, 0.0, force,
         np.zeros(faces), np.zeros((faces, WALL_BOOKED)), contact, rigid_bodies,
         np.zeros(len(rigid_bodies), np.int64), np.zeros((len(bodies), VOLUMES)), np.zeros(DAMPED),
         {}, moved, errors, errors, {}, {},
@@ -172,7 +120,7 @@ class Diagnostics:
         self.removed: np.ndarray | None = None
         self.added: np.ndarray | None = None
         self.changed = 0.0
-        self.told = np.zeros(len(LOSSES))
+        self.initial_losses = np.zeros(len(LOSSES))
         #: Means of the gauges, on rank 0.
         self.means = Means()
 
@@ -184,7 +132,7 @@ class Diagnostics:
         """Sums of the bodies that have come in stages."""
         return np.zeros(scene.materials.sums) if self.added is None else self.added
 
-    def line(self, rank: Rank, done: Step) -> dict[str, float] | None:
+    def line(self, rank: RankState, done: Step) -> dict[str, float] | None:
         """One line of the history on rank 0, None elsewhere; collective.
 
         The reaction of a face, or of a constraint, is its mean force on the material since the last
@@ -197,7 +145,7 @@ class Diagnostics:
         self.said += torn if line is not None else []
         return line
 
-    def reading(self, rank: Rank, done: Step, gauges: bool) -> dict[str, float] | None:
+    def reading(self, rank: RankState, done: Step, gauges: bool) -> dict[str, float] | None:
         """As `line`, for a function of a program: lines stay as they are without it; collective.
 
         Mean forces are over the time since the last reading; `read` on rank 0 is then this one.
@@ -212,19 +160,18 @@ class Diagnostics:
         return line
 
     @staticmethod
-    def rows(rank: Rank) -> int:
+    def rows(rank: RankState) -> int:
         """Number of mean forces and moments in a line, see `Totals.force`."""
         return _impulses(rank.booked()).shape[1]
 
-    def _line(self, rank: Rank, done: Step, gauged: bool) -> dict[str, float] | None:
+    def _line(self, rank: RankState, done: Step, gauged: bool) -> dict[str, float] | None:
         scene = rank.scene
-        sums, masses, unit = _own_sums(rank, scene, rank.population.ordered)
+        sums, masses, unit = own_sums(rank, scene, rank.population.ordered)
         own = rank.booked()
         impulse = _impulses(own)
         errors = self._own_errors(rank, done.end)
         gauges = measure(rank, done.end) if gauged else {}
-        particles = rank.particles if scene.interaction.rigid_bodies else rank.population.stored
-        inside = rank.keeping.inside(particles, rank.population.order, done.end, QUARTER)
+        inside = particles_inside(rank, rank.population.order, done.end, QUARTER)
         booked = (
             impulse, own.outside_mass, own.contact, own.rigid_bodies, own.wall_energy, own.filled,
             own.damping,
@@ -232,7 +179,7 @@ class Diagnostics:
         parts = rank.comm.gather((sums, own.work, booked, errors, own.escaped, masses, inside))
         if parts is None or gauges is None:
             return None
-        bodies, every = _reduced([part[0] for part in parts], [part[5] for part in parts], unit)
+        bodies, every = reduced([part[0] for part in parts], [part[5] for part in parts], unit)
         work = float(np.concatenate([part[1] for part in parts]).sum())
         impulse, outside_mass, contact, rigid_bodies, walls, filled, damping = (
             np.add.reduce(np.concatenate([part[2][i] for part in parts]), axis=0) for i in range(7)
@@ -245,7 +192,7 @@ class Diagnostics:
         if self.first_energy is None:
             self.first_energy = float(total[KINETIC] + total[STRAIN])
             if not done.end:
-                self.told[: len(total) - SUMS] = total[SUMS:]
+                self.initial_losses[: len(total) - SUMS] = total[SUMS:]
         escaped, added, most = np.zeros(scene.materials.sums), np.zeros(ERRORS), np.zeros(ERRORS)
         if scene.settings.escapes:
             escaped = np.add.reduce(np.concatenate([part[4] for part in parts]), axis=(0, 1))
@@ -267,14 +214,14 @@ class Diagnostics:
             Totals(
                 scene, done, bodies, total, escaped, self.removed_so_far(scene),
                 self.added_so_far(scene), inflow, self.changed,
-                self.settling_time, self.told, self.first_energy, work,
+                self.settling_time, self.initial_losses, self.first_energy, work,
                 force, outside_mass, walls, contact, rigid_bodies, inside,
                 filled, damping, rank.free.now if rank.free else {}, moved, added, most,
                 gauges, means,
             )
         )  # fmt: skip
 
-    def note_forces(self, rank: Rank, done: Step) -> None:
+    def note_forces(self, rank: RankState, done: Step) -> None:
         """Take mean forces from here on, as if there were a line; collective."""
         parts = rank.comm.gather(_impulses(rank.booked()))
         if parts is not None:
@@ -310,7 +257,7 @@ class Diagnostics:
                 )
 
     @staticmethod
-    def _own_errors(rank: Rank, time: float) -> tuple[np.ndarray, ...]:
+    def _own_errors(rank: RankState, time: float) -> tuple[np.ndarray, ...]:
         """Sums and maxima of the errors by layer, of this rank's particles; () without any."""
         scene = rank.scene
         if not scene.settings.exact:

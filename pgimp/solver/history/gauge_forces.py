@@ -8,6 +8,7 @@ order, so that their bits do not depend on the ranks.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +22,8 @@ from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import FORCE, MASS, RECORD
 from pgimp.physics.fields import within
 from pgimp.scene.scene import Scene
-from pgimp.solver.configurations import ConfigurationGroup, groups_by_configuration
 from pgimp.solver.history.gauge_surfaces import Surface, surface_of
+from pgimp.solver.particle_groups import ParticleGroup, groups_of
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.transfers import join_seams, sum_particles
 
@@ -69,7 +70,7 @@ def sums_by(group: Array, count: int, terms: Array) -> Array:
 
 def chosen(rank: RankState, gauge: Gauge, rows: Array) -> Array:
     """Return a mask of the particles in `rows` that a gauge counts."""
-    scene, particles = rank.scene, rank.particles
+    scene, particles = rank.scene, rank.up_to_date()
     found = np.ones(len(rows), bool)
     if gauge.bodies is not None:
         numbers = [scene.body_names.index(name) for name in gauge.bodies]
@@ -82,7 +83,7 @@ def chosen(rank: RankState, gauge: Gauge, rows: Array) -> Array:
 
 def place_of(rank: RankState, rows: Array) -> Array:
     """Return positions of particles, within the domain."""
-    return within(rank.particles.x[rows], rank.scene.domain.ends)
+    return within(rank.up_to_date().x[rows], rank.scene.domain.ends)
 
 
 def gauge_surface(scene: Scene, region: Region) -> Surface:
@@ -110,7 +111,7 @@ def sum_vertices(rank: RankState, time: float, gauge: Gauge, external: bool) -> 
     loads = scene.interaction.loads.at(time)
     if not external:
         loads = loads._replace(tractions=(), force=(), surfaces=())
-    groups = groups_by_configuration(scene, rank.population)
+    groups = groups_of(rank)
     if gauge.bodies is not None or getattr(gauge, "within", None) is not None:
         groups = tuple(_part(rank, gauge, group) for group in groups)
     sum_particles(rank, groups, loads, False, call=Bound())
@@ -119,14 +120,14 @@ def sum_vertices(rank: RankState, time: float, gauge: Gauge, external: bool) -> 
     return _forces(rank, scene.domain.gravity(time) if external else (0.0, 0.0, 0.0))
 
 
-def _part(rank: RankState, gauge: Gauge, group: ConfigurationGroup) -> ConfigurationGroup:
+def _part(rank: RankState, gauge: Gauge, group: ParticleGroup) -> ParticleGroup:
     """Return the chosen particles of a group."""
     rows, start = group.order
     if not len(rows):  # in a rehearsal `start` may not be set
         return group
     counted = chosen(rank, gauge, rows)
     before = np.concatenate([[0], np.cumsum(counted)])
-    return group._replace(order=Order(rows[counted], before[start].astype(np.int64)))
+    return replace(group, order=Order(rows[counted], before[start].astype(np.int64)))
 
 
 def _forces(rank: RankState, gravity: tuple[float, float, float]) -> Vertices:

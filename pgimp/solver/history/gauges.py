@@ -27,7 +27,7 @@ from pgimp.solver.history.gauge_forces import (
     wall_area,
 )
 from pgimp.solver.history.gauge_surfaces import covered
-from pgimp.solver.rank import Rank
+from pgimp.solver.rank_state import RankState
 
 Array = np.ndarray
 
@@ -35,7 +35,7 @@ Array = np.ndarray
 FLUXES, LEVEL = 4, 2
 
 
-def measure(rank: Rank, time: float) -> dict[str, Array] | None:
+def measure(rank: RankState, time: float) -> dict[str, Array] | None:
     """Return what each gauge measures now on rank 0, None elsewhere; collective.
 
     Fluxes are those of the particles' velocities, for a first line; see `crossings` for others.
@@ -84,7 +84,7 @@ def _total(scene: Scene, gauge: Gauge, parts: Sequence[Array]) -> Array:
     return found
 
 
-def _counted(rank: Rank, gauge: Gauge) -> tuple[Array, Array]:
+def _counted(rank: RankState, gauge: Gauge) -> tuple[Array, Array]:
     """Rows of the particles that a gauge counts, in order, and their layers in this rank."""
     population = rank.population
     layer = np.repeat(np.arange(population.layers), np.diff(population.start))
@@ -94,9 +94,9 @@ def _counted(rank: Rank, gauge: Gauge) -> tuple[Array, Array]:
     return population.order[counted], layer[counted]
 
 
-def _flux(rank: Rank, gauge: FluxGauge) -> Array:
+def _flux(rank: RankState, gauge: FluxGauge) -> Array:
     """Sums by layer of mass and momentum that leave a surface, per time."""
-    surface, particles = gauge_surface(rank.scene, gauge.flux), rank.particles
+    surface, particles = gauge_surface(rank.scene, gauge.flux), rank.up_to_date()
     rows, layer = _counted(rank, gauge)
     rate = surface.passing(place_of(rank, rows), np.take(particles.v, rows, axis=0))
     there = np.flatnonzero(rate)
@@ -107,9 +107,9 @@ def _flux(rank: Rank, gauge: FluxGauge) -> Array:
     return sums_by(layer, rank.population.layers, terms)
 
 
-def _level(rank: Rank, gauge: LevelGauge) -> Array:
+def _level(rank: RankState, gauge: LevelGauge) -> Array:
     """Sums by layer of volumes in a column, and the highest point in each."""
-    scene, particles, up = rank.scene, rank.particles, rank.scene.dimension - 1
+    scene, particles, up = rank.scene, rank.up_to_date(), rank.scene.dimension - 1
     cell, periods = scene.domain.frame.cell, scene.domain.periods
     rows, layer = _counted(rank, gauge)
     x = place_of(rank, rows)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.scene.checks.validity.tearing import advice, particles_of, tearing_stretch
-from pgimp.solver.rank import Rank
+from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 
 if TYPE_CHECKING:
@@ -33,13 +33,13 @@ class TearingWatch:
         self._told: set[str] = set()
         self._last = -_EVERY
 
-    def look(self, rank: Rank, done: Step) -> list[str]:
+    def look(self, rank: RankState, done: Step) -> list[str]:
         """Return warnings about bodies, the same on every rank; collective."""
         limits = self.limits(rank.scene)
         if not limits or 0 <= done.number - self._last < _EVERY:
             return []
         self._last = done.number
-        particles, rows = rank.population.stored, rank.population.order
+        particles, rows = rank.population.columns, rank.population.order
         found = np.zeros((len(limits), 3))  # particles, those beyond, greatest stretch
         for k, (body, limit) in enumerate(limits.items()):
             for first in range(0, len(rows), _BLOCK):

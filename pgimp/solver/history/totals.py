@@ -43,7 +43,7 @@ class Totals(NamedTuple):
         Strain energy added by new parameters of materials as stages began.
     settling_time : float
         Time that the steps of stages that settle have taken.
-    told : (LOSSES,) float64
+    initial_losses : (LOSSES,) float64
         Losses in the particles' state that do not belong to this run: initial losses, and changes
         by new parameters.
     first_energy : float
@@ -88,7 +88,7 @@ class Totals(NamedTuple):
     inflow: np.ndarray
     changed: float
     settling_time: float
-    told: np.ndarray
+    initial_losses: np.ndarray
     first_energy: float
     work: float
     force: np.ndarray
@@ -125,7 +125,7 @@ class Totals(NamedTuple):
         number = LOSSES.index(name)
         column = SUMS + number
         there = self.total[column] + self.escaped[column] + self.removed[column]
-        return there - self.inflow[column] - self.told[number]
+        return there - self.inflow[column] - self.initial_losses[number]
 
     def contact_force(self, k: int) -> np.ndarray | tuple[()]:
         """Return the force of an entry of contact, nothing for an entry of more than two bodies."""

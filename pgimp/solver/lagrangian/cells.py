@@ -61,7 +61,7 @@ def cleared(cells: Cells) -> Cells:
 def find_cells(rank: RankState) -> LatticeCells:
     """Find the cells of a rank's particles on the lattice, some layers after the other."""
     scene, population = rank.scene, rank.population
-    p, order = population.stored, population.ordered
+    p, order = population.columns, population.ordered
     fits = np.zeros(len(order.rows), bool)
     # At the end none, for a rank without particles.
     parts = [_find(rank, run, fits[run]) for run in (*runs(order.start), slice(0))]
@@ -105,7 +105,7 @@ def _find(
         Initial volumes by slot.
     """
     scene, population, window = rank.scene, rank.population, rank.grid.window
-    p, D, rows = population.stored, scene.dimension, population.order[run]
+    p, D, rows = population.columns, scene.dimension, population.order[run]
     frame, per_cell = scene.domain.frame, np.array(scene.case.method.particles_per_cell)
     xi = (p.origin[rows] - np.array(frame.origin)) * np.array(frame.inverse)
     number = np.floor(xi).astype(np.int64)
@@ -140,7 +140,7 @@ def _find(
 
 def mark_corners(rank: RankState) -> np.ndarray:
     """Whether vertices are corners of a rank's cells, (planes, fields, y, z) bool."""
-    cells, window, D = rank.lattice.cells, rank.grid.window, rank.scene.dimension
+    cells, window, D = rank.lattice_cells().cells, rank.grid.window, rank.scene.dimension
     values = np.zeros_like(rank.grid.kept.values)
     layer = np.repeat(np.arange(len(cells.start) - 1), np.diff(cells.start))
     first = layer * window.stride[0] + cells.place
@@ -179,15 +179,15 @@ def report_cells(rank: RankState, errors: np.ndarray, wrong: int, rate: float) -
     wrong, rate : int, float
         Their number, and the greatest rate so far.
     """
-    lattice, scene, population = rank.lattice, rank.scene, rank.population
+    lattice, scene, population = rank.lattice_cells(), rank.scene, rank.population
     count = int(lattice.cells.wrong[0])
     rows = lattice.rows[lattice.cells.wrong[1 : 1 + min(count, _LISTED)]]
     kind: int | np.ndarray = INVERTED
     if scene.cell_loads and count:
-        kind = _faults(population.stored.F[rows].reshape(-1, scene.dimension, scene.dimension))
+        kind = _faults(population.columns.F[rows].reshape(-1, scene.dimension, scene.dimension))
     if find_beyond(rank):
         bounds = np.array(scene.domain.bounds)
-        x = population.particles.x[lattice.inside.rows]
+        x = population.up_to_date().x[lattice.inside.rows]
         gone = ~((bounds[:, 0] <= x) & (x <= bounds[:, 1])).all(axis=1)
         if gone.any() and not count:
             rows, kind, count = lattice.inside.rows[gone], OUTSIDE, int(gone.sum())

@@ -29,8 +29,8 @@ class Displacement:
 
         Of elastic ones among those `near` only positions and F: all columns stay out of date.
         """
-        rank, stored = self._rank, self._rank.population.stored
-        order = rank.lattice.inside if near is None else self._near_order(near)
+        rank, stored = self._rank, self._rank.population.columns
+        order = rank.lattice_cells().inside if near is None else self._near_order(near)
         if near is None or rank.scene.cell_loads:
             self.place(order, Displaced(*(getattr(stored, name) for name in Displaced._fields)))
             return
@@ -45,12 +45,12 @@ class Displacement:
             setting = setting.without_materials()
         rank.call(
             displace_particles, setting, rank.scene.domain.frame, rank.grid.motion_field,
-            rank.population.stored, order, displaced, order.rows if to is None else to,
+            rank.population.columns, order, displaced, order.rows if to is None else to,
         )  # fmt: skip
 
     def _near_order(self, near: np.ndarray) -> Order:
         """Lattice particles among those `near`; kept while these and the lattice do not change."""
-        population, lattice = self._rank.population, self._rank.lattice
+        population, lattice = self._rank.population, self._rank.lattice_cells()
         of = near, population.order, lattice
         if self._near is None or any(map(is_not, of, self._near[0])):
             rows = population.order[near]

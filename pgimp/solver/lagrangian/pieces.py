@@ -43,7 +43,7 @@ def by_layers(rank: RankState, order: Order, *sums: Callable[[Particles, Order],
     """
     if not rank.population.released:
         for add in sums:
-            add(rank.particles, order)
+            add(rank.up_to_date(), order)
         return
     for run in runs(order.start):
         ends = blocks(run.stop - run.start, _MOST)
@@ -70,7 +70,7 @@ def _of_order(rank: RankState, order: Order, begin: int, end: int) -> tuple[Part
     """A piece of an order, from one offset to another, until the next piece."""
     rows, n = order.rows[begin:end], end - begin
     start = np.clip(order.start, begin, end) - begin
-    piece, stored = Order(np.arange(n, dtype=np.int32), start), rank.population.stored
+    piece, stored = Order(np.arange(n, dtype=np.int32), start), rank.population.columns
     displaced = _displaced(rank, Order(rows, start), piece.rows)._asdict()
     runs = bool((rows == rows[0] + piece.rows).all())  # then no column has to be copied
     columns = (
@@ -83,7 +83,7 @@ def _of_order(rank: RankState, order: Order, begin: int, end: int) -> tuple[Part
 def source_at(rank: RankState, rows: np.ndarray) -> Source:
     """Data for the fields of a rank's particles in some rows, up to date, until the next piece."""
     scene, population = rank.scene, rank.population
-    particles = population.stored if population.released else population.particles
+    particles = population.columns if population.released else population.up_to_date()
     displaced = _AtRows(rank, rows) if population.released else dict[str, np.ndarray]()
     return Source(
         particles, rows, scene.dimension, tuple(scene.materials.body_material), rank.comm.rank,
@@ -107,7 +107,7 @@ class _AtRows(Mapping[str, np.ndarray]):
         """Return a column, (n, ...)."""
         if not self._found:
             population = self._rank.population
-            layer = population.stored.layer[self._rows] - population.first
+            layer = population.columns.layer[self._rows] - population.first
             to = np.argsort(layer, kind="stable").astype(np.int32)
             start = np.searchsorted(layer[to], np.arange(population.layers + 1))
             order = Order(self._rows[to].astype(np.int32), start)
@@ -125,7 +125,7 @@ class _AtRows(Mapping[str, np.ndarray]):
 
 def _displaced(rank: RankState, order: Order, to: np.ndarray) -> Displaced:
     """Columns of particles up to date, in rows `to` of memory that is used again."""
-    n, stored, used = len(to), rank.population.stored, 0
+    n, stored, used = len(to), rank.population.columns, 0
     shapes = [getattr(stored, name).shape[1:] for name in Displaced._fields]
     scratch, columns = rank.population.scratch(n * sum(map(prod, shapes))), []
     for shape in shapes:

@@ -47,7 +47,7 @@ class Following(StepPart):
         """Find how far F has drifted, when it is due; collective."""
         if done % EVERY:
             return
-        particles, setting = rank.particles, self.scene.setting.without_materials()
+        particles, setting = rank.up_to_date(), self.scene.setting.without_materials()
         if rank.failed:  # other ranks are not notified yet; such particles may be anywhere
             order = order._replace(start=np.zeros_like(order.start))
         if len(order.rows) and not self.bodies.all():
@@ -64,6 +64,12 @@ class Following(StepPart):
         self.fallen += EVERY * self.call(find_drifts, setting, field, particles, order, identity)
 
 
-def following_of(scene: Scene, comm: Communicator) -> Following | None:
+def following_of(
+    scene: Scene, comm: Communicator, before: Following | None = None
+) -> Following | None:
     """The displacements of a scene whose loads follow surfaces; None without any."""
-    return Following(scene, comm) if scene.carried.followed else None
+    if not scene.carried.followed:
+        return None
+    found = Following(scene, comm)
+    found.fallen = before.fallen if before else 0
+    return found

@@ -16,6 +16,7 @@ from pgimp.physics.loads.constraints import Constraint, ConstraintEntry
 from pgimp.scene.scene import Scene
 from pgimp.schema.time_functions import TimeFunction
 from pgimp.solver.rank_state import RankState
+from pgimp.solver.reduction import sum_planes
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import StepPart, VertexUpdate
 
@@ -59,7 +60,7 @@ class Grips(StepPart):
         """Take the mean velocity of each grip's particles, with other states `kept`; collective."""
         if kept is not None:
             self.state[:] = kept
-        p, (rows, start) = rank.population.particles, rank.population.ordered
+        p, (rows, start) = rank.population.up_to_date(), rank.population.ordered
         layers, number = len(start) - 1, p.constraint[rows, 0]
         sums = np.zeros((layers, len(self.entries) + 1, 4))
         layer = np.repeat(np.arange(layers), np.diff(start))
@@ -138,15 +139,8 @@ class Grips(StepPart):
 
     def _sum(self, rank: RankState, own: np.ndarray) -> np.ndarray:
         """Sum over all planes, in their order; collective."""
-        if self.comm.size == 1:
-            return np.add.reduce(own, axis=0)
         planes = rank.scene.domain.frame.vertices[0] + rank.grid.vertices - 1
-        every = np.zeros((planes, *own.shape[1:]))
-        first = rank.grid.slab.first
-        every[first : first + len(own)] = own
-        found = np.empty_like(every)
-        self.comm.Allreduce(every, found)  # a plane has but one owner: no sum is rounded
-        return np.add.reduce(found, axis=0)
+        return sum_planes(self.comm, own, rank.grid.slab.first, planes)
 
     def await_contact(self, rank: RankState) -> None:
         """Note what constraints have given before contact at vertices that they hold."""

@@ -15,9 +15,9 @@ from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.lagrangian.motion import velocity_field
-from pgimp.solver.lagrangian.stored_motion import MOTION, MOTION_PLANES, set_motion
 from pgimp.solver.rank import Rank
+from pgimp.solver.state.stored_motion import MOTION, MOTION_PLANES, set_motion
+from pgimp.solver.state.vertex_motion import velocity_field
 
 #: Difference of two grids' vertices, in cells, that is rounding.
 _NEAR = 1e-9

@@ -7,7 +7,8 @@ import numpy as np
 from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.step.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE, TOO_FAST
 from pgimp.scene.checks.own_functions import force_without_value
-from pgimp.solver.rank import Rank
+from pgimp.solver.contact.penetration import particles_inside
+from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 
 _WHAT = {
@@ -57,7 +58,7 @@ class Failure(NamedTuple):
     text: str
 
 
-def collect_errors(rank: Rank, step: Step) -> Failure:
+def collect_errors(rank: RankState, step: Step) -> Failure:
     """Collect from all ranks the reason of a failed step; collective.
 
     The message is about the first particle at fault in canonical order.
@@ -74,9 +75,9 @@ def collect_errors(rank: Rank, step: Step) -> Failure:
     return Failure(number, step.number, step.end, step.dt, text)
 
 
-def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
+def _describe(rank: RankState, step: Step) -> tuple[str, str, str]:
     """Describe the rank's first particle at fault: error, position and time, advice."""
-    p, (row, error) = rank.particles, rank.errors[0].tolist()
+    p, (row, error) = rank.up_to_date(), rank.errors[0].tolist()
     position = ", ".join(f"{x:.6g}" for x in p.x[row])
     velocity = ", ".join(f"{v:.4g}" for v in p.v[row])
     body = rank.scene.body_names[p.body[row]]
@@ -96,25 +97,25 @@ def _describe(rank: Rank, step: Step) -> tuple[str, str, str]:
     )
 
 
-def explanation(rank: Rank, row: int, error: int) -> str:
+def explanation(rank: RankState, row: int, error: int) -> str:
     """Explain the error of the particle in `row`: "is turned inside out", "left the domain ..."."""
     if error == OUT_OF_RANGE:
         return _out_of_range(rank, row)[0]
     return _WHAT[error] + (f" through {_face(rank, row)}" if error == OUTSIDE else "")
 
 
-def origin(rank: Rank, row: int, time: float) -> str:
+def origin(rank: RankState, row: int, time: float) -> str:
     """Name the rigid body from which a particle left the domain; nothing for none."""
-    inside = rank.keeping.inside(rank.particles, np.array([row], np.int32), time, 0.0)
+    inside = particles_inside(rank, np.array([row], np.int32), time, 0.0)
     names = [
         name for name, n in zip(rank.scene.interaction.rigid_bodies.names, inside, strict=True) if n
     ]
     return f", from inside the rigid body '{names[0]}'" if names else ""
 
 
-def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
+def _out_of_range(rank: RankState, row: int) -> tuple[str, str]:
     """Explanation and advice of a particle's material; see `Material.out_of_range`."""
-    scene, p = rank.scene, rank.particles
+    scene, p = rank.scene, rank.up_to_date()
     number = scene.materials.body_material[p.body[row]]
     entry = scene.materials.variations.entry(number, p.own[row])
     J = float(volume_ratio(p.F[row], scene.dimension))
@@ -122,14 +123,14 @@ def _out_of_range(rank: Rank, row: int) -> tuple[str, str]:
     return f"{what} (material '{scene.materials.names[number]}', {entry.model})", advice
 
 
-def _face(rank: Rank, row: int) -> str:
+def _face(rank: RankState, row: int) -> str:
     """Name of the closed face that a particle has passed."""
     frame = rank.scene.domain.frame
-    if rank.scene.settings.lagrangian[rank.particles.body[row]]:
+    if rank.scene.settings.lagrangian[rank.up_to_date().body[row]]:
         for d, (low, high) in enumerate(rank.scene.domain.bounds or ()):
-            if not low <= rank.particles.x[row, d] <= high:
-                return f"{'xyz'[d]}-{'max' if rank.particles.x[row, d] > high else 'min'}"
-    for d, x in enumerate(rank.particles.x[row]):
+            if not low <= rank.up_to_date().x[row, d] <= high:
+                return f"{'xyz'[d]}-{'max' if rank.up_to_date().x[row, d] > high else 'min'}"
+    for d, x in enumerate(rank.up_to_date().x[row]):
         xi = (x - frame.origin[d]) * frame.inverse[d]
         if (
             not 0.0 <= xi <= frame.cells[d]

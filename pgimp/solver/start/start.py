@@ -30,7 +30,6 @@ class Start:
     done: Step = START
     stage: int = 0
     settling: bool = False
-    count: int = 0
     rate: float = 0.0
     watch: EnergyWatch | None = None
     notes: list[str] = field(default_factory=list)

@@ -6,11 +6,11 @@ import numpy as np
 
 from pgimp.errors import CaseError
 from pgimp.mpi.communicator import Communicator
-from pgimp.scene.checks.facts import rest_rate
 from pgimp.scene.checks.sanity import small_step_warning
 from pgimp.scene.scene import Scene
-from pgimp.solver.configurations import fastest
+from pgimp.scene.wave_speeds import rest_rate
 from pgimp.solver.history.diagnostics import column_names
+from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.stability import require_stable, stability_warning, stable_courant
 
@@ -72,7 +72,7 @@ def stage_rate(scene: Scene, rates: Mapping[str, float]) -> float:
 
 def rates_at_rest(rank: Rank, scene: Scene, comm: Communicator) -> dict[str, float]:
     """Return the rates for `stage_rate`, from the particles at the start; collective."""
-    still = rank.particles._replace(v=np.zeros_like(rank.particles.v))
+    still = rank.up_to_date()._replace(v=np.zeros_like(rank.up_to_date().v))
     order, found = rank.population.order, {}
     for body, name in enumerate(scene.body_names):
         if scene.materials.varies(body):

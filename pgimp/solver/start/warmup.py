@@ -24,17 +24,17 @@ from pgimp.mpi.node import shared_out
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks.overstress import stressed
 from pgimp.scene.scene import Scene
-from pgimp.solver.configurations import fastest
+from pgimp.solver.damping.relaxation import Relaxation
+from pgimp.solver.decomposition import open_window
 from pgimp.solver.flows import EVERY
 from pgimp.solver.history.diagnostics import Diagnostics
-from pgimp.solver.lagrangian.motion import begin_motion, rehearse_motion
+from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
-from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.grid_state import active_grid
+from pgimp.solver.state.vertex_motion import begin_motion, rehearse_motion
 from pgimp.solver.step import step
 from pgimp.solver.time.clock import Step
-from pgimp.solver.window import open_window
 
 #: A step in which also flows are due.
 STEP = Step(EVERY, 0.0, 1.0, 1.0)
@@ -65,11 +65,15 @@ def _rehearse(scene: Scene) -> None:
     """Call the kernels of set-up, step, history and exchange on a rank without particles."""
     particles, rows = Particles.empty(1, scene.created), np.empty(0, np.int32)
     rank = Rank(scene, Serial(), Slab(0, 1, None, None), particles, 0)
+    later = rank.damping if scene.settings.settles else None
     if scene.settings.settles:
         rank.damping = Relaxation()
     open_window(rank, StepReduction(Serial()))
     begin_motion(rank)
     step(rank, STEP._replace(end=STEP.start), lambda: STEP, scene.settings.controlled)
+    if later:  # the damping that acts when the run has come to rest
+        rank.damping = later
+        step(rank, STEP._replace(end=STEP.start), lambda: STEP, scene.settings.controlled)
     rehearse_motion(rank)
     rank.population.restore_order(rows, rows)
     fastest(scene, particles, rows, scene.settings.controlled)

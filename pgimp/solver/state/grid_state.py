@@ -15,7 +15,7 @@ import numpy as np
 
 from pgimp.kernels.data.motion import KEPT_VELOCITY
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, RECORD
-from pgimp.solver.configurations import groups_by_configuration
+from pgimp.solver.particle_groups import groups_of
 from pgimp.solver.rank import Rank
 from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import join_seams, sum_particles
@@ -78,9 +78,8 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
     contacts = rank.contact.at_vertices and dt > 0.0
     if contacts:  # before the first step all bodies share a field
         rank.contact.assign_fields(rank)
-    groups = groups_by_configuration(scene, rank.population)
     marked = contacts and bool(scene.interaction.loads.constraints)
-    sum_particles(rank, groups, scene.interaction.loads.at(time), marked)
+    sum_particles(rank, groups_of(rank), scene.interaction.loads.at(time), marked)
     rank.halo.finish(grid)
     join_seams(rank, marked)
     D, extent, own = scene.dimension, grid.window.extent, grid.owned + ends[1]
@@ -168,7 +167,7 @@ def _cells(rank: Rank) -> tuple[np.ndarray, np.ndarray]:
         Cells of the last plane of the lower rank.
     """
     grid, slab, own, window = rank.grid, rank.slab, rank.grid.owned, rank.grid.window
-    p, order, frame = rank.particles, rank.population.order, rank.scene.domain.frame
+    p, order, frame = rank.up_to_date(), rank.population.order, rank.scene.domain.frame
     marks = np.zeros((grid.planes, *window.extent[1:]), bool)
     for begin, end in blocks(len(order), _BLOCK):
         x = rank.scene.weighed(p, order[begin:end])

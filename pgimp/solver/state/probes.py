@@ -22,7 +22,7 @@ from pgimp.storage.framefile import blocks
 
 if TYPE_CHECKING:
     from pgimp.scene.scene import Scene
-    from pgimp.solver.simulation import Simulation
+    from pgimp.solver.state.progress import SimulationProgress
 
 AXES = "xyz"
 #: Components of a symmetric tensor by the number of dimensions.
@@ -61,7 +61,7 @@ class Point:
 
     def known(self, population: Population) -> bool:
         """Return whether the particle is on this rank, in its last row."""
-        p, row, self.row = population.stored, self.row, -1
+        p, row, self.row = population.columns, self.row, -1
         if 0 <= row < p.capacity and p.id[row] == self.number:
             layer = int(p.layer[row]) - population.first
             if 0 <= layer < population.layers:
@@ -75,12 +75,12 @@ class Point:
         self.row = -1
         for begin, end in blocks(len(population.order), _BLOCK):
             rows = population.order[begin:end]
-            there = np.flatnonzero(population.stored.id[rows] == self.number)
+            there = np.flatnonzero(population.columns.id[rows] == self.number)
             if len(there):
                 self.row = int(rows[there[0]])
         return self.row >= 0
 
-    def own(self, sim: Simulation) -> np.ndarray | None:
+    def own(self, sim: SimulationProgress) -> np.ndarray | None:
         """Columns of the particle, None on other ranks."""
         if self.row < 0:
             return None
@@ -97,7 +97,7 @@ class Point:
                 found.append(values[list(components)])
         return np.concatenate(found)
 
-    def line(self, sim: Simulation, parts: list[np.ndarray | None]) -> Line:
+    def line(self, sim: SimulationProgress, parts: list[np.ndarray | None]) -> Line:
         """A line on rank 0, from each rank's part; nothing but the time after its removal."""
         names = []
         for name, components in _followed(sim.scene, self.fields):
@@ -139,7 +139,7 @@ class Place:
     def __init__(self, place: Sequence[float], fields: Sequence[str] = ()) -> None:
         self.place, self.fields = tuple(place), tuple(fields)
 
-    def own(self, sim: Simulation) -> list[np.ndarray]:
+    def own(self, sim: SimulationProgress) -> list[np.ndarray]:
         """Sums of the layers of this rank whose particles may reach the position, in order."""
         population, frame, sums = sim.population, sim.scene.domain.frame, []
         periods = sim.scene.domain.periods
@@ -167,9 +167,9 @@ class Place:
                 sums.append(np.add.reduce(terms, axis=0))
         return sums
 
-    def line(self, sim: Simulation, parts: list[list[np.ndarray]]) -> Line:
+    def line(self, sim: SimulationProgress, parts: list[list[np.ndarray]]) -> Line:
         """A line on rank 0, from the sums of each rank."""
-        D, S = sim.scene.dimension, sim.population.stored.sigma.shape[1]
+        D, S = sim.scene.dimension, sim.population.columns.sigma.shape[1]
         ends = {"AXIS": AXES[:D], "COMPONENT": TENSOR.split()[:S]}
         names = []
         for name in PLACE:
@@ -195,17 +195,17 @@ def _apart(distance: np.ndarray, period: float) -> np.ndarray:
     return np.abs(distance)
 
 
-def _undeformed(sim: Simulation, rows: np.ndarray) -> np.ndarray:
+def _undeformed(sim: SimulationProgress, rows: np.ndarray) -> np.ndarray:
     """Positions that displacements of particles count from, (n, D), with turns through faces.
 
     Of particles that keep no such position, the present one.
     """
-    p, periods = sim.population.stored, sim.scene.domain.periods
+    p, periods = sim.population.columns, sim.scene.domain.periods
     x = p.origin[rows] if p.origin.shape[1] else sim.particles.x[rows]
     return x + p.winding[rows] * periods if periods.any() else x
 
 
-def _line(sim: Simulation, names: list[str], values: np.ndarray | None) -> Line:
+def _line(sim: SimulationProgress, names: list[str], values: np.ndarray | None) -> Line:
     """A line with `values` in the first columns, and nothing in the others."""
     line: Line = {"time": sim.time, "step": sim.step} | dict.fromkeys(names)
     if values is not None:
@@ -214,13 +214,15 @@ def _line(sim: Simulation, names: list[str], values: np.ndarray | None) -> Line:
     return line
 
 
-def nearest(sim: Simulation, body: int, at: Sequence[float], fields: Sequence[str] = ()) -> Point:
+def nearest(
+    sim: SimulationProgress, body: int, at: Sequence[float], fields: Sequence[str] = ()
+) -> Point:
     """The particle of a body whose centre was closest to a position, undeformed; collective.
 
     Of several that are equally close, the one with the lowest number.
     """
     population, found = sim.population, (np.inf, -1, ())
-    p = population.stored
+    p = population.columns
     for begin, end in blocks(len(population.order), _BLOCK):
         rows = population.order[begin:end]
         rows = rows[p.body[rows] == body]
@@ -236,7 +238,7 @@ def nearest(sim: Simulation, body: int, at: Sequence[float], fields: Sequence[st
     return Point(number, origin, fields)
 
 
-def begin_at_rest(sim: Simulation, points: Sequence[Point]) -> None:
+def begin_at_rest(sim: SimulationProgress, points: Sequence[Point]) -> None:
     """Let displacements of points count from where those of frames do, after settling; collective.
 
     These are the undeformed positions in the initial configuration, else those at rest.
@@ -250,7 +252,7 @@ def begin_at_rest(sim: Simulation, points: Sequence[Point]) -> None:
             point.origin = tuple(origin[0].tolist())
 
 
-def _find(sim: Simulation, points: Sequence[Point]) -> None:
+def _find(sim: SimulationProgress, points: Sequence[Point]) -> None:
     """Find the rows of points on their ranks; those on none have gone; collective."""
     comm, population = sim.comm, sim.population
     if points:
@@ -262,7 +264,7 @@ def _find(sim: Simulation, points: Sequence[Point]) -> None:
                 point.gone = not there
 
 
-def sample(sim: Simulation, probes: Sequence[Point | Place]) -> list[Line]:
+def sample(sim: SimulationProgress, probes: Sequence[Point | Place]) -> list[Line]:
     """Lines of probes about the current state on rank 0, empty elsewhere; collective."""
     comm = sim.comm
     _find(sim, [probe for probe in probes if isinstance(probe, Point) and not probe.gone])

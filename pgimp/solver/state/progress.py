@@ -101,7 +101,12 @@ class SimulationProgress:
     @property
     def particles(self) -> Particles:
         """The particles of this rank, with holes; see `live`."""
-        return self.rank.population.particles
+        return self.rank.population.up_to_date()
+
+    @property
+    def count(self) -> int:
+        """Particles that all ranks have had so far; one more than the greatest id."""
+        return self.rank.numbered
 
     @property
     def known_count(self) -> int:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.case.gauges import flux_gauges
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import DamagedError, UsageError
 from pgimp.kernels.data.particles import COLUMNS, Particles
@@ -14,15 +15,14 @@ from pgimp.mpi.collective import all_or_none
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.rigid.free_body import State as FreeState
 from pgimp.scene.scene import Scene
-from pgimp.solver.history.crossings import flux_gauges
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.history.gauge_means import stored_lines
-from pgimp.solver.lagrangian.motion import keep_masses
-from pgimp.solver.lagrangian.stored_motion import MOTION, MOTION_PLANES, put_motion
 from pgimp.solver.loads.grips import Grips
 from pgimp.solver.rank import Rank
 from pgimp.solver.state.contact import restore_contact, stored_contact
 from pgimp.solver.state.state import State
+from pgimp.solver.state.stored_motion import MOTION, MOTION_PLANES, put_motion
+from pgimp.solver.state.vertex_motion import keep_masses
 
 if TYPE_CHECKING:
     from pgimp.io.checkpoints.checkpointfile import CheckpointFile
@@ -152,7 +152,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         if state.last_line is not None:
             rows = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
             rows += 2 * len(scene.interaction.rigid_bodies) + len(scene.domain.faces)
-            rows += 2 * len(flux_gauges(scene))
+            rows += 2 * len(flux_gauges(scene.case.gauges))
             rows += len(scene.interaction.loads.booked_tractions)
             shape = (len(scene.interaction.loads.booked_constraints) + rows, 3)
             for name in ("last-impulse", "last-force") if shape[0] else ():
@@ -182,7 +182,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
     records.removed = None if state.removed is None else np.array(state.removed)
     records.changed, records.settling_time = state.changed, state.settling_time
     records.added = None if state.added is None else np.array(state.added)
-    records.told[:] = state.told
+    records.initial_losses[:] = state.told
     records.means.restore(scene, found.get("gauge-lines"))
     if state.last_line is not None:
         none = np.zeros((0, 3))

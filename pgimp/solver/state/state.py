@@ -14,12 +14,12 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationE
 
 from pgimp.errors import DamagedError
 from pgimp.physics.materials.base import LOSSES
+from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.pieces import source_at
-from pgimp.solver.lagrangian.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.rank import Rank
-from pgimp.solver.rest.relaxation import Relaxation
 from pgimp.solver.state.contact import FIELDS, FORCES
+from pgimp.solver.state.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EnergyWatch
 
@@ -102,7 +102,7 @@ class Ordered(Mapping[str, np.ndarray]):
     def __init__(self, rank: Rank) -> None:
         self._rank, self.order = rank, rank.live()
         population = rank.population
-        particles = population.stored if population.released else population.particles
+        particles = population.columns if population.released else population.up_to_date()
         self.columns = {
             name: array
             for name, array in particles._asdict().items()
@@ -217,7 +217,7 @@ def capture(
         changed=records.changed,
         settling_time=records.settling_time,
         relaxation=rank.damping.numbers if isinstance(rank.damping, Relaxation) else None,
-        told=records.told.tolist(),
+        told=records.initial_losses.tolist(),
     )
     layers, extra = rank.scene.domain.frame.vertices[0], rank.scene.settings.vertices - 1
     before = rank.scene.domain.ring or 0

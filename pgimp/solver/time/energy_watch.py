@@ -21,18 +21,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pgimp.errors import EndlessError
 from pgimp.kernels.data.ledger import DAMPED_ENERGY
 from pgimp.kernels.sums.sums import KINETIC, MASS, STRAIN
-from pgimp.solver.lagrangian.motion import sum_layers
+from pgimp.solver.lagrangian.layer_sums import sum_layers
+from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import CourantClock, FixedClock
-
-if TYPE_CHECKING:
-    from pgimp.solver.rank import Rank
 
 #: Steps from one check to the next.
 EVERY = 10
@@ -112,7 +109,7 @@ class EnergyWatch:
         """Apply the reduction to the steps that pgimp has chosen, and to all of settling."""
         clock.part = min(max(self.part, LEAST), 1.0)
 
-    def begin(self, rank: Rank) -> None:
+    def begin(self, rank: RankState) -> None:
         """Set the current energy as the reference, with the next steps' energy; collective."""
         kinetic, strain, work, mass = self._sums(rank)
         self._kept = [(kinetic, strain, work)]
@@ -120,7 +117,9 @@ class EnergyWatch:
         self._most = max(kinetic + strain, NONE * mass * self.speed * self.speed)
         self._new, self._row = True, 0
 
-    def look(self, rank: Rank, step: int, time: float, clock: FixedClock | CourantClock) -> None:
+    def look(
+        self, rank: RankState, step: int, time: float, clock: FixedClock | CourantClock
+    ) -> None:
         """Look for spurious energy, and shorten the steps; collective.
 
         Raises
@@ -133,7 +132,7 @@ class EnergyWatch:
         self.shorten(clock)
         rank.timings["order"] += perf_counter() - begin
 
-    def _compare(self, rank: Rank, step: int, time: float) -> None:
+    def _compare(self, rank: RankState, step: int, time: float) -> None:
         """Compare the energy with its balance; collective.
 
         Raises
@@ -176,7 +175,7 @@ class EnergyWatch:
         )
 
     @staticmethod
-    def _sums(rank: Rank) -> tuple[float, float, float, float]:
+    def _sums(rank: RankState) -> tuple[float, float, float, float]:
         """Kinetic energy, strain energy, external work and mass, with particles that have left."""
         scene, own = rank.scene, rank.booked()
         sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))

@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.geometry.regions import Points
 from pgimp.scene.bodies.populate import velocities
-from pgimp.scene.checks.facts import rest_rate
+from pgimp.scene.wave_speeds import rest_rate
 
 if TYPE_CHECKING:
     from pgimp.scene.scene import Scene

@@ -9,13 +9,14 @@ import numpy as np
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles, present
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.checks.facts import BodyFacts, Findings, examine
 from pgimp.scene.geometry import share
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_slow
-from pgimp.scene.scene import Scene, count_particles, present
+from pgimp.scene.scene import Scene
 from pgimp.scene.settings import MOST_CELLS
-from pgimp.solver.coming.inflow import most_at_once, to_enter
+from pgimp.solver.sources.inflow import most_at_once, to_enter
 from pgimp.solver.start.memory import Estimate
 from pgimp.solver.start.require_memory import require
 from pgimp.solver.start.validate_stages import look_ahead, require_stable_stages

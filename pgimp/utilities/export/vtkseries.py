@@ -8,8 +8,9 @@ from contextlib import suppress
 from pathlib import Path
 
 from pgimp.errors import RunError, UsageError, explain
+from pgimp.io.frames.mesh import described
 from pgimp.io.frames.vtkhdf import ROOT, add_group
-from pgimp.io.frames.vtkseries import VtkSeries, described
+from pgimp.io.frames.vtkseries import VtkSeries
 from pgimp.io.results.frame import Reading
 from pgimp.io.rundir.ownfiles import FRAME, GRID_FRAME, RIGID_FRAME
 from pgimp.io.rundir.rundir import RunDirectory

@@ -18,7 +18,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
 from pgimp.geometry.regions import Points
 from pgimp.mpi.comm import Serial
-from pgimp.solver.configurations import fastest
+from pgimp.solver.particle_groups import fastest
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.time.held_rate import LONGEST, HeldRate
 from pgimp.utilities.model.costs import Costs

@@ -36,7 +36,7 @@ from proofs.scenes.energy import Seen
 from proofs.scenes.own.by_hand import patch_forces, pulls_of_step
 
 from pgimp.errors import RunError
-from pgimp.scene.checks.facts import wave_speed
+from pgimp.scene.wave_speeds import wave_speed
 from pgimp.schema.tables import prescribed
 
 #: Of mass times wave speed: forces on vertices that are too light to be accelerated are lost, about

@@ -7,10 +7,11 @@ import numpy as np
 
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.step.momentum import REST
+from pgimp.solver import particle_groups, transfers
 from pgimp.solver import step as stepping
-from pgimp.solver import transfers
 from pgimp.solver.contact import base
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
+from pgimp.solver.particle_groups import groups_of
 
 #: Of a free vertex's velocity; what differs by more is held.
 ROUNDING = 1e-9
@@ -32,18 +33,18 @@ class Seen:
     def step(self):
         """Look at the vertices in the one step that is done meanwhile."""
         sum_particles, update = stepping.sum_particles, base.update_momentum
-        take, exchange = transfers.grid_to_particles, LagrangianContact.exchange
+        take, exchange = particle_groups.grid_to_particles, LagrangianContact.exchange
         self.held = None
 
-        def summed(rank, parts, loads, marked, by_cells=False):
-            v = rank.particles.v.copy()
-            rank.particles.v[:] = 0.0
-            sum_particles(rank, parts, loads, False)
+        def summed(rank, groups, loads, marked):
+            v = rank.up_to_date().v.copy()
+            rank.up_to_date().v[:] = 0.0
+            sum_particles(rank, groups_of(rank), loads, False)
             if any(rank.scene.domain.periodic):
-                transfers.finish_sums(rank)
+                transfers.finish_sums(rank, groups)
             self.carried = rank.grid.G.reshape(-1, RECORD).copy()
-            rank.particles.v[:] = v
-            sum_particles(rank, parts, loads, marked, by_cells)
+            rank.up_to_date().v[:] = v
+            sum_particles(rank, groups, loads, marked)
 
         def updated(frame, field, faces, forcing, ledger, contact, part):
             if part != REST:
@@ -69,7 +70,7 @@ class Seen:
         with (
             mock.patch.object(stepping, "sum_particles", summed),
             mock.patch.object(base, "update_momentum", updated),
-            mock.patch.object(transfers, "grid_to_particles", taken),
+            mock.patch.object(particle_groups, "grid_to_particles", taken),
             mock.patch.object(LagrangianContact, "exchange", exchanged),
         ):
             yield

@@ -9,7 +9,7 @@ from studies.scenes import ball, box, looked
 import pgimp
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD, VELOCITY
-from pgimp.solver.configurations import groups_by_configuration
+from pgimp.solver.particle_groups import groups_of
 from pgimp.solver.time.clock import Step
 from pgimp.solver.transfers import sum_particles
 from pgimp.solver.vertices import fold_mirrors, vertex_update
@@ -95,7 +95,7 @@ def at_vertices(simulation, dt):
     scene, grid = rank.scene, rank.grid
     t = Step(1, simulation.time, dt, simulation.time + dt)
     rank.contact.assign_fields(rank)
-    parts = groups_by_configuration(scene, rank.population)
+    parts = groups_of(rank)
     sum_particles(rank, parts, scene.interaction.loads.at(t.start), marked=False)
     rank.halo.finish(grid)
     scratch = Ledger(*map(np.zeros_like, rank.ledger))

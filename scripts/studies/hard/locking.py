@@ -4,7 +4,7 @@ from studies.hard.rows import deflection
 from studies.hard.runs import begin, watch
 from studies.harness import table
 
-from pgimp.solver.window import open_window
+from pgimp.solver.decomposition import open_window
 
 #: Heights of the lattice above its place in the case, in cells; 1 less them mirror these.
 OFFSETS = (0.0, 0.13, 0.29, 0.5)

@@ -13,9 +13,9 @@ from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.clouds import overlap
 from pgimp.scene.bodies.counts import count_all
 from pgimp.scene.bodies.lattice import Lattice
-from pgimp.scene.checks import overlap
 from pgimp.scene.geometry import share
 
 

@@ -16,9 +16,10 @@ from pgimp.cli import main
 from pgimp.errors import CaseError
 from pgimp.mpi.comm import Serial
 from pgimp.physics.materials.registry import import_file
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.bodies.populate import populate
 from pgimp.scene.geometry import share
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 
 SOFT = {"model": "softening", "young": 100.0, "poisson": 0.3, "density": 1.0} | {
     "damage": 0.9, "toughness": 1.0,

@@ -16,6 +16,7 @@ from vtk_reference import save
 from pgimp.cli import main
 from pgimp.errors import RunError
 from pgimp.io.frames import vtkhdf, vtkseries
+from pgimp.io.frames.mesh import described
 from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial
 from pgimp.running.frames import Frames
@@ -203,4 +204,4 @@ def test_what_is_no_frame_is_refused(tmp_path):
     with h5py.File(tmp_path / "particles-000000.h5", "w") as file:
         file["position"] = np.zeros((3, 3))
     with pytest.raises(RunError, match="it has no 'connectivity'"):
-        vtkseries.described(tmp_path / "particles-000000.h5")
+        described(tmp_path / "particles-000000.h5")

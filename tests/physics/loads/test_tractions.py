@@ -9,8 +9,9 @@ from tiers import wide
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.bodies.populate import populate
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 
 pytestmark = pytest.mark.slow(30)
 

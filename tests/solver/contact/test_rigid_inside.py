@@ -7,7 +7,7 @@ import pytest
 from scenes import box, energy, finish, scene, start
 from tiers import wide
 
-from pgimp.solver.contact.keeping import QUARTER
+from pgimp.solver.contact.penetration import QUARTER
 from pgimp.solver.start.particle_errors import origin
 
 pytestmark = pytest.mark.slow(30)

@@ -28,7 +28,7 @@ def test_the_greatest_stretch_is_the_greatest_singular_value(dimension, width):
 
 def stretch(sim, name, by, part=1.0):
     """Stretch a part of a body's particles along y, as they would be by the grid."""
-    p = sim.rank.population.stored
+    p = sim.rank.population.columns
     rows = np.flatnonzero(p.body == sim.scene.body_names.index(name))
     p.F[rows[: round(part * len(rows))]] = (1.0, 0.0, 0.0, by)
 

@@ -12,8 +12,8 @@ from tiers import wide
 from pgimp.errors import RunError
 from pgimp.kernels.data.record import FORCE, RECORD
 from pgimp.scene.scene import Scene
-from pgimp.solver.configurations import groups_by_configuration
-from pgimp.solver.lagrangian.motion import begin_motion
+from pgimp.solver.particle_groups import groups_of
+from pgimp.solver.state.vertex_motion import begin_motion
 from pgimp.solver.transfers import sum_particles
 
 pytestmark = pytest.mark.slow(30)
@@ -156,7 +156,7 @@ def test_forces_with_mean_dilatation_have_a_potential(D):
 
     u = 0.15 * rng.uniform(-1.0, 1.0, (*grid.shape, D))
     deformed(u)
-    parts = groups_by_configuration(sim.scene, sim.population)
+    parts = groups_of(sim.rank)
     sum_particles(sim.rank, parts, sim.scene.interaction.loads.at(0.0), False)
     window, G = sim.rank.grid.window, sim.rank.grid.G.reshape(*sim.rank.grid.window.extent, RECORD)
     G[sim.rank.grid.active == 0] = 0.0

@@ -95,7 +95,7 @@ IN_SPACE = ("planes of six", "metal in space")
 def test_cells_have_what_particles_have_one_by_one(name, monkeypatch):
     """Sums in another order, and F from displacements in place of its increments: to rounding."""
     cells = finish(start(CASES[name]))
-    others = len(cells.rank.lattice.others.rows)
+    others = len(cells.rank.lattice_cells().others.rows)
     assert cells.scene.by_cells and (others > 0) == ("tractions" in CASES[name])
     monkeypatch.setattr(Scene, "_by_cells", lambda scene: False)
     single = finish(start(CASES[name]))
@@ -128,7 +128,7 @@ def test_cut_balls_of_two_materials(per_cell, monkeypatch):
         materials={"soft": SOFT, "hard": SOFT | {"young": 300.0, "density": 2.0}},
     )  # fmt: skip
     cells = finish(start(case))
-    assert cells.rank.by_cells_alone and (cells.rank.lattice.cells.volumes == 0.0).any()
+    assert cells.rank.by_cells_alone() and (cells.rank.lattice_cells().cells.volumes == 0.0).any()
     monkeypatch.setattr(Scene, "_by_cells", lambda scene: False)
     single = finish(start(case))
     assert cells.step == single.step > 20
@@ -186,7 +186,7 @@ def test_rounding_divides_no_cell(cell):
     region = case["bodies"]["body"]["region"]["box"]
     for end in ("min", "max"):
         region[end] = [a + b for a, b in zip(region[end], case["grid"]["origin"], strict=True)]
-    lattice = start(case).rank.lattice
+    lattice = start(case).rank.lattice_cells()
     assert len(lattice.cells.place) == 25
     assert not len(lattice.others.rows)
 

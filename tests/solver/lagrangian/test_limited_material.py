@@ -68,7 +68,7 @@ def test_empty_places_of_cut_cells_are_no_particles(limited):
                               "region": {"box": {"min": [1.9, 0.0], "max": [3.0, 9.0]}}}},
     )  # fmt: skip
     sim, most = start(case), 0.0
-    assert sim.rank.by_cells_alone and (sim.rank.lattice.cells.volumes == 0.0).any()
+    assert sim.rank.by_cells_alone() and (sim.rank.lattice_cells().cells.volumes == 0.0).any()
     while not sim.finished:
         sim.advance()
         F = sim.particles.F[sim.live()]

@@ -12,7 +12,7 @@ from scenes import box, finish, scene, start, write_case
 
 import pgimp
 from pgimp.decomposition.population import Population
-from pgimp.solver.each.particles import Particles
+from pgimp.solver.callbacks.particles import Particles
 from pgimp.solver.lagrangian import pieces
 from pgimp.solver.state.state import Ordered
 
@@ -158,5 +158,5 @@ def test_particles_with_a_state_keep_their_columns():
     sim = start(block(5, end=9.0, tractions=load))
     for _ in range(3):
         sim.advance()
-    assert len(sim.rank.lattice.others.rows) and not sim.population.released
-    assert sim.population.stored.F[:, 0].all()
+    assert len(sim.rank.lattice_cells().others.rows) and not sim.population.released
+    assert sim.population.columns.F[:, 0].all()

@@ -8,7 +8,7 @@ from tiers import wide
 
 import pgimp
 from pgimp.mpi.comm import Serial
-from pgimp.solver.lagrangian.motion import begin_motion
+from pgimp.solver.state.vertex_motion import begin_motion
 
 pytestmark = pytest.mark.slow(120)
 WIDE = pytest.mark.wide

@@ -8,7 +8,7 @@ from scenes import SOFT, box, energy, scene, start
 from tiers import wide
 
 from pgimp.errors import RunError
-from pgimp.solver.lagrangian.motion import begin_motion
+from pgimp.solver.state.vertex_motion import begin_motion
 from pgimp.solver.time import energy_watch
 from pgimp.solver.time.energy_watch import EnergyWatch
 

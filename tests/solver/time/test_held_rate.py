@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import box, energy, scene, start
 
-from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.state.state import State, capture
+from pgimp.solver.state.vertex_motion import begin_motion
 from pgimp.solver.time.held_rate import FIRST, LONGEST, WORTH, HeldRate
 
 pytestmark = pytest.mark.slow(20)

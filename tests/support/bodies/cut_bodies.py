@@ -6,8 +6,9 @@ from pydantic import TypeAdapter
 from pgimp.case.schema import Case
 from pgimp.geometry.regions import RegionEntry
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.bodies.populate import populate
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 
 ENTRY = TypeAdapter(RegionEntry)
 

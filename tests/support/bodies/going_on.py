@@ -38,7 +38,7 @@ def going_on(case, file):
 def columns(sim):
     """Columns of a simulation's particles by id, up to date."""
     rank = sim.core.rank
-    p, rows = rank.particles, rank.live()
+    p, rows = rank.up_to_date(), rank.live()
     rows = rows[np.argsort(p.id[rows])]
     return {name: getattr(p, name)[rows] for name in p._fields}
 

@@ -5,8 +5,9 @@ from scenes import scene
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.geometry import share
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 
 
 def ball(depth, radius=1.0, centre=(0.0, 0.0, 0.0)):

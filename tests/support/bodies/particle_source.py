@@ -74,7 +74,7 @@ def make_sim(comm, count, dimension, empty=(), gone=()):
         setting=None,
         stateless=False,
     )
-    population = SimpleNamespace(stored=particles, particles=particles, released=False)
+    population = SimpleNamespace(columns=particles, up_to_date=lambda: particles, released=False)
     sim = SimpleNamespace(
         comm=comm,
         count=count,

@@ -12,13 +12,13 @@ from pgimp.case.load import load
 from pgimp.mpi.comm import world
 from pgimp.running.checkpoints import Checkpoints
 from pgimp.running.frames import Frames
-from pgimp.solver import setup
 from pgimp.solver.decomposition import resort
 from pgimp.solver.simulation import Simulation
+from pgimp.solver.start import created
 
 comm, case, folder = world(), load(sys.argv[1]), Path(sys.argv[2])
-estimates, require = [], setup.require
-setup.require = lambda *args: estimates.append(require(*args))
+estimates, require = [], created.require
+created.require = lambda *args: estimates.append(require(*args))
 sim = Simulation(case, comm)
 for _ in range(3):
     sim.advance()

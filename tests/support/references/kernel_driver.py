@@ -171,9 +171,8 @@ class Rank:
         self.halo = Halo(comm, self.slab, self.vertices - 1)
         self.halo.piece = 7  # so that messages overlap with several pieces of some slabs
 
-    @property
-    def particles(self) -> Particles:
-        return self.population.particles
+    def up_to_date(self) -> Particles:
+        return self.population.up_to_date()
 
     def particles_to_grid(self, faces: tuple = ()) -> None:
         """All layers, and the exchange with the neighbours if there are any.
@@ -196,7 +195,7 @@ class Rank:
         grid.active.fill(0)
         for part in self.halo.parts(population.start):
             particles_to_grid(
-                self.setting.without_materials(), grid.field, population.particles, loads,
+                self.setting.without_materials(), grid.field, population.up_to_date(), loads,
                 population.ordered, part, (),
             )  # fmt: skip
             assert not grid.scratch.any()
@@ -250,7 +249,7 @@ class Rank:
         errors = np.zeros((self.capacity, 2), np.int64)
         self.failed, self.outflow, *rest = grid_to_particles(
             self.setting._replace(tracked=tracked, exits=self.exits), grid.field,
-            population.particles, population.ordered, np.arange(len(population.start) - 1),
+            population.up_to_date(), population.ordered, np.arange(len(population.start) - 1),
             self.forcing(dt)._replace(loads=Loads(mean=self.mean)),
             Report(self.vertex_bounds, population.changed, errors),
             Ledger.empty(grid.planes, 0, 0),
@@ -280,8 +279,8 @@ def split(shape: Any, frame: Frame, particles: Particles, cuts: list[int], bound
     ranks = []
     for rank in range(len(cuts) - 1):
         slab = slab_of(cuts, rank)
-        layer = whole.particles.layer
+        layer = whole.up_to_date().layer
         mine = (layer >= slab.first) & (layer < slab.first + slab.layers)
-        own = Particles(*(array[mine] for array in whole.particles))
+        own = Particles(*(array[mine] for array in whole.up_to_date()))
         ranks.append(Rank(shape, frame, own, slab, Comm(rank, boxes), bounds))
     return ranks

@@ -12,7 +12,7 @@ def sums_of(rank, D, bodies, material_of):
     sums = np.zeros((rank.slab.layers, bodies, SUMS))
     population = rank.population
     setting = KernelScene((), rank.frame, rank.setting.identity, MATERIALS, material_of)
-    layer_sums(setting, population.particles, population.ordered, sums)
+    layer_sums(setting, population.up_to_date(), population.ordered, sums)
     return sums
 
 
@@ -20,4 +20,4 @@ def rate_of(rank, D, material_of):
     """Result of `fastest_rate`."""
     population = rank.population
     setting = KernelScene((), rank.frame, rank.setting.identity, MATERIALS, material_of)
-    return fastest_rate(setting, population.particles, population.order, True)
+    return fastest_rate(setting, population.up_to_date(), population.order, True)

@@ -39,7 +39,7 @@ def setting(name, D, seed=SEED, mean=False):
 
 def copied(rank):
     """Copies of a rank's particles, in their canonical order."""
-    return Particles(*(array[rank.population.order].copy() for array in rank.particles))
+    return Particles(*(array[rank.population.order].copy() for array in rank.up_to_date()))
 
 
 def close(a, b, tolerance=1e-12):

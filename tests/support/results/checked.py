@@ -2,10 +2,11 @@
 
 from pgimp.case.reader import read_case
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.checks.facts import examine
 from pgimp.scene.checks.locking import locking
 from pgimp.scene.checks.sanity import body_warnings
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 
 
 def findings(case):

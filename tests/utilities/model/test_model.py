@@ -17,8 +17,9 @@ from pgimp.case.schema import Case
 from pgimp.cli import main
 from pgimp.decomposition.slabs import cut
 from pgimp.mpi.comm import Serial
+from pgimp.scene.bodies.counts import count_particles
 from pgimp.scene.bodies.extent import extents
-from pgimp.scene.scene import Scene, count_particles
+from pgimp.scene.scene import Scene
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.start.memory import estimate
 from pgimp.utilities.model.block import Block, block_case, block_layout

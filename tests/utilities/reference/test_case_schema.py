@@ -105,8 +105,8 @@ def test_every_column_of_the_history_is_written(dimensions):
     ]
     unwritten = [name for name in names if not any(re.fullmatch(name, each) for each in columns)]
     # Errors against an exact solution: tests/physics/exact/test_exact_errors.py. Damping is not
-    # for rigid bodies that move freely: tests/solver/rest/test_damping.py. What absorbing faces
-    # radiate: tests/solver/rest/test_absorbing.py. Stages that settle: test_settling_stages.py.
+    # for rigid bodies that move freely: tests/solver/damping/test_damping.py. What absorbing faces
+    # radiate: tests/solver/damping/test_absorbing.py. Stages that settle: test_settling_stages.py.
     # The factor of mass scaling: test_mass_scaling.py.
     moments = ("angular", "angle", "torque", "moment", "height", "top") if dimensions == 1 else ()
     others = ("error", "damped", "radiated", "settling", "scaling", *moments)

@@ -197,7 +197,7 @@ class BroadPhase:
         rate: float,
     ) -> None:
         """Find the regions of possible contact, and the steps for which they hold; collective."""
-        scene, frame, p = self.scene, self.scene.domain.frame, population.particles
+        scene, frame, p = self.scene, self.scene.domain.frame, population.up_to_date()
         order, D = population.order, self.scene.dimension
         boxes = np.full((2, len(groups), D), np.inf)
         boxes[1] = -np.inf
@@ -261,7 +261,7 @@ class BroadPhase:
             return regions
         order = population.order
         self.call(
-            mark_blocks, self.scene.domain.frame, population.particles, order, groups, regions
+            mark_blocks, self.scene.domain.frame, population.up_to_date(), order, groups, regions
         )
         marks[:] = united(self.comm, marks)
         far = 2.0 * reach(self.scene, self.scene.settings.follows) + MARGIN
@@ -278,7 +278,7 @@ class BroadPhase:
         found = self.call(
             find_near,
             self.scene.domain.frame,
-            population.particles,
+            population.up_to_date(),
             order,
             groups,
             self._regions,

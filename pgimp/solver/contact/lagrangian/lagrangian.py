@@ -27,6 +27,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
+from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.bonds import bonded, interactions, separating_walls, with_walls
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase, reach
 from pgimp.solver.contact.lagrangian.joint import Joint, join, share
@@ -132,7 +133,7 @@ class LagrangianContact(NoContact):
         scene, grid, population = self.scene, rank.grid, rank.population
         if not self.fields:
             return
-        p, order = population.particles, population.order
+        p, order = population.up_to_date(), population.order
         boxes = np.full((2, self.bodies, scene.dimension), np.inf)
         boxes[1] = -np.inf
         grow_boxes(scene.domain.frame, p._replace(x=p.origin), order, boxes)
@@ -249,16 +250,14 @@ class LagrangianContact(NoContact):
         contact_vertices = contact_vertices._replace(
             order=np.flatnonzero(contact_vertices.sums["mass"] > 0.0)
         )
-        capacity = 4 * len(contact_vertices.keys)
-        while True:
-            contact_pairs = ContactPairs.empty(capacity)
-            pairs = call(
+        contact_pairs, pairs = grown(
+            4 * len(contact_vertices.keys),
+            ContactPairs.empty,
+            lambda found: call(
                 find_contact_pairs, contact, frame, self._every_face, self._walls,
-                contact_vertices, t.dt, contact_pairs,
-            )  # fmt: skip
-            if pairs <= capacity:
-                break
-            capacity = pairs
+                contact_vertices, t.dt, found,
+            ),
+        )  # fmt: skip
         contact_pairs = contact_pairs.chosen(slice(pairs))
         return contact_pairs, self._couple(near, contact_vertices, contact_pairs)
 
@@ -276,23 +275,21 @@ class LagrangianContact(NoContact):
             1 + int(self._selector.fields.max()),
         )
         scratch = (flat(near.vertices.values), seen, left, self._box)
-        capacity = 64 * rows + WIDE**3
-        while True:
-            coupling = Coupling(
+        coupling, entries = grown(
+            64 * rows + WIDE**3,
+            lambda size: Coupling(
                 np.empty(rows + 1, np.int64),
-                np.empty(capacity, np.int64),
-                np.empty((capacity, 4 if len(mirrors) else 1)),
+                np.empty(size, np.int64),
+                np.empty((size, 4 if len(mirrors) else 1)),
                 np.empty((rows, 3)),
                 np.zeros((rows, len(mirrors), 3)),
-            )
-            entries = call(
+            ),
+            lambda found: call(
                 find_coupling, self.scene.domain.frame, (selection.table, near.motion),
                 (selection.initial, selection.hashes, selection.keys, fields), mirrors,
-                slots[:rows], contact_vertices, scratch, coupling,
-            )  # fmt: skip
-            if entries <= capacity:
-                break
-            capacity = entries
+                slots[:rows], contact_vertices, scratch, found,
+            ),
+        )  # fmt: skip
         return coupling._replace(column=coupling.column[:entries], entry=coupling.entry[:entries])
 
 

@@ -92,7 +92,7 @@ class NearParticles:
             population.update(given.every)
         rows = population.order[given.offsets].astype(np.int64)
         motion = self._storage("motion", len(rows), NEAR_MOTION)
-        call(copy_near_motion, self._plain, population.stored, rows, motion)
+        call(copy_near_motion, self._plain, population.columns, rows, motion)
         values = self._storage("values", len(given.keys), REFERENCE_VERTEX)
         call(read_reference_vertices, holding, field, given.keys, values)
         if self.comm.size > 1:

@@ -144,7 +144,8 @@ class Selector:
             population.update(near)
         rows = population.order[near].astype(np.int64)
         motion = np.empty(len(rows), NEAR_MOTION)
-        particles, bodies = population.stored, (self.groups, self.fields, scene.settings.lagrangian)
+        particles = population.columns
+        bodies = self.groups, self.fields, scene.settings.lagrangian
         call(copy_near_motion, self._plain, particles, rows, motion)
         if anew:
             self._table = np.empty(len(rows), NEAR_PARTICLE)

@@ -1,0 +1,1 @@
+"""Bodies whose particles come from files."""

@@ -1,1 +1,0 @@
-"""Particles that come in the course of a run."""

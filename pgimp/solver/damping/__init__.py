@@ -1,0 +1,1 @@
+"""Damping of motion, and absorbing faces."""

@@ -1,0 +1,117 @@
+"""Dynamic relaxation: the damping by which a run settles, which finds its own strength.
+
+The n-th step from rest leaves (n - 1)/(n + 1) of the velocity and gives n/(n + 1) of the kick,
+
+    v'' + (2/t) v' = a,   t = n dt,
+
+so that a mode of the angular frequency w falls as sin(w t)/(w t): the mean over time of the motion
+without damping. Short waves die away in a few of their periods, whatever the slowest mode is. That
+one reaches its static place at w t = pi, with little overshoot of stresses on the way. There the
+unbalanced forces begin to work against the motion: all velocities become zero, and n begins anew.
+
+It is gradient-based adaptive restart (O'Donoghue and Candes 2015) of Nesterov's method in its form
+as an equation of motion (Su, Boyd and Candes 2016), with 2 in place of their 3. Kinetic damping has
+0, and stops in the short waves where a load sets in; viscous damping needs the slowest frequency.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pgimp.jit.rehearsal import needed
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.ledger import INTERNAL, POWER, UNBALANCED
+from pgimp.kernels.grid.damping import relax
+from pgimp.kernels.grid.unbalanced import sum_internal_forces, sum_power, sum_unbalanced_forces
+from pgimp.solver.damping.damping import bring_to_rest, total_sums
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.vertices import StepPart, VertexUpdate
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+#: Steps between two sums of forces while a run comes to rest.
+EVERY = 10
+
+#: Without a fall of the unbalanced part by this factor in so many steps, and so many restarts, the
+#: run gives up; likewise in so many steps in any case, as of what falls freely. On the way to the
+#: static place it falls by it in a quarter of the way.
+FALL, PATIENCE, RESTARTS, ENDLESS = 0.9, 5000, 20, 10000
+
+
+class Relaxation(StepPart):
+    """Dynamic relaxation on one rank; its numbers are equal on all ranks.
+
+    Attributes
+    ----------
+    since : int
+        Steps since the last restart.
+    least, steps, restarts : float, int, int
+        Least unbalanced part so far; steps and restarts since it was found.
+    """
+
+    def __init__(self) -> None:
+        self.since, self.least, self.steps, self.restarts = 0, np.inf, 0, 0
+
+    @property
+    def numbers(self) -> list[float]:
+        """The state for a checkpoint."""
+        least = self.least if np.isfinite(self.least) else -1.0
+        return [self.since, least, self.steps, self.restarts]
+
+    @numbers.setter
+    def numbers(self, numbers: Sequence[float]) -> None:
+        self.least = numbers[1] if numbers[1] >= 0.0 else np.inf
+        self.since, self.steps, self.restarts = (int(numbers[i]) for i in (0, 2, 3))
+
+    @property
+    def cycle(self) -> float:
+        """Mean number of steps between restarts, half a period of the motion that is left."""
+        return self.steps / max(self.restarts, 1)
+
+    @property
+    def stagnant(self) -> bool:
+        """Whether the unbalanced part has not fallen for long."""
+        tried = self.steps > PATIENCE and self.restarts >= RESTARTS
+        return tried or self.steps > ENDLESS
+
+    def note(self, unbalanced: float) -> None:
+        """Note the unbalanced part."""
+        if unbalanced < FALL * self.least:
+            self.least, self.steps, self.restarts = unbalanced, 0, 0
+
+    def begin(self, rank: RankState, order: Order, done: int) -> None:
+        """Begin anew from rest if the unbalanced forces work against the motion; collective.
+
+        Their power is a sum by plane, each of one rank, in the planes' order; it is stored with
+        the other sums, so that a resumed run decides alike.
+        """
+        against = total_sums(rank)[POWER] < 0.0
+        if against or not self.since:
+            bring_to_rest(rank)
+            self.since, self.restarts = 0, self.restarts + int(against)
+
+    def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
+        """Sum the forces of stresses and loads, now and then."""
+        if needed(update.t.number % EVERY == 0):
+            rank.call(sum_internal_forces, rank.grid.field, update.forcing, rank.ledger)
+
+    def book(self, rank: RankState, update: VertexUpdate) -> None:
+        """Sum the unbalanced forces and their power after all conditions and contact, and damp."""
+        field, forcing, ledger = rank.grid.field, update.forcing, rank.ledger
+        rank.call(sum_power, field, forcing, ledger)
+        if needed(update.t.number % EVERY == 0):
+            rank.call(sum_unbalanced_forces, field, forcing, ledger)
+        self.since += 1
+        self.steps += 1
+        rank.call(relax, field, forcing, self.since, ledger)
+        if rank.grips and rank.grips.acts:
+            rank.grips.relax(self.since, update.t.dt)
+
+
+def unbalanced_sums(rank: RankState) -> tuple[float, float]:
+    """Sums of the magnitudes of the unbalanced forces, and of those of stresses; collective."""
+    sums = total_sums(rank)
+    return float(sums[UNBALANCED]), float(sums[INTERNAL])

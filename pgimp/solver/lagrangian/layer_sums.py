@@ -1,0 +1,45 @@
+"""Sums over a rank's particles by layer, with what vertices have that keep their motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.lagrangian.sums import motion_sums
+from pgimp.kernels.sums.sums import layer_sums
+from pgimp.scene.scene import Scene
+from pgimp.solver.lagrangian.pieces import by_layers
+from pgimp.solver.rank_state import RankState
+
+
+def sum_layers(rank: RankState, scene: Scene, order: Order, sums: np.ndarray) -> None:
+    """Add `layer_sums` of some of a rank's particles, and what vertices have beyond them.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene of the particles.
+    order : Order
+        The particles, by layer.
+    sums : (layers, bodies, columns) float64
+    """
+    by_layers(
+        rank, order,
+        lambda particles, order: layer_sums(scene.setting.without_shape(), particles, order, sums),
+        lambda particles, order: _complete_sums(rank, scene, particles, order, sums),
+    )  # fmt: skip
+
+
+def _complete_sums(
+    rank: RankState, scene: Scene, particles: Particles, order: Order, sums: np.ndarray
+) -> None:
+    """Complete `layer_sums` of particles by what their vertices have beyond them."""
+    if scene.settings.lagrangian_bodies is None or not rank.grid.motion:
+        return
+    setting = scene.setting
+    if scene.settings.mixed:
+        mine = scene.settings.lagrangian[particles.body[order.rows]]
+        edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
+        order, setting = Order(order.rows[mine], edges), scene.setting_lagrangian
+    motion_sums(setting.without_materials(), rank.grid.field, particles, order, sums)

@@ -1,1 +1,0 @@
-"""Rest: damping of motion, and settling before time 0."""

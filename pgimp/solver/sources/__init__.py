@@ -1,0 +1,1 @@
+"""Particles that come and go in the course of a run."""
