@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from pgimp.geometry.regions import Points
-from pgimp.physics.rigid import RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -27,8 +25,6 @@ def check_added(case: Case) -> Problems:
                 yield Problem(path, unknown("body", name, case.every_body))
             elif name in came:
                 yield Problem(path, f"'{name}' has come in the stage '{came[name]}' already")
-            elif text := _unfit(case, name):
-                yield Problem(path, text)
             came[name] = stage.name
         for k, name in enumerate(stage.remove):
             if name in stage.add:
@@ -60,48 +56,4 @@ def _inflow_kept(case: Case, i: int, begins: float) -> Problems:
                 (*path, "constraints", name),
                 "is that of an inflow, which goes on as it is: let its velocity be a function of "
                 "time, or give it an end (`until`)",
-            )
-
-
-def _unfit(case: Case, name: str) -> str:
-    """Tell why a body cannot come in a stage; empty if it can."""
-    body = case.every_body[name]
-    if name in case.inflow:
-        return (
-            f"'{name}' enters by an inflow, which begins with the run; let its velocity be 0 at "
-            "first, by a function of time"
-        )
-    if isinstance(body, RigidBody):
-        return (
-            f"'{name}' is rigid, and rigid bodies are there from the start; let it wait where it "
-            "meets nothing, and move it by a table of velocities"
-        )
-    if body.configuration == "initial":
-        return (
-            f"'{name}' is in the initial configuration, whose grid belongs to all of its bodies "
-            "as they are at the start; a body that comes takes configuration: current"
-        )
-    if isinstance(body.region, Points):
-        return (
-            f"the particles of '{name}' are from a file, and come at the start only; give the "
-            "body a region of another kind"
-        )
-    if body.material in case.materials and case.materials[body.material].variations:
-        return (
-            f"the material of '{name}' varies in space, and is set at the start only; give the "
-            "body a material that is the same everywhere"
-        )
-    return ""
-
-
-def check_probes_there(case: Case) -> Problems:
-    """Check that probes follow particles that are there from the start."""
-    came = {name: stage.name for stage in case.time.stages for name in stage.add}
-    for name, probe in case.probes.items():
-        body = getattr(probe, "body", None)
-        if body in came:
-            yield Problem(
-                ("probes", name, "body"),
-                f"'{body}' comes in the stage '{came[body]}', and a probe follows a particle from "
-                "the start; give {place: ...}",
             )

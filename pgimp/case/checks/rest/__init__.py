@@ -1,1 +1,1 @@
-"""Checks of damping, and of what settles."""
+"""Checks of what settles."""

@@ -23,7 +23,6 @@ def check_settling(
     boundaries: Mapping[str, Boundary],
     constraints: Mapping[str, ConstraintEntry],
     inflow: Mapping[str, object],
-    exact: object,
     began: float,
     gone: Sequence[str],
 ) -> Problems:
@@ -42,17 +41,6 @@ def check_settling(
             instead = "let it be 0 then, by a table over time or by this stage, or leave settle out"
         yield Problem(
             path, f"moves at {when}, and {key} looks for rest under what acts then: {instead}"
-        )
-    for name, body in rigid_bodies.items():
-        if body.free:
-            yield Problem(
-                ("start", "settle"),
-                f"is for bodies of a material; '{name}' is rigid and moves freely: give it a "
-                "motion, rigid: {velocity: ..}, or leave one of the two out",
-            )
-    if exact is not None:
-        yield Problem(
-            ("start", "settle"), "changes the initial state, which `exact` gives; leave one out"
         )
 
 
