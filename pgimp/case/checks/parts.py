@@ -32,7 +32,6 @@ from pgimp.case.checks.periodic import check_period, check_periodic_faces, check
 from pgimp.case.checks.places.gauges import check_gauges
 from pgimp.case.checks.places.probes import check_probes
 from pgimp.case.checks.regions import check_regions
-from pgimp.case.checks.rest.settling import check_settling
 from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
 from pgimp.case.checks.variations import check_variations
 from pgimp.case.staging.inflow import check_inflow
@@ -174,7 +173,6 @@ _CHECKS = (
     check_inflow,
     check_contact,
     check_adhesion,
-    check_settling,
     check_geostatic,
     check_water,
     check_parted,

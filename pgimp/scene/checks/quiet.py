@@ -9,12 +9,13 @@ import numpy as np
 
 from pgimp.geometry.regions import Points
 from pgimp.scene.checks.supports import greatest
+from pgimp.scene.checks.warned import Warned, warned
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
 
-def unquiet(case: Case) -> Iterator[str]:
+def unquiet(case: Case) -> Iterator[Warned]:
     """Yield warnings of weight that absorbing faces do not bear, of the first stage."""
     start = case.start
     if (
@@ -28,8 +29,9 @@ def unquiet(case: Case) -> Iterator[str]:
         return
     for face, condition in case.boundaries.items():
         if condition.absorbs:
-            yield (
+            yield warned(
+                "absorbing-weight",
                 f"boundaries.{face}: an absorbing face bears what presses on it as the run begins, "
                 "and there is no stress then: under gravity the material pushes it outwards and "
-                "creeps; with start: {settle: {}} or {stress: {k0: ..}} the run begins at rest"
+                "creeps; with start: {settle: {}} or {stress: {k0: ..}} the run begins at rest",
             )

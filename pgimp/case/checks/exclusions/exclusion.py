@@ -22,6 +22,11 @@ class Exclusion(NamedTuple):
     each: bool = False
     """Whether every place of `b` is told, and not the first alone."""
 
+    def texts(self, place: Place) -> tuple[str, str]:
+        """Reason and remedy for tables, with a place for both."""
+        why, remedy = (text.format(a=place, b=place) for text in (self.why, self.remedy))
+        return why.removesuffix(":"), remedy
+
     def text(self, a: Place, b: Place) -> str:
         """Message about two places."""
         between = " " if self.why.endswith(":") else "; "

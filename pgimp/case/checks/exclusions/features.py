@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from pgimp.case.checks.exclusions.feature import Feature, Place, named, of_bodies, of_key
-from pgimp.geometry.regions import Box, Points
+from pgimp.geometry.regions import REGIONS, Box, Points
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import RigidBody
+from pgimp.schema.registries import name_of
 from pgimp.schema.sizes import AXES
 from pgimp.schema.tables import entries_of
 
@@ -101,7 +102,14 @@ more_than_inertia = of_bodies(
     lambda _, law: not law.INERTIA_ALONE,
 )
 points = of_bodies("particles of a file", "region", lambda body, _: isinstance(body.region, Points))
-no_box = of_bodies("regions but boxes", "region", lambda body, _: not isinstance(body.region, Box))
+no_box = Feature(
+    "regions but boxes",
+    lambda bodies: (
+        Place(("bodies", name, "region"), name_of(body.region, REGIONS), name)
+        for name, body in bodies.items()
+        if not isinstance(body.region, Box)
+    ),
+)
 begins_moving = of_bodies(
     "bodies that begin with a velocity",
     "velocity",

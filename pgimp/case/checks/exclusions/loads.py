@@ -17,6 +17,7 @@ from pgimp.physics.loads.own_stress import OwnStress
 from pgimp.physics.loads.water import vertical_of
 from pgimp.schema.registries import name_of
 from pgimp.schema.sizes import AXES, WHOLE
+from pgimp.schema.tables import prescribed
 
 # Faces, and ways out.
 absorbing = named("absorbing faces", "boundaries", has=lambda entry: entry.absorbs)
@@ -64,6 +65,14 @@ region_tractions = named(
     lambda entry: entry.face is None,
     lambda entry: entry.body,
 )
+face_tractions = named(
+    "tractions on a face",
+    "tractions",
+    "face",
+    lambda entry: entry.face is not None,
+    lambda entry: entry.body,
+)
+constraints = named("constraints", "constraints", "body", owner=lambda entry: entry.body)
 profiles = Feature(
     "profiles of tractions",
     lambda tractions: (
@@ -116,6 +125,9 @@ water = Feature(
 
 # The course of a run, and what is looked at.
 exact = of_key("exact solutions", "exact", lambda exact: exact is not None)
+moving_exact = of_key(
+    "exact solutions that begin with a velocity", "exact", lambda exact: exact and exact.moves
+)
 packaged_exact = of_key(
     "exact solutions of the package",
     "exact",
@@ -124,7 +136,45 @@ packaged_exact = of_key(
 damping = of_key("damping", "damping", lambda damping: damping is not None)
 local_damping = of_key("local damping", "damping.local", lambda each: each and each.local)
 mass_scaling = of_key("mass-scaling", "time.mass-scaling", lambda time: time.mass_scaling != 1.0)
-settling = of_key("`settle`", "start.settle", lambda start: start.settle is not None)
+settling = Feature(
+    "`settle`",
+    lambda start, began: (
+        Place(("start", "settle"), *when)
+        for when in [(f"t = {began:.15g}", "settle") if began else ("time 0", "start.settle")]
+        if start.settle is not None
+    ),
+)
+
+
+def _moving(
+    bodies: Any,
+    rigid_bodies: Any,
+    boundaries: Any,
+    constraints: Any,
+    inflow: Any,
+    began: float,
+    gone: Any,
+) -> Iterator[Place]:
+    for name, body in {} if began else bodies.items():
+        if not isinstance(body.velocity, tuple) or any(body.velocity):
+            yield Place(("bodies", name, "velocity"))
+    for name, rigid in rigid_bodies.items():
+        if not rigid.free and any(any(part) for part in rigid.rigid.velocities(began)):
+            yield Place(("bodies", name, "rigid"))
+    for face, entry in boundaries.items():
+        ways = prescribed(getattr(entry, "velocity", ()), began, began)[1]
+        if any(entry.motion(began) or ()) or any(ways):
+            yield Place(("boundaries", face))
+    for name, entry in constraints.items():
+        if name in inflow or entry.body in gone:
+            continue
+        if entry.field or any(prescribed(entry.along, began, began)[1]):
+            yield Place(("constraints", name, "velocity"))
+        if entry.rotation and entry.rotation.speed(began):
+            yield Place(("constraints", name, "rotation"))
+
+
+moving = Feature("what moves before anything has happened", _moving)
 stress = of_key("`start.stress`", "start.stress", lambda start: start.stress is not None)
 weight = of_key(
     "the weight above",

@@ -28,6 +28,31 @@ RUNS = (
         g.tractions, g.inflow,
         "'{a.name}' enters by an inflow, and has no lasting face", "load another body", "owner",
     ),
+    *(
+        Exclusion(
+            feature, f.rigid, "'{a.name}' is rigid, and has no particles: " + why, remedy, "owner"
+        )
+        for feature, why, remedy in (
+            (
+                g.tractions, "a traction pulls at a body of a material",
+                "a rigid one moves as its key `rigid` says",
+            ),
+            (
+                g.constraints, "a constraint holds parts of a body of a material",
+                "give a rigid one its motion by its key `rigid`",
+            ),
+            (
+                g.probes, "none can be followed",
+                "history.csv has its motion, tool.{a.name}",
+            ),
+        )
+    ),
+    Exclusion(
+        g.face_tractions, f.no_box,
+        "the region of '{a.name}' is a {b.name}, which has no such faces",
+        "load the part of its surface that lies in a region: region: {{box: ..}} in place of face",
+        "owner",
+    ),
     # Inflow.
     Exclusion(
         g.inflow, f.rigid,
@@ -88,6 +113,15 @@ RUNS = (
         g.settling, f.free_rigid,
         "is for bodies of a material; '{b.name}' is rigid and moves freely:",
         "give it a motion, rigid: {{velocity: ..}}, or leave one of the two out", "", True,
+    ),
+    Exclusion(
+        g.moving, g.settling,
+        "moves at {b.name}, and {b.owner} looks for rest under what acts then:",
+        "let it be 0 then, by a table over time (or by the stage), or leave settle out",
+    ),
+    Exclusion(
+        f.begins_moving, g.moving_exact,
+        "the exact solution gives the initial velocity", "leave this out",
     ),
     Exclusion(g.settling, g.exact, _EXACT, "leave one out"),
     Exclusion(g.weight, g.exact, _EXACT, "leave one out"),

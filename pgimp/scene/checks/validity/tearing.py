@@ -11,6 +11,7 @@ import numpy as np
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.supports import AXES, Support, supports
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.schema.pages import page
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ def stretches(stages: Sequence[Case], body: BodyFacts) -> list[Stretch]:
     return [one for one, sign in zip(ends, (1, -1), strict=True) if one and sign * one.strain > 0]
 
 
-def warnings(stages: Sequence[Case], body: BodyFacts) -> Iterator[str]:
+def warnings(stages: Sequence[Case], body: BodyFacts) -> Iterator[Warned]:
     """Yield the warning of a body that its grips pull so far that it tears on the grid."""
     case = stages[0]
     limit = tearing_stretch(case, body.name)
@@ -125,11 +126,12 @@ def warnings(stages: Sequence[Case], body: BodyFacts) -> Iterator[str]:
         if limit and 1.0 + one.strain > limit[_BEGINS]:
             grip, other = one.between
             key = grip.replace("constraint ", "constraints.")
-            yield (
+            yield warned(
+                "tearing",
                 f"{key}: it pulls '{body.name}' away from {other} by {one.way:.3g} along "
                 f"{AXES[one.axis]} until t = {one.time:.4g}, to {1.0 + one.strain:.3g} times the "
                 f"length {one.length:.3g} between them; with {particles_of(case)} bodies tear "
-                f"from {limit[0]:g} times on, though no material breaks: {advice(case, body.name)}"
+                f"from {limit[0]:g} times on, though no material breaks: {advice(case, body.name)}",
             )
 
 
