@@ -77,7 +77,7 @@ def _named(bodies: list[str]) -> str:
 def _pointwise(case: Case) -> Iterator[tuple[str, str, Material]]:
     """Bodies with pointwise volumes, with their material and its name."""
     method = case.method
-    if case.dimensions == 1 or method.volumetric == "mean" or method.shape == "fuzzy-constant":
+    if case.dimensions == 1 or method.volumetric == "mean" or not method.locks:
         return
     for body, entry in case.bodies.items():
         yield body, entry.material, case.materials[entry.material]

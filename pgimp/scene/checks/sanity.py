@@ -183,21 +183,21 @@ def case_warnings(case: Case, found: Findings) -> Iterator[Warned]:
     found : Findings
         See `pgimp.scene.checks.facts.examine`.
     """
-    if case.method.affine and case.method.shape == "mpm":
+    if case.method.affine and case.method.is_point:
         yield warned(
             "affine-points",
-            "method.affine: with points (mpm) it can make energy from nothing, the more "
-            "the smaller the step; take it with boxes (shape: gimp)",
+            f"method.affine: with points ({case.method.name}) it can make energy from nothing, "
+            "the more the smaller the step; take it with boxes (shape: gimp)",
         )
     for name, entry in case.materials.items():
         for path, variation in entry.variations.items():
             yield from _coarse(f"materials.{name}.{'.'.join(path)}", variation, case)
     pressed = _pressed(case)
-    if pressed and case.method.shape == "mpm":
+    if pressed and case.method.is_point:
         yield warned(
             "contact-points",
-            "contact: of points (mpm) the gap between bodies is known to half a cell only, and "
-            "jumps as they move; take boxes (shape: gimp)",
+            f"contact: of points ({case.method.name}) the gap between bodies is known to half a "
+            "cell only, and jumps as they move; take boxes (shape: gimp)",
         )
     for body in found.bodies:
         cells = [size / cell for size, cell in zip(body.sizes, case.grid.cell, strict=True)]

@@ -25,7 +25,6 @@ _TORE = [(1.1, 1.05), (1.6, 1.5), (1.9, 1.8)]
 _WIDE_TORE = [(1.1, 1.05), (1.7, 1.6), (2.5, 2.3), (3.2, 3.0)]
 _JOINED_TORE = [(2.0, 1.8), (3.0, 2.7)]
 _BEGINS = 1
-_JOINED, _WIDE = ("cpdi", "cpdi-corners"), ("bspline-cubic", "fuzzy-constant")
 #: Instants of a stage at which the ways of grips are compared.
 _INSTANTS = 129
 
@@ -75,8 +74,8 @@ def tearing_stretch(case: Case, name: str) -> tuple[float, float] | None:
     body = case.bodies[name]
     if body.configuration != "current" or flows(case.materials[body.material]):
         return None
-    shape = case.method.shape
-    known = _JOINED_TORE if shape in _JOINED else _WIDE_TORE if shape in _WIDE else _TORE
+    method = case.method
+    known = _JOINED_TORE if method.ends else _WIDE_TORE if method.wide else _TORE
     return known[min(*case.method.particles_per_cell, len(known)) - 1]
 
 
@@ -84,7 +83,7 @@ def advice(case: Case, name: str) -> str:
     """What keeps a body from tearing, and the page with the figures."""
     elastic = case.materials[case.bodies[name].material].ELASTIC
     ways = ["configuration: initial, which never tears"] if elastic else []
-    ways += [] if case.method.shape in _JOINED else ["method.shape: cpdi, to nearly 3 times"]
+    ways += [] if case.method.ends else ["method.shape: cpdi, to nearly 3 times"]
     ways += ["more particles a cell along the stretch"]
     return f"take {'; or '.join(ways)} ({page('hard-cases.md#reasons')})"
 
