@@ -34,6 +34,7 @@ from pgimp.case.checks.places.probes import check_probes
 from pgimp.case.checks.regions import check_regions
 from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
 from pgimp.case.checks.variations import check_variations
+from pgimp.case.staging.arrivals import check_added
 from pgimp.case.staging.inflow import check_inflow
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.materials.base import Material
@@ -171,6 +172,7 @@ _CHECKS = (
     check_tractions,
     check_constraints,
     check_inflow,
+    check_added,
     check_contact,
     check_adhesion,
     check_geostatic,

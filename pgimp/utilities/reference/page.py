@@ -105,7 +105,7 @@ def reference() -> str:
         _table(
             ("this", "not with", "why", "instead"),
             (
-                (each.a.words, each.b.words, *each.texts(Place((), "NAME", "settle", "AXIS")))
+                (each.a.words, each.b.words, *each.texts(Place((), "NAME", "NAME", "AXIS")))
                 for each in EXCLUSIONS
             ),
         ),

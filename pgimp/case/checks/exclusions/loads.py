@@ -107,8 +107,9 @@ turning = Feature(
         if abs(part) != 1.0
     ),
 )
+entering = named("inflow", "inflow")
 inflow = Feature(
-    "inflow",
+    "inflow along an axis",
     lambda inflow: (
         Place(("inflow", name, "velocity"), name, name, AXES[entry.axis])
         for name, entry in inflow.items()
@@ -139,9 +140,8 @@ mass_scaling = of_key("mass-scaling", "time.mass-scaling", lambda time: time.mas
 settling = Feature(
     "`settle`",
     lambda start, began: (
-        Place(("start", "settle"), *when)
-        for when in [(f"t = {began:.15g}", "settle") if began else ("time 0", "start.settle")]
-        if start.settle is not None
+        Place(("start", "settle"), f"t = {began:.15g}" if began else "time 0")
+        for _ in range(start.settle is not None)
     ),
 )
 
@@ -193,7 +193,7 @@ stages = of_key("stages", "time.stages", lambda time: time.stages)
 added = Feature(
     "bodies that come in stages",
     lambda time: (
-        Place(("time", "stages", i, "add", k), name, name)
+        Place(("time", "stages", i, "add", k), stage.name, name)
         for i, stage in enumerate(time.stages)
         for k, name in enumerate(stage.add)
     ),

@@ -25,7 +25,7 @@ RUNS = (
         "load a body with a region or a mesh", "owner",
     ),
     Exclusion(
-        g.tractions, g.inflow,
+        g.tractions, g.entering,
         "'{a.name}' enters by an inflow, and has no lasting face", "load another body", "owner",
     ),
     *(
@@ -55,23 +55,23 @@ RUNS = (
     ),
     # Inflow.
     Exclusion(
-        g.inflow, f.rigid,
+        g.entering, f.rigid,
         "'{a.name}' is rigid", "only bodies of a material enter", "owner",
     ),
     Exclusion(
-        f.no_box, g.inflow,
+        f.no_box, g.entering,
         "that of an inflow is a box, which layers of particles fill", "take box", "owner",
     ),
     Exclusion(
-        g.inflow, f.varying,
+        g.entering, f.varying,
         "material '{b.name}' varies in space, and what enters is all alike",
         "take a material that does not", "owner",
     ),
     Exclusion(
-        g.inflow, g.exact, "brings what `exact` does not know of", "leave one of them out"
+        g.entering, g.exact, "brings what `exact` does not know of", "leave one of them out"
     ),
     Exclusion(
-        g.inflow, g.settling,
+        g.entering, g.settling,
         "does not come to rest, as settle looks for", "leave one of them out",
     ),
     # Damping and mass scaling. Local damping takes a part of the force before contact.
@@ -103,7 +103,7 @@ RUNS = (
                 g.absorbing, "waves that {b.name} absorbs have another speed",
                 "hold the face",
             ),
-            (g.inflow, "inflow would not be what it is", "leave one of them out"),
+            (g.entering, "inflow would not be what it is", "leave one of them out"),
             (g.any_body_force, "body_force would not be what it is", "leave one of them out"),
             (g.exact, "exact would not be what it is", "leave one of them out"),
         )
@@ -116,7 +116,7 @@ RUNS = (
     ),
     Exclusion(
         g.moving, g.settling,
-        "moves at {b.name}, and {b.owner} looks for rest under what acts then:",
+        "moves at {b.name}, and settle looks for rest under what acts then:",
         "let it be 0 then, by a table over time (or by the stage), or leave settle out",
     ),
     Exclusion(
@@ -142,32 +142,32 @@ RUNS = (
         "is the solution of a case without stages (time.stages)", "leave one of them out",
     ),
     Exclusion(
-        g.added, g.inflow, "'{a.name}' enters by an inflow, which begins with the run",
+        g.added, g.entering, "'{a.owner}' enters by an inflow, which begins with the run",
         "let its velocity be 0 at first, by a function of time", "owner",
     ),
     Exclusion(
         g.added, f.rigid,
-        "'{a.name}' is rigid, and rigid bodies are there from the start",
+        "'{a.owner}' is rigid, and rigid bodies are there from the start",
         "let it wait where it meets nothing, and move it by a table of velocities", "owner",
     ),
     Exclusion(
         g.added, f.initial,
-        "'{a.name}' is in the initial configuration, whose grid belongs to all of its bodies as "
+        "'{a.owner}' is in the initial configuration, whose grid belongs to all of its bodies as "
         "they are at the start", "a body that comes takes configuration: current", "owner",
     ),
     Exclusion(
         g.added, f.points,
-        "the particles of '{a.name}' are from a file, and come at the start only",
+        "the particles of '{a.owner}' are from a file, and come at the start only",
         "give the body a region of another kind", "owner",
     ),
     Exclusion(
         g.added, f.varying,
-        "the material of '{a.name}' varies in space, and is set at the start only",
+        "the material of '{a.owner}' varies in space, and is set at the start only",
         "give the body a material that is the same everywhere", "owner",
     ),
     Exclusion(
         g.probes, g.added,
-        "'{a.name}' comes in a stage, and a probe follows a particle from the start",
+        "'{a.owner}' comes in the stage '{b.name}', and a probe follows a particle from the start",
         "give {{place: ...}}", "owner",
     ),
 )  # fmt: skip

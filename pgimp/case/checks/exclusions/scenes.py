@@ -145,7 +145,7 @@ SCENES = (
         "take current, or hooke, or settle in place of start.stress", "owner",
     ),
     Exclusion(
-        f.initial, g.inflow,
+        f.initial, g.entering,
         "the grid of the initial configuration moves with the body as it was at the start, and "
         "nothing can be added to it", "what enters takes configuration: current", "owner",
     ),
