@@ -117,7 +117,7 @@ def report(case: Case, verbose: bool = False) -> None:
     which = "each" if case.courant is None else "the first"
     first = f"{which} of {dt:.4g}, Courant {dt * rate:.3g}{chosen}{longest}"
     steps = float(case.time.steps or case.time.end / dt)
-    costs, crossing = measure(scene, count, steps)
+    costs = measure(scene, count, steps)
     tried = pilot(written, count, steps, costs, _thinnest(case, bodies)) if costs else None
     steps = report_steps(case, steps, tried, first)
     settling = [settling_steps(each, bodies) for each in whole.stages]
@@ -136,7 +136,7 @@ def report(case: Case, verbose: bool = False) -> None:
         output = f"up to {size}, in {least:,} to {most:,} frames"
     report_memory(known.memory, verbose, f"; output {output}")
     if costs:
-        report_cost(scene, known.lattice, known.counts, costs, crossing, steps, to_rest, verbose)
+        report_cost(scene, known.lattice, known.counts, costs, steps, to_rest, verbose)
     else:
         print("time             unknown: no step of a sample of the case could be timed")
     boxes = {body.name: (body.low, body.high) for body in bodies}

@@ -132,7 +132,7 @@ def test_step_that_is_far_too_short(dt, fewer):
 @pytest.fixture
 def unmeasured(monkeypatch):
     """A report without what compiles and measures."""
-    monkeypatch.setattr(check, "measure", lambda *scene: (None, 0.0))
+    monkeypatch.setattr(check, "measure", lambda *scene: None)
     monkeypatch.setattr(check, "pilot", lambda *case: None)
     monkeypatch.setattr(check, "report_cost", lambda *scene: None)
 
@@ -327,7 +327,7 @@ def test_numbers_in_si():
 def test_a_small_healthy_case_has_ten_lines(name, pays_off, capsys, monkeypatch):
     """With all that is measured, whether one rank is enough or many pay off."""
     costs = Costs(1e-7 if pays_off else 1.0, ((200.0, 1e-6), (1e6, 1e-6)), 1e-9)
-    monkeypatch.setattr(check, "measure", lambda *scene: (costs, 0.0))
+    monkeypatch.setattr(check, "measure", lambda *scene: costs)
     monkeypatch.setattr(check, "pilot", lambda *case: None)
     case = read_case(packaged()[name], name)
     check.report(case)

@@ -44,7 +44,7 @@ def registered(monkeypatch):
     for kind in (Dots, Tiles, Clouds):
         name = kind.model_fields["shape"].annotation.__args__[0]
         monkeypatch.setitem(SHAPES, name, kind)
-    monkeypatch.setattr(check, "measure", lambda *scene: (None, 0.0))
+    monkeypatch.setattr(check, "measure", lambda *scene: None)
     monkeypatch.setattr(check, "pilot", lambda *case: None)
 
 
