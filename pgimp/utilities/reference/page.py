@@ -58,10 +58,13 @@ See [docs/loads-in-time.md](../docs/loads-in-time.md).
 
 
 _EXCLUSIONS = """\
-A case with both is refused, with the line of *this*. Tests try all other pairs. NAME is that of a
-body, face or law, AXIS a direction; both are about the same one, where one is named.
+A case with both is refused, with the line of *this*. Tests try all other pairs. NAME stands for the
+name of a body, a face or a number, AXIS for a direction, LAW for a model.
 """
 
+
+#: Of what both features have to be, by `Exclusion.same`.
+_SAME = {"": "", "owner": ", of the same one", "axis": ", in the same direction"}
 
 _WARNINGS = """\
 What is allowed, but hardly meant. `pgimp check -v` prints the id of each warning.
@@ -105,7 +108,11 @@ def reference() -> str:
         _table(
             ("this", "not with", "why", "instead"),
             (
-                (each.a.words, each.b.words, *each.texts(Place((), "NAME", "NAME", "AXIS")))
+                (
+                    each.a.words,
+                    each.b.words + _SAME[each.same],
+                    *each.texts(Place((), "NAME", "NAME", "AXIS", "LAW")),
+                )
                 for each in EXCLUSIONS
             ),
         ),

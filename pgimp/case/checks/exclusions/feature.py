@@ -19,6 +19,8 @@ class Place(NamedTuple):
     """The body or face that it is about, where only features of the same one exclude each other."""
     axis: str = ""
     """The direction that it is about, likewise."""
+    kind: str = ""
+    """Name of a body's law."""
 
 
 class Feature(NamedTuple):
@@ -67,7 +69,8 @@ def of_bodies(words: str, key: str, has: Callable[[Any, Any], Any]) -> Feature:
         for name, body in bodies.items():
             if body.material in materials and has(body, materials[body.material]):
                 text = body.material if key == "material" else name
-                yield Place(("bodies", name, key), text, name)
+                kind = getattr(materials[body.material], "model", "a law of its own")
+                yield Place(("bodies", name, key), text, name, kind=kind)
 
     return Feature(words, find)
 

@@ -49,10 +49,13 @@ no_boxes = of_key(
 not_separable = of_key("`cpdi-corners`", "method.shape", lambda method: not method.separable)
 initial_volume = of_key("`volume: initial`", "method.volume", lambda method: not method.tracked)
 mean = of_key("mean dilatation", "method.volumetric", lambda method: method.volumetric == "mean")
-one_particle = of_key(
+one_particle = Feature(
     "one particle along two or three directions of a cell",
-    "method.particles_per_cell",
-    lambda method: list(method.particles_per_cell).count(1) > 1,
+    lambda method: (
+        Place(("method", "particles_per_cell"), f"{once}")
+        for once in [list(method.particles_per_cell).count(1)]
+        if once > 1
+    ),
 )
 
 # Bodies of a material.

@@ -16,7 +16,7 @@ RUNS = (
     # Tractions.
     Exclusion(
         g.tractions, f.liquid,
-        "'{a.name}' flows ('{b.name}'): of its deformation only the volume is known, and no face",
+        "'{a.name}' flows ({b.kind}): of its deformation only the volume is known, and no face",
         "press it with a rigid body or a moving wall (boundaries)", "owner",
     ),
     Exclusion(
@@ -91,7 +91,7 @@ RUNS = (
         for feature, why, remedy in (
             (f.begins_moving, "'{b.name}' begins with a velocity", "leave one of them out"),
             (
-                f.more_than_inertia, "the density of '{b.name}' is more than inertia",
+                f.more_than_inertia, "the density of '{b.name}' ({b.kind}) is more than inertia",
                 "leave this out",
             ),
             (

@@ -96,7 +96,7 @@ SCENES = (
     Exclusion(
         f.one_particle, f.initial_on_lattice,
         "bodies in the initial configuration, as '{b.name}', have hourglass modes with one "
-        "particle along two or three directions of a cell: they strain no particle, and grow "
+        "particle along {a.name} directions of a cell: they strain no particle, and grow "
         "without end", "take 2 along all directions, or all but one",
     ),
     Exclusion(
