@@ -181,7 +181,7 @@ def report(case: Case, verbose: bool = False) -> None:
         forecast.warnings(whole, steps),
     )
     for warning in dict.fromkeys(every):
-        print(f"warning: {f'[{warning.id}] ' if verbose else ''}{warning}")
+        print(warning.line(verbose))
 
 
 def _thinnest(case: Case, bodies: list[BodyFacts]) -> float:

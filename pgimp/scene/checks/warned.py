@@ -20,6 +20,10 @@ class Warned(str):
 
     id: str
 
+    def line(self, verbose: bool) -> str:
+        """Return the line that tells it, with its id if `verbose`."""
+        return f"warning: {f'[{self.id}] ' if verbose else ''}{self}"
+
 
 def warned(id: str, text: str) -> Warned:
     """Return a warning of a registered kind."""
@@ -66,6 +70,7 @@ WARNINGS = {
     "pilot-step": Kind(
         "check", "steps become unstable as waves become faster", "in a pilot run, see unstable-step"
     ),
+    "endless": Kind("check", "units of time", "a year of computing on this machine"),
     "tearing": Kind(
         "check", "a body tears on the grid where it is stretched", "the stretch measured for it"
     ),

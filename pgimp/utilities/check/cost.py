@@ -8,6 +8,7 @@ from pgimp.mpi.limits import limits
 from pgimp.running.progress import duration
 from pgimp.scene.bodies.extent import extents
 from pgimp.scene.bodies.lattice import Lattice
+from pgimp.scene.checks.warned import warned
 from pgimp.scene.scene import Scene
 from pgimp.solver.start.memory import Estimate, estimate, size_text, window
 from pgimp.utilities.check.settling import Settling
@@ -62,7 +63,8 @@ def report_cost(
         low, high = (_time_text(number * one) for number in settling)
         print(f"{'':<16} and {low} to {high} more until all is at rest, by estimate")
     if steps * one >= _YEAR:
-        print("warning: nobody will see the end; is time.end or time.step what it should be?")
+        text = "nobody will see the end; is time.end or time.step what it should be?"
+        print(warned("endless", text).line(verbose))
     if ranks > 1:
         beyond = "the fixed cost of a step"
         if ranks == slabs:
