@@ -78,11 +78,10 @@ def report_cost(
     elif verbose:
         print(f"ranks            1; more do not pay off (efficiency above {_EFFICIENT:.0%})")
     if verbose:
-        few, many = costs.particles[0], costs.particles[-1]
+        each = ", ".join(f"{1e9 * t:.3g} ns among {n:,.0f}" for n, t in costs.particles)
         print(
-            f"{'':<16} a step: {1e6 * costs.fixed:.3g} us without particles; "
-            f"{1e9 * few[1]:.3g} ns a particle among {few[0]:,.0f} of a rank, "
-            f"{1e9 * many[1]:.3g} ns among {many[0]:,.0f}; {1e9 * costs.vertex:.3g} ns a vertex"
+            f"{'':<16} a step: {1e6 * costs.fixed:.3g} us without particles; a particle of a rank: "
+            f"{each}; {1e9 * costs.vertex:.3g} ns a vertex"
         )
         print(f"{'':<16} layers of the grid are for {slabs:,} ranks at most")
 
