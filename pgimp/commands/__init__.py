@@ -14,5 +14,5 @@ COMMANDS = {
     "bench": "measures the speed of this machine by phase",
     "doctor": "checks that MPI, HDF5, h5py and Numba are there and fit each other",
     "schema": "prints the JSON schema of the case file, for editors",
-    "completion": "prints what makes bash, zsh or fish complete these words",
+    "completion": "prints what makes bash or zsh complete these words",
 }

@@ -7,8 +7,7 @@ exact motion is rigid, so stresses and velocity differences are errors.
 import argparse
 import json
 import platform
-from collections.abc import Callable
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -21,9 +20,6 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.solver.decomposition import RESORT
 from pgimp.solver.simulation import Simulation
 from pgimp.utilities.model.block import GRAVITY, SPEED, YOUNG, Block, block_case
-from pgimp.utilities.model.costs import Network
-from pgimp.utilities.model.predict import MOST_RANKS
-from pgimp.utilities.model.standard import MOST_PARTICLES, model_block
 
 #: Phases of the table, each the sum of some of the simulation's phases.
 _TABLE = {
@@ -47,55 +43,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--lattice", action="store_true", help="particles on a lattice, not at random positions"
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
-    parser.add_argument(
-        "--model",
-        action="store_true",
-        help="measure what the parts of a step cost, and predict from that its time on up to "
-        f"{MOST_RANKS:,} ranks; under mpirun -n 2 the cost of messages is measured too",
-    )
-    extrapolated = parser.add_argument_group("for --model")
-    extrapolated.add_argument(
-        "--particles",
-        type=_number(8, MOST_PARTICLES),
-        default=0,
-        metavar="N",
-        help="particles of the block that is extrapolated, up to 1e10 (default: the same block)",
-    )
-    usual = Network()
-    extrapolated.add_argument(
-        "--latency",
-        type=_number(0, 1),
-        default=usual.latency,
-        metavar="S",
-        help=f"seconds of a message between nodes (default {usual.latency:g})",
-    )
-    extrapolated.add_argument(
-        "--bandwidth",
-        type=_number(1, 1e15),
-        default=usual.bandwidth,
-        metavar="B",
-        help=f"bytes per second of a node's network (default {usual.bandwidth:g})",
-    )
-    extrapolated.add_argument(
-        "--ranks-per-node",
-        type=_number(1, MOST_RANKS),
-        default=usual.ranks_per_node,
-        metavar="N",
-        help=f"default {usual.ranks_per_node}",
-    )
-
-
-def _number(least: float, most: float) -> Callable[[str], float]:
-    """Parser of a number within bounds, also of the form 1e10."""
-
-    def read(text: str) -> float:
-        with suppress(ValueError):
-            value = float(text)
-            if least <= value <= most:
-                return value
-        raise argparse.ArgumentTypeError(f"expected a number from {least:g} to {most:g}: {text}")
-
-    return read
 
 
 def _errors(sim: Simulation) -> dict[str, float]:
@@ -159,13 +106,6 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def _execute(args: argparse.Namespace, comm: Communicator) -> int:
-    if args.model:
-        network = Network(args.latency, args.bandwidth, int(args.ranks_per_node))
-        particles = int(args.particles)
-        result, text = model_block(comm, args.cells, args.repeats, args.lattice, particles, network)
-        if comm.rank == 0:
-            print(json.dumps(result, indent=2) if args.json else text)
-        return 0
     result = measure(comm, args.cells, args.repeats, args.lattice)
     if comm.rank == 0:
         print(json.dumps(result, indent=2) if args.json else _table(result))

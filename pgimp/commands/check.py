@@ -6,6 +6,7 @@ of steps. See `pgimp.utilities.check` for the report, and `pgimp.utilities.model
 """
 
 import argparse
+from collections.abc import Iterable
 from itertools import chain
 
 from pgimp.case.load import load
@@ -17,14 +18,15 @@ from pgimp.running import forecast
 from pgimp.running.accuracy.find import of_case
 from pgimp.running.accuracy.rules import line
 from pgimp.scene.checks import bonds, nearness, overstress, series
+from pgimp.scene.checks.at_start import at_start
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.later_constraints import idle_warnings
-from pgimp.scene.checks.locking import locking, stripes
-from pgimp.scene.checks.quiet import unquiet
+from pgimp.scene.checks.locking import stripes
 from pgimp.scene.checks.sanity import body_warnings, case_warnings
 from pgimp.scene.checks.validity import impedance, repose, tearing, tool_edges
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.mass_scaling import scaling_notes
-from pgimp.scene.rigid.warnings import known_in_part, motion_warnings
+from pgimp.scene.rigid.warnings import known_in_part
 from pgimp.solver.start.memory import size_text
 from pgimp.solver.start.require_memory import MemoryShortError
 from pgimp.solver.time.stability import stability_warning, stable_courant
@@ -115,7 +117,7 @@ def report(case: Case, verbose: bool = False) -> None:
     which = "each" if case.courant is None else "the first"
     first = f"{which} of {dt:.4g}, Courant {dt * rate:.3g}{chosen}{longest}"
     steps = float(case.time.steps or case.time.end / dt)
-    costs, crossing = measure(scene, count, steps)
+    costs = measure(scene, count, steps)
     tried = pilot(written, count, steps, costs, _thinnest(case, bodies)) if costs else None
     steps = report_steps(case, steps, tried, first)
     settling = [settling_steps(each, bodies) for each in whole.stages]
@@ -134,7 +136,7 @@ def report(case: Case, verbose: bool = False) -> None:
         output = f"up to {size}, in {least:,} to {most:,} frames"
     report_memory(known.memory, verbose, f"; output {output}")
     if costs:
-        report_cost(scene, known.lattice, known.counts, costs, crossing, steps, to_rest, verbose)
+        report_cost(scene, known.lattice, known.counts, costs, steps, to_rest, verbose)
     else:
         print("time             unknown: no step of a sample of the case could be timed")
     boxes = {body.name: (body.low, body.high) for body in bodies}
@@ -159,27 +161,27 @@ def report(case: Case, verbose: bool = False) -> None:
     ):
         print(f"note: {note}")
     # Bodies of one material have the same warnings about it.
-    every = chain(
-        filter(None, [] if case.watched else [stability_warning(dt, rate, stable_courant(case))]),
+    every: Iterable[Warned] = chain(
+        () if case.watched else stability_warning(dt, rate, stable_courant(case)),
         short_step_warnings(scene, bodies, dt, rate),
         known.of_stages,
         pilot_warnings(case, dt * rate, tried),
         *(body_warnings(case, body, duration, to_rest.high > 0.0) for body in bodies),
         *(tearing.warnings(whole.stages, body) for body in bodies),
-        (one.text for one in sent if no_result and one.lasts),
-        locking(case, poisson),
+        (warned("impedance", one.text) for one in sent if no_result and one.lasts),
+        at_start(known.scenes, poisson),
         overstress.foresee(scene, known.lattice, known.counts),
         case_warnings(case, known.found),
         idle_warnings(known.found.later, known.found.held_later),
-        motion_warnings(known.scenes),
-        bonds.bonded(scene, known.lattice, known.counts, touching=False),
-        nearness.warnings(case, scene.interaction.rigid_bodies),
+        (
+            warned("bonded", text)
+            for text in bonds.bonded(scene, known.lattice, known.counts, touching=False)
+        ),
         series.warnings(whole),
-        unquiet(case),
         forecast.warnings(whole, steps),
     )
-    for text in dict.fromkeys(every):
-        print(f"warning: {text}")
+    for warning in dict.fromkeys(every):
+        print(warning.line(verbose))
 
 
 def _thinnest(case: Case, bodies: list[BodyFacts]) -> float:

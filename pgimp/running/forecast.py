@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pgimp.case.output import WallTime
 from pgimp.physics.fields import ALWAYS, Field
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.schema.base import Steps
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def _between(every: Any, end: float, steps: float) -> float:
     return max(0.0, float(floor(many * (1.0 - _ROUNDING))))
 
 
-def warnings(case: Case, steps: float) -> Iterator[str]:
+def warnings(case: Case, steps: float) -> Iterator[Warned]:
     """Yield warnings of requests without effect: intervals of output that end after the run.
 
     Parameters
@@ -94,10 +95,13 @@ def warnings(case: Case, steps: float) -> Iterator[str]:
             text = f"{count:,} steps are more than the run takes, about {steps:,.0f}"
         else:
             continue
-        yield f"{key}: {text}; there are {what}"
+        yield warned("idle-interval", f"{key}: {text}; there are {what}")
     number = frames(case, steps)
     if number > _MANY:
-        yield f"output.every: {number:,} frames; is it in the unit of time that time.end is in?"
+        yield warned(
+            "many-frames",
+            f"output.every: {number:,} frames; is it in the unit of time that time.end is in?",
+        )
 
 
 def notes(case: Case, steps: float) -> Iterator[str]:

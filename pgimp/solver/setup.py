@@ -20,13 +20,12 @@ from pgimp.kernels.once.prestress import remember_stress
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.initial_stress import set_initial_stress
 from pgimp.scene.bodies.populate import prestressed
-from pgimp.scene.checks import nearness, overstress
+from pgimp.scene.checks import overstress
+from pgimp.scene.checks.at_start import at_start
 from pgimp.scene.checks.later_constraints import held, idle_warnings, later_constraints
-from pgimp.scene.checks.locking import locking, stripes
-from pgimp.scene.checks.quiet import unquiet
+from pgimp.scene.checks.locking import stripes
 from pgimp.scene.geometry import release, take_as_empty
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_same, require_slow
-from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene
 from pgimp.scene.wave_speeds import rest_rate
 from pgimp.solver.damping.relaxation import Relaxation
@@ -101,10 +100,8 @@ def begin(
     # Warnings, and the first step.
     if len(scenes) > 1 and scene.materials.variations:
         require_stable_stages(scenes, rates_at_rest(start.rank, scene, comm))
-    start.warnings += locking(start.case)
+    start.warnings += at_start(scenes)
     start.notes += stripes(start.case)
-    start.warnings += nearness.warnings(start.case, scene.interaction.rigid_bodies)
-    start.warnings += unquiet(start.case)
     release(start.case)
     rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)
     with located(start.case):
@@ -112,7 +109,6 @@ def begin(
         dt = start.clock.next(start.done, rate).dt
         start.warnings += check_first_step(scene, dt, start.rate)
     require_slow(scene.interaction.rigid_bodies, dt)
-    start.warnings += motion_warnings(scenes)
     if scene.settings.settles:
         begin_settling(start)
     if start.watch:

@@ -17,16 +17,11 @@ from clock import VARIABLE
 from report import ROOT, origin
 
 PARTS = (
-    "kernels", "peers", "domain", "features", "scaling", "instructions", "output", "model",
-    "balance", "bodies",
+    "kernels", "peers", "domain", "features", "scaling", "instructions", "output", "balance",
+    "bodies",
 )  # fmt: skip
 #: Parts that are programs: their words, and those if all is to be quick.
-PROGRAMS = {
-    "output": ([], ["--quick"]),
-    "model": (["--seconds", "5"], ["--seconds", "2", "coarse"]),
-    "balance": ([], ["--quick"]),
-    "bodies": ([], ["--quick"]),
-}
+PROGRAMS = {"output": ([], ["--quick"]), "balance": ([], ["--quick"]), "bodies": ([], ["--quick"])}
 
 
 def run(part, folder, quick):

@@ -76,7 +76,7 @@ def test_output_by_steps_is_not_doubted_where_a_stage_settles():
 def test_check_says_the_estimate_and_what_it_does_not_count(capsys, monkeypatch):
     from pgimp.commands import check
 
-    monkeypatch.setattr(check, "measure", lambda *scene: (None, 0.0))
+    monkeypatch.setattr(check, "measure", lambda *scene: None)
     text = PLATE.replace(
         "{courant: 0.3}}", "{courant: 0.3}, stages: [{name: on, settle: {steps: 600}}]}"
     ) + "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {settle: {}}\n" \

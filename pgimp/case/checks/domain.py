@@ -19,7 +19,6 @@ from pgimp.physics.loads import BODY_FORCES
 from pgimp.physics.loads.bodyforce import BodyForceEntry
 from pgimp.physics.materials.base import Material
 from pgimp.physics.materials.parameters.vary import PREFIX, field_of
-from pgimp.physics.shapes.base import Shape
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
@@ -52,16 +51,6 @@ def check_grid(grid: Grid) -> Problems:
                 f"near {low:.15g} a float64 cannot resolve cells of {cell:.15g}; "
                 "move the origin closer to 0",
             )
-
-
-def check_method(method: Shape) -> Problems:
-    """Check that options for boxes are those of boxes."""
-    if method.volumetric == "mean" and not (method.chi == "box" and method.separable):
-        yield Problem(
-            ("method", "volumetric"),
-            f"mean is for particles that are boxes, whose parts in cells are known; {method.name} "
-            "are none: take shape: gimp, finite-gimp or cpdi, or leave it out (pointwise)",
-        )
 
 
 def check_time(time: Time, counted: float) -> Problems:

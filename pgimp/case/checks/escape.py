@@ -10,7 +10,6 @@ from pgimp.case.checks.domain import check_grid
 from pgimp.case.escape import Sink
 from pgimp.case.grid import Grid
 from pgimp.geometry.regions.base import Region
-from pgimp.physics.boundaries.base import Boundary
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import AXES, Problems, faces
@@ -18,10 +17,8 @@ from pgimp.schema.sizes import AXES, Problems, faces
 Path = tuple[str | int, ...]
 
 
-def check_escape(
-    dimensions: int, grid: Grid, boundaries: Mapping[str, Boundary], escape: Mapping[str, Any]
-) -> Problems:
-    """Check that faces exist and are open, and that sinks lie in the domain."""
+def check_escape(dimensions: int, grid: Grid, escape: Mapping[str, Any]) -> Problems:
+    """Check that faces exist, and that sinks lie in the domain."""
     sound = not list(check_grid(grid))
     for name, way in escape.items():
         path = ("escape", name)
@@ -30,12 +27,6 @@ def check_escape(
         elif name not in faces(dimensions):
             text = unknown("face", name, faces(dimensions))
             yield Problem(path, f"{text}; a sink inside the domain is {{region: ..}}")
-        elif name in boundaries:
-            yield Problem(
-                path,
-                f"{name} has a condition (boundaries), through which nothing is to leave; remove "
-                "one of the two",
-            )
 
 
 def _sink(path: Path, name: str, sink: Sink, grid: Grid | None) -> Problems:

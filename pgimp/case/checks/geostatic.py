@@ -6,14 +6,11 @@ from collections.abc import Iterator, Mapping
 
 from pgimp.case.body import Body
 from pgimp.case.start import JAKY, InitialStress, StartEntry, friction_angle
-from pgimp.geometry.regions import Points
-from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.loads.own_stress import OwnStress
 from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.loads.water import Water, vertical_of
 from pgimp.physics.materials.base import Material
 from pgimp.physics.materials.cam_clay import CamClay
-from pgimp.physics.rigid import RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -27,8 +24,6 @@ def check_geostatic(
     gravity: object,
     materials: Mapping[str, Material],
     bodies: Mapping[str, Body],
-    rigid_bodies: Mapping[str, RigidBody],
-    exact: object,
     dimensions: int,
     tractions: Mapping[str, TractionEntry],
 ) -> Problems:
@@ -37,7 +32,7 @@ def check_geostatic(
         return
     laws = {name: materials.get(body.material) for name, body in bodies.items()}
     if isinstance(start.stress, OwnStress):
-        yield from _own(start.stress, dimensions, bodies, laws)
+        yield from _own(start.stress, dimensions, bodies)
         return
     for i, name in enumerate(start.stress.surcharge):
         if name not in tractions:
@@ -51,17 +46,6 @@ def check_geostatic(
             "0; of a gravity that leans no column knows where its weight goes: begin without "
             "stress, and settle, or give the stress by a function of your own",
         )
-    for name, rigid in rigid_bodies.items():
-        if rigid.free:
-            yield Problem(
-                STRESS,
-                f"the rigid body '{name}' moves freely, and its weight is not known to what is "
-                "under it: prescribe its velocity, or make it a body of stiff material that a "
-                "constraint with a `force` moves; or give the stress by a function of your own, in "
-                "a liquid that floats it as if there were no body",
-            )
-    if exact is not None:
-        yield Problem(STRESS, "changes the initial state, which `exact` gives; leave one out")
     if isinstance(start.stress.k0, Mapping):
         for name in sorted(set(start.stress.k0) - set(bodies)):
             yield Problem((*STRESS, "k0", name), unknown("body", name, bodies))
@@ -70,47 +54,20 @@ def check_geostatic(
         yield Problem((*STRESS, "ocr"), "is of cam-clay, and no body is of it; leave it out")
 
 
-def _own(
-    entry: OwnStress,
-    dimensions: int,
-    bodies: Mapping[str, Body],
-    laws: Mapping[str, Material | None],
-) -> Iterator[Problem]:
+def _own(entry: OwnStress, dimensions: int, bodies: Mapping[str, Body]) -> Iterator[Problem]:
     """Yield the problems of a stress by a function of one's own."""
     for found in entry.misfits(dimensions):
         yield found._replace(path=(*STRESS, *found.path))
     for i, name in enumerate(entry.bodies or ()):
         if name not in bodies:
             yield Problem((*STRESS, "bodies", i), unknown("body", name, bodies))
-    for name, body in bodies.items():
-        if entry.begins(name):
-            yield from _without_stress(name, body, laws[name])
-
-
-def _without_stress(name: str, body: Body, law: Material | None) -> Iterator[Problem]:
-    """Yield the problems of a body that cannot begin with a stress."""
-    if isinstance(body.region, Points):
-        yield Problem(
-            STRESS,
-            f"the particles of '{name}' come from a file, whose columns are unknown: give "
-            "their stress there (stress-xx, ..), and leave start.stress out",
-        )
-    carries = law is None or (law.CARRIES_STRESS and law.CARRIES_PRESSURE)
-    if body.configuration == "initial" and not carries:
-        yield Problem(
-            ("bodies", name, "configuration"),
-            f"initial begins undeformed, and the stress of '{body.material}' follows from the "
-            "deformation: take current, or hooke, or settle in place of start.stress",
-        )
 
 
 def _unfit(
     entry: InitialStress, bodies: Mapping[str, Body], laws: Mapping[str, Material | None]
 ) -> Iterator[Problem]:
     """Yield the problems of bodies."""
-    for name, body in bodies.items():
-        law = laws[name]
-        yield from _without_stress(name, body, law)
+    for name, law in laws.items():
         if law is None:
             continue
         by_body = isinstance(entry.k0, Mapping)
@@ -122,7 +79,7 @@ def _unfit(
         if value == JAKY and friction_angle(law) is None and not fluid:
             yield Problem(
                 where,
-                f"1-sin-phi needs the friction-angle of a soil, which '{body.material}' of "
+                f"1-sin-phi needs the friction-angle of a soil, which '{bodies[name].material}' of "
                 f"'{name}' has not; give a number, by body: {{{name}: 0.5}}",
             )
 
@@ -132,21 +89,14 @@ def check_water(
     gravity: object,
     materials: Mapping[str, Material],
     bodies: Mapping[str, Body],
-    boundaries: Mapping[str, Boundary],
 ) -> Problems:
     """Check that water has a vertical, and fills bodies that are heavier."""
     if water is None:
         return
-    vertical = vertical_of(gravity)
-    if vertical is None:
+    if vertical_of(gravity) is None:
         yield Problem(
             ("water",),
             "needs gravity, whose greatest component is the vertical: gravity: [0.0, -9.81]",
-        )
-    elif any(entry.joins for face, entry in boundaries.items() if face[0] == "xyz"[vertical[0]]):
-        yield Problem(
-            ("water",),
-            f"has a level along {'xyz'[vertical[0]]}, where the domain is periodic; leave one out",
         )
     if water.bodies == ():
         yield Problem(("water", "bodies"), "names no body; without the key it fills all")

@@ -12,47 +12,29 @@ from typing import Any
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from pgimp.case.checks.absorbing import check_absorbing
-from pgimp.case.checks.bodies import (
-    check_constraints,
-    check_materials,
-    check_tractions,
-    check_turning,
-)
-from pgimp.case.checks.configuration import check_configuration, check_initial_output
+from pgimp.case.checks.bodies import check_constraints, check_materials, check_tractions
+from pgimp.case.checks.configuration import check_parted
 from pgimp.case.checks.domain import (
     check_body_force,
     check_boundaries,
     check_fields,
     check_grid,
-    check_method,
     check_output,
     check_time,
 )
 from pgimp.case.checks.escape import check_escape
+from pgimp.case.checks.exclusions.table import check_exclusions
 from pgimp.case.checks.fit import FITS
-from pgimp.case.checks.geometry import (
-    check_axis,
-    check_geometry,
-    check_plane,
-    check_plane_stress,
-    check_rings,
-)
+from pgimp.case.checks.geometry import check_geometry
 from pgimp.case.checks.geostatic import check_geostatic, check_water
 from pgimp.case.checks.numbers import check_numbers
-from pgimp.case.checks.periodic import (
-    check_period,
-    check_periodic_bodies,
-    check_periodic_faces,
-    check_unwrapped,
-)
+from pgimp.case.checks.periodic import check_period, check_periodic_faces, check_unwrapped
 from pgimp.case.checks.places.gauges import check_gauges
 from pgimp.case.checks.places.probes import check_probes
 from pgimp.case.checks.regions import check_regions
-from pgimp.case.checks.rest.damping import check_damping, check_mass_scaling
-from pgimp.case.checks.rest.settling import check_settling
 from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
 from pgimp.case.checks.variations import check_variations
+from pgimp.case.staging.arrivals import check_added
 from pgimp.case.staging.inflow import check_inflow
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.materials.base import Material
@@ -98,6 +80,7 @@ def check(
     if "materials" in given:
         given = {"declared": tuple(given["materials"]), **given}
     problems += _run(_CHECKS, given)
+    problems += check_exclusions(given)
     known = {item.path for item in problems}
     others = ("body_names", "declared")
     numbers = {
@@ -173,12 +156,7 @@ def _kinds(
 _CHECKS = (
     _kinds,
     check_grid,
-    check_method,
-    check_plane,
     check_geometry,
-    check_plane_stress,
-    check_axis,
-    check_rings,
     check_time,
     check_materials,
     check_variations,
@@ -186,26 +164,20 @@ _CHECKS = (
     check_rigid_bodies,
     check_body_force,
     check_boundaries,
-    check_absorbing,
     check_escape,
     check_periodic_faces,
     check_period,
-    check_periodic_bodies,
     check_unwrapped,
     check_fields,
     check_tractions,
     check_constraints,
-    check_turning,
     check_inflow,
+    check_added,
     check_contact,
     check_adhesion,
-    check_damping,
-    check_mass_scaling,
-    check_settling,
     check_geostatic,
     check_water,
-    check_configuration,
-    check_initial_output,
+    check_parted,
     check_output,
     check_probes,
     check_gauges,

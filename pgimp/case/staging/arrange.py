@@ -10,7 +10,6 @@ from pydantic import ValidationError
 from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
 from pgimp.case.escape import ways_out
 from pgimp.case.stages import Stage, Staged, merged
-from pgimp.case.staging.arrivals import check_added, check_probes_there
 from pgimp.case.staging.strength import strength_problems, weakened
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.schema.messages import explain
@@ -26,14 +25,9 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
 
     Each is checked like any case; the stages after a wrong one are left out.
     """
-    if case.exact is not None:
-        text = "is the solution of a case without stages (time.stages); leave one of them out"
-        return (), [Problem(("exact",), text)]
     data = case.model_dump(by_alias=True)
     at, start = case.output.at, 0.0
     data["time"] = {key: value for key, value in data["time"].items() if key != "stages"}
-    if problems := [*check_added(case), *check_probes_there(case)]:
-        return (), problems
     first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
     awaited = {name: i for i, stage in enumerate(case.time.stages, 1) for name in stage.add}
     first.__dict__["staged_as"] = Staged(

@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
-from pgimp.geometry.regions import Points
+from pgimp.case.body import Body
+from pgimp.case.stages import Stage
+from pgimp.case.time import Time
+from pgimp.physics.loads.inflow import InflowEntry
 from pgimp.physics.rigid import RigidBody
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
-#: Stands for `pgimp.case.schema.Case`, whose stages are checked here.
-Case = Any
 
-
-def check_added(case: Case) -> Problems:
-    """Check the bodies that stages of a case add; paths start at the case."""
+def check_added(
+    time: Time,
+    every_body: Mapping[str, Body | RigidBody],
+    body_names: tuple[str, ...],
+    inflow: Mapping[str, InflowEntry],
+) -> Problems:
+    """Check the bodies that stages of a case add."""
     came: dict[str, str] = {}
-    begins = float(case.time.end)
-    for i, stage in enumerate(case.time.stages):
-        yield from _inflow_kept(case, i, begins)
+    begins = float(time.end)
+    for i, stage in enumerate(time.stages):
+        yield from _inflow_kept(stage, i, inflow, begins)
         begins = begins if stage.end is None else float(stage.end)  # at rest time stands still
         for k, name in enumerate(stage.add):
             path = ("time", "stages", i, "add", k)
-            if name not in case.every_body:
-                yield Problem(path, unknown("body", name, case.every_body))
+            if name not in every_body and name not in body_names:
+                yield Problem(path, unknown("body", name, every_body))
             elif name in came:
                 yield Problem(path, f"'{name}' has come in the stage '{came[name]}' already")
-            elif text := _unfit(case, name):
-                yield Problem(path, text)
             came[name] = stage.name
         for k, name in enumerate(stage.remove):
             if name in stage.add:
@@ -36,72 +39,30 @@ def check_added(case: Case) -> Problems:
                     ("time", "stages", i, "remove", k),
                     f"'{name}' comes in this stage; a body can be removed in a later one",
                 )
-    if case.bodies and not set(case.bodies) - set(came):
+    if body_names and not set(body_names) - set(came):
         yield Problem(
             ("time", "stages", 0, "add"),
             "then no body is there from the start; let the case itself have a body of a material",
         )
 
 
-def _inflow_kept(case: Case, i: int, begins: float) -> Problems:
+def _inflow_kept(
+    stage: Stage, i: int, inflow: Mapping[str, InflowEntry], begins: float
+) -> Problems:
     """Check that a stage leaves inflows as they are."""
-    stage, path = case.time.stages[i], ("time", "stages", i)
+    path = ("time", "stages", i)
     for k, name in enumerate(stage.remove):
-        if name in case.inflow:
-            until = case.inflow[name].until
+        if name in inflow:
+            until = inflow[name].until
             if until is None or until > begins:
                 yield Problem(
                     (*path, "remove", k),
                     f"'{name}' still enters then; give its inflow an end: until: {begins:.15g}",
                 )
     for name in stage.constraints:
-        if name in case.inflow:
+        if name in inflow:
             yield Problem(
                 (*path, "constraints", name),
                 "is that of an inflow, which goes on as it is: let its velocity be a function of "
                 "time, or give it an end (`until`)",
-            )
-
-
-def _unfit(case: Case, name: str) -> str:
-    """Tell why a body cannot come in a stage; empty if it can."""
-    body = case.every_body[name]
-    if name in case.inflow:
-        return (
-            f"'{name}' enters by an inflow, which begins with the run; let its velocity be 0 at "
-            "first, by a function of time"
-        )
-    if isinstance(body, RigidBody):
-        return (
-            f"'{name}' is rigid, and rigid bodies are there from the start; let it wait where it "
-            "meets nothing, and move it by a table of velocities"
-        )
-    if body.configuration == "initial":
-        return (
-            f"'{name}' is in the initial configuration, whose grid belongs to all of its bodies "
-            "as they are at the start; a body that comes takes configuration: current"
-        )
-    if isinstance(body.region, Points):
-        return (
-            f"the particles of '{name}' are from a file, and come at the start only; give the "
-            "body a region of another kind"
-        )
-    if body.material in case.materials and case.materials[body.material].variations:
-        return (
-            f"the material of '{name}' varies in space, and is set at the start only; give the "
-            "body a material that is the same everywhere"
-        )
-    return ""
-
-
-def check_probes_there(case: Case) -> Problems:
-    """Check that probes follow particles that are there from the start."""
-    came = {name: stage.name for stage in case.time.stages for name in stage.add}
-    for name, probe in case.probes.items():
-        body = getattr(probe, "body", None)
-        if body in came:
-            yield Problem(
-                ("probes", name, "body"),
-                f"'{body}' comes in the stage '{came[body]}', and a probe follows a particle from "
-                "the start; give {place: ...}",
             )

@@ -64,7 +64,8 @@ def vertex_limit(case: Any) -> float | None:
         return None
     if method.volumetric == "mean" and case.dimensions > 1:
         return None
-    found = VERTEX_LIMITS.get(method.shape, {}).get(case.dimensions)
+    known = method.limits.get("vertices") or VERTEX_LIMITS.get(method.name, {})
+    found = known.get(case.dimensions)
     if found is None:
         return None
     most = max(method.particles_per_cell)

@@ -50,9 +50,6 @@ class Solution(Model):
             text = "the exact solution is that of a uniform body; give a number"
             yield Problem(("materials", body.material, *keys), text)
         yield from self.wrong_walls(case.boundaries)
-        if self.moves and any(body.velocity if isinstance(body.velocity, tuple) else (True,)):
-            text = "the exact solution gives the initial velocity; leave this out"
-            yield Problem(("bodies", name, "velocity"), text)
         for key in ("body_force", "water", "tractions", "constraints"):
             if getattr(case, key, None):
                 yield Problem((key,), "the exact solution has none; leave this out")

@@ -28,10 +28,6 @@ class OwnSolution(FunctionEntry, Solution):
         """See `Solution`; what the case has besides is up to its author."""
         for found in self.misfits(case.dimensions):
             yield found._replace(path=("exact", *found.path))
-        for name, body in case.bodies.items():
-            if body.velocity and (not isinstance(body.velocity, tuple) or any(body.velocity)):
-                text = "the exact solution gives the initial velocity; leave this out"
-                yield Problem(("bodies", name, "velocity"), text)
 
     def mismatches(self, case: Any, name: str, body: Any) -> Iterator[Problem]:
         """See `Solution`."""

@@ -57,6 +57,17 @@ class Shape(Model):
     #: Whether it has weights of rings, for axisymmetry; see `moments`.
     rings: ClassVar[bool] = False
 
+    #: Whether supports reach two cells and more to each side, for any number of particles a cell.
+    wide: ClassVar[bool] = False
+
+    #: Whether nearly incompressible solids lock with pointwise volumes.
+    locks: ClassVar[bool] = True
+
+    #: Largest stable Courant numbers by dimensions and particles a cell along each direction: with
+    #: the key "" of the shape, "affine" of it with that transfer, "vertices" of bodies in the
+    #: initial configuration. What is not here is looked up in `LIMITS` and `VERTEX_LIMITS`.
+    limits: ClassVar[dict[str, dict[int, dict[int, float]]]] = {}
+
     #: Courant number up to which free surfaces stay stable at any position in their cells. With
     #: pointwise volumes and up to four particles a cell and direction (``scripts/hard courant``).
     stable_pointwise: ClassVar[float] = 0.45
@@ -84,8 +95,8 @@ class Shape(Model):
         See `LIMITS`. It is `stable` where nothing was measured (``scripts/hard courant``), and
         with mean dilatation, which the table does not cover.
         """
-        name = f"{self.name}{', affine' if self.affine else ''}"
-        known = LIMITS.get(name, {})
+        how = "affine" if self.affine else ""
+        known = self.limits.get(how) or LIMITS.get(f"{self.name}{how and ', affine'}", {})
         found = known.get(dimensions) or known.get(dimensions - 1)  # nearly the same in 2D and 3D
         if found is None or (self.volumetric == "mean" and dimensions > 1):
             return self.stable
@@ -110,6 +121,16 @@ class Shape(Model):
     def follows(self) -> bool:
         """Whether the particles' size follows the deformation."""
         return False
+
+    @property
+    def is_point(self) -> bool:
+        """Whether a particle is a point."""
+        return self.chi == "point"
+
+    @property
+    def keeps_size(self) -> bool:
+        """Whether particles are boxes whose size stays."""
+        return self.chi == "box" and not self.follows
 
     @property
     def separable(self) -> bool:

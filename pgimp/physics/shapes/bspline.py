@@ -42,6 +42,7 @@ class BsplineCubic(WideShape):
 
     vertices: ClassVar[int] = FixedFuzzyParameters.vertices()
     chi: ClassVar[Literal["point", "box", "tent"]] = "tent"
+    wide: ClassVar[bool] = True
     stable_pointwise: ClassVar[float] = 0.9
 
     def parameters(self, cell: tuple[float, ...]) -> FixedFuzzyParameters:

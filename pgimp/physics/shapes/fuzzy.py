@@ -103,6 +103,8 @@ class FuzzyConstant(_Fuzzy):
 
     shape: Literal["fuzzy-constant"] = Field(description="name of the shape")
 
+    wide: ClassVar[bool] = True
+    locks: ClassVar[bool] = False
     stable_pointwise: ClassVar[float] = 0.9
 
     def parameters(self, cell: tuple[float, ...]) -> NamedTuple:

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 Array = np.ndarray
 Boxes = Mapping[str, tuple[Sequence[float], Sequence[float]]]
 
-#: Shapes whose boxes keep their size, and those whose boxes do not part when stretched.
-_CONSTANT, _JOINED = ("gimp", "bspline-quadratic"), ("cpdi", "cpdi-corners")
 #: Energy set in motion over the greatest, from which a loss is compared with both.
 _TO_AND_FRO = 2.0
 #: Cells from a face within which a body lies at it.
@@ -137,7 +135,7 @@ def of_case(case: Case, boxes: Boxes, courant: Any = None) -> Iterator[Indicator
     for name, ratio in locked(case):
         yield Indicator("locked", ratio, name)
     if any(body.configuration == "current" for body in case.bodies.values()):
-        if case.method.shape not in (*_JOINED, "mpm"):
+        if not case.method.ends and not case.method.is_point:
             yield Indicator("per-cell", float(min(case.method.particles_per_cell)))
 
 
@@ -210,9 +208,9 @@ def _stretched(case: Case, state: BodyState) -> Iterator[Indicator]:
         return
     if _flows(case, state.name):
         return
-    if case.method.shape not in _JOINED:
+    if not case.method.ends:
         yield Indicator("stretch", state.stretch, state.name)
-    if case.method.shape in _CONSTANT:
+    if case.method.keeps_size:
         yield Indicator("size", max(state.stretch - 1.0, 1.0 - state.squeeze, 0.0), state.name)
 
 

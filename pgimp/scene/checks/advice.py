@@ -24,14 +24,8 @@ _FAR, _MUCH = 0.5, 0.05
 #: Angle above which lost spin is noticeable; strain above which particle sizes matter.
 _TURN, _LARGE = 1.0, 0.15
 
-#: Shapes whose boxes keep their size.
-_CONSTANT = ("gimp", "bspline-quadratic")
-
 #: Poisson's ratio above which volumetric locking occurs.
 _LOCKS = 0.45
-
-#: Shapes that reach two cells and more.
-_WIDE = ("fuzzy-constant", "bspline-cubic")
 
 
 def advice(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
@@ -76,10 +70,11 @@ def _configuration(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
 def _points(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
     """Advise on point particles that cross cells; with `affine` there is a warning."""
     crossing = [b.name for b in bodies if _moves(case, b) and _current(case, b.name)]
-    if crossing and case.method.shape == "mpm" and not case.method.affine:
+    if crossing and case.method.is_point and not case.method.affine:
         yield (
-            f"method.shape: mpm: {_listed(crossing)} will cross cells, where points get forces "
-            "without mass; boxes (gimp) do not, and affine: true makes them more accurate"
+            f"method.shape: {case.method.name}: {_listed(crossing)} will cross cells, where "
+            "points get forces without mass; boxes (gimp) do not, and affine: true "
+            "makes them more accurate"
         )
 
 
@@ -92,7 +87,7 @@ def _wide(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
         and case.materials[case.bodies[body.name].material].ELASTIC
         and getattr(case.materials[case.bodies[body.name].material], "poisson", 0.0) < _LOCKS
     ]
-    if moving and case.method.shape in _WIDE:
+    if moving and case.method.wide:
         yield (
             f"method.shape: {case.method.shape}: {_listed(moving)}: elastic, and moves: boxes "
             "(finite-gimp) have the same error in waves, impact and shear in a tenth to half the "
@@ -151,7 +146,6 @@ def _idle(case: Case) -> Iterator[str]:
 
 def _sizes(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
     """Advise on strong compression or tension of boxes of constant size."""
-    shape = case.method.shape
     strained = [
         body.name
         for body in bodies
@@ -159,11 +153,11 @@ def _sizes(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
         and _current(case, body.name)
         and max(strains(case, body).values()) > _LARGE
     ]
-    if strained and shape in _CONSTANT:
+    if strained and case.method.keeps_size:
         yield (
             f"method.shape: loads strain {_listed(strained)} by more than {_LARGE:.0%}, and boxes "
-            f"of {shape} keep their size, so that errors stay near a per cent however small the "
-            "cells; those of finite-gimp follow, at 1.2 times the cost"
+            f"of {case.method.name} keep their size, so that errors stay near a per cent "
+            "however small the cells; those of finite-gimp follow, at 1.2 times the cost"
         )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pgimp.case.checks.stages import reselects
 from pgimp.case.schema import Case
+from pgimp.scene.checks.warned import Warned, warned
 
 
 class LaterConstraint(NamedTuple):
@@ -51,12 +52,16 @@ def held(
     )
 
 
-def idle_warnings(later: Sequence[LaterConstraint], counts: NDArray[np.int64]) -> list[str]:
+def idle_warnings(later: Sequence[LaterConstraint], counts: NDArray[np.int64]) -> list[Warned]:
     """Warn of constraints that would hold nothing, by the counts of `held` over all particles."""
-    return [
-        f"time.stages.{one.case.staged.number - 1}.constraints.{one.name}.region: where the bodies "
-        f"are at the start it holds no particle of '{list(one.case.bodies)[one.body]}'; if none "
-        f"comes there by t = {one.case.staged.start:.6g}, the run ends as the stage begins"
-        for one, count in zip(later, counts, strict=True)
-        if count == 0
-    ]
+    found = []
+    for one, count in zip(later, counts, strict=True):
+        if count == 0:
+            text = (
+                f"time.stages.{one.case.staged.number - 1}.constraints.{one.name}.region: where "
+                f"the bodies are at the start it holds no particle of "
+                f"'{list(one.case.bodies)[one.body]}'; if none comes there by "
+                f"t = {one.case.staged.start:.6g}, the run ends as the stage begins"
+            )
+            found.append(warned("idle-constraint", text))
+    return found

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from pgimp.scene.checks.warned import Warned, warned
+
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.physics.materials.base import Material
@@ -16,7 +18,7 @@ _NAMED = 3
 _NEARLY_HALF = 0.45
 
 
-def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[str]:
+def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[Warned]:
     """Yield a warning for each nearly incompressible solid, which locks: too stiff.
 
     Parameters
@@ -32,10 +34,11 @@ def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
         if ratio > _NEARLY_HALF:
             found.setdefault((name, ratio), []).append(body)
     for (name, ratio), bodies in found.items():
-        yield (
+        yield warned(
+            "locking",
             f"materials.{name}.poisson: {ratio:g} is nearly incompressible, and {_named(bodies)} "
             "will be too stiff, the more so the closer to 0.5 it is (locking); "
-            f"method.volumetric: mean keeps it from that{_boxes(case)}"
+            f"method.volumetric: mean keeps it from that{_boxes(case)}",
         )
 
 
@@ -74,7 +77,7 @@ def _named(bodies: list[str]) -> str:
 def _pointwise(case: Case) -> Iterator[tuple[str, str, Material]]:
     """Bodies with pointwise volumes, with their material and its name."""
     method = case.method
-    if case.dimensions == 1 or method.volumetric == "mean" or method.shape == "fuzzy-constant":
+    if case.dimensions == 1 or method.volumetric == "mean" or not method.locks:
         return
     for body, entry in case.bodies.items():
         yield body, entry.material, case.materials[entry.material]

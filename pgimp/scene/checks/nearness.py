@@ -24,6 +24,7 @@ from pgimp.scene.checks.moving_boxes import (
     instants,
     moving_boxes,
 )
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.rigid.images import nearest_image
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def reach(case: Case) -> np.ndarray:
     return 2.0 * (1.0 + half) - 1.0 / np.array(case.method.particles_per_cell)
 
 
-def warnings(case: Case, rigid_bodies: SceneRigidBodies | None = None) -> list[str]:
+def warnings(case: Case, rigid_bodies: SceneRigidBodies | None = None) -> list[Warned]:
     """Return warnings of bodies and walls that approach each other.
 
     Parameters
@@ -62,7 +63,7 @@ def warnings(case: Case, rigid_bodies: SceneRigidBodies | None = None) -> list[s
     return [*_passing(case, boxes, times), *_held(case, alone), *walls]
 
 
-def notes(case: Case) -> list[str]:
+def notes(case: Case) -> list[Warned]:
     """Return notes on bodies that come near walls; as `warnings`."""
     lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
     boxes = moving_boxes(case, instants(case))
@@ -106,39 +107,42 @@ def _pairs_that_meet(case: Case, boxes: list[Box], times: np.ndarray, shared: np
     return names + (f" and {len(met) - NAMED} more pairs" if len(met) > NAMED else "")
 
 
-def _passing(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
+def _passing(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[Warned]:
     """Warnings of bodies that one in the initial configuration approaches without contact."""
     if names := _pairs_that_meet(case, boxes, times, sharing(case)):
-        yield (
+        yield warned(
+            "passing",
             f"bodies: {names} may meet, but in the initial configuration they do not feel each "
-            "other, and pass through; with contact: [{bodies: all}] they meet, slide and part"
+            "other, and pass through; with contact: [{bodies: all}] they meet, slide and part",
         )
 
 
-def _held(case: Case, boxes: list[Box]) -> Iterator[str]:
+def _held(case: Case, boxes: list[Box]) -> Iterator[Warned]:
     """Warnings of walls that act on no approaching body in the initial configuration."""
     for text in _walls(case, boxes, at_once=False):
         face, _, who = text.partition(": ")
-        yield (
+        yield warned(
+            "wall-coming",
             f"{face}: {who.partition(' may come')[0]} may come to the wall, which in the initial "
             "configuration holds what lies on it at the start: the run then stops; take "
-            "separating, or configuration: current"
+            "separating, or configuration: current",
         )
 
 
-def _pairs(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[str]:
+def _pairs(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[Warned]:
     """Warnings of bodies that are apart at the start and come into each other's reach."""
     if names := _pairs_that_meet(case, boxes, times, sticking(case)):
         near = reach(case)
-        yield (
+        yield warned(
+            "meeting",
             f"bodies: {names} may meet, and no entry of `contact` says how: they share one "
             f"velocity field, feel each other when their surfaces are {ranged(near)} cells apart, "
             "and stick together when closer, in tension and shear too; "
-            "with contact: [{bodies: all}] they touch when they meet, slide and part"
+            "with contact: [{bodies: all}] they touch when they meet, slide and part",
         )
 
 
-def _walls(case: Case, boxes: list[Box], at_once: bool) -> Iterator[str]:
+def _walls(case: Case, boxes: list[Box], at_once: bool) -> Iterator[Warned]:
     """Warnings of bodies within a wall's reach, now or later, without touching it."""
     near = 0.5 * reach(case)
     for face, condition, axis, side in faces_with_condition(case):
@@ -163,12 +167,14 @@ def _walls(case: Case, boxes: list[Box], at_once: bool) -> Iterator[str]:
                 what = f"{does} not touch the wall, but {feel} it from {far} away"
             held = pulls and not condition.releases
             holds = f"; the wall holds {them} when pulled away, too" if held else ""
-            yield f"boundaries.{face}: {', '.join(names[:NAMED])}{more} {what}{holds}"
+            yield warned(
+                "wall-reach", f"boundaries.{face}: {', '.join(names[:NAMED])}{more} {what}{holds}"
+            )
 
 
 def _tied(
     case: Case, boxes: list[Box], times: np.ndarray, rigid_bodies: SceneRigidBodies | None
-) -> Iterator[str]:
+) -> Iterator[Warned]:
     """Warnings of bodies that may meet a rigid body without an entry of contact."""
     names = [*case.bodies, *case.rigid_bodies]
     if not case.rigid_bodies:
@@ -184,10 +190,11 @@ def _tied(
     ]
     if found:
         more = f" and {len(found) - NAMED} more pairs" if len(found) > NAMED else ""
-        yield (
+        yield warned(
+            "tied",
             f"bodies: {', '.join(found[:NAMED])}{more} have no entry in `contact`: the material "
             "sticks to the rigid body where they come together; with contact: [{bodies: all}] it "
-            "touches, slides and parts"
+            "touches, slides and parts",
         )
 
 

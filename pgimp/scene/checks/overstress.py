@@ -12,6 +12,7 @@ from pgimp.kernels.once.prestress import bearable_stress, remember_stress
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.populate import prestressed, set_stress
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.scene import Scene
 
 #: Part of a particle's greatest stress that is rounding of the strength.
@@ -38,7 +39,7 @@ def stressed(scene: Scene) -> list[int]:
     ]
 
 
-def measure(scene: Scene, particles: Particles, count: int, comm: Communicator) -> list[str]:
+def measure(scene: Scene, particles: Particles, count: int, comm: Communicator) -> list[Warned]:
     """Return a warning for each body whose stress the material cuts; collective.
 
     Parameters
@@ -49,14 +50,14 @@ def measure(scene: Scene, particles: Particles, count: int, comm: Communicator) 
     count : int
     comm : Comm
     """
-    found: list[str] = []
+    found: list[Warned] = []
     for body in yielding(scene):
         rows = np.flatnonzero(particles.body[:count] == body)
         found += _warnings(scene, body, comm.allgather(_cut(scene, particles, rows)))
     return found
 
 
-def foresee(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Iterator[str]:
+def foresee(scene: Scene, lattice: Lattice, counts: np.ndarray) -> Iterator[Warned]:
     """Yield the warnings of `measure` before particles exist, a block at a time."""
     memory = prestressed(scene)
     for body in stressed(scene):
@@ -94,7 +95,7 @@ def _cut(scene: Scene, particles: Particles, rows: np.ndarray) -> tuple[int, int
 
 def _warnings(
     scene: Scene, body: int, parts: Sequence[tuple[int, int, float, float]]
-) -> Iterator[str]:
+) -> Iterator[Warned]:
     every, cut = sum(part[0] for part in parts), sum(part[1] for part in parts)
     if cut:
         share, most = max(part[2] for part in parts), max(part[3] for part in parts)
@@ -103,9 +104,10 @@ def _warnings(
         where, source = f"bodies.{name}.region", "particles of the file"
         if scene.case.start.stress is not None:
             where, source = "start.stress", f"particles of '{name}'"
-        yield (
+        yield warned(
+            "overstress",
             f"{where}: the stress of {cut:,} of {every:,} {source} is "
             f"beyond the strength of '{material}' and is cut in the first step, a component by up "
             f"to {most:.3g}, {100.0 * share:.2g} % of a particle's greatest; give stresses that "
-            "it bears, or more strength"
+            "it bears, or more strength",
         )

@@ -15,6 +15,7 @@ from pgimp.physics.variation.randomfield import RandomVariation
 from pgimp.scene.checks.facts import BodyFacts, Findings
 from pgimp.scene.checks.supports import held_at, own_weight
 from pgimp.scene.checks.units import unlikely
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.schema.tables import VectorFunction
 from pgimp.schema.time_functions import TimeFunction
 
@@ -101,7 +102,7 @@ def _greatest(load: Any) -> float:
 
 def body_warnings(
     case: Case, body: BodyFacts, duration: float, settles: bool = False
-) -> Iterator[str]:
+) -> Iterator[Warned]:
     """Yield warnings about a body.
 
     Parameters
@@ -116,28 +117,31 @@ def body_warnings(
         Whether the start or a stage comes to rest: then the time may be as short as one likes.
     """
     if max(strains(case, body).values()) > _MOST_STRAIN:
-        yield (
+        yield warned(
+            "load-strain",
             f"bodies.{body.name}: loads of the order of the stiffness; are the units of young, "
             "density, gravity, velocity, tractions and grid one consistent set (mm with MPa wants "
-            "tonnes)?"
+            "tonnes)?",
         )
     yield from unlikely(case, body)
     yield from _swallowed(case, body)
     transits = duration * body.wave_speed / body.extent
     if transits < _FEWEST_TRANSITS and not settles:
-        yield (
+        yield warned(
+            "few-transits",
             f"time.end: until then a wave crosses only {transits:.2g} of {body.name}; is it in the "
-            "unit of time that belongs to young, density and grid?"
+            "unit of time that belongs to young, density and grid?",
         )
     elif transits > _MOST_TRANSITS:
-        yield (
+        yield warned(
+            "many-transits",
             f"time.end: waves cross {body.name} {transits:.3g} times until then, too often for a "
             "method that follows each; is it in the unit of time that belongs to young, density "
-            "and grid? What is slow can be shortened, as long as it stays slow for the waves"
+            "and grid? What is slow can be shortened, as long as it stays slow for the waves",
         )
 
 
-def _swallowed(case: Case, body: BodyFacts) -> Iterator[str]:
+def _swallowed(case: Case, body: BodyFacts) -> Iterator[Warned]:
     """Warn of sinks that contain all corners of a body's bounding box at the start."""
     if case.bodies[body.name].configuration != "current":
         return
@@ -146,28 +150,30 @@ def _swallowed(case: Case, body: BodyFacts) -> Iterator[str]:
     corners = np.array(list(product(*zip(near, far, strict=True))))
     for name, sink in sinks(case.escape).items():
         if sink.region.contains(corners).all():
-            yield (
+            yield warned(
+                "sink",
                 f"escape.{name}: contains all of {body.name} at the start, which is gone after the "
-                "first step; a sink is to lie where material arrives"
+                "first step; a sink is to lie where material arrives",
             )
 
 
-def _coarse(key: str, variation: Variation, case: Case) -> Iterator[str]:
+def _coarse(key: str, variation: Variation, case: Case) -> Iterator[Warned]:
     """Yield a warning if a random field changes from one cell to the next."""
     for part in variation.parts():
         if isinstance(part, RandomVariation):
             lengths = part.random.lengths(case.dimensions)
             for length, cell in zip(lengths, case.grid.cell, strict=True):
                 if length < cell:
-                    yield (
+                    yield warned(
+                        "random-length",
                         f"{key}: the correlation length {length:g} of the random field is below "
                         f"the cell {cell:g}, so that neighbours hardly know of each other and "
-                        "results depend on the cells; take cells of a third of it or less"
+                        "results depend on the cells; take cells of a third of it or less",
                     )
                     return
 
 
-def case_warnings(case: Case, found: Findings) -> Iterator[str]:
+def case_warnings(case: Case, found: Findings) -> Iterator[Warned]:
     """Yield warnings about the case: thin bodies, idle probes and tractions, unsuitable methods.
 
     Parameters
@@ -177,39 +183,44 @@ def case_warnings(case: Case, found: Findings) -> Iterator[str]:
     found : Findings
         See `pgimp.scene.checks.facts.examine`.
     """
-    if case.method.affine and case.method.shape == "mpm":
-        yield (
-            "method.affine: with points (mpm) it can make energy from nothing, the more "
-            "the smaller the step; take it with boxes (shape: gimp)"
+    if case.method.affine and case.method.is_point:
+        yield warned(
+            "affine-points",
+            f"method.affine: with points ({case.method.name}) it can make energy from nothing, "
+            "the more the smaller the step; take it with boxes (shape: gimp)",
         )
     for name, entry in case.materials.items():
         for path, variation in entry.variations.items():
             yield from _coarse(f"materials.{name}.{'.'.join(path)}", variation, case)
     pressed = _pressed(case)
-    if pressed and case.method.shape == "mpm":
-        yield (
-            "contact: of points (mpm) the gap between bodies is known to half a cell only, and "
-            "jumps as they move; take boxes (shape: gimp)"
+    if pressed and case.method.is_point:
+        yield warned(
+            "contact-points",
+            f"contact: of points ({case.method.name}) the gap between bodies is known to half a "
+            "cell only, and jumps as they move; take boxes (shape: gimp)",
         )
     for body in found.bodies:
         cells = [size / cell for size, cell in zip(body.sizes, case.grid.cell, strict=True)]
         thin = [f"{n:.2g} along {AXES[d]}" for d, n in enumerate(cells) if n < _THIN]
         if thin:
-            yield (
+            yield warned(
+                "thin-body",
                 f"bodies.{body.name}.region: fewer cells across it than one, {', '.join(thin)}; "
-                "stress and bending need several: smaller cells (grid.cell)"
+                "stress and bending need several: smaller cells (grid.cell)",
             )
         if thin and body.name in pressed:
-            yield (
+            yield warned(
+                "thin-contact",
                 f"contact: '{body.name}' has both its sides in one cell, so that what it meets "
-                "finds no direction to push in: smaller cells (grid.cell)"
+                "finds no direction to push in: smaller cells (grid.cell)",
             )
         moves = case.bodies[body.name].configuration == "current"
         if moves and case.method.affine and max(cells) < _FEW:
-            yield (
+            yield warned(
+                "few-cells",
                 f"method.affine: '{body.name}' is only {max(cells):.2g} cells long; on so few, "
                 "its energy grows by a quarter or more when it vibrates, whatever the step: "
-                "smaller cells (grid.cell)"
+                "smaller cells (grid.cell)",
             )
     spacing = max(
         cell / n for cell, n in zip(case.grid.cell, case.method.particles_per_cell, strict=True)
@@ -218,14 +229,16 @@ def case_warnings(case: Case, found: Findings) -> Iterator[str]:
         away = found.away[name]
         if hasattr(probe, "place"):
             if away >= 1.0:
-                yield (
+                yield warned(
+                    "probe-place",
                     f"probes.{name}.place: no particle within a cell of it at the start; its lines "
-                    "are empty until material comes there"
+                    "are empty until material comes there",
                 )
         elif away > _FAR * spacing:
-            yield (
+            yield warned(
+                "probe-far",
                 f"probes.{name}.at: the closest particle of '{probe.body}' is {away:.3g} away, "
-                f"where particles are {spacing:.3g} apart"
+                f"where particles are {spacing:.3g} apart",
             )
     yield from _ineffective_tractions(case)
 
@@ -239,7 +252,7 @@ def _pressed(case: Case) -> set[str]:
     return names
 
 
-def _ineffective_tractions(case: Case) -> Iterator[str]:
+def _ineffective_tractions(case: Case) -> Iterator[Warned]:
     """Yield the tractions that a wall supports entirely."""
     for name, entry in case.tractions.items():
         condition = case.boundaries.get(entry.face or "")
@@ -251,14 +264,15 @@ def _ineffective_tractions(case: Case) -> Iterator[str]:
         if abs(region - wall) <= _AT_WALL * case.grid.cell[axis] and all(
             held_at(condition, axis, side)[: case.dimensions]
         ):
-            yield (
+            yield warned(
+                "idle-traction",
                 f"tractions.{name}: the face {entry.face} of '{entry.body}' lies at the domain's, "
-                "whose condition holds it: the traction moves nothing"
+                "whose condition holds it: the traction moves nothing",
             )
 
 
-def small_step_warning(dt: float, rate: float) -> str:
-    """Warning about a step far below the stable one; else empty.
+def small_step_warning(dt: float, rate: float, key: str = "time.step") -> list[Warned]:
+    """Warn of a step far below the stable one.
 
     Parameters
     ----------
@@ -266,10 +280,13 @@ def small_step_warning(dt: float, rate: float) -> str:
         The step.
     rate : float
         Largest (c_p + |v_p|)/L, 1/time.
+    key : str
+        Key path of the step.
     """
     if dt * rate >= LEAST_COURANT:
-        return ""
-    return (
-        f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}; step: {{courant: 0.3}} takes "
+        return []
+    text = (
+        f"{key}: {dt:g} is a Courant number of {dt * rate:.3g}; step: {{courant: 0.3}} takes "
         f"{0.3 / (dt * rate):.3g} times fewer steps, if young, density and grid are right"
     )
+    return [warned("short-step", text)]

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from pgimp.case.schema import Case
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.schema.messages import dotted
 from pgimp.schema.tables import Components
 from pgimp.schema.time_functions import Table
@@ -17,17 +18,18 @@ from pgimp.schema.time_functions import Table
 _SMALL = 1e-3
 
 
-def warnings(case: Case) -> Iterator[str]:
+def warnings(case: Case) -> Iterator[Warned]:
     """Yield a warning for every series that ends before the last stage, at another value than 0."""
     end = max(stage.time.end for stage in case.stages)
     for path, table in _tables((), case):
         (last, value), greatest = table.rows[-1], max(abs(v) for _, v in table.rows)
         if table.source and last < end and abs(value) > _SMALL * greatest:
-            yield (
+            yield warned(
+                "series-end",
                 f"{dotted(path)}: the series of {Path(table.source).name} ends at {last:.6g}, "
                 f"before the run, at {end:.6g}; its last value, {value:.3g}, is held, "
                 f"{abs(value) / greatest:.2g} of the greatest: end it with 0, correct it "
-                "(baseline: true), or end the run"
+                "(baseline: true), or end the run",
             )
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from pgimp.physics.materials.johnson_cook import JohnsonCook
 from pgimp.scene.checks.facts import BodyFacts
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.mass_scaling import inertia_factor
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def in_si(case: Case, name: str) -> dict[str, tuple[float, str]]:
     return found
 
 
-def unlikely(case: Case, body: BodyFacts) -> Iterator[str]:
+def unlikely(case: Case, body: BodyFacts) -> Iterator[Warned]:
     """Yield warnings of implausible values, in units with a known label, such as "mm, t, s"."""
     name = case.bodies[body.name].material
     entry, known = case.materials[name], scales(case.units)
@@ -97,23 +98,25 @@ def unlikely(case: Case, body: BodyFacts) -> Iterator[str]:
                 given = getattr(entry, key.replace("-", "_"), given)
                 given = given if isinstance(given, float | int) else body.density
                 number = f"{given / factor if key == 'density' else given:g}"
-                yield (
+                yield warned(
+                    "units",
                     f"materials.{name}.{key}: {number} would be {value:.3g} {unit} in the units "
-                    f"'{case.units}', which no material has; is it given in them?"
+                    f"'{case.units}', which no material has; is it given in them?",
                 )
         speed = body.wave_speed * factor**0.5
         wave = speed * length / time
         if not _WAVES[0] <= wave <= _WAVES[1]:
             stiff = "young" if hasattr(entry, "young") else "bulk"
-            yield (
+            yield warned(
+                "units",
                 f"materials.{name}: wave speed {speed:.4g} would be {wave:.3g} m/s in "
                 f"the units '{case.units}', which no material has; are {stiff} and density given "
-                "in them?"
+                "in them?",
             )
     yield from _melting(name, entry)
 
 
-def _melting(name: str, entry: Material) -> Iterator[str]:
+def _melting(name: str, entry: Material) -> Iterator[Warned]:
     """Warn of a metal that would melt by the work of a small plastic strain."""
     if not isinstance(entry, JohnsonCook):
         return
@@ -123,7 +126,8 @@ def _melting(name: str, entry: Material) -> Iterator[str]:
     heat = entry.taylor_quinney * entry.a / (entry.density * entry.specific_heat)
     if heat * _NO_MELTING > entry.melting - entry.temperature:
         strain = (entry.melting - entry.temperature) / heat
-        yield (
+        yield warned(
+            "melting",
             f"materials.{name}.specific-heat: a plastic strain of {strain:.2g} would heat it above "
-            "melting; are a, density and specific-heat in one consistent set of units?"
+            "melting; are a, density and specific-heat in one consistent set of units?",
         )

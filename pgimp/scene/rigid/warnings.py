@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.rigid import Motion
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.faces import Face
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.wave_speeds import wave_speed
@@ -35,7 +36,7 @@ _INSTANTS, _BEYOND, _WITHIN, _STILL = 100, 0.05, 1.0, 1e-9
 _ON_AXIS = 0.25
 
 
-def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
+def motion_warnings(scenes: Sequence[Scene]) -> list[Warned]:
     """Return warnings of rigid bodies that are too fast for the material, or miss a load.
 
     Parameters
@@ -53,10 +54,11 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
         if not any(getattr(each.case, key) for each in scenes):
             continue
         names = ", ".join(f"'{body.name}'" for body in scene.interaction.rigid_bodies.free.values())
-        found.append(
+        text = (
             f"{key}: it acts on bodies of a material only, not on {names}, which moves freely "
             "by gravity and contact alone"
         )
+        found.append(warned("free-load", text))
     first = len(scene.body_names)
     waves = [wave_speed(scene, body) for body in range(first)]
     for number, speed in scene.interaction.rigid_bodies.speeds().items():
@@ -68,7 +70,7 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
         ]
         slowest, name = min(met, default=(inf, ""))
         if speed > _FAST * slowest > 0.0:
-            found.append(
+            text = (
                 f"bodies.{scene.interaction.rigid_bodies.names[number]}.rigid: "
                 f"it moves at up to {speed:.3g}, {speed / slowest:.2g} times as fast as "
                 f"waves in '{name}' ({slowest:.3g}); above "
@@ -76,6 +78,7 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[str]:
                 "smaller cells (grid.cell), or a body that moves freely (rigid: {density: ..}); "
                 "are the units of velocity, young and density one set?"
             )
+            found.append(warned("fast-rigid", text))
     return found + _through_planes(scenes)
 
 
@@ -117,7 +120,7 @@ def known_in_part(scene: Scene) -> Iterator[str]:
         )
 
 
-def _edges_on_axis(scene: Scene) -> list[str]:
+def _edges_on_axis(scene: Scene) -> list[Warned]:
     """Warnings of bodies whose section ends on the axis, or less than a cell beyond it."""
     if not scene.case.axisymmetric:
         return []
@@ -126,15 +129,16 @@ def _edges_on_axis(scene: Scene) -> list[str]:
     for name, ends in zip(bodies.names, bodies.ends, strict=True):
         low, high = ends[:, 0].tolist()
         if -cell < low < _ON_AXIS * cell:
-            found.append(
+            text = (
                 f"bodies.{name}.region: its section ends on the axis, where contact sees an edge; "
                 "let it reach across by a cell or more, as a plane of symmetry is crossed: a box "
                 f"from x = {-high:.6g} to {high:.6g}"
             )
+            found.append(warned("axis-edge", text))
     return found
 
 
-def _through_planes(scenes: Sequence[Scene]) -> list[str]:
+def _through_planes(scenes: Sequence[Scene]) -> list[Warned]:
     """Warnings of prescribed bodies that turn on `slip` walls, or move through them."""
     rigid_bodies = scenes[0].interaction.rigid_bodies
     found: dict[tuple[str, str], str] = {}
@@ -151,7 +155,9 @@ def _through_planes(scenes: Sequence[Scene]) -> list[str]:
                 if moves and isinstance(face.condition, Slip) and (name, face.name) not in found:
                     if text := _conflict(rigid_bodies, number, face, times):
                         found[name, face.name] = text
-    return [f"bodies.{name}.rigid: {text}" for (name, _), text in found.items()]
+    return [
+        warned("through-plane", f"bodies.{name}.rigid: {text}") for (name, _), text in found.items()
+    ]
 
 
 def _conflict(

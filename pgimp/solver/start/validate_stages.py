@@ -7,6 +7,7 @@ import numpy as np
 from pgimp.errors import CaseError
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.checks.sanity import small_step_warning
+from pgimp.scene.checks.warned import Warned
 from pgimp.scene.scene import Scene
 from pgimp.scene.wave_speeds import rest_rate
 from pgimp.solver.history.diagnostics import column_names
@@ -81,7 +82,7 @@ def rates_at_rest(rank: Rank, scene: Scene, comm: Communicator) -> dict[str, flo
     return found
 
 
-def require_stable_stages(scenes: Sequence[Scene], rates: Mapping[str, float]) -> list[str]:
+def require_stable_stages(scenes: Sequence[Scene], rates: Mapping[str, float]) -> list[Warned]:
     """Refuse fixed steps of later stages beyond the limit; warn of steps near it or far below.
 
     Parameters
@@ -109,7 +110,7 @@ def require_stable_stages(scenes: Sequence[Scene], rates: Mapping[str, float]) -
             require_stable(scene, float(step), rate)
         except CaseError as error:
             raise CaseError(str(error).replace("time.step", key, 1)) from None
-        warnings.append(stability_warning(float(step), rate, stable).replace("time.step", key, 1))
+        warnings += stability_warning(float(step), rate, stable, key)
         if own and rate > 0.0:
-            warnings.append(small_step_warning(float(step), rate).replace("time.step", key, 1))
-    return [text for text in warnings if text]
+            warnings += small_step_warning(float(step), rate, key)
+    return warnings

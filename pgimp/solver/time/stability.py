@@ -9,6 +9,7 @@ import numpy as np
 from pgimp.case.stepping.courant import vertex_limit
 from pgimp.errors import CaseError
 from pgimp.physics.materials.base import has
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.solver.time.limiting import limiting
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def stable_courant(case: Case) -> float:
     return max(least, min(limit, of_one / max(method.particles_per_cell)))
 
 
-def check_first_step(scene: Scene, dt: float, rate: float) -> list[str]:
+def check_first_step(scene: Scene, dt: float, rate: float) -> list[Warned]:
     """Compare the first step of a simulation with the stability limit.
 
     Parameters
@@ -73,7 +74,7 @@ def check_first_step(scene: Scene, dt: float, rate: float) -> list[str]:
 
     Returns
     -------
-    list of str
+    list of Warned
         Warnings.
 
     Raises
@@ -85,8 +86,7 @@ def check_first_step(scene: Scene, dt: float, rate: float) -> list[str]:
     require_stable(scene, dt, rate)
     if scene.case.watched:
         return []
-    warning = stability_warning(dt, rate, stable)
-    return [warning] if warning else []
+    return stability_warning(dt, rate, stable)
 
 
 def require_end(scene: Scene, rate: float) -> None:
@@ -166,13 +166,16 @@ def require_stable(scene: Scene, dt: float, rate: float) -> None:
         raise CaseError(text)
 
 
-def stability_warning(dt: float, rate: float, stable: float) -> str:
-    """Warning about a Courant number above `stable`; else empty."""
+def stability_warning(
+    dt: float, rate: float, stable: float, key: str = "time.step"
+) -> list[Warned]:
+    """Warn of a Courant number above `stable`, by the key path of the step."""
     if dt * rate <= stable * (1.0 + 1e-9):
-        return ""
+        return []
     safe = min(stable, 0.3)
-    return (
-        f"time.step: {dt:g} is a Courant number of {dt * rate:.3g}; above {stable:g} a free "
+    text = (
+        f"{key}: {dt:g} is a Courant number of {dt * rate:.3g}; above {stable:g} a free "
         f"surface may become unstable with this shape; {safe / rate:.3g} is safer (Courant "
         f"{safe:g})"
     )
+    return [warned("unstable-step", text)]

@@ -12,6 +12,7 @@ from pgimp.mpi.comm import Serial
 from pgimp.scene.bodies.counts import count_particles, present
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.checks.facts import BodyFacts, Findings, examine
+from pgimp.scene.checks.warned import Warned
 from pgimp.scene.geometry import share
 from pgimp.scene.rigid.checks import require_apart, require_clear, require_slow
 from pgimp.scene.scene import Scene
@@ -40,7 +41,7 @@ class Prepared(NamedTuple):
         Facts about the bodies.
     varied : dict of str to float
         Rates of bodies whose materials vary.
-    of_stages : list of str
+    of_stages : list of Warned
         Warnings about steps of later stages.
     crossing, rate, dt : float
         Cells per unit of length, 0 if the grid moves with the bodies. Reference rate of the case's
@@ -56,7 +57,7 @@ class Prepared(NamedTuple):
     memory: Estimate
     found: Findings
     varied: dict[str, float]
-    of_stages: list[str]
+    of_stages: list[Warned]
     crossing: float
     rate: float
     dt: float

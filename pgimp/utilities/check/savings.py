@@ -11,7 +11,7 @@ from pgimp.utilities.check.prepare import pace_of
 
 #: Approximate fraction of the time that advice on a key saves at the same error; the least known
 #: (docs/error-against-cost.md). Advice that makes results correct, not quick, comes first.
-_SAVES = {"method.shape: mpm": 1.0, "method.affine": 1.0, "bodies": 0.6, "method.shape": 0.5}
+_SAVES = {"method.affine": 1.0, "bodies": 0.6, "method.shape": 0.5}
 
 
 def ordered_advice(
@@ -24,6 +24,7 @@ def ordered_advice(
     found = []
     for text in advice(case, bodies):
         part = next((part for key, part in _SAVES.items() if text.startswith(key)), 0.0)
+        part = 1.0 if case.method.is_point and text.startswith("method.shape") else part
         found.append((part, text))
     courant = AUTO * largest_courant(case)
     longest = courant / max(pace_of(courant, bodies, crossing), quick)

@@ -7,6 +7,7 @@ from pgimp.case.schema import Case
 from pgimp.case.staging.arrange import changes_of, steps_in
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.sanity import LEAST_COURANT, small_step_warning
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.scene import Scene
 from pgimp.solver.start.validate_stages import stage_rate
 from pgimp.solver.time.limiting import limiting
@@ -87,7 +88,7 @@ def report_stages(
 
 def short_step_warnings(
     scene: Scene, bodies: Sequence[BodyFacts], dt: float, rate: float
-) -> Iterator[str]:
+) -> Iterator[Warned]:
     """Yield what makes the first step far shorter than waves need.
 
     `rate` is the largest (c_p + |v_p|)/L of `bodies`, 1/time.
@@ -95,13 +96,14 @@ def short_step_warnings(
     case, waves = scene.case, max(body.rest_rate for body in bodies)
     quick = max(rate, scene.interaction.rigid_bodies.first_rate)
     if case.courant is None or case.courant < LEAST_COURANT:
-        yield from filter(None, [small_step_warning(dt, quick)])
+        yield from small_step_warning(dt, quick)
     elif dt * waves < LEAST_COURANT and dt < case.time.end:
         limit = limiting(scene, quick)
-        yield (
+        yield warned(
+            "short-step",
             f"time.step: the first of {dt:.4g} is short because {limit.what} crosses "
             f"{limit.rate:.3g} cells in a unit of time, where waves cross {waves:.3g}; look at its "
-            f"velocity ({limit.key}): is it in the units of young, density and grid?"
+            f"velocity ({limit.key}): is it in the units of young, density and grid?",
         )
 
 
@@ -130,19 +132,21 @@ def _size(tried: Pilot) -> str:
     return text
 
 
-def pilot_warnings(case: Case, courant: float, tried: Pilot | None) -> Iterator[str]:
+def pilot_warnings(case: Case, courant: float, tried: Pilot | None) -> Iterator[Warned]:
     """Yield failures of a pilot run that a run may have, too."""
     if tried is None:
         return
     if tried.failure:
-        yield (
+        yield warned(
+            "pilot-failed",
             f"a pilot run of {_size(tried)} failed at t = {tried.done * case.time.end:.3g}: "
-            f"{tried.failure}"
+            f"{tried.failure}",
         )
     stable = stable_courant(case)
     if courant <= stable * (1.0 + 1e-9) < tried.courant and not tried.failure:
-        yield (
+        yield warned(
+            "pilot-step",
             f"time.step: its Courant number grows from {courant:.3g} to {tried.courant:.3g} in a "
             f"pilot run, as waves or particles become faster; above {stable:g} a free surface may "
-            "become unstable with this shape"
+            "become unstable with this shape",
         )

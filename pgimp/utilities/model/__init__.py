@@ -1,1 +1,1 @@
-"""Cost of a step on any number of ranks: measured here, on one or two, and extrapolated."""
+"""Cost of a step on this machine: measured on small scenes like the case; and a pilot run."""

@@ -7,17 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from pgimp.case.schema import Case
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.order.order import locate
-from pgimp.scene.bodies.extent import Extent, extents
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.populate import populate
-from pgimp.scene.scene import Scene
 from pgimp.solver.simulation import Simulation
 from pgimp.solver.start.creation import Creation
-from pgimp.utilities.model.layout import Layout, layout_of
 
 YOUNG, POISSON, DENSITY, GRAVITY, SPEED = 1.0e6, 0.3, 1000.0, -9.81, 0.1
 
@@ -78,17 +74,14 @@ def _uniform(ids: np.ndarray) -> np.ndarray:
     return np.stack(numbers, axis=1).astype(float) * 2.0**-53
 
 
-def block_case(cells: int, steps: int, length: int = 1) -> dict[str, object]:
-    """The benchmark as a case: a block of `cells` cubed in a domain with a margin of four cells.
-
-    With `length` it is a bar along x, longer by this factor.
-    """
+def block_case(cells: int, steps: int) -> dict[str, object]:
+    """The benchmark as a case: a block of `cells` cubed in a domain with a margin of four cells."""
     h, pad = 1.0 / cells, 4
     lam = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
     c = np.sqrt((lam + YOUNG / (1 + POISSON)) / DENSITY)
     dt = 0.2 * h / float(c)
-    high = [pad * h + length, pad * h + 1.0, pad * h + 1.0]
-    size = [h * (cells * length + 2 * pad), *[h * (cells + 2 * pad)] * 2]
+    high = [pad * h + 1.0] * 3
+    size = [h * (cells + 2 * pad)] * 3
     return {
         "format": 1,
         "title": "Benchmark block",
@@ -113,28 +106,6 @@ def block_case(cells: int, steps: int, length: int = 1) -> dict[str, object]:
         },
         "gravity": [0.0, 0.0, GRAVITY],
     }
-
-
-def block_layout(cells: int, length: int, random: bool) -> tuple[Scene, list[Extent], Layout]:
-    """Scene, extents and layout of a block of any size, without creating particles.
-
-    Parameters
-    ----------
-    cells, length : int
-        See `block_case`.
-    random : bool
-        Whether particles are at random positions, not on the lattice.
-    """
-    case = Case.model_validate(block_case(cells, 1, length))
-    scene, bodies = Scene(case), extents(case)
-    planes, h = scene.domain.frame.cells[0] * 2, scene.domain.frame.cell[0]
-    counts = np.zeros(planes, np.int64)
-    counts[bodies[0].low[0] : bodies[0].high[0]] = (2 * cells) ** 2
-    # Equal to the `Lattice`'s, to the bit: they lie between layers.
-    layout = layout_of(scene, bodies, np.arange(0.5, planes) / 2 * h, counts)
-    if random:
-        layout = layout._replace(counts=_spread(layout.counts, scene.settings.shape.half[0]))
-    return scene, bodies, layout._replace(crossing=SPEED * case.time.end / h)
 
 
 def _spread(counts: np.ndarray, half: float) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from statistics import mean, median
+from statistics import median
 from time import perf_counter
 
 import numpy as np
@@ -13,6 +13,7 @@ from pgimp.decomposition.slabs import Slab
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.order.order import locate
+from pgimp.mpi.comm import Serial
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.solver.decomposition import RESORT
@@ -22,8 +23,6 @@ from pgimp.utilities.model.sample_cases import ENDLESS, plain, resized
 
 #: Seconds, and least and most steps, of a timed block.
 _BLOCK_SECONDS, _FEWEST, _MOST = 0.02, 2, 100
-#: Consecutive blocks during which a scene hardly changes.
-_ROW = 9
 #: Small strains, so that a material's functions take the same branches as in a run.
 _STRAIN = 1e-3
 #: Change of phase of positions and strains from cell to cell [rad].
@@ -88,39 +87,31 @@ class Scattered(Simulation):
 class Sample:
     """A simulation timed block by block, in turn with others.
 
+    It restarts before its scene has changed much.
+
     Parameters
     ----------
     make : callable
         Makes the simulation; again after a failure, as its results do not matter.
-    comm : communicator
-        Communicator of its ranks.
-    whole : bool
-        Whether the whole simulation is timed, at least once. Otherwise it restarts before its scene
-        has changed much.
 
     Attributes
     ----------
     sim : Simulation
         Present state.
-    done : bool
-        Whether it has reached its end once, or need not.
     failure : str
         Reason why the last steps were not timed; empty if they were.
     """
 
-    def __init__(
-        self, make: Callable[[], Simulation], comm: Communicator, whole: bool = False
-    ) -> None:
-        self._make, self._comm, self._whole = make, comm, whole
+    def __init__(self, make: Callable[[], Simulation]) -> None:
+        self._make, self.failure = make, ""
         self._blocks: list[dict[str, float]] = []
-        self.done, self.failure = not whole, ""
         self._begin()
         seconds: list[float] = []
-        for _ in range(3):  # the same number on every rank
+        for _ in range(3):
             begin = perf_counter()
             self._advance(_FEWEST)
             seconds.append(perf_counter() - begin)
-        each = max(comm.allgather(median(seconds))) / _FEWEST
+        each = median(seconds) / _FEWEST
         self._steps = int(min(max(_BLOCK_SECONDS / each, _FEWEST), _MOST))
 
     def _begin(self) -> None:
@@ -130,10 +121,7 @@ class Sample:
         self.sim.advance()  # touches its memory
 
     def _advance(self, steps: int) -> int:
-        """Do steps; return their number, fewer at the end, 0 if they are discarded for a restart.
-
-        The same on every rank. If the whole run is timed, any steps count, and errors are raised.
-        """
+        """Do steps; return their number, fewer at the end, 0 if a restart discards them."""
         self._left -= steps
         sim = self.sim
         first = sim.step
@@ -142,12 +130,10 @@ class Sample:
                 sim.advance(complete=False)
             sim.complete_reduction()
         except RunError as error:
-            if self._whole:
-                raise
             self.failure = str(error).splitlines()[0]
             self._begin()
             return 0
-        if not self._whole and sim.present() < _KEPT * self._made:
+        if sim.present() < _KEPT * self._made:
             self.failure = "its particles leave the domain"
             self._begin()
             return 0
@@ -155,14 +141,11 @@ class Sample:
         return sim.step - first
 
     def run(self) -> None:
-        """Time a block; collective."""
-        if self.sim.finished:
-            self.done = True
-        if self.sim.finished or (self._left < self._steps and not self._whole):
+        """Time a block."""
+        if self.sim.finished or self._left < self._steps:
             self._begin()
         sim = self.sim
         before = dict(sim.rank.timings)
-        self._comm.Barrier()
         begin = perf_counter()
         steps = self._advance(self._steps)
         if not steps:
@@ -183,22 +166,14 @@ class Sample:
         return bool(self._blocks)
 
     def seconds(self, name: str = "step") -> float:
-        """Seconds of a phase in a step, on the slowest rank; collective.
+        """Seconds of a phase in a step, the median of all blocks.
 
-        The median of all blocks; if the whole is timed, the mean of medians of consecutive blocks.
-        Both exclude disturbances of the machine. "step" is everything but the sort, "sort" the
-        step's part of a sort.
+        "step" is everything but the sort, "sort" the step's part of a sort.
         """
-        every = [block[name] for block in self._blocks]
-        row = _ROW if self._whole else max(1, len(every))
-        medians = [median(every[i : i + row]) for i in range(0, len(every), row)]
-        mine = mean(medians) if medians else 0.0
-        return float(max(self._comm.allgather(mine)))
+        return median(block[name] for block in self._blocks) if self._blocks else 0.0
 
 
-def samples_of(
-    case: Case, count: int, comm: Communicator, sizes: Sequence[int], steps: float = 1.0
-) -> list[Sample]:
+def samples_of(case: Case, count: int, sizes: Sequence[int], steps: float = 1.0) -> list[Sample]:
     """Samples of a case with `count` particles, resized to about `sizes` particles.
 
     `steps` is the approximate number of its steps, if large.
@@ -206,7 +181,7 @@ def samples_of(
     longer = min(max(1.0, _MANY / steps), ENDLESS)
 
     def made(small: Case, any_will_do: bool = False) -> Sample:
-        sample = Sample(lambda: Scattered(small, comm), comm)
+        sample = Sample(lambda: Scattered(small, Serial()))
         if sample.failure and not any_will_do:
             raise RunError(sample.failure)
         return sample

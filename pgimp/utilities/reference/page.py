@@ -6,10 +6,13 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+from pgimp.case.checks.exclusions.feature import Place
+from pgimp.case.checks.exclusions.table import EXCLUSIONS
 from pgimp.case.writer import flow
 from pgimp.physics.columns import GRID, PLACE, POINT, WHEN, Vertex
 from pgimp.physics.fields import ALWAYS, FAILURE, OPTIONAL, Field
 from pgimp.physics.variation import KINDS, VARIATION
+from pgimp.scene.checks.warned import WARNINGS
 from pgimp.schema.base import LARGEST_COUNT
 from pgimp.schema.time_functions import OVER_TIME
 from pgimp.solver.history.columns import HISTORY
@@ -54,6 +57,23 @@ See [docs/loads-in-time.md](../docs/loads-in-time.md).
 """
 
 
+_EXCLUSIONS = """\
+A case with both is refused, with the line of *this*. Tests try all other pairs. NAME stands for the
+name of a body, a face or a number, AXIS for a direction, LAW for a model.
+"""
+
+
+#: Of what both features have to be, by `Exclusion.same`.
+_SAME = {"": "", "owner": ", of the same one", "axis": ", in the same direction"}
+
+_WARNINGS = """\
+What is allowed, but hardly meant. `pgimp check -v` prints the id of each warning.
+"""
+
+#: Who gives a warning, by its stage.
+_GIVEN = {"check": "`pgimp check`", "start": "`pgimp check`, and a run as it starts"}
+
+
 class _Section(NamedTuple):
     """Keys of a registered type."""
 
@@ -83,6 +103,28 @@ def reference() -> str:
         pages += [f"### `{{{name}: ..}}`\n", form["description"] + "\n"]
         pages.append(_table(_HEAD, _rows("", form, schema["$defs"], [])))
     pages += [
+        "## What excludes each other\n",
+        _EXCLUSIONS,
+        _table(
+            ("this", "not with", "why", "instead"),
+            (
+                (
+                    each.a.words,
+                    each.b.words + _SAME[each.same],
+                    *each.texts(Place((), "NAME", "NAME", "AXIS", "LAW")),
+                )
+                for each in EXCLUSIONS
+            ),
+        ),
+        "## Warnings\n",
+        _WARNINGS,
+        _table(
+            ("id", "given by", "reason", "from"),
+            (
+                (_code(id), _GIVEN[kind.stage], kind.reason, kind.bound)
+                for id, kind in WARNINGS.items()
+            ),
+        ),
         "## Frames\n",
         "`frames/particles-NNNNNN.h5`, one row a particle in ascending `id`. Always there:\n",
         _fields(ALWAYS),

@@ -6,7 +6,7 @@ from scenes import box, finish, scene, start
 
 from pgimp.case.schema import Case
 from pgimp.kernels.grid.absorbing import PRESSURE_WAVE, SHEAR_WAVE
-from pgimp.scene.checks.quiet import unquiet
+from pgimp.scene.checks.at_start import unquiet
 
 pytestmark = pytest.mark.slow(60)
 

@@ -192,7 +192,7 @@ def test_a_run_goes_on_with_the_same_bits(tmp_path):
             {"tractions": {"t": {"body": "jet", "face": "x-max", "pressure": 1.0}}},
             "tractions.t.body: 'jet' enters by an inflow",
         ),
-        ({"start": {"settle": {}}}, "inflow: does not come to rest, as settle looks for"),
+        ({"start": {"settle": {}}}, "inflow.jet: does not come to rest, as settle looks for"),
         (
             {"bodies": {"jet": box([0.0], [2.0]), "wall": box([1.0], [4.0])}},
             "bodies.wall.region: 'jet' and 'wall' overlap",

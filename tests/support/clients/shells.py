@@ -1,14 +1,13 @@
-"""bash, zsh and fish, asked for all that they complete a line with.
+"""bash and zsh, asked for all that they complete a line with.
 
-bash and zsh get a terminal, insert all completions into the line by a command of their editors, and
-write the line to a file. fish tells by itself.
+They get a terminal, insert all completions into the line by a command of their editors, and write
+the line to a file. zsh looks the script up in its `fpath`, as docs/first-steps.md says.
 """
 
 import os
 import pty
 import select
 import shlex
-import subprocess
 import time
 from pathlib import Path
 
@@ -21,8 +20,8 @@ bind -x '"\C-xs": show'
 bind '"\C-xa": insert-completions'
 printf '%s\n' 'REA''DY'
 """
-ZSH = r"""autoload -Uz compinit; compinit -u -D
-source {script}
+ZSH = r"""mkdir -p {script}.d; cp {script} {script}.d/_pgimp; fpath+=({script}.d)
+autoload -Uz compinit; compinit -u -D
 zle -C all-matches complete-word _generic
 bindkey '^Xa' all-matches
 zstyle ':completion:all-matches:*' insert true
@@ -61,8 +60,6 @@ class Terminal:
 
 def completions(shell, script: Path, lines, folder: Path):
     """What the last word of each line may be, as a set for each; a folder's name without slash."""
-    if shell == "fish":
-        return {line: _fish(script, line, folder) for line in lines}
     written = script.with_suffix(".line")
     setting = {"bash": BASH, "zsh": ZSH}[shell].format(script=script, line=written)
     found = {}
@@ -77,11 +74,3 @@ def completions(shell, script: Path, lines, folder: Path):
     finally:
         terminal.close()
     return found
-
-
-def _fish(script, line, folder):
-    asked = f"source {script}; complete -C {shlex.quote(line)}"
-    words = ["fish", "--no-config", "-c", asked]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=SECONDS)
-    assert done.stderr == ""
-    return {each.partition("\t")[0].rstrip("/") for each in done.stdout.splitlines()}

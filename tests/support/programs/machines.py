@@ -76,7 +76,6 @@ PROGRAMS = {
     "slurm-client": ["sbatch"],
     "valgrind": ["valgrind"],
     "zsh": ["zsh"],
-    "fish": ["fish"],
     "chromium": ["chromium"],
 }
 

@@ -10,7 +10,7 @@ from pgimp.errors import RunError
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
 from pgimp.utilities.model.measure import costs_of, run_in_turn
-from pgimp.utilities.model.sample import Sample, samples_of
+from pgimp.utilities.model.sample import samples_of
 from pgimp.utilities.model.sample_cases import resized
 
 
@@ -27,7 +27,7 @@ def test_a_resized_case_is_the_same_case():
     case = Case.model_validate(
         flying() | {"bodies": {"a": box([1.0, 1.0], [11.0, 5.0]), "b": small}}
     )
-    (sample,) = samples_of(case, 164, Serial(), [10])
+    (sample,) = samples_of(case, 164, [10])
     assert list(sample.sim.case.bodies) == ["sample"]
 
 
@@ -37,7 +37,7 @@ def test_samples_of_a_case_of_very_many_steps(bodies):
     case = flying() | {"time": {"end": 1e10, "step": {"courant": 0.3}}}
     if bodies:
         case["bodies"] = {"a": bodies["a"] | {"surface": "whole"}}
-    (sample,) = samples_of(Case.model_validate(case), 72, Serial(), [10], 1e11)
+    (sample,) = samples_of(Case.model_validate(case), 72, [10], 1e11)
     assert 1e10 <= sample.sim.case.time.end < 1e12 and not sample.sim.finished
 
 
@@ -86,7 +86,7 @@ def test_a_sample_at_rest_drifts_and_loses_nobody_to_an_error():
     body = box([6.0, 1.0], [11.9, 4.0])
     case = Case.model_validate(scene(2, {"a": body}, cells=[12, 6], end=2.0, step=0.01))
     for size in (20, 72):
-        (sample,) = samples_of(case, 72, Serial(), [size])
+        (sample,) = samples_of(case, 72, [size])
         sim = sample.sim
         way = sim.dt * sim.particles.v[sim.live(), 0].mean() / sim.scene.domain.frame.cell[0]
         assert way == pytest.approx(0.005, rel=0.1)
@@ -98,34 +98,17 @@ def test_a_sample_that_empties_begins_anew():
     """A body as fast as sound, at the open end of its grid: no block has lost many particles."""
     body = box([5.0, 1.0], [9.0, 4.0], [10.0, 0.0])
     case = Case.model_validate(scene(2, {"a": body}, cells=[12, 6], end=0.2, step=0.01))
-    (sample,) = samples_of(case, 48, Serial(), [48])
+    (sample,) = samples_of(case, 48, [48])
     counts = []
     for _ in range(40):
         sample.run()
         counts.append(sample.sim.present())
     assert min(counts) >= 47  # 98 of 100
     assert sample._steps < 60 and len(sample._blocks) >= 20
-    without = Sample(lambda: Simulation(resized(case, 1.0), Serial()), Serial(), whole=True)
+    without = Simulation(resized(case, 1.0), Serial())
     for _ in range(60):
-        without.sim.advance()
-    assert without.sim.present() < 47  # as it would be
-
-
-def test_a_run_that_fails_says_so_when_the_whole_is_timed():
-    body = box([5.0, 1.0], [9.0, 4.0], [10.0, 0.0])
-    case = Case.model_validate(scene(2, {"a": body}, cells=[12, 6], end=2.0, step=0.01))
-    sample = Sample(lambda: Simulation(case, Serial()), Serial(), whole=True)
-    with pytest.raises(RunError, match="left the domain"):
-        run_in_turn([sample], Serial(), 0.0, 30)
-
-
-def test_a_short_run_is_timed_again_and_again():
-    case = Case.model_validate(flying() | {"time": {"end": 0.05, "step": 0.01}})
-    sample = Sample(lambda: Simulation(case, Serial()), Serial(), whole=True)
-    assert not sample.done
-    run_in_turn([sample], Serial(), 0.0, 30)
-    assert sample.done and sample.seconds() > 0.0
-    assert len(sample._blocks) >= 10  # or it was five steps once, and then nothing
+        without.advance()
+    assert without.present() < 47  # as it would be
 
 
 def test_samples_of_a_case_whose_walls_let_the_material_out_are_timed():
@@ -137,8 +120,8 @@ def test_samples_of_a_case_whose_walls_let_the_material_out_are_timed():
         | {"materials": {"soft": water}, "gravity": [0.1, 0.0]}
         | {"boundaries": {"x-min": free, "x-max": free, "y-min": "fixed", "y-max": "fixed"}}
     )
-    samples = samples_of(case, 288, Serial(), [200, 1000])
-    run_in_turn(samples, Serial(), 0.05)
+    samples = samples_of(case, 288, [200, 1000])
+    run_in_turn(samples, 0.05)
     assert all(sample.timed for sample in samples)
     assert [*samples[0].sim.case.bodies] == ["a"] and costs_of(samples).fixed > 0.0
     samples[0]._blocks, samples[0].failure = [], "nothing goes"

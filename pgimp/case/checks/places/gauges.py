@@ -24,10 +24,8 @@ _REACH = 2.0
 
 def check_gauges(
     dimensions: int,
-    geometry: str,
     grid: Grid,
     every_body: Mapping[str, Body | RigidBody],
-    bodies: Mapping[str, Body],
     body_names: Iterable[str],
     boundaries: Mapping[str, Boundary],
     gauges: Mapping[str, Gauge],
@@ -45,9 +43,9 @@ def check_gauges(
         if isinstance(entry, CutGauge | FluxGauge):
             yield from _surface(path, entry, dimensions, grid, boundaries, sound)
         elif isinstance(entry, WallGauge):
-            yield from _wall((*path, "wall"), entry.wall, dimensions, bodies, boundaries)
+            yield from _wall((*path, "wall"), entry.wall, dimensions, boundaries)
         elif isinstance(entry, LevelGauge):
-            yield from _level((*path, "level"), entry.level, dimensions, geometry, grid, sound)
+            yield from _level((*path, "level"), entry.level, dimensions, grid, sound)
 
 
 def _bodies(
@@ -133,13 +131,7 @@ def _meets_seam(box: Box, grid: Grid, axis: int) -> bool:
     return low < least + cell or high > most - cell
 
 
-def _wall(
-    path: Path,
-    face: str,
-    dimensions: int,
-    bodies: Mapping[str, Body],
-    boundaries: Mapping[str, Boundary],
-) -> Problems:
+def _wall(path: Path, face: str, dimensions: int, boundaries: Mapping[str, Boundary]) -> Problems:
     if face not in faces(dimensions):
         yield Problem(path, unknown("face", face, faces(dimensions)))
         return
@@ -148,14 +140,6 @@ def _wall(
         what = "is open" if condition is None else "is periodic"
         text = f"{face} {what}, and bears nothing; name a face with a condition (boundaries)"
         yield Problem(path, text)
-        return
-    initial = [name for name, body in bodies.items() if body.configuration == "initial"]
-    if initial and condition.approaches:
-        yield Problem(
-            path,
-            f"bodies in the initial configuration, as '{initial[0]}', meet {face} where they are, "
-            f"and not on their grid; history.csv has the force, reaction.{face}",
-        )
 
 
 def _within(
@@ -186,13 +170,11 @@ def _within(
 
 
 def _level(
-    path: Path, place: tuple[float, ...], dimensions: int, geometry: str, grid: Grid, sound: bool
+    path: Path, place: tuple[float, ...], dimensions: int, grid: Grid, sound: bool
 ) -> Problems:
     if dimensions == 1:
         yield Problem(path, "there is no level in one dimension; history.csv has the bodies' mass")
         return
-    if geometry == "plane-stress":
-        yield Problem(path, "is for liquids and soils, which are never in plane stress")
     for i, x in enumerate(place) if sound else ():
         if not grid.origin[i] <= x <= grid.corner[i]:
             yield Problem(

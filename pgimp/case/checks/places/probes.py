@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -23,7 +23,7 @@ def check_probes(
     grid: Grid,
     every_body: Mapping[str, Body | RigidBody],
     bodies: Mapping[str, Body],
-    body_names: Iterable[str],
+    body_names: Collection[str],
     probes: Mapping[str, PointProbe | PlaceProbe],
 ) -> Problems:
     """Check that material points are in their bodies, and fixed positions in the domain."""
@@ -34,8 +34,7 @@ def check_probes(
             if sound:
                 yield from _in_domain((*path, "place"), entry.place, grid)
             continue
-        why = f"none can be followed; history.csv has its motion, tool.{entry.body}"
-        yield from check_body_of(path, entry, every_body, body_names, why)
+        yield from check_body_of(path, entry.body, every_body, body_names)
         if sound and entry.body in bodies:
             if not any(check_regions(geometry, grid, {entry.body: bodies[entry.body]})):
                 yield from _in_body((*path, "at"), entry, grid, bodies)

@@ -11,6 +11,7 @@ import numpy as np
 from pgimp.physics.loads.constraints import ConstraintEntry
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.supports import AXES, Support, supports
+from pgimp.scene.checks.warned import Warned, warned
 from pgimp.schema.pages import page
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ _TORE = [(1.1, 1.05), (1.6, 1.5), (1.9, 1.8)]
 _WIDE_TORE = [(1.1, 1.05), (1.7, 1.6), (2.5, 2.3), (3.2, 3.0)]
 _JOINED_TORE = [(2.0, 1.8), (3.0, 2.7)]
 _BEGINS = 1
-_JOINED, _WIDE = ("cpdi", "cpdi-corners"), ("bspline-cubic", "fuzzy-constant")
 #: Instants of a stage at which the ways of grips are compared.
 _INSTANTS = 129
 
@@ -74,8 +74,8 @@ def tearing_stretch(case: Case, name: str) -> tuple[float, float] | None:
     body = case.bodies[name]
     if body.configuration != "current" or flows(case.materials[body.material]):
         return None
-    shape = case.method.shape
-    known = _JOINED_TORE if shape in _JOINED else _WIDE_TORE if shape in _WIDE else _TORE
+    method = case.method
+    known = _JOINED_TORE if method.ends else _WIDE_TORE if method.wide else _TORE
     return known[min(*case.method.particles_per_cell, len(known)) - 1]
 
 
@@ -83,7 +83,7 @@ def advice(case: Case, name: str) -> str:
     """What keeps a body from tearing, and the page with the figures."""
     elastic = case.materials[case.bodies[name].material].ELASTIC
     ways = ["configuration: initial, which never tears"] if elastic else []
-    ways += [] if case.method.shape in _JOINED else ["method.shape: cpdi, to nearly 3 times"]
+    ways += [] if case.method.ends else ["method.shape: cpdi, to nearly 3 times"]
     ways += ["more particles a cell along the stretch"]
     return f"take {'; or '.join(ways)} ({page('hard-cases.md#reasons')})"
 
@@ -117,7 +117,7 @@ def stretches(stages: Sequence[Case], body: BodyFacts) -> list[Stretch]:
     return [one for one, sign in zip(ends, (1, -1), strict=True) if one and sign * one.strain > 0]
 
 
-def warnings(stages: Sequence[Case], body: BodyFacts) -> Iterator[str]:
+def warnings(stages: Sequence[Case], body: BodyFacts) -> Iterator[Warned]:
     """Yield the warning of a body that its grips pull so far that it tears on the grid."""
     case = stages[0]
     limit = tearing_stretch(case, body.name)
@@ -125,11 +125,12 @@ def warnings(stages: Sequence[Case], body: BodyFacts) -> Iterator[str]:
         if limit and 1.0 + one.strain > limit[_BEGINS]:
             grip, other = one.between
             key = grip.replace("constraint ", "constraints.")
-            yield (
+            yield warned(
+                "tearing",
                 f"{key}: it pulls '{body.name}' away from {other} by {one.way:.3g} along "
                 f"{AXES[one.axis]} until t = {one.time:.4g}, to {1.0 + one.strain:.3g} times the "
                 f"length {one.length:.3g} between them; with {particles_of(case)} bodies tear "
-                f"from {limit[0]:g} times on, though no material breaks: {advice(case, body.name)}"
+                f"from {limit[0]:g} times on, though no material breaks: {advice(case, body.name)}",
             )
 
 

@@ -27,6 +27,7 @@ class Pgimp(PythonPackage):
         depends_on("py-pydantic@2.11:2")
         depends_on("py-rich@13:15")
         depends_on("py-ruamel-yaml@0.18:0.19")
+        depends_on("py-shtab@1.13:1")
 
     import_modules = ("pgimp",)
 

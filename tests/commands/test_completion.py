@@ -10,7 +10,7 @@ from pgimp.commands import COMMANDS
 from pgimp.commands.init import packaged
 from pgimp.utilities.element.paths import PATHS
 
-SHELLS = ("bash", "zsh", "fish")
+SHELLS = ("bash", "zsh")
 FOLDERS = {"block.out", "results", "sweep.study.out"}
 #: Lines, and what the word at their end may be.
 LINES = {
@@ -20,14 +20,14 @@ LINES = {
     "pgimp init dam": {"dam-break"},
     "pgimp check c": {"case.yaml"},
     "pgimp study ": {"case.yaml", "old.yml", "my case.yaml", *FOLDERS},
-    "pgimp plot ": {"block.out"},
+    "pgimp plot ": FOLDERS,
     "pgimp plot block.out --field von": {"von-mises"},
     "pgimp plot block.out r": {"results"},
     "pgimp plot results/": {"results/inner.out"},
-    "pgimp compare block.out ": {"block.out"},
-    "pgimp report ": {"block.out", "sweep.study.out"},
+    "pgimp compare block.out ": FOLDERS,
+    "pgimp report ": FOLDERS,
     "pgimp export ": {"csv", "vtkhdf", "vtu"},
-    "pgimp export csv ": {"block.out"},
+    "pgimp export csv ": FOLDERS,
     "pgimp element case.yaml rubber --path ": {*PATHS},
     "pgimp batch case.yaml --wall-time 2:00:00 --scheduler ": {"pbs", "slurm"},
     "pgimp batch --ranks 8 c": {"case.yaml"},
@@ -36,6 +36,16 @@ LINES = {
     "pgimp case.yaml --import own.py --import o": {"own.py"},
     "pgimp case.yaml --over": {"--overwrite"},
     "pgimp completion ": {*SHELLS},
+}
+#: What shtab's script does not complete in zsh: an option's value after a case, and a place that
+#: may be repeated, from its second word on.
+BEYOND = {
+    "bash": (),
+    "zsh": (
+        "pgimp plot block.out r",
+        "pgimp case.yaml --set grid.cell=[0.5] --import ",
+        "pgimp case.yaml --import own.py --import o",
+    ),
 }
 
 
@@ -57,8 +67,8 @@ def test_the_shell_completes(shell, folder, tmp_path, capsys):
     assert main(["completion", shell]) == 0
     script = tmp_path / f"pgimp.{shell}"
     script.write_text(capsys.readouterr().out)
-    found = completions(shell, script, LINES, folder)
-    assert found == LINES
+    lines = {line: words for line, words in LINES.items() if line not in BEYOND[shell]}
+    assert completions(shell, script, lines, folder) == lines
 
 
 @pytest.mark.parametrize("shell", SHELLS)
@@ -69,8 +79,7 @@ def test_every_option_is_known(shell, capsys):
     for name in ("run", *COMMANDS):
         for action in parser_of(name)._actions:
             for option in action.option_strings:
-                short = f"-l {option[2:]}" if option.startswith("--") else f"-s {option[1:]}"
-                assert (short if shell == "fish" else option) in script
+                assert option in script
 
 
 def test_another_shell(capsys):

@@ -1,0 +1,1 @@
+"""Which features of a case exclude each other: one table, for checks and pages."""

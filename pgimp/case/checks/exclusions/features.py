@@ -1,0 +1,174 @@
+"""Features of geometry, method, bodies and contact, see `pgimp.case.checks.exclusions.table`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pgimp.case.checks.exclusions.feature import Feature, Place, named, of_bodies, of_key
+from pgimp.geometry.regions import REGIONS, Box, Points
+from pgimp.physics.loads.motion import RigidMotion
+from pgimp.physics.rigid import RigidBody
+from pgimp.schema.registries import name_of
+from pgimp.schema.sizes import AXES
+from pgimp.schema.tables import entries_of
+
+
+def _initial(body: Any) -> bool:
+    return bool(body.configuration == "initial")
+
+
+def some_initial(bodies: Any) -> list[str]:
+    """Return the names of the bodies in the initial configuration."""
+    return [name for name, body in bodies.items() if _initial(body)]
+
+
+def _along(path: tuple[str | int, ...], value: Any) -> Iterator[Place]:
+    """Places of a vector, constant or over time, in the directions of its components."""
+    turns = isinstance(value, RigidMotion)
+    rows = [(1.0, 1.0)] if turns else [row for _, row in entries_of(value)]
+    for i, axis in enumerate(AXES):
+        if any(len(row) > i and row[i] != 0.0 for row in rows):
+            yield Place(path, axis=axis)
+
+
+# Geometry and method.
+axisymmetric = of_key(
+    "axisymmetric scenes", "geometry", lambda geometry: geometry == "axisymmetric", "x"
+)
+plane_stress = of_key("plane stress", "geometry", lambda geometry: geometry == "plane-stress")
+not_plane = of_key("1 or 3 dimensions", "dimensions", lambda dimensions: dimensions != 2)
+without_rings = of_key(
+    "tents, B-splines, `cpdi-corners`", "method.shape", lambda method: not method.rings
+)
+no_boxes = of_key(
+    "points, tents, `cpdi-corners`",
+    "method.shape",
+    lambda method: not (method.chi == "box" and method.separable),
+)
+not_separable = of_key("`cpdi-corners`", "method.shape", lambda method: not method.separable)
+initial_volume = of_key("`volume: initial`", "method.volume", lambda method: not method.tracked)
+mean = of_key("mean dilatation", "method.volumetric", lambda method: method.volumetric == "mean")
+one_particle = Feature(
+    "one particle along two or three directions of a cell",
+    lambda method: (
+        Place(("method", "particles_per_cell"), f"{once}")
+        for once in [list(method.particles_per_cell).count(1)]
+        if once > 1
+    ),
+)
+
+# Bodies of a material.
+initial = of_bodies(
+    "bodies in the initial configuration", "configuration", lambda b, _: _initial(b)
+)
+initial_on_lattice = of_bodies(
+    "bodies in the initial configuration, on the lattice",
+    "configuration",
+    lambda body, _: _initial(body) and not isinstance(body.region, Points),
+)
+initial_with_memory = of_bodies(
+    "bodies in the initial configuration whose law cannot begin with a stress",
+    "configuration",
+    lambda body, law: _initial(body) and not (law.CARRIES_STRESS and law.CARRIES_PRESSURE),
+)
+initial_not_uniform = of_bodies(
+    "bodies in the initial configuration that begin with a rotation or a function",
+    "velocity",
+    lambda body, _: _initial(body) and not isinstance(body.velocity, tuple),
+)
+all_initial = Feature(
+    "all bodies in the initial configuration",
+    lambda bodies: (
+        Place(("bodies", name, "configuration"), name)
+        for name in some_initial(bodies)[:1]
+        if len(some_initial(bodies)) == len(bodies)
+    ),
+)
+mixed = Feature(
+    "bodies of both configurations",
+    lambda bodies: (
+        Place(("bodies", name, "configuration"), f"'{name}' is initial and '{other}' current")
+        for name in some_initial(bodies)[:1]
+        for other in [one for one in bodies if not _initial(bodies[one])][:1]
+    ),
+)
+liquid = of_bodies("laws of the volume alone", "material", lambda _, law: law.VOLUME_ONLY)
+loose = of_bodies("liquids and loose soil", "material", lambda _, law: law.flow_speed > 0.0)
+varying = of_bodies("materials that vary in space", "material", lambda _, law: law.variations)
+varying_density = of_bodies(
+    "a density that varies in space", "material", lambda _, law: ("density",) in law.variations
+)
+more_than_inertia = of_bodies(
+    "laws with a density that is more than inertia",
+    "material",
+    lambda _, law: not law.INERTIA_ALONE,
+)
+points = of_bodies("particles of a file", "region", lambda body, _: isinstance(body.region, Points))
+no_box = Feature(
+    "regions but boxes",
+    lambda bodies: (
+        Place(("bodies", name, "region"), name_of(body.region, REGIONS), name)
+        for name, body in bodies.items()
+        if not isinstance(body.region, Box)
+    ),
+)
+begins_moving = of_bodies(
+    "bodies that begin with a velocity",
+    "velocity",
+    lambda body, _: not isinstance(body.velocity, tuple) or any(body.velocity),
+)
+not_across = named(
+    "laws but hooke, neo-hookean, von-mises", "materials", "model", lambda law: not law.PLANE_STRESS
+)
+
+# Rigid bodies, what moves and what acts along an axis, and contact.
+rigid = named("rigid bodies", "every_body", "rigid", lambda body: isinstance(body, RigidBody))
+free_rigid = named("rigid bodies that move freely", "rigid_bodies", "rigid", lambda body: body.free)
+
+
+def _motions(bodies: Any, rigid_bodies: Any) -> Iterator[Place]:
+    for name, body in {**bodies, **rigid_bodies}.items():
+        yield from _along(("bodies", name, "velocity"), body.velocity)
+    for name, body in rigid_bodies.items():
+        if body.free is None:
+            turns = (1.0, 1.0) if body.rigid.rotation is not None else body.rigid.velocity
+            yield from _along(("bodies", name, "rigid"), turns)
+        elif body.free.spring is not None:
+            yield from _along(("bodies", name, "rigid", "spring", "to"), body.free.spring.to)
+
+
+def _forces(gravity: Any, rigid_bodies: Any) -> Iterator[Place]:
+    yield from _along(("gravity",), gravity)
+    for name, body in rigid_bodies.items():
+        if body.free is not None:
+            yield from _along(("bodies", name, "rigid", "force"), body.free.force)
+
+
+motions = Feature("motion along an axis", _motions)
+forces = Feature("gravity, and forces on free rigid bodies, along an axis", _forces)
+
+
+def _meetings(bodies: Any, rigid_bodies: Any, boundaries: Any, contact: Any) -> Iterator[Place]:
+    some = some_initial(bodies)
+    walls = some and any(entry.approaches for entry in boundaries.values())
+    for there, text in (
+        (contact, "contact"),
+        (rigid_bodies, f"contact with the rigid body '{next(iter(rigid_bodies), '')}'"),
+        (0 < len(some) < len(bodies), "contact of bodies of both configurations"),
+        (walls, "contact with a separating wall in the initial configuration"),
+    ):
+        if there:
+            yield Place(("contact",), text)
+            return
+
+
+meetings = Feature("contact, also with rigid bodies and between configurations", _meetings)
+meetings_of_initial = Feature(
+    "contact, rigid bodies, separating walls for bodies in the initial configuration",
+    lambda bodies, rigid_bodies, boundaries, contact: (
+        Place(("bodies", name, "configuration"), name)
+        for _ in _meetings(bodies, rigid_bodies, boundaries, contact)
+        for name in some_initial(bodies)
+    ),
+)

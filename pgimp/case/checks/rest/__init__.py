@@ -1,1 +1,0 @@
-"""Checks of damping, and of what settles."""

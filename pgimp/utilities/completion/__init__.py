@@ -1,1 +1,0 @@
-"""``pgimp completion``: the command line, read from its parsers, as scripts of shells."""
