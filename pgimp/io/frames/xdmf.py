@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from html import escape
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 from pgimp.physics.fields import Field
 from pgimp.storage.atomic import write
@@ -144,7 +144,7 @@ def _grid(
         if field == "position":
             continue
         lines += [
-            f'<Attribute Name={quoteattr(field)} AttributeType="{attribute}" Center="Node">',
+            f'<Attribute Name="{escape(field)}" AttributeType="{attribute}" Center="Node">',
             _item(file, field, dtype, vertices, width),
             "</Attribute>",
         ]
