@@ -5,7 +5,6 @@ any of them kills the process. A run notes them from here on; with the other com
 their usual effect.
 """
 
-import gc
 import sys
 
 from pgimp import commands, signals
@@ -36,7 +35,6 @@ def main() -> int:
         return 130
     finally:
         signals.ignore()
-        gc.freeze()  # garbage is not looked for at the end, which takes as long as ten imports
 
 
 if __name__ == "__main__":

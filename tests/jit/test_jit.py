@@ -99,7 +99,7 @@ def test_a_run_says_when_it_compiles(small, python):
 
 
 #: What a plain run does not use, and what only compiles.
-UNUSED = {"matplotlib", "meshio", "scipy", "rich", "mpi4py.MPI", "multiprocessing", "asyncio", "ssl",
+UNUSED = {"matplotlib", "meshio", "scipy", "rich", "mpi4py.MPI", "multiprocessing", "ssl",
           "urllib.request", "pgimp.jit.tracing.kernel", "pgimp.utilities",
           "pgimp.solver.contact.multifield", "pgimp.kernels.contact.lagrangian"}  # fmt: skip
 
