@@ -30,7 +30,9 @@ CASES = {
     "disks, 2D, coarse": ("disks", ["grid.cell=[0.05,0.05]", "contact=[]"]),
     "vortex, 2D, mpm": ("vortex", [MPM, "time.step=1e-3"]),
     "vortex, 2D, finite-gimp": ("vortex", ["grid.cell=[0.025,0.025]", "time.step=2e-3"]),
-    "block on a floor, 3D": ("block3d", ["grid.cell=[0.05,0.05,0.05]"]),
+    "block on a floor, 3D": (
+        "block3d", ["grid.cell=[0.05,0.05,0.05]", "bodies.block.configuration=current"]
+    ),
     "spinning block, 3D, finite-gimp": ("spinning-block", []),
     "bar, 1D": ("bar-vibration", []),
     "bar, 1D, fine": ("bar-vibration", ["grid.cell=[0.002]", "time.step=2e-5"]),
