@@ -13,8 +13,8 @@ from pathlib import Path
 from time import perf_counter
 
 import page
-from clock import VARIABLE
 from report import ROOT, origin
+from workers.clock import VARIABLE
 
 PARTS = (
     "kernels", "peers", "domain", "features", "scaling", "instructions", "output", "model",

@@ -10,7 +10,7 @@ from pathlib import Path
 from statistics import median
 
 import llvmlite.binding
-from clock import VARIABLE
+from workers.clock import VARIABLE
 
 from pgimp.io.rundir.runinfo import cpu
 
