@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import difflib
 import gc
 import importlib
@@ -79,7 +80,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The exit status: 0 done, 1 failed, 2 the case or the command line is wrong.
     """
-    gc.set_threshold(20_000)  # searching all modules for garbage takes a twentieth of a start
+    gc.set_threshold(100_000)  # searching all modules for garbage takes a twentieth of a start
+    atexit.register(gc.freeze)  # and of its end
     with guarded() as out:
         try:
             status = _dispatch(list(sys.argv[1:] if argv is None else argv))

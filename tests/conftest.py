@@ -1,5 +1,6 @@
 """Helpers for every test: processes on several ranks or on one, in an environment of their own."""
 
+import gc
 import os
 import shutil
 import subprocess
@@ -141,6 +142,11 @@ def pytest_collection_modifyitems(config, items):
         chosen = set(items) - set(left_out)
         config.hook.pytest_deselected(items=[item for item in items if item not in chosen])
         items[:] = [item for item in items if item in chosen]
+
+
+def pytest_collection_finish():
+    """Spare all that is imported by now from garbage collection, half of whose time it takes."""
+    gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)

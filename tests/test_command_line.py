@@ -78,6 +78,13 @@ def test_wrong_command_lines(monkeypatch, capsys, case, words, said):
     assert out == ""
 
 
+def test_version_imports_nothing_of_a_run(python):
+    program = "import sys; from pgimp.cli import main; main(sys.argv[1:]); print(*sys.modules)"
+    imported = {*python(["-c", program, "--version"]).stdout.split()}
+    assert "pgimp.cli" in imported
+    assert not imported & {"numpy", "numba", "pydantic", "h5py", "mpi4py", "ruamel.yaml"}
+
+
 def test_version_needs_no_case(capsys):
     assert main(["--version"]) == 0
     assert capsys.readouterr().out == f"pgimp {version('pgimp')}\n"

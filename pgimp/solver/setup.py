@@ -118,7 +118,7 @@ def begin(
 
 def _idle_constraints(
     scenes: Sequence[Scene], comm: Communicator, particles: Particles, count: int
-) -> list[str]:
+) -> Sequence[str]:
     """Warnings about constraints of later stages that would hold nothing; collective."""
     later = later_constraints([each.case for each in scenes])
     if not later:

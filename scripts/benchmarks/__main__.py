@@ -13,12 +13,12 @@ from pathlib import Path
 from time import perf_counter
 
 import page
-from clock import VARIABLE
 from report import ROOT, origin
+from workers.clock import VARIABLE
 
 PARTS = (
-    "kernels", "peers", "domain", "features", "scaling", "instructions", "output", "balance",
-    "bodies",
+    "kernels", "peers", "domain", "features", "scaling", "instructions", "output",
+    "balance", "bodies", "compile",
 )  # fmt: skip
 #: Parts that are programs: their words, and those if all is to be quick.
 PROGRAMS = {"output": ([], ["--quick"]), "balance": ([], ["--quick"]), "bodies": ([], ["--quick"])}
@@ -43,6 +43,7 @@ def main():
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=ROOT / "benchmark.out")
     parser.add_argument("--quick", action="store_true", help="small blocks: no figures to keep")
     parser.add_argument("--prototype", metavar="KERNELS.PY", help="a script to compare with")
+    parser.add_argument("--beside", metavar="CHECKOUT", help="compile: another one, by turns")
     parser.add_argument("--cpu-time", action="store_true", help="on a machine that is busy")
     parser.add_argument("--docs", action="store_true", help="also write docs/performance.md")
     options = parser.parse_args()
@@ -51,6 +52,8 @@ def main():
         parser.error(f"there is no part {unknown[0]}; there are {', '.join(PARTS)}")
     if options.prototype and not Path(options.prototype).is_file():
         parser.error(f"there is no prototype {options.prototype}")
+    if options.beside and not (Path(options.beside) / "pgimp").is_dir():
+        parser.error(f"{options.beside} is no checkout of pgimp")
     if options.cpu_time:
         os.environ[VARIABLE] = "1"
     folder = options.output
@@ -60,7 +63,8 @@ def main():
         if part in PROGRAMS:
             run(part, folder, options.quick)
         else:
-            more = {"prototype": options.prototype} if part == "peers" else {}
+            more = {"peers": {"prototype": options.prototype},
+                    "compile": {"beside": options.beside}}.get(part, {})  # fmt: skip
             importlib.import_module(part).main(folder, options.quick, **more)
         print(f"benchmark: {part} took {perf_counter() - began:.0f} s\n", flush=True)
     texts = [f"# Benchmarks\n\n{origin()}\n"]

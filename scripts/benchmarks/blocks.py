@@ -6,7 +6,7 @@ Whatever its particles have of stress, or of velocity differences, is error.
 from statistics import median
 
 import numpy as np
-from clock import clock
+from workers.clock import clock
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial

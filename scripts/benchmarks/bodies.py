@@ -4,8 +4,8 @@ import argparse
 from math import ceil, sqrt
 
 import numpy as np
-from clock import clock
 from report import error, markdown, number
+from workers.clock import clock
 
 import pgimp
 

@@ -133,5 +133,11 @@ def write(folder, into_docs):
     text = "\n\n".join(map(_wrapped, texts)) + "\n"
     (folder / "page.md").write_text(text, encoding="utf-8")
     if into_docs:
-        (PAGES / "tables" / "benchmark.md").write_text(text, encoding="utf-8")
+        if texts:
+            (PAGES / "tables" / "benchmark.md").write_text(text, encoding="utf-8")
+        if (compiling := folder / "compile.md").exists():
+            _, _, table = compiling.read_text(encoding="utf-8").partition("\n\n")
+            (PAGES / "tables" / "compile.md").write_text(
+                f"{_wrapped(table.strip())}\n", encoding="utf-8"
+            )
         subprocess.run([sys.executable, str(PAGES)], check=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 from statistics import median
 
 import llvmlite.binding
-from clock import VARIABLE
+from workers.clock import VARIABLE
 
 from pgimp.io.rundir.runinfo import cpu
 
@@ -36,9 +36,9 @@ def mpi():
     return done.stdout.partition("\n")[0].replace("mpirun (", "").replace(")", "")
 
 
-def commit():
-    """The commit that is measured, with a plus if files differ from it."""
-    words = ["git", "-C", str(ROOT), "describe", "--always", "--dirty=+", "--abbrev=9"]
+def commit(root=ROOT):
+    """The commit that a checkout has, with a plus if files differ from it."""
+    words = ["git", "-C", str(root), "describe", "--always", "--dirty=+", "--abbrev=9"]
     try:
         done = subprocess.run(words, capture_output=True, text=True)
     except OSError:

@@ -5,6 +5,14 @@ import pytest
 from pgimp.jit.compiled.collector import spared
 
 
+@pytest.fixture(autouse=True)
+def nothing_is_spared():
+    """As in a program that leaves the collector alone, unlike that of the tests."""
+    gc.unfreeze()
+    yield
+    gc.freeze()
+
+
 def test_objects_are_spared_meanwhile():
     """What exists is not searched for garbage; afterwards all is as before, also on errors."""
     gc.collect()

@@ -98,6 +98,50 @@ def test_a_run_says_when_it_compiles(small, python):
         assert (small / "out/log.txt").read_text().count(COMPILING) == times
 
 
+#: What a plain run does not use, and what only compiles.
+UNUSED = {"matplotlib", "meshio", "scipy", "rich", "mpi4py.MPI", "multiprocessing", "ssl",
+          "urllib.request", "pgimp.jit.tracing.kernel", "pgimp.utilities",
+          "pgimp.solver.contact.multifield", "pgimp.kernels.contact.lagrangian"}  # fmt: skip
+
+
+def test_a_run_with_kernels_on_disk_imports_only_what_it_uses(small, python):
+    program = "import sys; from pgimp.cli import main; main(sys.argv[1:]); print(*sys.modules)"
+    words = ["case.yaml", "--overwrite", "-o", "plain", "--quiet"]
+    for _ in range(2):  # where another test has removed some kernels
+        done = python(["-c", program, *words], cwd=small, env=at(small / "cache"))
+    assert done.returncode == 0, done.stderr
+    imported = {*done.stdout.split()}
+    assert "pgimp.solver.step" in imported
+    assert sorted(imported & UNUSED) == []
+
+
+CALLER = """
+import numba, numpy as np
+from pgimp.jit.kernel import kernel
+
+@kernel
+def total(values, weight):
+    found = 0.0
+    for value in values:
+        found += weight * value
+    return found
+
+@numba.njit
+def twice(values):
+    return total(values, 1.0) + total(values, 1.0)
+
+print(twice(np.arange(4.0)), sum(total.stats.cache_hits.values()))
+"""
+
+
+def test_a_function_of_numba_calls_a_kernel_from_the_disk(tmp_path, python):
+    """It is compiled together with the kernel's instructions, which are not read otherwise."""
+    (tmp_path / "caller.py").write_text(CALLER, encoding="utf-8")
+    for hits in (0, 1):
+        done = python([tmp_path / "caller.py"], env=at(tmp_path / "cache"))
+        assert (done.stdout, done.returncode) == (f"12.0 {hits}\n", 0), done.stderr
+
+
 def test_a_simulation_in_a_program_is_silent(small, python):
     for path in some_kernels(small):
         path.unlink()

@@ -1,12 +1,15 @@
 """The benchmarks' scripts: tables are whole, speed and error together; no speed is judged."""
 
 import csv
+import importlib
 import json
 import sys
 from pathlib import Path
 
 import pytest
 from processes import PROGRAMS
+
+from pgimp.case.reader import read_case
 
 pytestmark = pytest.mark.slow(30)
 
@@ -48,6 +51,32 @@ def test_all_tables_are_put_together(folder):
     assert all((folder / f"{part}.md").read_text() in whole for part in PARTS)
     assert "| gimp | " in (folder / "page.md").read_text()
     assert (folder / "kernels.png").stat().st_size > 1000
+
+
+def test_compiling_is_measured_by_turns(tmp_path, monkeypatch):
+    """Two checkouts in each round, with folders of kernels of their own; all cases are valid."""
+    compile = importlib.import_module("compile")
+    calls = []
+
+    def measure(root, folder, changes):
+        calls.append((root.name, folder, tuple(changes)))
+        return (3.0, 200.0) if root.name == "other" else (len(changes) + 1.0, 100.0)
+
+    monkeypatch.setattr(compile, "measure", measure)
+    monkeypatch.setattr(compile, "run", lambda *_: None)
+    compile.main(tmp_path, False, tmp_path / "other")
+    for changes in compile.ROWS.values():
+        read_case(compile.CASE, "case.yaml", changes)
+    assert [changes for name, _, changes in calls if name == "other"] == [
+        tuple(changes) for _ in range(3) for changes in compile.ROWS.values()
+    ]
+    assert {name for name, *_ in calls[::2]} == {compile.ROOT.name}
+    assert len({folder for _, folder, _ in calls}) == 2 * 3
+    with (tmp_path / "compile.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["scene"] for row in rows] == list(compile.ROWS)
+    assert {(row["seconds 1"], row["memory 1"]) for row in rows} == {("3.0", "200.0")}
+    assert [float(row["seconds 0"]) for row in rows] == [1.0, 2.0, 2.0, 2.0, 2.0, 2.0, 1.0]
 
 
 def test_unknown_part_is_named(python):

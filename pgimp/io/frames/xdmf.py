@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from html import escape
 from pathlib import Path
 from typing import ClassVar
-from xml.sax.saxutils import quoteattr
 
 from pgimp.io.frames.mesh import Mesh
 from pgimp.io.frames.writer import Writer
@@ -86,7 +86,7 @@ def _grid(mesh: Mesh) -> str:
         if name == "position":
             continue
         lines += [
-            f'<Attribute Name={quoteattr(name)} AttributeType="{field.kind}" Center="Node">',
+            f'<Attribute Name="{escape(name)}" AttributeType="{field.kind}" Center="Node">',
             _item(file, name, field.dtype, mesh.points, field.columns),
             "</Attribute>",
         ]

@@ -11,18 +11,18 @@ import pickle
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from hashlib import sha256
 from inspect import getfile
 from pathlib import Path
 
 import numba
 from numba.core.caching import NullCache
-from numba.core.compiler import CompileResult
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from pgimp.jit.compiled import sealed
+from pgimp.jit.compiled.stored import rebuilt, reduced
 from pgimp.jit.outside import NumbaObject, part_of
 
 #: Reasons why files could not be used, and why none could be written in folders, by their paths.
@@ -111,9 +111,7 @@ class KernelCache(NullCache):
         found = None
         if store := self._store(sig):
             key = self._key(sig, target_context.codegen())
-            found = store.load(
-                self._name, key, lambda kept: CompileResult._rebuild(target_context, *kept)
-            )
+            found = store.load(self._name, key, partial(rebuilt, target_context))
         if found is None:
             for tell in tuple(_listeners):
                 tell()
@@ -124,7 +122,7 @@ class KernelCache(NullCache):
         if cres.library.has_dynamic_globals or not all(one.can_cache for one in cres.lifted):
             return
         if store := self._store(sig):
-            store.save(self._name, self._key(sig, cres.codegen), cres._reduce())
+            store.save(self._name, self._key(sig, cres.codegen), reduced(cres))
 
     def _store(self, sig: NumbaObject) -> Store | None:
         """Storage of kernels for these types, if they can be stored."""

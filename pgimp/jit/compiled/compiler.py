@@ -9,7 +9,6 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.environment import lookup_environment
 
 from pgimp.jit.outside import NumbaObject
-from pgimp.jit.tracing.kernel import compiled
 
 with suppress(AttributeError):
     # Numba's timers are told of every call of LLVM: a fiftieth of the time of a compilation.
@@ -59,6 +58,8 @@ class Compiler(compiler.Compiler):
         if state.flags.forceinline and state.flags.nrt:  # from outside: it may do anything
             found = super()._compile_core()
         else:
+            from pgimp.jit.tracing.kernel import compiled  # not where all kernels are on disk
+
             found = compiled(state)
         for variable in found.library._final_module.global_variables:
             if environment := lookup_environment(variable.name):

@@ -1,9 +1,7 @@
-"""The kind of contact of a scene."""
+"""The kind of contact of a scene; what a scene does not use is not imported."""
 
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
-from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
-from pgimp.solver.contact.multifield import MultifieldContact
 
 
 def contact_kind(scene: Scene) -> type[NoContact]:
@@ -11,5 +9,11 @@ def contact_kind(scene: Scene) -> type[NoContact]:
     if scene.settings.mixed or (
         scene.settings.initial and (scene.interaction.pairs or scene.domain.unilateral_walls)
     ):
+        from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
+
         return LagrangianContact
-    return MultifieldContact if scene.interaction.pairs else NoContact
+    if scene.interaction.pairs:
+        from pgimp.solver.contact.multifield import MultifieldContact
+
+        return MultifieldContact
+    return NoContact

@@ -10,7 +10,7 @@ grid, another data structure than its examples have.
 """
 
 import numpy as np
-from clock import clock
+from workers.clock import clock
 
 
 def start(threads):
