@@ -40,15 +40,15 @@ def is_due(step: int, since: int) -> bool:
 
 
 def unbalanced_part(rank: Rank) -> float:
-    """Unbalanced force over the loads, sums of magnitudes; collective.
+    """Unbalanced force over that of the loads and of what bears them; collective.
 
-    Or over a hundredth of the forces of stresses, if that is more: where nothing but stress of the
-    start, or bodies that are held, bears on others. Forces that walls bear say nothing of the
-    motion: in a slice between smooth walls they are any number of times the loads.
+    Sums of magnitudes. What bears loads has their size, as in a column: with bending, or between
+    smooth walls, stresses make forces many times as large, which say nothing of the motion. Where
+    nothing but stress of the start acts, a hundredth of its forces counts.
     """
     unbalanced, internal = unbalanced_sums(rank)
     loads = _loads(rank)
-    scale = max(loads, STRESS_PART * internal) if loads is not None else internal
+    scale = max(2.0 * loads, STRESS_PART * internal) if loads is not None else internal
     if not unbalanced > 0.0:
         return 0.0
     return unbalanced / scale if scale > 0.0 else inf
