@@ -84,8 +84,8 @@ def _loads(rank: Rank) -> float | None:
         force += pressure * p.surface[rows, one.column]
     own = np.add.reduceat(force, start[:-1][np.diff(start) > 0]) if len(rows) else force
     parts = np.concatenate(rank.comm.allgather(own)).tolist()
-    for one in given.constraints:
-        along = [f.value(t) if isinstance(f, TimeFunction) else f or 0.0 for f in one.forces]
+    for grip in given.constraints:
+        along = [f.value(t) if isinstance(f, TimeFunction) else f or 0.0 for f in grip.forces]
         parts.append(hypot(*along))
     return fsum(parts)
 
@@ -118,8 +118,8 @@ def require_rest(start: Start, part: float) -> None:
     key = f"time.stages.{staged.number - 1}.settle" if staged.number else "start.settle"
     most = f" ({settle.steps} at most, looked at every {EVERY})" if steps > settle.steps else ""
     text = (
-        f"{key}: {NO_REST} {steps} steps{most}: the unbalanced force is {part:.3g} of the forces "
-        f"of stresses and tractions, not {settle.tolerance:.3g}"
+        f"{key}: {NO_REST} {steps} steps{most}: the unbalanced force is {part:.3g} of the loads "
+        f"and what bears them, not {settle.tolerance:.3g}"
     )
     if relaxation.stagnant:
         text += f"; it has not fallen in the last {relaxation.steps}, from {relaxation.least:.3g}"
