@@ -73,7 +73,7 @@ def test_kinetic_damping_is_stable_at_steps_that_are_stable_without(step):
 
 
 def test_a_step_that_is_too_long_is_shortened_while_the_run_settles():
-    sim = start(bar("current", step=0.08, end=0.16))
+    sim = start(bar("current", step=0.084, end=0.168))
     said = []
     while sim.settling:
         said += sim.watch.said
