@@ -4,10 +4,11 @@
 - Momentum (of rings along their axis) grows by the impulses of gravity, of tractions, and of what
   faces and constraints say that they gave, less what damping took, to rounding. Gravity and
   tractions are summed here from the particles.
-- External work is, to rounding, that of gravity and body forces (force times way of each particle,
-  but for rings), that of rigid bodies, and that of a prescribed motion (force times velocity),
-  where there is no traction and at most one such motion. Faces at rest, and bodies that meet, do
-  none: so books of what is at rest are closed.
+- External work is, to rounding, that of gravity and body forces (force times way of each particle),
+  of tractions and of what absorbing faces hold (force times way of each vertex, as of the weight of
+  rings), that of rigid bodies, and that of a prescribed motion (force times velocity), where there
+  is at most one such motion. Faces at rest, and bodies that meet, do none: so books of what is at
+  rest are closed. Not known are body forces on rings.
 - Energy: kinetic and strain energy exceed those of the start and the external work by no more than
   the time integration explains: by a part of the energy that becomes smaller with the step. Not
   with `volume: initial`, whose forces are those of the strain energy at small strains only. What
@@ -141,9 +142,11 @@ class Books:
         self._momentum.append((off, sim.step, text))
         moves = any(hasattr(entry, "velocity") for entry in _conditions(self.case))
         # The mass of rings moves by the way of its centroid, their positions by that of the middle:
-        # walls and rigid bodies that shift them do work that is not known here.
-        rings = self.case.axisymmetric and (self.case.gravity or self.case.body_force)
-        known = not (rings and (self.case.body_force or self.case.rigid_bodies))
+        # their weight's work is known at vertices, but for images beyond mirrors and seams.
+        rings, case = self.case.axisymmetric, self.case
+        images = sim.scene.domain.mirrors or any(sim.scene.domain.periodic)
+        known = not (rings and case.gravity and (case.rigid_bodies or images))
+        known &= not (rings and case.body_force)
         known &= not any(entry.placed for entry in self.case.constraints.values())
         if (len(forces) <= 1 or not moves) and known:
             self._check_work(line, last, before, weight, start, vertices)
