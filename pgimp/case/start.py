@@ -70,7 +70,9 @@ class Settle(Model):
     tolerance: Annotated[Number, Field(gt=0, lt=1)] = Field(
         default=1e-4,
         description="at rest is where the sum over the vertices of the magnitude of the unbalanced "
-        "force is below this part of the sum for the forces of stresses and tractions [1]",
+        "force is below this part of twice that of the loads (weight, tractions, given forces), "
+        "which is that of a column's loads and of what bears them; or of a hundredth of the forces "
+        "of stresses, if that is more; with body_force, of these [1]",
     )
     steps: Count = Field(
         default=100000,

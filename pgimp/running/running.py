@@ -178,7 +178,7 @@ def _settle(sim: Simulation, recorder: Recorder, progress: Progress, log: Log, s
 def _say_settled(sim: Simulation, steps: int, log: Log, what: str = "") -> None:
     log.say(
         f"settled in {steps} steps: the unbalanced force is {sim.unbalanced:.3g} of the "
-        f"forces of stresses and tractions{what}"
+        f"loads and what bears them{what}"
     )
 
 

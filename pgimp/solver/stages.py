@@ -67,7 +67,10 @@ def enter(now: Start, case: Case) -> Start:
     gone = set(case.staged.removed) - set(old.case.staged.removed)
     arrivals = arrivals_of(new, old, rank)
     if gone:
-        taken = _remove(rank, [old.body_names.index(name) for name in gone])
+        bodies = [old.body_names.index(name) for name in gone]
+        if rank.absorbing:
+            rank.absorbing.remove(rank, bodies)
+        taken = _remove(rank, bodies)
         records.removed = records.removed_so_far(old) + taken
     if new.case.materials != old.case.materials:
         order = rank.population.ordered

@@ -27,7 +27,6 @@ CARRIED, ROOM, VOLUMES = 0, 1, 2
 #: vertices: of stresses and loads but gravity, and the unbalanced ones.
 DAMPED_ENERGY, DAMPED_MOMENTUM, TAKEN = 0, 1, 4
 KINETIC_NOW, KINETIC_BEFORE, INTERNAL, UNBALANCED, DAMPED = 4, 5, 6, 7, 8
-POWER = KINETIC_NOW
 
 
 class Ledger(NamedTuple):

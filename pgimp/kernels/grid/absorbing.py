@@ -8,12 +8,12 @@ acceleration a by all other forces,
 
     f = -m r (u + a dt/2)/(1 + r dt/2).
 
-Ground that sinks brings more mass beyond the face, but no more area: m r is at most that of the
-mass when the face began to absorb. Fields share it by mass.
+Ground that sinks brings more mass beyond the face, and ground that rises leaves less on it, but the
+area stays: m is the mass when the face began to absorb, as long as there is any. Fields share it.
 
-The static force is minus the force on the vertex when the face began to absorb. It is constant as
-long as the material stays: of a vertex of less mass it is a part, shared out by mass to its fields.
-Both act before contact, other faces and constraints.
+The static force is minus the force on the vertex when the face began to absorb. It is constant, and
+shared out by mass to the vertex's fields. Both act before contact, other faces and constraints.
+Where a stage removes bodies both become less, as the mass that is left.
 """
 
 from typing import NamedTuple
@@ -88,17 +88,17 @@ def _vertices(window, face, d):
 def _parts(field, first, cutoff, mass):
     """Static force by mass, and part of the mass that dashpots act on.
 
-    One is over the mass at the vertex, or over that of the start if it is more. The other is that
-    of the start over the mass at the vertex, at most 1; of vertices without any then it is 1.
-    `first` is the vertex's record in the first field.
+    One is over the mass at the vertex. The other is the `mass` of the start over that, of vertices
+    that had none then 1. `first` is the vertex's record in the first field.
     """
     total = 0.0
     for f in range(field_count(field.window)):
         m = field.G[first + f * field_size(field.window) + MASS]
         if m > cutoff:
             total += m
-    part = 1.0 / max(total, mass) if total > 0.0 else 0.0
-    return part, mass / total if 0.0 < mass < total else 1.0
+    if not total > 0.0:
+        return 0.0, 1.0
+    return 1.0 / total, mass / total if mass > 0.0 else 1.0
 
 
 @exact  # all ranks that store a vertex must find the same force

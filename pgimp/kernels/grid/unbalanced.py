@@ -3,7 +3,7 @@
 from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.data.ledger import INTERNAL, POWER, UNBALANCED
+from pgimp.kernels.data.ledger import INTERNAL, KINETIC_BEFORE, KINETIC_NOW, UNBALANCED
 from pgimp.kernels.data.record import ACCELERATION, FORCE, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.used_rows import next_rows, used_rows
 from pgimp.kernels.data.velocity_fields import field_count, field_size
@@ -55,16 +55,26 @@ def _unbalanced_force(G, r, unused):
 
 
 @kernel
-def sum_power(field, forcing, ledger):
-    """Set by plane the power of the unbalanced forces; arguments as in `sum_unbalanced_forces`."""
+def note_first_energy(field, forcing, ledger):
+    """Set by plane the kinetic energy as this step began, and as the last one did.
+
+    Arguments are as in `sum_unbalanced_forces`. A component that is held has no acceleration, and
+    counts as it is.
+    """
     for i in range(field.owned):
-        ledger.damping[i, POWER] = plane_sum(field, i, forcing.mass_cutoff, _power, 0.0)
+        ledger.damping[i, KINETIC_BEFORE] = ledger.damping[i, KINETIC_NOW]
+        ledger.damping[i, KINETIC_NOW] = plane_sum(
+            field, i, forcing.mass_cutoff, _first_energy, forcing.dt
+        )
 
 
 @inner_kernel
-def _power(G, r, unused):
+def _first_energy(G, r, dt):
     a, v = r + ACCELERATION, r + VELOCITY
-    return G[r + MASS] * (G[a] * G[v] + G[a + 1] * G[v + 1] + G[a + 2] * G[v + 2])
+    total = 0.0
+    for d in range(3):
+        total += (G[v + d] - dt * G[a + d]) ** 2
+    return 0.5 * G[r + MASS] * total
 
 
 @inner_kernel

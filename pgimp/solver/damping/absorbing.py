@@ -1,12 +1,12 @@
 """Absorbing faces of a rank: their state, which all ranks have alike, and their forces.
 
 A face's state is found in the first step in which it absorbs: the forces that then hold its
-vertices, and the wave speeds there. From then on it is constant.
+vertices, and the wave speeds there. From then on it is constant, but where bodies are removed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +22,7 @@ from pgimp.kernels.grid.absorbing import (
 )
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.damping.absorbing_start import absorbing_face, find_face
+from pgimp.solver.damping.absorbing_start import absorbing_face, find_face, without
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import StepPart, VertexUpdate
 
@@ -90,6 +90,10 @@ class AbsorbingFaces(StepPart):
         for name, state in self.found.items():
             impulse = self._impulses[name]
             rank.call(book_absorbed, rank.grid.field, update.forcing, state, impulse, update.ledger)
+
+    def remove(self, rank: RankState, bodies: Sequence[int]) -> None:
+        """Leave of forces and masses what is of bodies that stay; collective, before others go."""
+        self.found = {name: without(rank, state, bodies) for name, state in self.found.items()}
 
     def datasets(self) -> dict[str, np.ndarray]:
         """Return the state of the faces by its names in checkpoints."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
@@ -37,7 +38,7 @@ def absorbing_face(
     return AbsorbingFace(face.axis, face.side, number, wall, lower, extent, values, ring)
 
 
-def _wall(scene: Scene, face: Face) -> int:
+def _wall(scene: Scene, face: Face | AbsorbingFace) -> int:
     """Number of the vertices on a face along its axis."""
     frame = scene.domain.frame
     return frame.ghost + (frame.cells[face.axis] if face.side > 0 else 0)
@@ -58,14 +59,15 @@ def find_face(
     """
     parts = rank.comm.allgather(_own(rank, update, face))
     numbers, forces, masses = (np.concatenate(each) for each in zip(*parts, strict=True))
-    near = _near_particles(rank, face)
+    length = float(rank.scene.domain.frame.cell[face.axis])
+    near = _near_particles(rank, face, lambda rows: _wave_speeds(rank, rows, length))
     elsewhere = np.zeros(NUMBERS)
     elsewhere[list(_SPEEDS)] = _mean_speeds(rank, near)
     if not len(numbers):
         none = np.zeros(3, np.int64)
         return absorbing_face(rank.scene, number, face, none, none, elsewhere[None])
     for other in others[0]:
-        forces -= _static_forces(other, numbers, masses)
+        forces -= _static_forces(other, numbers)
     for later in others[1]:
         forces[numbers[:, later.axis] == _wall(rank.scene, later), later.axis] = 0.0
     lower, upper = numbers.min(axis=0), numbers.max(axis=0) + 1
@@ -74,7 +76,7 @@ def find_face(
     at = tuple((numbers - lower).T)
     values[(*at, slice(REACTION, REACTION + 3))] = forces
     values[(*at, REACTION_MASS)] = masses
-    speeds = _speeds_at(rank, face, near, lower, upper)
+    speeds = _means_at(rank, face, near, lower, upper)
     known = np.isfinite(speeds[..., 0])
     for column, c in zip(_SPEEDS, np.moveaxis(speeds, -1, 0), strict=True):
         values[..., column] = np.where(known, c, values[..., column])
@@ -82,16 +84,30 @@ def find_face(
     return absorbing_face(rank.scene, number, face, lower, upper - lower, rows)
 
 
-def _static_forces(face: AbsorbingFace, numbers: np.ndarray, masses: np.ndarray) -> np.ndarray:
-    """Static forces of a face on vertices, given by their numbers and masses, (n, 3)."""
+def _static_forces(face: AbsorbingFace, numbers: np.ndarray) -> np.ndarray:
+    """Static forces of a face on vertices that have mass, given by their numbers, (n, 3)."""
     at = numbers - face.lower
     inside = ((at >= 0) & (at < face.extent)).all(axis=1)
     found = np.zeros((len(numbers), 3))
     if inside.any():
         rows = face.values[np.ravel_multi_index(tuple(at[inside].T), tuple(face.extent))]
-        part = masses[inside] / np.maximum(masses[inside], rows[:, REACTION_MASS])
-        found[inside] = part[:, None] * rows[:, REACTION : REACTION + 3]
+        found[inside] = rows[:, REACTION : REACTION + 3]
     return found
+
+
+def without(rank: RankState, face: AbsorbingFace, bodies: Sequence[int]) -> AbsorbingFace:
+    """Return a face as some bodies go: of forces and masses the part that stays; collective.
+
+    It is that of the mass of the particles within a cell of the vertex.
+    """
+    places, masses, body = _near_particles(rank, face, lambda rows: rank.up_to_date().body[rows])
+    stays = ~np.isin(body, bodies)[:, None]
+    near = places, masses, stays.astype(float)
+    upper = face.lower + face.extent
+    part = _means_at(rank, face, near, face.lower, upper).reshape(-1)
+    values = face.values.copy()
+    values[:-1, REACTION : REACTION_MASS + 1] *= np.where(np.isfinite(part), part, 1.0)[:, None]
+    return face._replace(values=values)
 
 
 def _own(
@@ -122,8 +138,10 @@ def _own(
     return np.transpose(found) + (first + lower), -force[found], mass[found]
 
 
-def _near_particles(rank: RankState, face: Face) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places in cells, masses and wave speeds of the particles near a face, of all ranks.
+def _near_particles(
+    rank: RankState, face: Face | AbsorbingFace, what: Callable[[np.ndarray], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places in cells, masses and `what` of the particles near a face, of all ranks.
 
     Collective; in canonical order.
     """
@@ -131,12 +149,17 @@ def _near_particles(rank: RankState, face: Face) -> tuple[np.ndarray, np.ndarray
     frame, rows = scene.domain.frame, rank.population.order.astype(np.int64)
     x = (scene.weighed(particles, rows) - frame.origin) * frame.inverse + frame.ghost
     near = np.abs(x[:, face.axis] - _wall(scene, face)) < _REACH[-1]
-    rows, speeds = rows[near], np.zeros((int(near.sum()), 2))
-    length = float(frame.cell[face.axis])
-    rank.call(small_wave_speeds, scene.setting.without_shape(), particles, rows, length, speeds)
-    parts = rank.comm.allgather((x[near].reshape(-1, D), particles.m[rows], speeds))
-    places, masses, speeds = (np.concatenate(each) for each in zip(*parts, strict=True))
-    return places, masses, speeds
+    rows = rows[near]
+    parts = rank.comm.allgather((x[near].reshape(-1, D), particles.m[rows], what(rows)))
+    places, masses, found = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return places, masses, found
+
+
+def _wave_speeds(rank: RankState, rows: np.ndarray, length: float) -> np.ndarray:
+    """Wave speeds of particles, of compression and shear, (n, 2)."""
+    found, setting = np.zeros((len(rows), 2)), rank.scene.setting.without_shape()
+    rank.call(small_wave_speeds, setting, rank.up_to_date(), rows, length, found)
+    return found
 
 
 def _mean_speeds(rank: RankState, near: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
@@ -148,29 +171,29 @@ def _mean_speeds(rank: RankState, near: tuple[np.ndarray, np.ndarray, np.ndarray
     if len(masses):
         return np.asarray((masses[:, None] * speeds).sum(axis=0) / masses.sum())
     rows = rank.population.order.astype(np.int64)
-    every, setting = np.zeros((len(rows), 2)), rank.scene.setting.without_shape()
-    length = min(rank.scene.domain.frame.cell)
-    rank.call(small_wave_speeds, setting, rank.up_to_date(), rows, length, every)
+    every = _wave_speeds(rank, rows, min(rank.scene.domain.frame.cell))
     return np.max(rank.comm.allgather(every.max(axis=0, initial=0.0)), axis=0)
 
 
-def _speeds_at(
+def _means_at(
     rank: RankState,
-    face: Face,
+    face: Face | AbsorbingFace,
     near: tuple[np.ndarray, np.ndarray, np.ndarray],
     lower: np.ndarray,
     upper: np.ndarray,
 ) -> np.ndarray:
-    """Mean wave speeds by mass at the vertices of a box, (x, y, z, 2); nan where none is near.
+    """Means by mass of values at the vertices of a box, (x, y, z, n); nan without particles near.
 
-    Vertices beyond the face have those of the face.
+    `near` are places, masses and values, (particles, n). Vertices beyond the face have those of
+    the face.
     """
-    (places, masses, speeds), D = near, rank.scene.dimension
+    (places, masses, values), D = near, rank.scene.dimension
     low, high = lower.copy(), upper.copy()
     low[face.axis], high[face.axis] = _wall(rank.scene, face), _wall(rank.scene, face) + 1
-    found = np.full((*(high - low), 2), np.nan)
+    number = values.shape[1]
+    found = np.full((*(high - low), number), np.nan)
     for reach in reversed(_REACH):
-        sums = np.zeros((*(high - low), 3))
+        sums = np.zeros((*(high - low), number + 1))
         first = np.floor(places).astype(np.int64)
         for corner in product(range(1 - reach, 1 + reach), repeat=D):
             vertex = np.zeros((len(places), 3), np.int64)
@@ -180,8 +203,8 @@ def _speeds_at(
             )
             inside = ((vertex >= low) & (vertex < high)).all(axis=1) & (weight > 0.0)
             at = tuple((vertex[inside] - low).T)
-            add = weight[inside, None] * np.column_stack([speeds, np.ones(len(places))])[inside]
+            add = weight[inside, None] * np.column_stack([values, np.ones(len(places))])[inside]
             np.add.at(sums, at, add)
-        has = sums[..., 2] > 0.0
-        found[has] = sums[has][:, :2] / sums[has][:, 2:]
-    return np.broadcast_to(found, (*(upper - lower), 2))
+        has = sums[..., number] > 0.0
+        found[has] = sums[has][:, :number] / sums[has][:, number:]
+    return np.broadcast_to(found, (*(upper - lower), number))

@@ -5,11 +5,12 @@ Simulated time stands still meanwhile, see `StandingClock`; the damping is `Rela
 
 from __future__ import annotations
 
-from math import inf
+from math import fsum, hypot, inf
 
 import numpy as np
 
 from pgimp.errors import NO_REST, NoRestError
+from pgimp.schema.time_functions import TimeFunction
 from pgimp.solver.damping.damping import bring_to_rest, damping_of
 from pgimp.solver.damping.relaxation import EVERY, Relaxation, unbalanced_sums
 from pgimp.solver.damping.unrest import what_moves
@@ -25,6 +26,9 @@ from pgimp.solver.time.energy_watch import EnergyWatch
 #: loads, and a part of that, of the order of the step, is not in the books.
 CALM = 20
 
+#: Part of the forces of stresses that counts as load where there is less.
+STRESS_PART = 0.01
+
 
 def is_due(step: int, since: int) -> bool:
     """Whether forces are compared after this step, the `since`-th of the start or the stage.
@@ -36,28 +40,38 @@ def is_due(step: int, since: int) -> bool:
 
 
 def unbalanced_part(rank: Rank) -> float:
-    """Unbalanced force over the forces of stresses and tractions, sums of magnitudes; collective.
+    """Unbalanced force over that of the loads and of what bears them; collective.
 
-    Where stresses balance a traction, the sum over the vertices has neither: it is added.
+    Sums of magnitudes. What bears loads has their size, as in a column: with bending, or between
+    smooth walls, stresses make forces many times as large, which say nothing of the motion. Where
+    nothing but stress of the start acts, a hundredth of its forces counts.
     """
     unbalanced, internal = unbalanced_sums(rank)
-    scale = internal + _tractions(rank)
+    loads = _loads(rank)
+    scale = max(2.0 * loads, STRESS_PART * internal) if loads is not None else internal
     if not unbalanced > 0.0:
         return 0.0
     return unbalanced / scale if scale > 0.0 else inf
 
 
-def _tractions(rank: Rank) -> float:
-    """Sum of the magnitudes of the particles' tractions; collective."""
-    loads = rank.scene.interaction.loads.at(rank.scene.case.staged.start)
-    if not (loads.tractions or loads.surfaces):
-        return 0.0
+def _loads(rank: Rank) -> float | None:
+    """Sum of the magnitudes of weights, tractions and given forces; collective.
+
+    None with body forces, which are known within kernels only.
+    """
+    scene, t = rank.scene, rank.scene.case.staged.start
+    given, loads = scene.interaction.loads, scene.interaction.loads.at(t)
     p, (rows, start) = rank.population.columns, rank.population.ordered
-    sums = np.zeros(len(start) - 1)
-    layer = np.repeat(np.arange(len(sums)), np.diff(start))
+    gravity = np.array(scene.domain.gravity(t))
+    force = float(np.sqrt(np.square(gravity).sum())) * p.m[rows]
+    if scene.case.body_force is not None:
+        return None
+    if given.water is not None:
+        force -= given.water.lift(p, int(rows.max(initial=-1)) + 1, t)[rows]
+    force = np.abs(force)
     for each in loads.tractions:
-        force = float(np.sqrt(np.square(each.traction).sum())) + abs(each.pressure)
-        np.add.at(sums, layer, force * p.patch[rows, each.column])
+        size = float(np.sqrt(np.square(each.traction).sum())) + abs(each.pressure)
+        force += size * p.patch[rows, each.column]
     for one in loads.surfaces:
         pressure = np.full(len(rows), one.pressure)
         for d in range(p.x.shape[1]):
@@ -67,8 +81,13 @@ def _tractions(rank: Rank) -> float:
         pressure = np.abs(pressure) + float(np.sqrt(np.square(one.traction).sum()))
         if one.profile:
             pressure *= np.abs(one.profile.factors(p.x[rows]))
-        np.add.at(sums, layer, pressure * p.surface[rows, one.column])
-    return float(np.concatenate(rank.comm.allgather(sums)).sum())
+        force += pressure * p.surface[rows, one.column]
+    own = np.add.reduceat(force, start[:-1][np.diff(start) > 0]) if len(rows) else force
+    parts = np.concatenate(rank.comm.allgather(own)).tolist()
+    for grip in given.constraints:
+        along = [f.value(t) if isinstance(f, TimeFunction) else f or 0.0 for f in grip.forces]
+        parts.append(hypot(*along))
+    return fsum(parts)
 
 
 def begin_settling(start: Start) -> None:
@@ -99,8 +118,8 @@ def require_rest(start: Start, part: float) -> None:
     key = f"time.stages.{staged.number - 1}.settle" if staged.number else "start.settle"
     most = f" ({settle.steps} at most, looked at every {EVERY})" if steps > settle.steps else ""
     text = (
-        f"{key}: {NO_REST} {steps} steps{most}: the unbalanced force is {part:.3g} of the forces "
-        f"of stresses and tractions, not {settle.tolerance:.3g}"
+        f"{key}: {NO_REST} {steps} steps{most}: the unbalanced force is {part:.3g} of the loads "
+        f"and what bears them, not {settle.tolerance:.3g}"
     )
     if relaxation.stagnant:
         text += f"; it has not fallen in the last {relaxation.steps}, from {relaxation.least:.3g}"

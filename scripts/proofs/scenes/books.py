@@ -4,10 +4,11 @@
 - Momentum (of rings along their axis) grows by the impulses of gravity, of tractions, and of what
   faces and constraints say that they gave, less what damping took, to rounding. Gravity and
   tractions are summed here from the particles.
-- External work is, to rounding, that of gravity and body forces (force times way of each particle,
-  but for rings), that of rigid bodies, and that of a prescribed motion (force times velocity),
-  where there is no traction and at most one such motion. Faces at rest, and bodies that meet, do
-  none: so books of what is at rest are closed.
+- External work is, to rounding, that of gravity and body forces (force times way of each particle),
+  of tractions and of what absorbing faces hold (force times way of each vertex, as of the weight of
+  rings), that of rigid bodies, and that of a prescribed motion (force times velocity), where there
+  is at most one such motion. Faces at rest, and bodies that meet, do none: so books of what is at
+  rest are closed. Not known are body forces on rings.
 - Energy: kinetic and strain energy exceed those of the start and the external work by no more than
   the time integration explains: by a part of the energy that becomes smaller with the step. Not
   with `volume: initial`, whose forces are those of the strain energy at small strains only. What
@@ -34,6 +35,7 @@ import math
 import numpy as np
 from proofs.scenes.energy import Seen
 from proofs.scenes.own.by_hand import patch_forces, pulls_of_step
+from proofs.scenes.vertex_work import VertexWork
 
 from pgimp.errors import RunError
 from pgimp.scene.wave_speeds import wave_speed
@@ -103,16 +105,21 @@ class Books:
             self.case, self._line = sim.case, sim.diagnostics()
         rows, start, last = sim.live(), sim.time, self._line
         gravity = np.array(sim.scene.domain.gravity(start)[:D])
-        impulse = patch_forces(sim)
+        by_faces = patch_forces(sim)
         ids = sim.particles.id[rows].tolist()
         before = dict(zip(ids, unwrapped(sim, rows), strict=True))
         seen, affine = Seen(), self.case.method.affine
+        vertices = VertexWork(sim)
         with contextlib.ExitStack() as stack:
             weight = stack.enter_context(pulls_of_step(sim, gravity))
+            stack.enter_context(vertices.step())
             if self._accelerates or affine:
                 stack.enter_context(seen.step())
             sim.advance()
-        impulse += sum(weight.values())
+        loads = vertices.force if any(
+            load.face is None for load in self.case.tractions.values()
+        ) else by_faces  # fmt: skip
+        impulse = loads + sum(weight.values())
         gained = seen.accelerated() if self._accelerates else 0.0
         if affine:
             gained -= seen.unbalanced()
@@ -132,25 +139,29 @@ class Books:
             impulse -= time * self._vector(line, f"tool.{name}.force")
         off = np.abs(gained - impulse)[self.case.axisymmetric :].max()
         text = f"step {sim.step}: gained {gained.tolist()}, impulses {impulse.tolist()}"
-        if all(load.face for load in self.case.tractions.values()):  # other surfaces are unknown
-            self._momentum.append((off, sim.step, text))
+        self._momentum.append((off, sim.step, text))
         moves = any(hasattr(entry, "velocity") for entry in _conditions(self.case))
-        # The mass of rings moves by the way of its centroid, their positions by that of the middle.
-        pulled = self.case.gravity or self.case.body_force
-        known = not self.case.tractions and not (self.case.axisymmetric and pulled)
-        # Absorbing faces do the work of the forces with which they hold what was there at first.
-        known &= not any(entry.absorbs for entry in self.case.boundaries.values())
+        # The mass of rings moves by the way of its centroid, their positions by that of the middle:
+        # their weight's work is known at vertices, but for images beyond mirrors and seams.
+        rings, case = self.case.axisymmetric, self.case
+        images = sim.scene.domain.mirrors or any(sim.scene.domain.periodic)
+        known = not (rings and case.gravity and (case.rigid_bodies or images))
+        known &= not (rings and case.body_force)
         known &= not any(entry.placed for entry in self.case.constraints.values())
         if (len(forces) <= 1 or not moves) and known:
-            self._check_work(line, last, before, weight, start)
+            self._check_work(line, last, before, weight, start, vertices)
 
-    def _check_work(self, line, last, before, weight, start):
+    def _check_work(self, line, last, before, weight, start, vertices):
         sim = self.sim
         rows = sim.live()
         if len(rows) < len(before):  # the way of those that have left is not known
             return
         ids, x = sim.particles.id[rows].tolist(), unwrapped(sim, rows)
-        work = sum(weight[i] @ (x[n] - before[i]) for n, i in enumerate(ids))
+        if self.case.axisymmetric and self.case.gravity:
+            work = vertices.weight
+        else:
+            work = sum(weight[i] @ (x[n] - before[i]) for n, i in enumerate(ids))
+        work += vertices.loads + vertices.static
         time = _passed(line) - _passed(last)
         for kind, column in ("boundaries", "reaction"), ("constraints", "constraint"):
             for name, entry in getattr(self.case, kind).items():

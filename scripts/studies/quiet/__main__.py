@@ -38,9 +38,10 @@ def main():
         )
         print(table(titles, rows, measured))
     if "settle" in chosen:
-        titles = ["scene", "tolerance", "steps", "highest frequency over the lowest",
-                  "steps over that", "error of the ways"]  # fmt: skip
-        print(table(titles, [settle.row(name) for name in settle.SCENES], measured))
+        courants = [f"`current`, {courant}" for courant in settle.COURANTS]
+        titles = ["scene", "", "highest frequency over the lowest", "`initial`", *courants,
+                  "error of the ways"]  # fmt: skip
+        print(table(titles, [row for name in settle.SCENES for row in settle.rows(name)], measured))
     if "jet" in chosen:
         rows = [[2 * k, *jet.plate(0.025 / k)] for k in (1, 2, 4)]
         titles = ["cells across half the jet", "mean force", "swings by", "steps",

@@ -5,6 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 from scenes import box, finish, scene, start
+from tiers import wide
 
 import pgimp
 from pgimp.errors import NoRestError
@@ -72,7 +73,7 @@ def test_kinetic_damping_is_stable_at_steps_that_are_stable_without(step):
 
 
 def test_a_step_that_is_too_long_is_shortened_while_the_run_settles():
-    sim = start(bar("current", step=0.08, end=0.16))
+    sim = start(bar("current", step=0.084, end=0.168))
     said = []
     while sim.settling:
         said += sim.watch.said
@@ -104,6 +105,28 @@ def test_a_body_that_nothing_holds_is_named_and_there_is_a_frame(tmp_path):
     assert len(list((tmp_path / "run" / "frames").glob("particles-*.h5"))) == 1
 
 
+def slender(dimension, tolerance):
+    """A beam of twenty cells, two cells high; in 3D a slice of one cell between smooth walls."""
+    wide = [[0.0, 1.0]] * (dimension - 2)
+    low, high = zip([0.0, 20.0], *wide, [4.0, 6.0], strict=True)
+    load = {"body": "body", "face": f"{'xyz'[dimension - 1]}-max", "pressure": 1e-4}
+    faces = {"x-min": "fixed"} | dict.fromkeys(["y-min", "y-max"] * len(wide), "slip")
+    cells = [24, *([1] * len(wide)), 10]
+    body = box([*low], [*high]) | {"configuration": "initial"}
+    sim = start(scene(dimension, body, cells=cells, step={"courant": 0.5}, end=0.1,
+                      tractions={"p": load}, boundaries=faces,
+                      start={"settle": {"tolerance": tolerance}}))  # fmt: skip
+    settled(sim)
+    return sim.particles.x[sim.live()][:, -1].min()
+
+
+@pytest.mark.parametrize("dimension", [2, wide(3)])
+def test_what_walls_bear_does_not_end_the_settling_too_early(dimension):
+    """The way is right to the tenth of a per cent with bending, and in a slice as in the plane."""
+    rest = slender(2, 1e-6)
+    assert slender(dimension, 1e-4) == pytest.approx(rest, abs=5e-4 * (4.25 - rest))
+
+
 def cantilever(**parts):
     """A beam of ten times its height, four cells high, with a pressure on its upper face."""
     body = box([0.0, 4.0], [40.0, 8.0]) | {"configuration": "initial"}
@@ -119,7 +142,7 @@ def test_a_cantilever_under_a_pressure_rests_as_beams_do():
     modulus, shear, length, height = 100.0 / 0.91, 100.0 / 2.6, 40.0, 4.0
     inertia = height**3 / 12.0
     frequency = 3.516 / length**2 * (modulus * inertia / height) ** 0.5
-    assert sim.step < 3.0 * 2.0 * PART / longest / frequency
+    assert sim.step < 3.5 * 2.0 * PART / longest / frequency
     x = sim.particles.x[sim.live()]
     x, y = x[np.argsort(-x[:, 0])[:8]].mean(axis=0)
     bent = x**2 * (6.0 * length**2 - 4.0 * length * x + x**2) / (24.0 * modulus * inertia)
