@@ -43,28 +43,28 @@ def patchy(x, mean, part, wave):
     return mean * (1.0 + part * sin(wave * x[0]))
 
 
-def stress_like(x, p, wave):
-    """Pressure p sin(wave x), as the components of a stress in the dimension of `x`."""
+def stress_like(x, p, wave, mean):
+    """Stress mean + p sin(wave x), all components in the dimension of `x`."""
 
 
 @specialise(stress_like)
-def _stress_like(x, p, wave):
-    def line(x, p, wave):
-        s = p * sin(wave * x[0])
+def _stress_like(x, p, wave, mean):
+    def line(x, p, wave, mean):
+        s = mean + p * sin(wave * x[0])
         return s, s, s
 
-    def plane(x, p, wave):
-        s = p * sin(wave * x[0])
+    def plane(x, p, wave, mean):
+        s = mean + p * sin(wave * x[0])
         return s, s, s, 0.1 * s
 
-    def space(x, p, wave):
-        s = p * sin(wave * x[0])
+    def space(x, p, wave, mean):
+        s = mean + p * sin(wave * x[0])
         return s, s, s, 0.1 * s, 0.0, -0.1 * s
 
     return (line, plane, space)[len(x) - 1]
 
 
 @pgimp.stress
-def squeezing(x, p, wave):
+def squeezing(x, p, wave, mean):
     """Stress that varies along x."""
-    return stress_like(x, p, wave)
+    return stress_like(x, p, wave, mean)
