@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Forcing, Report
-from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices
+from pgimp.kernels.grid.constrained_vertices import mark_constrained_vertices, release_light
 from pgimp.kernels.grid.seam import join_seam
 from pgimp.kernels.lagrangian.advance import advance_cells
 from pgimp.kernels.lagrangian.cells import Cells
@@ -83,9 +83,13 @@ def sum_particles(
             order = order._replace(start=np.zeros_like(order.start))
         every.append((group.setting.without_materials(), group.loaded(loads.summed()), order))
     if marked:
-        grid.marks.fill(0)
-        for each, (setting, _, order) in zip(rank.calls, every, strict=True):
-            each(mark_constrained_vertices, setting, grid.window, particles, order, grid.marks)
+        for values in grid.marks:
+            values.fill(0)
+        for each, group, (setting, _, order) in zip(rank.calls, groups, every, strict=True):
+            weighs = grid.weighs and (group.lagrangian or not rank.scene.settings.mixed)
+            marks = grid.marks if weighs else grid.marks[:1]
+            units = _unit(rank) * rank.scene.interaction.loads.least_parts if weighs else ()
+            each(mark_constrained_vertices, setting, grid.window, particles, order, marks, units)
     setting, summed, order = every[0]
     others: Others | Cells | tuple[()] = Others(*every[1]) if len(every) > 1 else ()
     if by_cells:
@@ -117,11 +121,21 @@ def _recall_masses(rank: RankState) -> None:
 
 
 def join_seams(rank: RankState, marked: bool) -> None:
-    """Make one of both copies of the vertices at seams, see `pgimp.kernels.grid.seam`."""
+    """Make one of both copies of the vertices at seams, see `pgimp.kernels.grid.seam`.
+
+    Then all sums are complete, and constraints may release vertices.
+    """
     for seam in rank.scene.domain.seams:
         rank.call(join_seam, rank.scene.domain.frame, rank.grid.field, seam)
         if marked:
             rank.grid.join_marks(seam.axis)
+    if marked and rank.grid.weighs:
+        rank.call(release_light, rank.grid.field, rank.grid.marks, _unit(rank))
+
+
+def _unit(rank: RankState) -> float:
+    """Mass that counts as 1 at constrained vertices: 1e-5 of the least particle's."""
+    return 1e7 * rank.mass_cutoff or 1.0
 
 
 def particle_forcing(
