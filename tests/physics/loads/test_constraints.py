@@ -136,9 +136,9 @@ def stretched():
     Returns
     -------
     callable
-        ``(offset, shape, per_cell, ..) -> (sim, line, error)``: edges of the grips lie `offset` beyond
-        a vertex; `error` says how much further into the bar than the regions' edges the left and
-        the right grip act, in cells.
+        ``(offset, shape, per_cell, configuration) -> (sim, line, error)``: edges of the grips lie
+        `offset` beyond a vertex; `error` says how much further into the bar than the regions' edges
+        the left and the right grip act, in cells.
     """
 
     def stretch(offset, shape="gimp", per_cell=2, configuration="current"):
