@@ -19,6 +19,9 @@ MARGIN = 2
 #: by a cell at most, and its support may grow by another.
 LAG = 2
 
+#: How the arrays of `Grid.marks` of two copies of a vertex are united: bits, and whole numbers.
+UNITE = np.bitwise_or, np.add
+
 
 def aligned(size: int) -> FloatArray:
     """Zeros at an address that vector loads accept; untouched pages cost no memory."""
@@ -75,8 +78,10 @@ class Grid:
         See `particles_to_grid`.
     partial : float64
         The part of `deferred` for planes shared with the lower neighbour.
-    marks : (planes * plane / 8,) int64
+    marks : tuple of 1 or 2 (planes * plane / 8,) int64
         See `pgimp.kernels.grid.constrained_vertices`; made at first use.
+    weighs : bool
+        Whether there are two: constraints hold vertices by their part of the mass.
     base : (2, 2) int64
         Bounds of the first vertices (least, greatest; y, z) of supports in the window.
     motion : VertexMotion or ()
@@ -111,6 +116,7 @@ class Grid:
         self.base = np.zeros((2, 2), np.int64)
         self.inner_bounds = np.zeros((2, 2), np.int64)
         self.motion: VertexMotion | tuple[()] = ()
+        self.weighs = False
         self._stored = Window.over((0, 0, 0), (0, 0, 0))
         self._room: dict[str, FloatArray] = {}
 
@@ -175,7 +181,7 @@ class Grid:
         arrays = self.G, self.active, self.scratch, self.deferred
         counts = self.shared_lower, self.owned
         self.field = Field(self.window, *arrays, *counts, self.bounds, flags, self._motion())
-        self._marks = np.zeros(0, np.int64)
+        self._marks: tuple[np.ndarray, ...] = ()
 
     def _zeros(self, name: str, size: int) -> FloatArray:
         """An array of zeros, by its name: the one there is, if all its users have left zeros."""
@@ -237,18 +243,21 @@ class Grid:
         self.G[i * plane : (i + 1) * plane] = 0.0
 
     @property
-    def marks(self) -> np.ndarray:
-        """Constraints of each vertex, as bits."""
-        if len(self._marks) != len(self.G) // RECORD:
-            self._marks = np.zeros(len(self.G) // RECORD, np.int64)
+    def marks(self) -> tuple[np.ndarray, ...]:
+        """Constraints of each vertex, as bits; and the mass that they hold, if that matters."""
+        if not self._marks:
+            size = len(self.G) // RECORD
+            self._marks = tuple(np.zeros(size, np.int64) for _ in range(1 + self.weighs))
         return self._marks
 
     def join_marks(self, axis: int) -> None:
         """Unite the constraints of both copies of the vertices at a seam across y or z."""
-        if self.planes:
-            marks = self.marks.reshape(self.planes, -1, *self.window.extent[1:])
+        if not self.planes:
+            return
+        for values, unite in zip(self.marks, UNITE, strict=False):
+            marks = values.reshape(self.planes, -1, *self.window.extent[1:])
             inside, beyond = self.copies(marks, axis)
-            inside |= beyond
+            unite(inside, beyond, out=inside)
 
     def copies(self, values: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
         """Views on both copies of the vertices at a seam across y or z: inside, and beyond it.

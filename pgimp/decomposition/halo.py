@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from pgimp.decomposition.grid import Grid, aligned
+from pgimp.decomposition.grid import UNITE, Grid, aligned
 from pgimp.decomposition.slabs import Slab
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.step.p2g import complete
@@ -23,7 +23,7 @@ from pgimp.mpi.communicator import Communicator, Request
 from pgimp.mpi.switches import switched_on
 
 _UP, _DOWN = 1, 2
-_MARKS_UP, _MARKS_DOWN = 4, 9
+_MARKS_UP, _MARKS_DOWN = (4, 7), (9, 8)
 
 #: Environment variable that turns overlap off: "0" sums all layers first, with the same bits.
 SWITCH = "PGIMP_OVERLAP"
@@ -93,10 +93,10 @@ class Halo:
             self._halves.append((outer, every[begin:end]))
         self._kept = self._ready = self._marked = False
         self._grid: np.ndarray | None = None
-        self._marks: np.ndarray | None = None
+        self._marks: tuple[np.ndarray, ...] | None = None
         self._received = aligned(0)
         self._sizes = [0, 0]  # bytes sent in a step, without marks and with them
-        self._others: list[tuple[np.ndarray, np.ndarray]] = []
+        self._others: list[tuple[np.ndarray, np.ndarray, np.ufunc]] = []
         self._requests: list[Request] = []
         self._mark_requests: list[Request] = []
         self._every: list[Request] = []
@@ -174,8 +174,8 @@ class Halo:
             request.Wait()
         complete(grid.field, self.shared, self.slab.layers, self._kept, self._received)
         if len(self._started) > len(self._requests):
-            for planes, others in self._others:
-                planes |= others
+            for planes, others, unite in self._others:
+                unite(planes, others, out=planes)
         self._started.clear()
 
     def _activate(self, grid: Grid) -> None:
@@ -198,9 +198,10 @@ class Halo:
         complete(grid.field, shared, top, self._kept, grid.partial)
         if self._marked:
             plane //= RECORD
-            ends = grid.marks[: shared * plane], grid.marks[top * plane :][: shared * plane]
-            ends[0][:] |= ends[1]
-            ends[1][:] = ends[0]
+            for marks, unite in zip(grid.marks, UNITE, strict=False):
+                low, high = marks[: shared * plane], marks[top * plane :][: shared * plane]
+                unite(low, high, out=low)
+                high[:] = low
 
     def _connect(self, grid: Grid) -> None:
         """Make the requests for the arrays of `grid`."""
@@ -227,7 +228,7 @@ class Halo:
 
     def _connect_marks(self, grid: Grid) -> None:
         """Make the requests for the constraints' marks in the shared planes."""
-        marks, self._marks = grid.marks, grid.marks
+        self._marks = grid.marks
         plane = grid.window.stride[0] // RECORD
         self._others, self._sizes[1] = [], self._sizes[0]
         lower, upper = self.slab.lower, self.slab.upper
@@ -235,11 +236,11 @@ class Halo:
             (lower, 0, _MARKS_DOWN, _MARKS_UP),
             (upper, self.slab.layers, _MARKS_UP, _MARKS_DOWN),
         ):
-            if neighbour is not None:
+            for n, marks in enumerate(grid.marks if neighbour is not None else ()):
                 planes = marks[first * plane : (first + self.shared) * plane]
                 others = np.empty_like(planes)
-                self._others.append((planes, others))
-                self._mark_requests.append(self.comm.Recv_init(others, neighbour, receives))
-                self._mark_requests.append(self.comm.Send_init(planes, neighbour, sends))
+                self._others.append((planes, others, UNITE[n]))
+                self._mark_requests.append(self.comm.Recv_init(others, neighbour, receives[n]))
+                self._mark_requests.append(self.comm.Send_init(planes, neighbour, sends[n]))
                 self._sizes[1] += planes.nbytes
         self._every += self._mark_requests

@@ -14,7 +14,7 @@ from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.loads.wall_gap import Sides
 from pgimp.kernels.update.viscosity import Viscosity
 from pgimp.mpi.communicator import Communicator
-from pgimp.physics.loads.constraints import at_places
+from pgimp.physics.loads.constraints import LEAST_PART, at_places
 from pgimp.physics.loads.tractions import Spread, overlaps
 from pgimp.scene.bodies.merge import LEAST_FRACTION
 from pgimp.scene.liquids import relaxation_rate
@@ -97,6 +97,15 @@ class SceneLoads:
         (self.force, self.water), self.walls = forces, walls
         self.tractions = [entry for entry in case.tractions.values() if entry.face is not None]
         self.constraints = list(case.constraints.values())
+        #: Of each constraint, see `LEAST_PART`; 0 where it holds all vertices that it reaches.
+        self.least_parts = np.array(
+            [
+                LEAST_PART
+                * (case.bodies[entry.body].configuration == "initial")
+                * all(force is None for force in entry.force)
+                for entry in self.constraints
+            ]
+        )
         grid, method = case.grid, case.method
         self.half = 0.5 * np.array(grid.cell) / np.array(method.particles_per_cell)
         size = np.array(method.parameters(tuple(grid.cell)).half) * np.array(grid.cell)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -70,6 +70,9 @@ class ParticleGroup:
     order: Order
     rank_in_order: np.ndarray | None = None
 
+    #: Whether they are those in the initial configuration beside others.
+    lagrangian: ClassVar[bool] = False
+
     def loaded(self, loads: Loads) -> Loads:
         """The loads on these particles."""
         return loads
@@ -104,7 +107,11 @@ class ParticleGroup:
     def mark(self, call: Bound, rank: RankState, particles: Particles) -> None:
         """Mark the vertices that constrained particles reach."""
         setting, grid = self.setting.without_materials(), rank.grid
-        call(mark_constrained_vertices, setting, grid.window, particles, self.order, grid.marks)
+        weighs = grid.weighs and (self.lagrangian or not rank.scene.settings.mixed)
+        marks = grid.marks if weighs else grid.marks[:1]
+        units = mass_unit(rank) * rank.scene.interaction.loads.least_parts if weighs else ()
+        args = setting, grid.window, particles, self.order, marks, units
+        call(mark_constrained_vertices, *args)
 
     def finish_sums(self, rank: RankState) -> None:
         """Complete the sums at the vertices, when those of the neighbours are added."""
@@ -149,6 +156,8 @@ class ParticleGroup:
 
 class InitialGroup(ParticleGroup):
     """Particles in the initial configuration, beside others."""
+
+    lagrangian = True
 
     def loaded(self, loads: Loads) -> Loads:
         """See `ParticleGroup.loaded`."""
@@ -271,3 +280,8 @@ def _by_setting(
     lagrangian = scene.settings.lagrangian[particles.body[rows]]
     yield scene.setting.without_shape(), rows[~lagrangian]
     yield scene.setting_lagrangian.without_shape(), rows[lagrangian]
+
+
+def mass_unit(rank: RankState) -> float:
+    """Mass that counts as 1 at constrained vertices: 1e-5 of the least particle's."""
+    return 1e7 * rank.mass_cutoff or 1.0

@@ -148,6 +148,7 @@ class Rank:
             scene.domain.frame, scene.settings.vertices, slab, lag, self.contact.fields, bounds,
             scene.settings.lagrangian_bodies, scene.domain.periodic,
         )  # fmt: skip
+        self.grid.weighs = bool(scene.interaction.loads.least_parts.any())
         self.halo = Halo(comm, slab, scene.settings.vertices - 1)
         self.migration = Migration(comm, slab, self.population.columns, scene.domain.ring_layers)
         bodies, settings = len(scene.body_names), scene.settings

@@ -9,11 +9,12 @@ import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Forcing, Report
+from pgimp.kernels.grid.constrained_vertices import release_light
 from pgimp.kernels.grid.seam import join_seam
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.step.p2g import particles_to_grid
 from pgimp.kernels.update.turns import turn_particles
-from pgimp.solver.particle_groups import ParticleGroup
+from pgimp.solver.particle_groups import ParticleGroup, mass_unit
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import VertexUpdate
 
@@ -68,7 +69,8 @@ def sum_particles(
     first, *more = groups
     particles = first.columns(rank.population)
     if marked:
-        grid.marks.fill(0)
+        for values in grid.marks:
+            values.fill(0)
         for each, group in zip(rank.calls, groups, strict=True):
             group.mark(each, rank, particles)
     setting, summed, order = first.summands(loads)
@@ -88,11 +90,16 @@ def finish_sums(rank: RankState, groups: Sequence[ParticleGroup], marked: bool =
 
 
 def join_seams(rank: RankState, marked: bool) -> None:
-    """Make one of both copies of the vertices at seams, see `pgimp.kernels.grid.seam`."""
+    """Make one of both copies of the vertices at seams, see `pgimp.kernels.grid.seam`.
+
+    Then all sums are complete, and constraints may release vertices.
+    """
     for seam in rank.scene.domain.seams:
         rank.call(join_seam, rank.scene.domain.frame, rank.grid.field, seam)
         if marked:
             rank.grid.join_marks(seam.axis)
+    if marked and rank.grid.weighs:
+        rank.call(release_light, rank.grid.field, rank.grid.marks, mass_unit(rank))
 
 
 def particle_forcing(

@@ -84,7 +84,7 @@ def vertex_update(
     """
     scene, grid = rank.scene, rank.grid
     constraints = scene.interaction.loads.constraints_at(t.start, t.end)
-    marked: tuple[Any, ...] = (constraints, grid.marks) if constraints else ()
+    marked: tuple[Any, ...] = (constraints, grid.marks[0]) if constraints else ()
     if scene.interaction.loads.placed:
         marked += (Places(scene.domain.frame, grid.window, grid.motion),)
     forcing = Forcing(

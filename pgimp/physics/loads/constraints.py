@@ -18,6 +18,11 @@ from pgimp.schema.problems import Problem, raise_problems
 from pgimp.schema.tables import Component, prescribed
 from pgimp.schema.time_functions import TimeFunction
 
+#: Least part of a vertex's mass from particles of a constraint where it holds the vertex, beside
+#: the nearest ones, in the initial configuration. A flat edge at the part e of the way to the next
+#: plane of vertices has e^2/2. So 1/8 is rounding; less, so that edges half-way are certain.
+LEAST_PART = 0.1
+
 
 class Constraint(NamedTuple):
     """A constraint in one step: held components, velocity at its end, mean acceleration."""

@@ -28,17 +28,18 @@ def set_initial_stress(
     Raises
     ------
     CaseError
-        On every rank, if a material has no such stress.
+        On every rank, if a material has no such stress, or bears no tension.
     """
     if isinstance(entry, InitialStress):
         set_geostatic_stress(scene, particles, count, comm, entry, time)
-        return
 
     def set_all() -> None:
         for body, name in enumerate(scene.body_names):
             if name not in scene.case.inflow and entry.begins(name):
                 rows = np.flatnonzero(particles.body[:count] == body)
-                _set_body(scene, particles, rows, name, entry)
+                if isinstance(entry, OwnStress):
+                    _set_body(scene, particles, rows, name, entry)
+                _require_pressure(scene, particles, rows, name)
 
     all_or_none(comm, set_all, CaseError)
 
@@ -56,3 +57,17 @@ def _set_body(scene: Scene, p: Particles, rows: np.ndarray, name: str, entry: Ow
     if not (law.CARRIES_STRESS and law.CARRIES_PRESSURE):
         words = str(entry.registered), "take another stress, stiffer material, or settle"
         find_deformation(scene, (p, rows), name, wanted, every_unknown(scene, name), words)
+
+
+def _require_pressure(scene: Scene, p: Particles, rows: np.ndarray, name: str) -> None:
+    """Refuse a mean stress of tension in a material that bears none: its energy is negative."""
+    law = scene.case.materials[scene.case.bodies[name].material]
+    mean = p.sigma[rows, :3].mean(axis=1)
+    if not law.BEARS_TENSION and mean.max(initial=0.0) > 0.0:
+        row = int(np.argmax(mean))
+        place = ", ".join(f"{x:.6g}" for x in p.x[rows[row]])
+        raise CaseError(
+            f"start.stress: '{name}' begins with a mean stress of {mean[row]:.3g} at ({place}), "
+            f"tension, of which '{law.model}' bears none: it would be gone in the first step; "
+            "compression is negative"
+        )

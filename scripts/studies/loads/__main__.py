@@ -1,7 +1,7 @@
 """Measures loads on surfaces; see scripts/loads."""
 
 from studies.harness import options_of, origin, table
-from studies.loads import chuck, moving, sea, tube
+from studies.loads import chuck, edges, moving, sea, tube
 
 #: Pressures over Young's modulus: small strain, and a bore that grows by half.
 SMALL, LARGE = 1e-4, 0.15
@@ -27,8 +27,8 @@ def crossing(cells):
 
 def main():
     """Measure what is asked for, and print its tables."""
-    what = {"nargs": "*", "among": ("bore", "blown", "sea", "moving", "chuck"), "metavar": "WHAT"}
-    options = options_of("loads", what=what)
+    what = {"nargs": "*", "among": ("bore", "blown", "sea", "moving", "chuck", "edges")}
+    options = options_of("loads", what=what | {"metavar": "WHAT"})
     chosen = options.what or what["among"]
     measured = f"Measured by `scripts/loads` on one core of {origin()}."
     titles = ["tube", "displacement at the bore", "everywhere, root mean square", "load", "steps",
@@ -49,6 +49,10 @@ def main():
                   "work a turn", "steps", "time"]  # fmt: skip
         rows = [*chuck.watched("initial"), *chuck.watched("current")]
         print(table(titles, rows, measured))
+    if "edges" in chosen:
+        titles = ["configuration, part of the mass", "bar pulled", "bar carried", "bent by 0.01",
+                  "bent by 1", "disk", "jumps"]  # fmt: skip
+        print(table(titles, edges.rows(), measured))
 
 
 if __name__ == "__main__":

@@ -181,11 +181,25 @@ def test_the_ground_is_closed_by_construction(tmp_path):
     np.testing.assert_allclose(np.abs(region.distance(some)), near, atol=0.05)
 
 
-def test_a_raster_of_a_million_is_ready_in_seconds(tmp_path):
-    """Also its distances: a bottom of long triangles made each of them a search through all."""
+def sorted_triangles(z, step):
+    """Corners of two triangles a cell in NumPy, in the order of their middles: a plain pass."""
+    n = np.arange(len(z)) * step
+    x = np.stack([*np.meshgrid(n, n, indexing="ij"), z], axis=-1)
+    low, high = [x[:-1, :-1], x[1:, :-1], x[1:, 1:]], [x[:-1, :-1], x[1:, 1:], x[:-1, 1:]]
+    corners = np.concatenate([np.stack(each, axis=2).reshape(-1, 3, 3) for each in (low, high)])
+    return corners[np.lexsort(corners.mean(axis=1).T)]
+
+
+def test_a_raster_of_a_million_costs_some_passes_over_it(tmp_path):
+    """Also its distances: a bottom of long triangles made each of them a search through all.
+
+    Against sorting its triangles in NumPy, by the same clock: 1.3 and 1.1 times; it was 28 times
+    and more.
+    """
     n = 1000
     x, y = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
-    np.save(tmp_path / "z.npy", 0.1 * np.sin(0.03 * x) * np.cos(0.02 * y))
+    z = 0.1 * np.sin(0.03 * x) * np.cos(0.02 * y)
+    np.save(tmp_path / "z.npy", z)
     step = 4.0 / (n - 1)
     nodes = {"origin": [-2.0, -2.0], "spacing": [step, step]}
     small = heights(tmp_path / "z.npy", nodes=nodes, part={"min": [0.0, 0.0], "max": [0.1, 0.1]})
@@ -198,8 +212,10 @@ def test_a_raster_of_a_million_is_ready_in_seconds(tmp_path):
         read = process_time()
         made.distance(at)
         times.append((read - began, process_time() - read))
-    # 1.6 s and 0.3 s on one core; 40 s and, at 1,440 nodes, minutes.
-    assert times[1][0] < 8.0 and times[1][1] < 5.0
+    began = process_time()
+    assert len(sorted_triangles(z, step)) == 2 * (n - 1) ** 2
+    one = process_time() - began
+    assert max(times[1]) < 6.0 * one
 
 
 def test_a_file_is_read_by_rows_and_refused_by_its_header(tmp_path):
@@ -210,10 +226,13 @@ def test_a_file_is_read_by_rows_and_refused_by_its_header(tmp_path):
         for row in range(3000):
             file.write(b"%d " % (row % 7) * 4000 + b"\n")
     part = {"min": [-1.5, -1.2], "max": [-1.49, -1.19]}
-    tracemalloc.start()
     began = process_time()
+    refused(heights(path))
+    since = process_time()
+    assert len(path.read_bytes().split()) == 12_000_010
+    assert since - began < 0.5 * (process_time() - since)
+    tracemalloc.start()
     text = refused(heights(path))
-    assert process_time() - began < 2.0
     assert "has 11,965,025 nodes in this part, more than 2,000,000; take a smaller part" in text
     region = heights(path, part=part, bottom=-7.0)
     surface = Case.model_validate(case(region)).bodies["body"].region.surface

@@ -8,6 +8,7 @@ from scenes import box, scene, start
 from tiers import wide
 
 import pgimp
+from pgimp.errors import CaseError
 from pgimp.physics.functions.registry import FUNCTIONS
 
 pytestmark = pytest.mark.slow(40)
@@ -122,3 +123,16 @@ def test_a_stress_with_shear_has_its_deformation():
     np.testing.assert_allclose(p.sigma[rows][:, 2], pressure, rtol=1e-8)
     np.testing.assert_allclose(p.V0[rows] * J, p.V[rows])
     np.testing.assert_allclose(F[:, 0, 1], F[:, 1, 0])
+
+
+def test_clay_begins_under_no_tension():
+    """Its energy of tension is negative: the step that cuts it makes as much of nothing."""
+    clay = {
+        "model": "cam-clay", "density": 1.0, "m": 1.0, "lambda": 0.2, "kappa": 0.05,
+        "void-ratio": 1.0, "shear": 90.0, "preconsolidation": 6.0,
+    }  # fmt: skip
+    case = scene(2, box([2.0, 1.0], [6.0, 5.0]), start={"stress": named("ground", top=4.0)})
+    case["materials"]["soft"] = clay
+    text = r"start.stress: 'body' .* 0.55 at \(2.25, 4.75\), tension, of which 'cam-clay' bears"
+    with pytest.raises(CaseError, match=text):
+        start(case)

@@ -136,16 +136,17 @@ def stretched():
     Returns
     -------
     callable
-        ``(offset, shape, per_cell) -> (sim, line, error)``: edges of the grips lie `offset` beyond
-        a vertex; `error` says how much further into the bar than the regions' edges the left and
-        the right grip act, in cells.
+        ``(offset, shape, per_cell, configuration) -> (sim, line, error)``: edges of the grips lie
+        `offset` beyond a vertex; `error` says how much further into the bar than the regions' edges
+        the left and the right grip act, in cells.
     """
 
-    def stretch(offset, shape="gimp", per_cell=2):
+    def stretch(offset, shape="gimp", per_cell=2, configuration="current"):
         a, T, d = 2.0 + offset, 24.0, 1e-4  # a transit of the bar takes 1.4
         speed = [[0.0, 0.0], [T / 2, 2 * d / T], [T, 0.0]]
+        body = box([a], [a + 14.0]) | {"configuration": configuration}
         case = scene(
-            1, box([a], [a + 14.0]), cells=[19], shape=shape, per_cell=per_cell, end=T + 2.8,
+            1, body, cells=[19], shape=shape, per_cell=per_cell, end=T + 2.8,
             step=0.02, history={"every": {"steps": 1}},
             constraints={
                 "left": grip([a - 1], [a + 2], 0.0), "right": grip([a + 12], [a + 15], speed)
@@ -185,6 +186,13 @@ def test_a_grip_acts_up_to_a_vertex_near_its_edge(stretched, shape):
             assert abs(error + edge - round(error + edge)) < 0.01
             # The last particle held may end a quarter of a cell before the region does.
             assert -0.26 < error < 1.01
+
+
+def test_a_grip_in_the_initial_configuration_acts_up_to_the_nearest_vertex(stretched):
+    """Three particles a cell: edges at a third and two thirds of it, both away from the bar."""
+    for offset in (1.0 / 3.0, 2.0 / 3.0):
+        errors = np.array(stretched(offset, "gimp", 3, "initial")[2])
+        np.testing.assert_allclose(np.abs(errors), 1.0 / 3.0, atol=0.01)
 
 
 def test_constraints_that_share_vertices_split_what_they_give():

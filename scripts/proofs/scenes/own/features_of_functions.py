@@ -58,7 +58,9 @@ def own_stress(rng, scene):
         )
     ):
         return False
-    parameters = {"p": number(rng, -0.5, 0.5), "wave": number(rng, 0.1, 1.0)}
+    parameters = {"p": number(rng, -0.5, 0.5), "wave": number(rng, 0.1, 1.0), "mean": 0.0}
+    if any(law["model"] == "cam-clay" for law in case["materials"].values()):  # bears no tension
+        parameters["mean"] = -1.2 * abs(parameters["p"]) - 0.01
     case["start"] = {"stress": {"function": "squeezing", "parameters": parameters}}
     return True
 

@@ -44,13 +44,13 @@ def patchy(x, mean, part, wave):
 
 
 @inlined
-def stress_like(x, p, wave):
-    """Pressure p sin(wave x), as the components of a stress in the dimension of `x`."""
-    s = p * sin(wave * x[0])
+def stress_like(x, p, wave, mean):
+    """Stress mean + p sin(wave x), all components in the dimension of `x`."""
+    s = mean + p * sin(wave * x[0])
     return (s, s, s, 0.1 * s, 0.0, -0.1 * s)[: (3, 4, 6)[len(x) - 1]]
 
 
 @pgimp.stress
-def squeezing(x, p, wave):
+def squeezing(x, p, wave, mean):
     """Stress that varies along x."""
-    return stress_like(x, p, wave)
+    return stress_like(x, p, wave, mean)

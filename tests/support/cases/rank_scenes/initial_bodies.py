@@ -159,9 +159,18 @@ def both_configurations():
 def initial_lattice():
     """Elastic bodies on the grid's lines, in the initial configuration: no particle has a state.
 
-    A bar falls from a wall, a rotor turns across the slabs, a rod waits to be hit. Steps as long as
-    they may be, compressed frames, a probe in every third step.
+    A bar falls from a wall, a rotor turns across the slabs, a rod waits to be hit. Round grips are
+    too light at some vertices to hold them. Steps as long as they may be, compressed frames, a
+    probe in every third step.
     """
+    round_grips = {
+        body: {
+            "body": body,
+            "region": {"ball": {"center": center, "radius": 0.7}},
+            "velocity": [None, 0.05],
+        }
+        for body, center in (("bar", [6.0, 2.0]), ("rotor", [12.0, 5.0]))
+    }
     bodies = {
         "bar": box([0.0, 1.0], [7.0, 3.0], [0.0, 0.3]),
         "rotor": turning(box([9.0, 4.0], [15.0, 6.0]), [12.0, 5.0], 1.0, [1.0, 0.0]),
@@ -177,6 +186,7 @@ def initial_lattice():
         materials={"soft": SOFT, "stiff": SOFT | {"young": 300.0, "density": 2.0}},
         gravity=[0.0, -0.1],
         boundaries={"x-min": "fixed"},
+        constraints=round_grips,
         output={"every": 0.5, "fields": EVERYTHING, "grid": GRID, "compression": "gzip"},
         history={"every": {"steps": 10}},
         probes={
