@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -16,7 +17,7 @@ from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tracing.entry import Entry, is_simple
 from pgimp.jit.tracing.operations import AgainError
 from pgimp.jit.tracing.statements import Tracer
-from pgimp.jit.tracing.values import running
+from pgimp.jit.tracing.values import Argument, running
 
 #: Depth of Python's stack for functions in functions in functions.
 _DEEPEST = 10_000
@@ -78,25 +79,43 @@ def _compiled(state: NumbaObject, widened: dict) -> NumbaObject:
         tracer = Tracer(state.typingctx, context, module, widened)
         args = [running(kind, None) for kind in kinds]
         called = not flags.no_cpython_wrapper
-        lean = called and not (flags.forceinline or flags.nrt) and is_simple(kinds)
-        result, taken = tracer.define(entry, function.func, contracts, args, whole=not lean)
+        if called and not (flags.forceinline or flags.nrt) and is_simple(kinds):
+            form = ir.FunctionType(entry.ftype.return_type, entry.ftype.args)
+            lean = ir.Function(module, form, f"{entry.name}.lean")
+            lean.attributes.add("noinline")
+            result, taken = tracer.define(lean, function.func, contracts, args)
+            _forward(entry, lean, taken)
+        else:
+            lean = None
+            result, taken = tracer.define(entry, function.func, contracts, args, whole=True)
         description.restype = result
         context.post_lowering(module, library)
         library.add_ir_module(module)
-        if lean:
+        if lean is not None:
             wrapper = context.create_module("wrapper")
-            callee = ir.Function(wrapper, entry.ftype, description.llvm_func_name)
+            callee = ir.Function(wrapper, lean.ftype, lean.name)
             used = [each.used for each in taken]
             Entry(context, wrapper, used, func=callee, fndesc=description, env=environment).build()
             library.add_ir_module(wrapper)
         elif called:
             context.create_cpython_wrapper(library, description, environment, None)
     code = target.get_executable(library, description, environment)
-    if not lean:  # else it is not for functions that Numba compiles
-        target.insert_user_function(code, description, [library])
+    target.insert_user_function(code, description, [library])
     return compiler.compile_result(
         target_context=target, typing_context=state.typingctx, library=library,
         environment=environment, entry_point=code, fndesc=description, type_annotation="",
         signature=signature(result, *kinds), objectmode=False, lifted=(), reload_init=[],
         referenced_envs=(),
     )  # fmt: skip
+
+
+def _forward(entry: ir.Function, lean: ir.Function, arguments: Sequence[Argument]) -> None:
+    """Have a kernel's function for all arguments call the one for those that it uses."""
+    given, passed = iter(entry.args[2:]), [*entry.args[:2]]
+    for each in arguments:
+        parts = [next(given) for _ in each.parts]
+        passed += parts if each.used else []
+    entry.args[0].type = lean.args[0].type
+    entry.ftype.args = tuple(each.type for each in entry.args)
+    builder = ir.IRBuilder(entry.append_basic_block("entry"))
+    builder.ret(builder.call(lean, passed))
