@@ -102,7 +102,13 @@ class Calls(Functions):
             rest = {name: constant(value) for name, value in function._field_defaults.items()}
             items = [self.typed({**rest, **given}[name]) for name in fields]
             return tuple_of(items, function)
-        if not named and all(each.known for each in args) and any(map(is_object, args)):
+        is_pythons = function is hasattr or not is_known(function, self.typing)
+        if (
+            is_pythons
+            and not named
+            and all(each.known for each in args)
+            and any(map(is_object, args))
+        ):
             return constant(function(*(each.constant for each in args)))
         if isinstance(function, FunctionType):
             names = function.__code__.co_varnames[: function.__code__.co_argcount]
@@ -210,7 +216,7 @@ def python_class(kind: NumbaObject) -> type:
 
 
 @cache
-def is_known(function: FunctionType, typing: NumbaObject) -> bool:
+def is_known(function: Any, typing: NumbaObject) -> bool:
     """Whether Numba knows a function of Python."""
     try:
         return typing.resolve_value_type(function) is not None

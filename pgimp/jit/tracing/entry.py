@@ -95,7 +95,7 @@ class Entry(PyCallWrapper):
             other = ir.Constant(size.type, as_dtype(kind.dtype).itemsize)
             failed = [cgutils.is_not_null(builder, code), builder.icmp_unsigned("!=", size, other)]
             return [*flat(model.as_argument(builder, array))], failed
-        if kind == types.boolean:
+        if isinstance(kind, types.Boolean):
             truth = api.object_istrue(item)
             return [builder.trunc(truth, model.get_argument_type())], []
         if isinstance(kind, types.Float):

@@ -98,7 +98,7 @@ class Functions(Expressions):
         form = nested(model.get_argument_type())
 
         def made() -> Any:
-            if kind == types.boolean:  # Numba's way has branches
+            if isinstance(kind, types.Boolean):  # Numba's way has branches
                 return Builder(block).icmp_unsigned("!=", form, ir.Constant(form.type, 0))
             return model.from_argument(Builder(block), form)
 
