@@ -35,7 +35,7 @@ from pgimp.scene.rigid.warnings import motion_warnings
 from pgimp.scene.scene import Scene, count_particles, present
 from pgimp.solver.coming.inflow import most_at_once, to_enter
 from pgimp.solver.configurations import fastest
-from pgimp.solver.decomposition import create_particles, partition, ring_counts
+from pgimp.solver.decomposition import bring_home, create_particles, partition, ring_counts
 from pgimp.solver.lagrangian.motion import begin_motion
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
@@ -129,6 +129,7 @@ def begin(
     _compile(start, scenes[1:], 0)
     if scene.case.start.stress is not None:
         set_initial_stress(scene, particles, count, comm, scene.case.start.stress)
+        particles, count = bring_home(scene, slab, comm, particles, count)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)

@@ -24,7 +24,7 @@ from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.scene import Scene, count_particles
 from pgimp.solver.contact.keeping import placed
-from pgimp.solver.decomposition import create_particles, ring_counts
+from pgimp.solver.decomposition import bring_home, create_particles, ring_counts
 from pgimp.solver.history.diagnostics import sums_of_bodies
 from pgimp.solver.start.creation import LIGHT, Creation
 from pgimp.solver.window import open_window
@@ -161,6 +161,8 @@ class Arrivals:
             ),
         )
         self._prepare(particles, own, scene.case.staged.start)
+        if scene.case.staged.stress is not None:
+            particles, own = bring_home(scene, rank.slab, comm, particles, own)
         particles.id[:own] += now.count
         first, now.count = now.count, now.count + count
         population = rank.population
