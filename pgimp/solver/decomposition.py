@@ -121,6 +121,45 @@ def create_particles(
     return found, len(records)
 
 
+def bring_home(
+    scene: Scene, slab: Slab, comm: Communicator, particles: Particles, count: int
+) -> tuple[Particles, int]:
+    """Give particles whose support is of another slab to its rank; collective.
+
+    The deformation of a stress at the start changes the sizes of boxes that follow it.
+
+    Parameters
+    ----------
+    scene, slab, comm
+        The scene, this rank's slab, all ranks.
+    particles, count
+        This rank's particles, and their number.
+    """
+    if not scene.settings.follows:
+        return particles, count
+    shape, frame, domain = scene.settings.shape, scene.order_frame, scene.domain
+
+    def away(p: Particles, n: int) -> np.ndarray:
+        rows = np.arange(n, dtype=np.int32)
+        if any(domain.periodic):
+            turn_particles(shape, frame, domain.exits, p, rows)
+        locate(shape, frame, p, rows, domain.frame.vertices)
+        return (p.layer[:n] < slab.first) | (p.layer[:n] >= slab.first + slab.layers)
+
+    gone = away(particles, count)
+    strays = comm.allgather(pack(particles, np.flatnonzero(gone)))
+    if not sum(map(len, strays)):
+        return particles, count
+    records = np.concatenate(strays)
+    found = Particles.empty(max(1, len(records)), scene.created)
+    unpack(records, found, np.arange(len(records)))
+    own = np.flatnonzero(~away(found, len(records)))
+    records = np.concatenate([pack(particles, np.flatnonzero(~gone)), pack(found, own)])
+    found = Particles.empty(max(1, len(records)), scene.created)
+    unpack(records, found, np.arange(len(records)))
+    return found, len(records)
+
+
 def slab_predicate(scene: Scene, slab: Slab) -> Callable[[int, Block], np.ndarray]:
     """Return a predicate for particles of a file, given their body: whether a slab has them."""
     shape, frame = scene.settings.shape, scene.order_frame

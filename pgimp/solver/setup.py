@@ -29,7 +29,7 @@ from pgimp.scene.rigid.checks import require_apart, require_clear, require_same,
 from pgimp.scene.scene import Scene
 from pgimp.scene.wave_speeds import rest_rate
 from pgimp.solver.damping.relaxation import Relaxation
-from pgimp.solver.decomposition import open_window
+from pgimp.solver.decomposition import bring_home, open_window
 from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
@@ -87,6 +87,7 @@ def begin(
     # The state at the start: of particles, then of the vertices and grips that go on from theirs.
     if scene.case.start.stress is not None:
         set_initial_stress(scene, particles, count, comm, scene.case.start.stress)
+        particles, count = bring_home(scene, slab, comm, particles, count)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)

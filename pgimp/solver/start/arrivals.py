@@ -25,7 +25,7 @@ from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.geometry import release, share, take_as_empty
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.penetration import placed
-from pgimp.solver.decomposition import create_particles, open_window, ring_counts
+from pgimp.solver.decomposition import bring_home, create_particles, open_window, ring_counts
 from pgimp.solver.history.body_sums import sums_of_bodies
 from pgimp.solver.start.creation import LIGHT, Creation
 
@@ -161,6 +161,8 @@ class Arrivals:
             ),
         )
         self._prepare(particles, own, scene.case.staged.start)
+        if scene.case.staged.stress is not None:
+            particles, own = bring_home(scene, rank.slab, comm, particles, own)
         first = rank.numbered
         particles.id[:own] += first
         rank.numbered += count

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from pgimp.solver.lagrangian.motion import begin_motion
+from pgimp.solver.state.vertex_motion import begin_motion
 from scenes import box, field, scene, start
 from tiers import wide
 
