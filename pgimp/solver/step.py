@@ -75,7 +75,7 @@ def step(
     contact.exchange(rank, update)  # in the initial configuration
     lap("contact")
     for part in parts:
-        part.rest(rank, update)
+        part.slow(rank, update)
     for part in parts:
         part.book(rank, update)
     reflect_mirrors(rank, update)

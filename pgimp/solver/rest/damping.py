@@ -76,7 +76,7 @@ class VertexDamping(StepPart):
         frame = rank.scene.domain.frame
         rank.call(damp_forces, frame, rank.grid.field, update.faces, forcing, self._now)
 
-    def rest(self, rank: RankState, update: VertexUpdate) -> None:
+    def slow(self, rank: RankState, update: VertexUpdate) -> None:
         """Take half of the kick from rest."""
         if self.entry.kinetic and needed(self._rested):
             rank.call(relax, rank.grid.field, update.forcing, 1, rank.ledger)
