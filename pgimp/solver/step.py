@@ -75,6 +75,8 @@ def step(
     contact.exchange(rank, update)  # in the initial configuration
     lap("contact")
     for part in parts:
+        part.slow(rank, update)
+    for part in parts:
         part.book(rank, update)
     reflect_mirrors(rank, update)
     keep_vertex_motion(rank, update)

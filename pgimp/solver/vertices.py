@@ -60,6 +60,9 @@ class StepPart:
     def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
         """Add forces to the sums at the vertices, before the momentum update; collective."""
 
+    def slow(self, rank: RankState, update: VertexUpdate) -> None:
+        """Take velocity after all conditions and contact, before anything is booked."""
+
     def book(self, rank: RankState, update: VertexUpdate) -> None:
         """Book impulses and work, after all conditions and contact; collective."""
 

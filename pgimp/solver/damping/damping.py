@@ -77,14 +77,17 @@ class VertexDamping(StepPart):
         frame = rank.scene.domain.frame
         rank.call(damp_forces, frame, rank.grid.field, update.faces, forcing, self._now)
 
+    def slow(self, rank: RankState, update: VertexUpdate) -> None:
+        """Take half of the kick from rest."""
+        if self.entry.kinetic and needed(self._rested):
+            rank.call(relax, rank.grid.field, update.forcing, 1, rank.ledger)
+
     def book(self, rank: RankState, update: VertexUpdate) -> None:
         """Book what damping took in a step, after all conditions and contact."""
         field, forcing = rank.grid.field, update.forcing
         if self._forces:
             rank.call(book_damping, field, forcing, self._now, rank.ledger)
         if self.entry.kinetic:
-            if needed(self._rested):
-                rank.call(relax, field, forcing, 1, rank.ledger)
             rank.call(note_kinetic_energy, field, rank.ledger)
 
 

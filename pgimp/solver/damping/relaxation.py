@@ -7,7 +7,7 @@ The n-th step from rest leaves (n - 1)/(n + 1) of the velocity and gives n/(n + 
 so that a mode of the angular frequency w falls as sin(w t)/(w t): the mean over time of the motion
 without damping. Short waves die away in a few of their periods, whatever the slowest mode is. That
 one reaches its static place at w t = pi, with little overshoot of stresses on the way. There the
-unbalanced forces begin to work against the motion: all velocities become zero, and n begins anew.
+motion begins to slow down by itself: all velocities become zero, and n begins anew.
 
 It is gradient-based adaptive restart (O'Donoghue and Candes 2015) of Nesterov's method in its form
 as an equation of motion (Su, Boyd and Candes 2016), with 2 in place of their 3. Kinetic damping has

@@ -35,7 +35,7 @@ import math
 import numpy as np
 from proofs.scenes.energy import Seen
 from proofs.scenes.own.by_hand import patch_forces, pulls_of_step
-from proofs.scenes.vertex_work import VertexWork
+from proofs.scenes.own.vertex_work import VertexWork
 
 from pgimp.errors import RunError
 from pgimp.scene.wave_speeds import wave_speed

@@ -187,3 +187,29 @@ def test_waves_along_the_radius_are_refused():
     case = block("current", geometry="axisymmetric", boundaries={"x-max": "absorbing"})
     with pytest.raises(ValueError, match="absorbing is for plane waves"):
         Case.model_validate(case)
+
+
+def test_what_faces_hold_does_its_work_over_the_way_also_in_steps_from_rest():
+    """Kinetic damping halves the first kick: loads do the work of the way that is left."""
+    case = block("current", damping={"kinetic": True}, end=2.0)
+    del case["start"]
+    case["boundaries"] = {"x-min": "slip", "x-max": "slip", "y-min": "absorbing"}
+    case["gravity"] = {"table": [[0.0, [0.0, -0.1]], [1e-9, [0.0, 0.0]]]}  # faces push upwards
+    sim, rested = start(case), 0
+    line = sim.diagnostics()
+    while not sim.finished:
+        sim.advance()
+        last, line = line, sim.diagnostics()
+        rested += line["damped-energy"] > last["damped-energy"]
+        if sim.step == 1:
+            continue
+        face = sim.rank.absorbing.found["y-min"]
+        grid = sim.rank.grid
+        bottom = face.wall - grid.window.lower[1]
+        records = grid.by_vertex(grid.G)[: grid.owned, 0, bottom, 0]
+        there = records[:, 0] > 0.0
+        held = face.values[: there.sum(), :3]
+        work = sim.dt * (held * records[there][:, 1:4]).sum()
+        done = line["external-work"] - last["external-work"]
+        assert done == pytest.approx(work, rel=1e-9, abs=1e-15)
+    assert rested

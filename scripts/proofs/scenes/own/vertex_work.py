@@ -77,8 +77,10 @@ class VertexWork:
         self.weight = dt * float((moved * np.array(forcing.gravity)).sum())
         if not rank.absorbing or rank.scene.domain.settling:
             return
-        # Planes, rows and columns of the vertices; all fields share the static force by mass.
+        # Planes, rows and columns of the vertices, whose fields share the static force by mass.
+        # Planes that are not owned are copies of others.
         m[m <= forcing.mass_cutoff] = 0.0
+        m[rank.grid.owned :] = 0.0
         total = m.sum(axis=1)
         mean = (m[..., None] * v).sum(axis=1) / np.where(total > 0.0, total, 1.0)[..., None]
         lower = np.array(rank.grid.window.lower)
