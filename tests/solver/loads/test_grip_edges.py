@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from pgimp.solver.state.vertex_motion import begin_motion
 from scenes import box, field, scene, start
 from tiers import wide
+
+from pgimp.solver.state.vertex_motion import begin_motion
 
 pytestmark = pytest.mark.slow(40)
 

@@ -9,7 +9,7 @@ from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.record import ACCELERATION, FORCE, MASS, VELOCITY
 from pgimp.kernels.grid.absorbing import REACTION
 from pgimp.solver import step as stepping
-from pgimp.solver import transfers
+from pgimp.solver import particle_groups
 
 
 class VertexWork:
@@ -28,7 +28,7 @@ class VertexWork:
     @contextlib.contextmanager
     def step(self):
         """Look at the vertices in the one step that is done meanwhile."""
-        sum_particles, take = stepping.sum_particles, transfers.grid_to_particles
+        sum_particles, take = stepping.sum_particles, particle_groups.grid_to_particles
         forces = []
 
         def summed(rank, *words, **keys):
@@ -59,7 +59,7 @@ class VertexWork:
 
         with (
             mock.patch.object(stepping, "sum_particles", summed),
-            mock.patch.object(transfers, "grid_to_particles", taken),
+            mock.patch.object(particle_groups, "grid_to_particles", taken),
         ):
             yield
 
