@@ -8,8 +8,8 @@ import numpy as np
 from pgimp.kernels.data.arguments import Forcing
 from pgimp.kernels.data.record import ACCELERATION, FORCE, MASS, VELOCITY
 from pgimp.kernels.grid.absorbing import REACTION
-from pgimp.solver import step as stepping
 from pgimp.solver import particle_groups
+from pgimp.solver import step as stepping
 
 
 class VertexWork:
