@@ -1,8 +1,20 @@
-"""Layout of records, and copy of runs of numbers, of which the compiler makes a slow loop."""
+"""Layout of records, parts of arrays, and copy of runs of numbers.
+
+Of the copy the compiler makes a slow loop.
+"""
 
 import numpy as np
 from numba.core import cgutils, types
 from numba.extending import intrinsic
+
+
+def part_of(context, builder, kind, array, name, *place):
+    """Part of an array in LLVM: its data, or its shape along a direction; one instruction.
+
+    Numba stores the whole array on the stack, and reads its parts from there.
+    """
+    position = context.data_model_manager[kind].get_field_position(name)
+    return builder.extract_value(array, [position, *place])
 
 
 @intrinsic
@@ -16,7 +28,7 @@ def copy(typing_context, target, at, source, begin, count):
 
     def generate(context, builder, sig, args):
         def address(kind, array, index):
-            return builder.gep(context.make_array(kind)(context, builder, array).data, [index])
+            return builder.gep(part_of(context, builder, kind, array, "data"), [index])
 
         size = context.get_abi_sizeof(context.get_data_type(target.dtype))
         cgutils.raw_memcpy(

@@ -129,6 +129,8 @@ class Calls(Functions):
             return constant(issubclass(python_class(self.kind_of(args[0])), args[1].constant))
         if function is len and is_tuple(args[0].kind):
             return constant(len(self.items(args[0])))
+        if function is len and isinstance(args[0].kind, types.Array) and not args[0].known:
+            return self.shape(args[0])[0]
         if function in _FOLDED and all(each.known for each in args):
             return constant(function(*(each.constant for each in args)))
         if function in (zip, enumerate):

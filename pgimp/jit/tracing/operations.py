@@ -5,15 +5,19 @@ from __future__ import annotations
 import operator
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, types
 
+from pgimp.jit.memory import part_of
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.results import is_tuple
 from pgimp.jit.tracing.emitter import Emitter
 from pgimp.jit.tracing.values import NONE, Cell, UntraceableError, Value, constant, running
+
+_INTEGER = ir.IntType(64)
 
 
 class AgainError(Exception):
@@ -126,7 +130,12 @@ class Operations(Emitter):
         kind: NumbaObject = self.kind_of(value)
         if hasattr(kind, "fields") and is_tuple(kind) and name in kind.fields:
             return self.items(value)[kind.fields.index(name)]
+        if isinstance(kind, types.Array) and name == "shape":
+            lengths = self.shape(value)
+            return running(types.UniTuple(types.intp, len(lengths)), lengths)
         found = self.typing.resolve_getattr(kind, name)
+        if isinstance(found, types.NestedArray) and isinstance(found.dtype, types.Number):
+            return self._nested(value, name)
         if found is None:
             raise UntraceableError(f"{kind} has no attribute {name}")
         emit = self.context.get_getattr(kind, name)
@@ -156,20 +165,39 @@ class Operations(Emitter):
         if not all(isinstance(self.kind_of(each), types.Integer) for each in numbers):
             return None
         builder, whole, offset = self.builder, self.content(array), None
-        place = self.context.data_model_manager[kind].get_field_position
+        part = partial(part_of, self.context, builder, kind, whole)
         for d, each in enumerate(numbers):
             known = each.known and each.constant >= 0
             at = self.content(self.cast(each, types.intp))
             length = None
             if offset is not None or not known:
-                length = builder.extract_value(whole, [place("shape"), d])
+                length = part("shape", d)
             if not known and self.kind_of(each).signed:  # from the end
                 below = builder.icmp_signed("<", at, ir.Constant(at.type, 0))
                 at = builder.select(below, builder.add(at, length), at)
             if offset is not None:
                 at = builder.add(builder.mul(offset, length), at)
             offset = at
-        return builder.gep(builder.extract_value(whole, place("data")), [offset])
+        return builder.gep(part("data"), [offset])
+
+    def shape(self, array: Value) -> list[Value]:
+        """Lengths of an array."""
+        part = partial(part_of, self.context, self.builder, array.kind, self.content(array))
+        return [running(types.intp, part("shape", d)) for d in range(array.kind.ndim)]
+
+    def _nested(self, record: Value, name: str) -> Value:
+        """An array in a record; all of it but its address is constant."""
+        kind, context, builder = record.kind.typeof(name), self.context, self.builder
+        form = context.get_value_type(kind)
+        number, offset = context.get_data_type(kind.dtype), record.kind.offset(name)
+        data = cgutils.get_record_member(builder, self.content(record), offset, number)
+        owner = (ir.Constant(each, None) for each in form.elements[:2])
+        sizes = (ir.Constant(_INTEGER, n) for n in (kind.nitems, kind.dtype.bitwidth // 8))
+        unset = ir.Constant(form.elements[4], ir.Undefined)
+        rows = ir.ArrayType(_INTEGER, kind.ndim)
+        layout = (ir.Constant(rows, [*each]) for each in (kind.shape, kind.strides))
+        whole = ir.Constant(form, [*owner, *sizes, unset, *layout])
+        return running(kind, builder.insert_value(whole, data, 4))
 
     def set_item(self, array: Value, index: Value, value: Value) -> None:
         """Set entries of an array."""

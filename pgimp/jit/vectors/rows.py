@@ -4,6 +4,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
+from pgimp.jit.memory import part_of
 from pgimp.jit.vectors.kinds import DOUBLES, vec4
 
 
@@ -14,11 +15,16 @@ def _shuffle(builder, u, v, *places):
 
 def _address(context, builder, kind, array, row, column):
     """Address of an entry of a matrix, as of a vector."""
-    matrix = context.make_array(kind)(context, builder, array)
-    shape, strides = (cgutils.unpack_tuple(builder, t) for t in (matrix.shape, matrix.strides))
-    address = cgutils.get_item_pointer2(
-        context, builder, matrix.data, shape, strides, kind.layout, [row, column]
-    )
+    data = part_of(context, builder, kind, array, "data")
+    if kind.layout == "C":
+        columns = part_of(context, builder, kind, array, "shape", 1)
+        address = builder.gep(data, [builder.add(builder.mul(row, columns), column)])
+    else:
+        parts = (part_of(context, builder, kind, array, name) for name in ("shape", "strides"))
+        shape, strides = (cgutils.unpack_tuple(builder, each) for each in parts)
+        address = cgutils.get_item_pointer2(
+            context, builder, data, shape, strides, kind.layout, [row, column]
+        )
     return builder.bitcast(address, DOUBLES.as_pointer())
 
 

@@ -19,6 +19,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic
 
+from pgimp.jit.memory import part_of
 from pgimp.jit.vectors.kinds import (
     DOUBLES,
     LANE,
@@ -38,7 +39,7 @@ def _address(context, builder, kind, array, index):
     """Address of a float64 in an array, or in a buffer on the stack."""
     if isinstance(kind, types.CPointer):
         return builder.gep(array, [index])
-    return builder.gep(context.make_array(kind)(context, builder, array).data, [index])
+    return builder.gep(part_of(context, builder, kind, array, "data"), [index])
 
 
 @intrinsic
