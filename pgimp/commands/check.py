@@ -22,11 +22,11 @@ from pgimp.scene.checks.at_start import at_start
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.later_constraints import idle_warnings
 from pgimp.scene.checks.locking import stripes
+from pgimp.scene.checks.rigid_motion import known_in_part
 from pgimp.scene.checks.sanity import body_warnings, case_warnings
 from pgimp.scene.checks.validity import impedance, repose, tearing, tool_edges
 from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.mass_scaling import scaling_notes
-from pgimp.scene.rigid.warnings import known_in_part
 from pgimp.solver.start.memory import size_text
 from pgimp.solver.start.require_memory import MemoryShortError
 from pgimp.solver.time.stability import stability_warning, stable_courant

@@ -52,7 +52,7 @@ class StepPart:
         rank : Rank
             The rank.
         order : Order
-            Its particles in the current configuration.
+            Its particles: all, or in scenes of both configurations those in the current one.
         done : int
             Number of the step before.
         """

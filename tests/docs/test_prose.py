@@ -26,6 +26,11 @@ def sources():
     return [ROOT / "README.md", *(written[name] for name in sorted(written)), *tutorials]
 
 
+def rooms():
+    """What the folders of the package say of themselves."""
+    return sorted((ROOT / "pgimp").rglob("README.md"))
+
+
 def paragraphs(text):
     """Paragraphs and items of lists, each in one line; what stands in a line whole is left out."""
     lines: list[str] = []
@@ -82,7 +87,9 @@ def test_long_lines_are_found():
     assert list(too_long(text)) == [long, f"- {long}"]
 
 
-@pytest.mark.parametrize("path", sources(), ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "path", sources() + rooms(), ids=lambda path: f"{path.parent.name}/{path.name}"
+)
 def test_lines_end_at_100_characters(path: Path):
     assert list(too_long(path.read_text(encoding="utf-8"))) == []
 

@@ -12,7 +12,9 @@ from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.parts import PARTS, parts_of
 from pgimp.solver.vertices import StepPart
 
-CALLS = ("begin", "add_forces", "book", "force_particles", "complete", "change_particles")
+CALLS = (
+    "begin", "add_forces", "slow", "book", "force_particles", "complete", "change_particles",
+)  # fmt: skip
 
 
 def test_each_kind_of_part_is_made_by_the_table():

@@ -10,9 +10,9 @@ import numpy as np
 from pgimp.geometry.regions import Points
 from pgimp.scene.checks import nearness
 from pgimp.scene.checks.locking import locking
+from pgimp.scene.checks.rigid_motion import motion_warnings
 from pgimp.scene.checks.supports import greatest
 from pgimp.scene.checks.warned import Warned, warned
-from pgimp.scene.rigid.warnings import motion_warnings
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case

@@ -8,9 +8,9 @@ import pytest
 import pgimp
 from pgimp.mpi.comm import Serial
 from pgimp.running import forecast
+from pgimp.scene.checks import rigid_motion as rigid
 from pgimp.scene.checks import sanity
 from pgimp.scene.checks.warned import WARNINGS
-from pgimp.scene.rigid import warnings as rigid
 from pgimp.solver.simulation import Simulation
 
 PACKAGE = Path(pgimp.__file__).parent

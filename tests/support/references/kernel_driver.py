@@ -73,7 +73,7 @@ def initial_half(name: str, per_cell: int) -> float:
         return 0.0
     if name.startswith("fuzzy"):
         return 1.0 if "constant" in name else 1.0 / per_cell
-    if name.endswith("gimp"):
+    if name in ("gimp", "finite-gimp"):
         return 0.5 / per_cell
     return entry(name, [per_cell]).parameters((1.0,)).half[0]
 

@@ -4,7 +4,7 @@ import pytest
 
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
-from pgimp.scene.rigid.warnings import known_in_part
+from pgimp.scene.checks.rigid_motion import known_in_part
 from pgimp.scene.scene import Scene
 
 CASE = {
