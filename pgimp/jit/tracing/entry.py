@@ -102,7 +102,12 @@ class Entry(PyCallWrapper):
             number = api.float_as_double(item)
             single = kind == types.float32
             return [builder.fptrunc(number, ir.FloatType()) if single else number], []
-        number = (api.long_as_longlong if kind.signed else api.long_as_ulonglong)(item)
+        if kind.signed:
+            number = api.long_as_longlong(item)
+        else:  # Python's function takes no numbers of NumPy
+            whole = api.number_long(item)
+            number = api.long_as_ulonglong(whole)
+            api.decref(whole)
         form = model.get_argument_type()
         return [builder.trunc(number, form) if form.width < number.type.width else number], []
 
