@@ -192,10 +192,10 @@ class Calls(Functions):
         if len(self._frames) > _DEEPEST:
             raise UntraceableError("a recursion without an end")
         self._frames.append(frame)
+        body: Any = node.body
         if isinstance(node, ast.Lambda):
-            found = self.expression(node.body, frame)
-        else:
-            found = self._body(node.body, frame)
+            body = [ast.copy_location(ast.Return(body), body)]
+        found = self._body(body, frame)
         self._frames.pop()
         self.builder.contracts = before
         return self.released(found, frame)
