@@ -51,6 +51,21 @@ def one_file(tmp_path):
     return path
 
 
+def adding(number):
+    return lambda x: x + number
+
+
+def test_namesakes_have_files_of_their_own(tmp_path):
+    """On one line, too; kernels that read variables of a function around them have none."""
+    functions = [lambda x: x + 1.0, lambda x: x + 2.0, adding(3.0), adding(4.0)]
+    for _ in range(2):
+        for number, function in enumerate(functions):
+            compiled = kernel(function)
+            compiled._cache = KernelCache(function, tmp_path)
+            assert compiled(0.5) == number + 1.5
+    assert len([*tmp_path.iterdir()]) == 2
+
+
 def test_a_flipped_bit_anywhere_is_found(one_file):
     """In the seal, in the pickles and in the machine code; what is compiled replaces the file."""
     whole, rng = one_file.read_bytes(), random.Random(SEED)

@@ -136,12 +136,15 @@ class KernelCache(NullCache):
 
 @cache
 def _source(function: Callable) -> str:
-    """Return the source of a function; empty if it is in no file."""
+    """Return the source of a function; empty if it is in no file, or made in another function."""
     if function.__module__.partition(".")[0] == "pgimp":
         return "pgimp"  # represented by the name of the folder
+    code = function.__code__
+    if function.__closure__:
+        return ""
     try:
-        path = Path(getfile(function))
-        return f"{path} {sha256(path.read_bytes()).hexdigest()}"
+        path, places = Path(getfile(function)), [*code.co_positions()]  # it may have namesakes
+        return f"{path} {sha256(path.read_bytes() + repr(places).encode()).hexdigest()}"
     except (OSError, TypeError):
         return ""
 

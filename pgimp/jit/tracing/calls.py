@@ -12,6 +12,7 @@ from typing import Any
 from llvmlite import ir
 from numba.core import types
 from numba.core.dispatcher import Dispatcher
+from numpy import ndarray
 
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.results import is_tuple
@@ -50,6 +51,9 @@ class Calls(Functions):
                 items = [self.typed(each) for each in self._generated(node.args[0], frame)]
                 if node.func.id == "tuple":
                     return tuple_of(items)
+                if node.func.id == "sum":
+                    begin = [*node.args[1:], *(each.value for each in node.keywords)]
+                    items = [*self.listed(begin, frame), *items]
                 if node.func.id != "sum":
                     items = [self.truth(each) for each in items]
                 operation, first = _GENERATED[node.func.id]
@@ -87,7 +91,10 @@ class Calls(Functions):
             items = self.items(over)
         for item in items:
             self.assign(loops[0].target, item, frame)
-            if all(self.condition(each, frame).constant for each in loops[0].ifs):
+            tests = [self.condition(each, frame) for each in loops[0].ifs]
+            if not all(each.known for each in tests):
+                raise UntraceableError("items of a generator by what only the run knows")
+            if all(each.constant for each in tests):
                 found += self._values(wanted, loops[1:], frame)
         return found
 
@@ -98,10 +105,8 @@ class Calls(Functions):
     def _result(self, function: Any, args: list[Value], named: dict[str | None, Value]) -> Value:
         fields = getattr(function, "_fields", None)
         if fields is not None:
-            given = {**dict(zip(fields, args, strict=False)), **named}
-            rest = {name: constant(value) for name, value in function._field_defaults.items()}
-            items = [self.typed({**rest, **given}[name]) for name in fields]
-            return tuple_of(items, function)
+            items = in_order(function.__name__, fields, function._field_defaults, args, named)
+            return tuple_of([*map(self.typed, items)], function)
         is_pythons = function is hasattr or not is_known(function, self.typing)
         if (
             is_pythons
@@ -110,9 +115,13 @@ class Calls(Functions):
             and any(map(is_object, args))
         ):
             return constant(function(*(each.constant for each in args)))
+        python = getattr(function, "py_func", function)
+        if named and isinstance(python, FunctionType):
+            names = python.__code__.co_varnames[: python.__code__.co_argcount]
+            defaults = python.__defaults__ or ()
+            known = dict(zip(names[len(names) - len(defaults) :], defaults, strict=True))
+            args, named = in_order(python.__qualname__, names, known, args, named), {}
         if isinstance(function, FunctionType):
-            names = function.__code__.co_varnames[: function.__code__.co_argcount]
-            args = [*args, *(named.pop(each) for each in names[len(args) :] if each in named)]
             if hasattr(function, "of_types"):
                 kinds = (each.constant if is_object(each) else self.kind_of(each) for each in args)
                 return constant(function(*kinds))
@@ -124,9 +133,16 @@ class Calls(Functions):
         if named and function is not zip:
             raise UntraceableError(f"{function} with named arguments")
         if function is range:
+            if not all(isinstance(self.kind_of(each), types.Integer) for each in args):
+                raise UntraceableError("a range whose bounds are no integers")
             return Value(None, None, Range(args))
         if function is isinstance:
-            return constant(issubclass(python_class(self.kind_of(args[0])), args[1].constant))
+            classes = args[1].constant
+            if is_tuple(args[1].kind):
+                classes = tuple(each.constant for each in self.items(args[1]))
+            if args[0].known:
+                return constant(isinstance(args[0].constant, classes))
+            return constant(issubclass(python_class(self.kind_of(args[0])), classes))
         if function is len and is_tuple(args[0].kind):
             return constant(len(self.items(args[0])))
         if function is len and isinstance(args[0].kind, types.Array) and not args[0].known:
@@ -137,7 +153,8 @@ class Calls(Functions):
             lists = [self.items(each) for each in args]
             if function is enumerate:
                 lists.insert(0, [constant(i) for i in range(len(lists[0]))])
-            return tuple_of([tuple_of(row) for row in zip(*lists, strict=True)])
+            strict = "strict" in named and bool(named["strict"].constant)
+            return tuple_of([tuple_of(row) for row in zip(*lists, strict=strict)])
         if function in (min, max):
             values = self.items(args[0]) if len(args) == 1 else args
             return reduce(lambda one, other: self._chosen_or_known(function, [one, other]), values)
@@ -169,16 +186,18 @@ class Calls(Functions):
         node = source_of(function)
         missing = len(node.args.args) - len(args)
         defaults = function.__defaults__ or ()
+        if not 0 <= missing <= len(defaults):
+            raise UntraceableError(f"{function.__qualname__} is given {len(args)} arguments")
         given = [*args, *(constant(each) for each in defaults[len(defaults) - missing :])]
         frame = Frame(function, node, given)
         before, self.builder.contracts = self.builder.contracts, contracts
         if len(self._frames) > _DEEPEST:
             raise UntraceableError("a recursion without an end")
         self._frames.append(frame)
+        body: Any = node.body
         if isinstance(node, ast.Lambda):
-            found = self.expression(node.body, frame)
-        else:
-            found = self._body(node.body, frame)
+            body = [ast.copy_location(ast.Return(body), body)]
+        found = self._body(body, frame)
         self._frames.pop()
         self.builder.contracts = before
         return self.released(found, frame)
@@ -204,6 +223,17 @@ class Calls(Functions):
         raise NotImplementedError
 
 
+def in_order(
+    name: str, names: Sequence[str], defaults: dict, args: Sequence[Value], named: dict
+) -> list[Value]:
+    """Arguments in a function's order, by place, by name and by default."""
+    given = {**dict(zip(names, args, strict=False)), **named}
+    rest = {each: constant(value) for each, value in defaults.items() if each not in given}
+    if len(given) != len(args) + len(named) or {*given, *rest} != {*names}:
+        raise UntraceableError(f"{name} takes {', '.join(names)}")
+    return [{**rest, **given}[each] for each in names]
+
+
 def is_traced(function: NumbaObject) -> bool:
     """Whether a compiled function is a kernel, or one of the package's that is inlined."""
     is_kernel = hasattr(function._compiler.pipeline_class, "traces")
@@ -211,9 +241,12 @@ def is_traced(function: NumbaObject) -> bool:
 
 
 def python_class(kind: NumbaObject) -> type:
-    """Class of Python's values of a Numba type: of numbers and NamedTuples."""
-    numbers: Any = ((types.Boolean, bool), (types.Integer, int), (types.Float, float))
-    found = next((own for numba, own in numbers if isinstance(kind, numba)), NoneType)
+    """Class of Python's values of a Numba type: of numbers, arrays and tuples."""
+    known: Any = (
+        (types.Boolean, bool), (types.Integer, int), (types.Float, float), (types.Complex, complex),
+        (types.Array, ndarray), (types.BaseTuple, tuple),
+    )  # fmt: skip
+    found = next((own for numba, own in known if isinstance(kind, numba)), NoneType)
     return getattr(kind, "instance_class", found)
 
 

@@ -113,7 +113,7 @@ class Emitter:
             kinds = [self.unified(*both) for both in zip(one, other, strict=True)]
             return types.BaseTuple.from_types(kinds, getattr(one, "instance_class", None))
         found = self.typing.unify_types(one, other)
-        if found is None:
+        if found is None or isinstance(found, types.Optional):
             raise UntraceableError(f"a value would be {one} or {other}")
         return found
 

@@ -47,7 +47,12 @@ class Entry(PyCallWrapper):
         self, api: NumbaObject, builder: NumbaObject, closure: Any, args: Any, kws: Any
     ) -> None:
         """Emit its instructions."""
-        parts, failed = [], [cgutils.is_not_null(builder, kws)]
+        wanted = len(self.fndesc.argtypes)
+        other = builder.icmp_signed("!=", api.tuple_size(args), ir.Constant(api.py_ssize_t, wanted))
+        with cgutils.if_unlikely(builder, builder.or_(cgutils.is_not_null(builder, kws), other)):
+            api.err_set_string("PyExc_TypeError", f"{wanted} arguments by position are wanted")
+            builder.ret(api.get_null_object())
+        parts, failed = [], []
         used = iter(self.used)
         environment = self.get_env(api, builder)
         for taken in self._taken(api, builder, self.fndesc.argtypes, used, lambda: args):
@@ -102,7 +107,12 @@ class Entry(PyCallWrapper):
             number = api.float_as_double(item)
             single = kind == types.float32
             return [builder.fptrunc(number, ir.FloatType()) if single else number], []
-        number = (api.long_as_longlong if kind.signed else api.long_as_ulonglong)(item)
+        if kind.signed:
+            number = api.long_as_longlong(item)
+        else:  # Python's function takes no numbers of NumPy
+            whole = api.number_long(item)
+            number = api.long_as_ulonglong(whole)
+            api.decref(whole)
         form = model.get_argument_type()
         return [builder.trunc(number, form) if form.width < number.type.width else number], []
 

@@ -6,6 +6,7 @@ import ast
 import operator
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial, reduce
 from typing import Any
 
 from llvmlite import ir
@@ -34,7 +35,7 @@ OPERATIONS: dict[type, Callable] = {
     ast.UAdd: operator.pos, ast.Invert: operator.invert, ast.Eq: operator.eq,
     ast.NotEq: operator.ne, ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt,
     ast.GtE: operator.ge, ast.Is: operator.is_, ast.IsNot: operator.is_not,
-    ast.In: lambda one, other: one in other,
+    ast.In: lambda one, other: one in other, ast.NotIn: lambda one, other: one not in other,
 }  # fmt: skip
 
 #: Index of an array or a tuple: a value, a slice of values, or a list of such.
@@ -74,7 +75,7 @@ class Expressions(Operations):
                     return constant(function(value.constant))
                 return self.call(function, [value])
             case ast.BoolOp():
-                return self._chain(node.values, isinstance(node.op, ast.Or), frame)
+                return self._chain(node, node.values, frame, self.expression)
             case ast.IfExp():
                 return self._choice(node, frame)
         raise UntraceableError(f"{type(node).__name__} is not for kernels")
@@ -119,7 +120,7 @@ class Expressions(Operations):
     def condition(self, node: ast.expr, frame: Frame) -> Value:
         """Truth of an expression."""
         if isinstance(node, ast.BoolOp):
-            return self._chain(node.values, isinstance(node.op, ast.Or), frame)
+            return self._chain(node, node.values, frame, self.condition)
         return self.truth(self.expression(node, frame))
 
     def truth(self, value: Value) -> Value:
@@ -142,38 +143,51 @@ class Expressions(Operations):
             return constant(not value.constant)
         return running(types.boolean, self.builder.not_(self.content(value)))
 
-    def _chain(self, nodes: Sequence[ast.expr], ends: bool, frame: Frame) -> Value:
-        """Truth of a chain of conditions, which ends with the first one that is `ends`."""
-        first = self.condition(nodes[0], frame)
+    def _chain(
+        self, node: ast.BoolOp, nodes: Sequence[ast.expr], frame: Frame, take: Callable
+    ) -> Value:
+        """The first value of a chain that ends it, as the first true one ends one of ``or``."""
+        first, ends = take(nodes[0], frame), isinstance(node.op, ast.Or)
         if len(nodes) == 1:
             return first
-        if first.known:
-            return first if first.constant == ends else self._chain(nodes[1:], ends, frame)
+        truth = self.truth(first)
+        if truth.known:
+            return first if truth.constant == ends else self._chain(node, nodes[1:], frame, take)
         builder = self.builder
         more, after, block = self.new_block(), self.new_block(), builder.block
-        builder.cbranch(self.content(first), *((after, more) if ends else (more, after)))
+        builder.cbranch(self.content(truth), *((after, more) if ends else (more, after)))
         builder.position_at_end(more)
-        rest = self._chain(nodes[1:], ends, frame)
+        rest = self._chain(node, nodes[1:], frame, take)
         end = builder.block
         builder.branch(after)
         builder.position_at_end(after)
-        return self.met_as([(constant(ends), block), (rest, end)], types.boolean)
+        return self.met([(constant(ends) if first is truth else first, block), (rest, end)])
 
     def _comparison(self, node: ast.Compare, frame: Frame) -> Value:
         left, found = self.expression(node.left, frame), constant(True)
         for sign, each in zip(node.ops, node.comparators, strict=True):
             right = self.expression(each, frame)
-            function = OPERATIONS[type(sign)]
-            if left.known and right.known:
-                this = constant(function(left.constant, right.constant))
-            else:
-                this = self.call(function, [left, right])
+            this = self._compared(sign, left, right)
             if not found.known and not this.known:
                 this = self.call(operator.and_, [found, this])
             elif (found.known and not found.constant) or (this.known and this.constant):
                 this = found
             left, found = right, this
         return found
+
+    def _compared(self, sign: ast.cmpop, left: Value, right: Value) -> Value:
+        function = OPERATIONS[type(sign)]
+        if left.known and right.known:
+            return constant(function(left.constant, right.constant))
+        if isinstance(sign, ast.In | ast.NotIn) and is_tuple(right.kind):
+            same = [self._compared(ast.Eq(), left, each) for each in self.items(right)]
+            if any(each.known and each.constant for each in same):
+                found = constant(True)
+            else:
+                unknown = [each for each in same if not each.known] or [constant(False)]
+                found = reduce(partial(self.operation, ast.BitOr()), unknown)
+            return found if isinstance(sign, ast.In) else self.negated(found)
+        return self.call(function, [left, right])
 
     def _choice(self, node: ast.IfExp, frame: Frame) -> Value:
         test = self.condition(node.test, frame)
@@ -240,6 +254,8 @@ class Expressions(Operations):
         items = self.items(value)
         if isinstance(index, slice):
             bounds = (index.start, index.stop, index.step)
+            if not all(each is None or each.known for each in bounds):
+                raise UntraceableError("a part of a tuple whose length only the run knows")
             return tuple_of(items[slice(*(each and each.constant for each in bounds))])
         if index.known:
             # It is beyond the end only behind a condition that is false when the kernel runs.
@@ -248,10 +264,14 @@ class Expressions(Operations):
 
     def _any_item(self, items: list[Value], index: Value) -> Value:
         """Item of a tuple by a number that is known only when the kernel runs."""
+        if not isinstance(index.kind, types.Integer | types.Boolean):
+            raise UntraceableError(f"{index.kind} as the index of a tuple")
         kind = items[0].kind
         for each in items[1:]:
             kind = self.unified(kind, each.kind)
-        at, found = self.content(index), self.cast(items[-1], kind)
+        at, found = self.content(self.cast(index, types.intp)), self.cast(items[-1], kind)
+        below = self.builder.icmp_signed("<", at, ir.Constant(at.type, 0))  # from the end
+        at = self.builder.select(below, self.builder.add(at, ir.Constant(at.type, len(items))), at)
         for number, each in reversed([*enumerate(items[:-1])]):
             here = self.builder.icmp_signed("==", at, ir.Constant(at.type, number))
             found = self.select(here, self.cast(each, kind), found)

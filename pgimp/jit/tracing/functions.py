@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from types import FunctionType
 from typing import Any
 
@@ -15,7 +15,7 @@ from pgimp.jit.tracing.emitter import Builder
 from pgimp.jit.tracing.entry import flat
 from pgimp.jit.tracing.expressions import Expressions
 from pgimp.jit.tracing.frame import Frame
-from pgimp.jit.tracing.values import Argument, UntraceableError, Value, running
+from pgimp.jit.tracing.values import Argument, UntraceableError, Value, constant, running
 
 
 class Functions(Expressions):
@@ -29,6 +29,7 @@ class Functions(Expressions):
         # Functions of their own by types of arguments, and the types of their results.
         # For each of their arguments, number by number, array by array, whether it is passed.
         self._functions: dict[tuple, tuple[ir.Function, NumbaObject, list[bool]]] = {}
+        self._begun: set[tuple] = set()  # those being defined
 
     def inlined(self, function: FunctionType, contracts: bool, args: Sequence[Value]) -> Value:
         """Result of a function, whose instructions are emitted here."""
@@ -41,13 +42,13 @@ class Functions(Expressions):
         contracts: bool,
         args: Sequence[Value],
         whole: bool = False,
-    ) -> tuple[NumbaObject, list[Argument]]:
+    ) -> tuple[Value, list[Argument]]:
         """Emit a function for arguments like the given ones.
 
         Returns
         -------
-        kind
-            Type of its result.
+        value
+            Its result.
         arguments : list of Argument
             Its numbers and arrays, one by one. The function is given those that it uses, unless
             `whole`.
@@ -62,6 +63,10 @@ class Functions(Expressions):
         def argument(kind: NumbaObject) -> Value:
             if is_tuple(kind):
                 return running(kind, [*map(argument, kind)])
+            if isinstance(kind, types.Omitted):
+                return constant(kind.value)
+            if kind == types.pyobject:
+                raise UntraceableError("an object in a tuple is given to a function of its own")
             arguments.append(self._argument(kind, given, first))
             return arguments[-1]
 
@@ -82,7 +87,7 @@ class Functions(Expressions):
         builder.position_at_end(first)
         builder.branch(start)
         self.builder, self._frames = outer, frames
-        return result, arguments
+        return value, arguments
 
     def _argument(self, kind: NumbaObject, given: Iterator, block: Any) -> Argument:
         """A number or an array, whose parts come one by one; it is made at the end of a block."""
@@ -106,9 +111,14 @@ class Functions(Expressions):
 
     def outlined(self, function: NumbaObject, contracts: bool, args: Sequence[Value]) -> Value:
         """Result of a function of its own, which LLVM inlines where that is worth it."""
+        objects = tuple(each.constant if is_object(each) else None for each in args)
+        if not all(isinstance(each, Hashable) for each in objects):  # a range, an array's constant
+            return self.inlined(function.py_func, contracts, args)
         convention, passed = self.context.call_conv, [x for x in args if not is_object(x)]
         kinds = tuple(map(self.kind_of, passed))
-        key = function, kinds, *(each.constant for each in args if is_object(each))
+        key = function, kinds, objects, tuple(map(type, objects))
+        if key in self._begun:
+            raise UntraceableError(f"{function.__qualname__} calls itself with the same types")
         if key not in self._functions:
             form = convention.get_function_type(types.none, kinds)
             name = self.module.get_unique_name(function.py_func.__qualname__)
@@ -117,8 +127,11 @@ class Functions(Expressions):
             if hasattr(function.py_func, "is_separate"):
                 entry.attributes.add("noinline")
             convention.decorate_function(entry, [f"{i}" for i in range(len(kinds))], kinds)
-            result, arguments = self.define(entry, function.py_func, contracts, args)
-            self._functions[key] = entry, result, [each.used for each in arguments]
+            self._begun.add(key)
+            value, arguments = self.define(entry, function.py_func, contracts, args)
+            self._begun.remove(key)
+            needed = [each.used for each in arguments]
+            self._functions[key] = entry, self.kind_of(value), needed
         entry, result, needed = self._functions[key]
         builder, leaves = self.builder, [leaf for each in passed for leaf in self._leaves(each)]
         used = zip(leaves, needed, strict=True)

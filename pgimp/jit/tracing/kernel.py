@@ -15,9 +15,10 @@ from numba.core.typing.templates import signature
 
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.tracing.entry import Entry, is_simple
+from pgimp.jit.tracing.functions import arrays_of
 from pgimp.jit.tracing.operations import AgainError
 from pgimp.jit.tracing.statements import Tracer
-from pgimp.jit.tracing.values import Argument, running
+from pgimp.jit.tracing.values import Argument, UntraceableError, running
 
 #: Depth of Python's stack for functions in functions in functions.
 _DEEPEST = 10_000
@@ -83,12 +84,14 @@ def _compiled(state: NumbaObject, widened: dict) -> NumbaObject:
             form = ir.FunctionType(entry.ftype.return_type, entry.ftype.args)
             lean = ir.Function(module, form, f"{entry.name}.lean")
             lean.attributes.add("noinline")
-            result, taken = tracer.define(lean, function.func, contracts, args)
+            value, taken = tracer.define(lean, function.func, contracts, args)
+            if not all(isinstance(each, Argument) for each in arrays_of(value)):
+                raise UntraceableError(f"{function.func_qualname} returns an array that it makes")
             _forward(entry, lean, taken)
         else:
             lean = None
-            result, taken = tracer.define(entry, function.func, contracts, args, whole=True)
-        description.restype = result
+            value, taken = tracer.define(entry, function.func, contracts, args, whole=True)
+        description.restype = result = tracer.kind_of(value)
         context.post_lowering(module, library)
         library.add_ir_module(module)
         if lean is not None:

@@ -87,6 +87,8 @@ class Loops(Calls):
         match node.target:
             case ast.Name():
                 value = self.name(node.target.id, frame)
+                if isinstance(value.kind, types.Array):
+                    raise UntraceableError(f"write {node.target.id}[:] for what is in the array")
                 value = self.operation(node.op, value, self.expression(node.value, frame))
                 self._name(node.target.id, value, frame)
             case ast.Attribute():
@@ -178,7 +180,9 @@ class Loops(Calls):
         head, body, after = self.new_block(), self.new_block(), self.new_block()
         builder.branch(head)
         builder.position_at_end(head)
+        frame.loops.append((head, after))
         test = self.condition(node.test, frame)
+        frame.loops.pop()
         builder.cbranch(self.content(test), body, after)
         builder.position_at_end(body)
         self._turn(node, (head, after), frame)

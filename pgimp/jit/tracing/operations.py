@@ -160,7 +160,7 @@ class Operations(Emitter):
         dense = isinstance(kind, types.Array) and kind.layout == "C" and kind.aligned
         if not dense or not isinstance(kind.dtype, types.Number | types.Record):
             return None
-        if len(numbers) != kind.ndim or self.context.enable_boundscheck:
+        if len(numbers) != kind.ndim or not numbers or self.context.enable_boundscheck:
             return None
         if not all(isinstance(self.kind_of(each), types.Integer) for each in numbers):
             return None

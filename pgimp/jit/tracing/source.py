@@ -68,11 +68,13 @@ def source_of(function: FunctionType) -> Function:
 
 @cache
 def stored(node: ast.AST) -> Names:
-    """Names that a statement gives a value."""
+    """Names that a statement gives a value; those of a generator are its own."""
+    loops = [each.target for each in ast.walk(node) if isinstance(each, ast.comprehension)]
+    own = {each for target in loops for each in ast.walk(target)}
     return frozenset(
         each.id
         for each in ast.walk(node)
-        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
+        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store) and each not in own
     )
 
 

@@ -6,10 +6,18 @@ import ast
 from collections.abc import Sequence
 from typing import Any
 
+from numba.core import errors
+
 from pgimp.jit.tracing.frame import Frame
 from pgimp.jit.tracing.loops import Loops
 from pgimp.jit.tracing.source import living
 from pgimp.jit.tracing.values import NONE, Cell, UntraceableError, Value
+
+#: Errors that become errors of the kernel, with a place.
+_OTHERS = (
+    ArithmeticError, AssertionError, AttributeError, LookupError, NotImplementedError, TypeError,
+    ValueError, errors.NumbaError,
+)  # fmt: skip
 
 
 class Tracer(Loops):
@@ -21,14 +29,21 @@ class Tracer(Loops):
             try:
                 found = self._statement(each, frame)
             except UntraceableError as error:
-                file, name = frame.function.__code__.co_filename, frame.function.__qualname__
-                error.add_note(f"{file}:{each.lineno}, in {name}")
+                self._place(error, each, frame)
                 raise
+            except _OTHERS as error:  # of Python's functions and of Numba
+                mine = UntraceableError(f"{type(error).__name__}: {error}")
+                self._place(mine, each, frame)
+                raise mine from error
             if found is not None:
                 return found
             if self.builder.block.is_terminated:
                 break
         return None
+
+    def _place(self, error: Exception, node: ast.stmt, frame: Frame) -> None:
+        file, name = frame.function.__code__.co_filename, frame.function.__qualname__
+        error.add_note(f"{file}:{node.lineno}, in {name}")
 
     def _statement(self, node: ast.stmt, frame: Frame) -> Value | None:
         match node:

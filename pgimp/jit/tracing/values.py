@@ -93,8 +93,9 @@ def constant(content: object) -> Value:
 
 
 def tuple_of(items: Sequence[Value], kind: type | None = None) -> Value:
-    """Tuple of typed values; a NamedTuple if its class is given."""
-    return running(types.BaseTuple.from_types([each.kind for each in items], kind), [*items])
+    """Tuple of typed values and objects; a NamedTuple if its class is given."""
+    kinds = [types.pyobject if each.kind is None else each.kind for each in items]
+    return running(types.BaseTuple.from_types(kinds, kind), [*items])
 
 
 def _named_tuple(kind: type) -> type | None:
@@ -111,6 +112,7 @@ class Range:
     """
 
     __slots__ = ("bounds",)
+    __hash__ = None  # type: ignore[assignment]  # bounds are values of the function around it
 
     def __init__(self, args: Sequence[Value]) -> None:
         begin = args[0] if len(args) > 1 else constant(0)
