@@ -23,11 +23,11 @@ from blocks import block, create
 from numba.core.dispatcher import Dispatcher
 from report import number, origin, write
 
-from pgimp.solver import transfers, vertices
+from pgimp.solver import particle_groups, transfers, vertices
 from pgimp.solver.contact import base
 
 #: What calls the kernels of a step.
-CALLERS = (transfers, vertices, base)
+CALLERS = (transfers, particle_groups, vertices, base)
 #: What kernels are compiled for, whatever the machine: AVX2; valgrind does not know AVX-512.
 CPU = {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""}
 #: Scenes by name: cells of a block of gimp particles at random places, 2 a cell and direction.

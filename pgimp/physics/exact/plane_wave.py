@@ -118,7 +118,7 @@ def _stress(X, solution, strain):
     """Cauchy stress, as in ``particles.sigma``."""
     normal = tuple(_normal(solution, strain, d) for d in range(3))
     pairs = ((0, 1), (1, 2), (0, 2))[: (0, 1, 3)[len(X) - 1]]
-    return (*normal, *(_shear(solution, strain, i, j) for i, j in pairs))
+    return (*normal, *tuple(_shear(solution, strain, i, j) for i, j in pairs))
 
 
 class PlaneWave(Solution):

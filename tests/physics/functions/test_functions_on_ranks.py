@@ -26,7 +26,7 @@ def case():
     push = named("breathing", mean=0.3, swing=0.4, rate=8.0)
     found = scene(
         2, body, cells=[18, 6], end=0.6, step={"courant": 0.3}, body_force=force,
-        gravity=[push, -0.5], start={"stress": named("squeezing", p=0.8, wave=0.7)},
+        gravity=[push, -0.5], start={"stress": named("squeezing", p=0.8, wave=0.7, mean=0.0)},
         boundaries={"y-min": "slip"}, checkpoint={"every": {"steps": 5}, "keep": 9},
         output={"every": 0.2, "fields": ["velocity", "stress"]}, history={"every": {"steps": 4}},
     )  # fmt: skip

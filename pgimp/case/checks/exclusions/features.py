@@ -118,8 +118,13 @@ begins_moving = of_bodies(
     "velocity",
     lambda body, _: not isinstance(body.velocity, tuple) or any(body.velocity),
 )
-not_across = named(
-    "laws but hooke, neo-hookean, von-mises", "materials", "model", lambda law: not law.PLANE_STRESS
+not_across = Feature(
+    "laws but hooke, neo-hookean, von-mises",
+    lambda materials: (
+        Place(("materials", name, "model"), getattr(law, "model", "it"))
+        for name, law in materials.items()
+        if not law.PLANE_STRESS
+    ),
 )
 
 # Rigid bodies, what moves and what acts along an axis, and contact.
