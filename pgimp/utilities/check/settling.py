@@ -22,7 +22,7 @@ from pgimp.solver.time.clock import Step, settling_clock
 #: Transits along the body in which it rests: of a compact one the fewest and the most, and the
 #: most over the slenderness of one that bends. Half periods in which a liquid rests. Measured by
 #: `scripts/quiet settle`, rounded outwards.
-_FEWEST, _COMPACT, _BENDING, _SLOSHING = 4.0, 8.0, 7.0, 3.0
+_FEWEST, _COMPACT, _BENDING, _SLOSHING = 4.0, 8.0, 9.0, 3.0
 
 
 class Settling(NamedTuple):
