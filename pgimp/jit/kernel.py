@@ -6,6 +6,7 @@ Compiled kernels are kept on disk, see `pgimp.jit.compiled.folder` and `pgimp.ji
 import os
 import sys
 from collections.abc import Callable
+from functools import wraps
 
 from pgimp.jit.compiled.folder import cache_folder
 
@@ -99,10 +100,17 @@ def of_types(predicate: Callable) -> Callable:
     """Have functions that are inlined ask a function of Numba types about their values.
 
     It gets the types of its arguments, of functions, classes and texts these themselves. Its result
-    is a constant of the kernel: a truth, a number, a tuple, a function to call.
+    is a constant of the kernel: a truth, a number, a tuple, a function to call. Python, which runs
+    functions of known texts while a kernel is traced, asks about numbers.
     """
-    predicate.of_types = True  # type: ignore[attr-defined]
-    return predicate
+
+    @wraps(predicate)
+    def asked(*args: NumbaObject) -> object:
+        known = (numba.typeof(each) if isinstance(each, int | float) else each for each in args)
+        return predicate(*known)
+
+    asked.of_types = True  # type: ignore[attr-defined]
+    return asked
 
 
 @of_types

@@ -6,7 +6,15 @@ import numba
 import numpy as np
 import pytest
 
-from pgimp.jit.kernel import allocating_kernel, class_of, inlined, is_empty, is_record, kernel
+from pgimp.jit.kernel import (
+    allocating_kernel,
+    class_of,
+    inlined,
+    is_empty,
+    is_number,
+    is_record,
+    kernel,
+)
 
 FACTORS = {"half": 0.5, "pair": (2.0, 3.0)}
 
@@ -63,6 +71,20 @@ def test_classes_and_constants_choose():
     line, square = 3.0 * 2.0, 1.5 * 4.0 + 3.0 * 2.0
     expected = line, 0.5 * square, line + 5.0 * (2.0 + 1.0), line
     assert values((Line(3.0), Square(1.5)), 2.0) == pytest.approx(expected, rel=1e-14)
+
+
+def doubled(name, x):
+    """Run by Python where both are known, which is asked about types too."""
+    return 2.0 * x if name == "twice" and is_number(x) else x
+
+
+@kernel
+def doubles(x):
+    return doubled("twice", 0.5), doubled("twice", x), doubled("once", True)
+
+
+def test_python_is_asked_about_types_as_the_kernel_is():
+    assert doubles(3) == (1.0, 6.0, True) == (doubled("twice", 0.5), doubled("twice", 3), True)
 
 
 @inlined

@@ -1,5 +1,6 @@
 """Traced kernels as Python: arguments by name, chains, generators, indices, classes."""
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -130,6 +131,44 @@ def test_ranges_tables_and_constant_arrays_are_arguments():
     place = np.array(1.0)
     assert handed_over(3, 1.0, place) == (3.0, 3.0, 4.0, 34.0)
     assert place == 4.0
+
+
+def one(value):
+    return 1
+
+
+def half(value):
+    return 0.5 * value
+
+
+@inlined
+def total_of(function, values):
+    total = 0
+    for each in values:
+        total += function(each)
+    return total
+
+
+class Kind(IntEnum):
+    FIRST = 1
+    SECOND = 2
+
+
+NUMBERS = [0.5, 1.5]
+
+
+@kernel
+def totals(values, n):
+    """Of integers by one function and of floats by another; of objects that only Python has."""
+    table = tuple(NUMBERS[i] for i in range(len(NUMBERS)))
+    found = total_of(one, values), total_of(half, values), Kind.SECOND * n, values[Kind.FIRST]
+    return *found, *table, ROW.sum(), len(TABLE)
+
+
+def test_functions_enumerations_and_lists_are_known():
+    found = totals(ROW, 3)
+    assert found == (5, 5.0, 6, 1.0, 0.5, 1.5, 10.0, 2)
+    assert [*map(type, found)] == [int, float, int, *[float] * 4, int]
 
 
 @inner_kernel

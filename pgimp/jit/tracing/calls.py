@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ast
+import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cache, partial, reduce
 from math import isqrt
-from types import BuiltinFunctionType, FunctionType, NoneType
+from types import BuiltinFunctionType, FunctionType, ModuleType, NoneType
 from typing import Any
 
 from llvmlite import ir
@@ -25,7 +27,7 @@ from pgimp.jit.tracing.values import NONE, Range, UntraceableError, Value, const
 _DEEPEST = 200
 
 #: Functions whose results are computed where all their arguments are constants.
-_FOLDED = (min, max, abs, int, float, bool, isqrt)
+_FOLDED = (min, max, abs, int, float, bool, isqrt, len)
 
 #: Functions of generators: the operation between items, and the result without any.
 _GENERATED = {
@@ -112,7 +114,7 @@ class Calls(Functions):
             is_pythons
             and not named
             and all(each.known for each in args)
-            and any(map(is_object, args))
+            and (any(map(is_object, args)) or is_method(function))
         ):
             return constant(function(*(each.constant for each in args)))
         python = getattr(function, "py_func", function)
@@ -168,7 +170,7 @@ class Calls(Functions):
         if not found:
             return self.call(function, args)
         literal = any(each.prefer_literal for each in found)
-        kinds = tuple(self.kind_of(each, literal) for each in args)
+        kinds = tuple(self._seen(each, literal) for each in args)
         key = function, kinds
         if key not in self._chosen:
             made = [(each._overload_func(*kinds), each._jit_options) for each in found]
@@ -180,6 +182,12 @@ class Calls(Functions):
         if isinstance(function, FunctionType):
             raise UntraceableError(f"{function.__qualname__} is not for {kinds}")
         return self.call(function, args)
+
+    def _seen(self, value: Value, literal: bool) -> NumbaObject:
+        """Type that functions are chosen by; one of all objects that Numba has no type for."""
+        with suppress(ValueError):
+            return self.kind_of(value, literal)
+        return types.pyobject
 
     def inlined(self, function: FunctionType, contracts: bool, args: Sequence[Value]) -> Value:
         """Result of a function, whose instructions are emitted here."""
@@ -232,6 +240,11 @@ def in_order(
     if len(given) != len(args) + len(named) or {*given, *rest} != {*names}:
         raise UntraceableError(f"{name} takes {', '.join(names)}")
     return [{**rest, **given}[each] for each in names]
+
+
+def is_method(function: Any) -> bool:
+    """Whether a function is one of an object, and not of a module as Python's own are."""
+    return not isinstance(getattr(function, "__self__", sys), ModuleType)
 
 
 def is_traced(function: NumbaObject) -> bool:

@@ -62,7 +62,8 @@ class Emitter:
     def kind_of(self, value: Value, literal: bool = False) -> NumbaObject:
         """Numba type of a value; of a constant its literal type, if it is asked for."""
         if literal and value.known and isinstance(value.constant, int | str):
-            return types.literal(value.constant)
+            is_number = isinstance(value.constant, int) and not isinstance(value.constant, bool)
+            return types.literal(int(value.constant) if is_number else value.constant)  # of an enum
         if value.kind is None:
             if isinstance(value.constant, str):
                 return types.unicode_type

@@ -47,10 +47,10 @@ class Frame:
         self.exit: Any = None
         self.returned: list[tuple[Value, Any]] = []
         self.owned: list[tuple[NumbaObject, Any]] = []
-        self._key = function.__code__, tuple(each.kind for each in args)
+        self._key = function.__code__, tuple(map(_what, args))
 
     def key(self, name: str, line: int) -> tuple[Any, ...]:
-        """What tells a variable of the loop at a line from others, also by types of arguments."""
+        """What tells a variable of the loop at a line from others, also by types and functions."""
         return *self._key, name, line
 
     def outer(self, name: str) -> Value:
@@ -63,3 +63,9 @@ class Frame:
             if name in space:
                 return constant(space[name])
         raise UntraceableError(f"{name} has no value")
+
+
+def _what(value: Value) -> Any:
+    """What decides about the types of variables in a function that is given a value."""
+    found = getattr(value.constant, "py_func", value.constant)
+    return getattr(found, "__code__", found if isinstance(found, type | str) else value.kind)
