@@ -34,7 +34,7 @@ def measured():
                 yield name, kind, "initial", 0.3, int(own)
 
 
-@pytest.mark.parametrize(("name", "kind", "configuration", "courant", "steps"), measured())
+@pytest.mark.parametrize(("name", "kind", "configuration", "courant", "steps"), [*measured()])
 def test_steps_to_rest_are_within_their_estimate(name, kind, configuration, courant, steps):
     """Compact bodies, slender ones that bend, a plate, and water that sloshes."""
     case, _, tolerance, _ = settle.SCENES[name][0](kind, configuration)
