@@ -169,8 +169,7 @@ class Calls(Functions):
             return self.inlined(function, self.builder.contracts, args)
         if not found:
             return self.call(function, args)
-        literal = any(each.prefer_literal for each in found)
-        kinds = tuple(self._seen(each, literal) for each in args)
+        kinds = tuple(map(self._seen, args))
         key = function, kinds
         if key not in self._chosen:
             made = [(each._overload_func(*kinds), each._jit_options) for each in found]
@@ -183,10 +182,10 @@ class Calls(Functions):
             raise UntraceableError(f"{function.__qualname__} is not for {kinds}")
         return self.call(function, args)
 
-    def _seen(self, value: Value, literal: bool) -> NumbaObject:
+    def _seen(self, value: Value) -> NumbaObject:
         """Type that functions are chosen by; one of all objects that Numba has no type for."""
         with suppress(ValueError):
-            return self.kind_of(value, literal)
+            return self.kind_of(value)
         return types.pyobject
 
     def inlined(self, function: FunctionType, contracts: bool, args: Sequence[Value]) -> Value:

@@ -108,7 +108,7 @@ class Relaxation(StepPart):
             rank.call(sum_internal_forces, rank.grid.field, update.forcing, rank.ledger)
 
     def book(self, rank: RankState, update: VertexUpdate) -> None:
-        """Sum the unbalanced forces and their power after all conditions and contact, and damp."""
+        """Sum unbalanced forces and kinetic energy after all conditions and contact, and damp."""
         field, forcing, ledger = rank.grid.field, update.forcing, rank.ledger
         rank.call(note_first_energy, field, forcing, ledger)
         if needed(update.t.number % EVERY == 0):
