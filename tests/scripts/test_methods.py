@@ -6,6 +6,7 @@ from math import cos, cosh, sin, sinh, sqrt
 import numpy as np
 import pytest
 from studies.method import measures, table, timoshenko
+from studies.method.bodies import Method
 from tiers import wide
 
 pytestmark = pytest.mark.slow(30)
@@ -35,11 +36,12 @@ def printed(method):
     return dict(zip(titles.split(" | "), line.split(" | "), strict=True))
 
 
-@pytest.mark.parametrize("affine", [False, wide(True)])
-def test_the_page_has_what_is_measured(affine):
+@pytest.mark.parametrize("more", ["", wide(", affine"), wide(", initial")])
+def test_the_page_has_what_is_measured(more):
     """In 2D, to the digits printed; what rounds otherwise on another CPU is far smaller."""
-    cells = printed(f"gimp{', affine' * affine}, 2 a cell")
-    method = ("gimp", affine, 2)
+    cells = printed(f"gimp{more}, 2 a cell")
+    configuration = "initial" if more == ", initial" else "current"
+    method = Method("gimp", more == ", affine", configuration=configuration)
     bending = measures.bending(method, 2, measures.COURANTS[:1])
     spin = measures.turned(method, 2, measures.COURANTS[:1])
     for title, value, sign in (

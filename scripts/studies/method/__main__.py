@@ -4,17 +4,19 @@ from itertools import product
 from time import process_time
 
 from studies.harness import Kept, options_of, origin, out, put, write_csv
-from studies.method.bodies import SHAPES
+from studies.method.bodies import SHAPES, Method
 from studies.method.measures import COURANTS, bending, bounced, compressed, costs, turned, waves
 from studies.method.table import added, text
 
 #: The method that costs are relative to.
-PLAIN = ("gimp", False, 2)
+PLAIN = Method("gimp")
+#: What `--only` may name.
+CHOICES = (*SHAPES, "initial")
 
 
 def measured(method):
     """Everything of a method but its cost; numbers of 2D and 3D end with the dimension."""
-    record = dict(zip(("shape", "affine", "per_cell"), method, strict=True))
+    record = method._asdict()
     for D in (2, 3):
         courants = COURANTS if (D, method[2]) == (2, 2) else COURANTS[:1]
         parts = bending(method, D, courants), bounced(method, D), turned(method, D, courants)
@@ -24,17 +26,20 @@ def measured(method):
 
 def main():
     """Measure, and write methods.json, methods.csv, methods.md and docs/methods.md."""
-    some = {"among": SHAPES, "metavar": "SHAPE,..", "help": "the others stay"}
+    some = {"among": CHOICES, "metavar": "SHAPE,..", "help": "the others stay"}
     options = options_of("methods", redraw="tables from what is there", only=some)
     only = options.only
     store = out("methods") / ("some.json" if only else "methods.json")
     kept = Kept(store)
     if not options.redraw:
         # What costs are relative to is always there.
-        methods = [(s, a, n) for n, s, a in product((2, 1), only or SHAPES, (False, True))]
+        shapes = [name for name in only or CHOICES if name in SHAPES]
+        methods = [Method(s, a, n) for n, s, a in product((2, 1), shapes, (False, True))]
         # With one particle a cell these are others.
         twins = ("fuzzy-nearest", "bspline-quadratic")
-        methods = [m for m in methods if m[0] not in twins or m[2] > 1]
+        methods = [m for m in methods if m.shape not in twins or m.per_cell > 1]
+        if not only or "initial" in only:
+            methods.insert(0, Method("gimp", configuration="initial"))
         records = []
         for method in methods:
             began = process_time()

@@ -7,6 +7,7 @@ share their compiled kernels.
 """
 
 from math import pi, sin
+from typing import NamedTuple
 
 import numpy as np
 from studies.method.timoshenko import slowest
@@ -16,6 +17,17 @@ SHAPES = (
     "mpm", "gimp", "finite-gimp", "cpdi", "fuzzy-nearest", "fuzzy-constant",
     "bspline-quadratic", "bspline-cubic",
 )  # fmt: skip
+
+
+class Method(NamedTuple):
+    """A shape, with `affine` or not, particles a cell and direction, and the configuration."""
+
+    shape: str
+    affine: bool = False
+    per_cell: int = 2
+    configuration: str = "current"
+
+
 HEIGHT = 4  # cells across every body
 OFF = 0.3  # of a cell, by direction
 #: Height and weight of the column; its lowest part is compressed by 16 %, see `column`.
@@ -27,14 +39,14 @@ RAMP = 480.0  # in which the weight grows: twelve times the column's slowest per
 def simulation(method, size, body, end, courant=0.3, cell=1.0, poisson=0.0, **changes):
     """A body in a domain with a wall at x-min and one at y-min, from which it can come off.
 
-    The method is shape, affine or not, particles a cell and direction; the body has its region, and
-    velocity if any; changes are other keys of the case.
+    The body has its region, and velocity if any; changes are other keys of the case.
     """
-    shape, affine, per_cell = method
+    shape, affine, per_cell, configuration = Method(*method)
+    body = {"material": "elastic", "configuration": configuration} | body
     elastic = {"model": "neo-hookean", "young": 1.0, "poisson": poisson, "density": 1.0}
     return core(case_of(
-        size, cell, {"elastic": elastic}, {"body": {"material": "elastic"} | body}, end,
-        courant=courant, per_cell=per_cell, method={"shape": shape, "affine": affine},
+        size, cell, {"elastic": elastic}, {"body": body}, end, courant=courant, per_cell=per_cell,
+        method={"shape": shape, "affine": affine},
         **({"boundaries": {"x-min": "fixed", "y-min": "separating"}} | changes),
     ))  # fmt: skip
 

@@ -15,14 +15,13 @@ COLUMN_CELLS = (1.0, 0.5, 0.25)
 
 def _projected(sim, shape, component, times):
     """Times and motion along a mode, at about `times` instants until the end."""
-    p = sim.particles
     found = []
     every = sim.clock.end / times
     try:
         while not sim.finished:
             sim.advance()
             if sim.finished or sim.time >= len(found) * every:
-                rows = sim.live()
+                p, rows = sim.particles, sim.live()
                 motion = shape[p.id[rows]] * p.v[rows, component]
                 found.append((sim.time, p.m[rows] @ motion))
     except RunError:

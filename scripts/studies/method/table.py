@@ -24,8 +24,10 @@ def joined(values, sign=False):
 
 
 def name(record):
-    affine = ", affine" if record["affine"] else ""
-    return f"{record['shape']}{affine}, {record['per_cell']} a cell"
+    parts = [record["shape"], *["affine"] * record["affine"]]
+    if record["configuration"] != "current":
+        parts.append(record["configuration"])
+    return ", ".join([*parts, f"{record['per_cell']} a cell"])
 
 
 def accuracy(records):
@@ -85,8 +87,8 @@ def added(records, machine):
         new = {line.split(" | ")[0]: line for line in table.rstrip("\n").split("\n")[2:]}
         kept = [new.pop(line.split(" | ")[0], line) for line in lines]
         parts[at] = "\n".join([*kept, *new.values()])
-    shapes = ", ".join(dict.fromkeys(record["shape"] for record in records))
-    head = f"The lines of {shapes}:"
+    names = ", ".join(dict.fromkeys(name(record).rpartition(", ")[0] for record in records))
+    head = f"The lines of {names}:"
     note = f"{head} {machine}."
     said = [line for line in parts[3].splitlines() if not line.startswith(head)]
     parts[3] = "\n".join([*said, note]) + "\n"
