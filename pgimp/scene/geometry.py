@@ -28,7 +28,7 @@ from pgimp.mpi.node import one_rank_first
 from pgimp.physics.variation import Places, TableVariation
 from pgimp.physics.variation.own import OwnVariation
 from pgimp.scene.mass_scaling import is_scaled
-from pgimp.scene.materials import LEAST, MOST
+from pgimp.scene.materials import LARGEST, SMALLEST
 from pgimp.scene.variations import tables
 from pgimp.schema.messages import dotted
 
@@ -240,7 +240,7 @@ def _read_points(case: Case, comm: Communicator) -> None:
                         f"that of '{material.model}' is {state.least:g} or more: {state.meaning}"
                     )
             least, most = found.least * material.density, found.volume * material.density
-            if not (least > LEAST and most < MOST):
+            if not (least > SMALLEST and most < LARGEST):
                 raise CaseError(
                     f"bodies.{name}.region: the particles {points.file} have masses of {least:.3g} "
                     f"and {most:.3g} in all: nothing can be computed; choose other units"

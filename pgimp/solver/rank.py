@@ -68,7 +68,7 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    following, grips, absorbing, damping, crossings, flows, penetration, sinks, inflow
+    surface_kinematics, grips, absorbing, damping, crossings, flows, penetration, sinks, inflow
         The parts of a step of `pgimp.solver.parts`.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.particle_groups`.
@@ -91,7 +91,7 @@ class Rank:
         Where the kernels write them.
     """
 
-    following: Any
+    surface_kinematics: Any
     grips: Any
     absorbing: Any
     damping: Any
@@ -154,7 +154,7 @@ class Rank:
         bodies, settings = len(scene.body_names), scene.settings
         outflow = (bodies, scene.materials.sums) if settings.escapes else (0, 0)
         constraints = len(scene.interaction.loads.booked_constraints)
-        contacts = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
+        contacts = len(scene.interaction.pairs.kind) if scene.interaction.pairs else 0
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
@@ -171,7 +171,7 @@ class Rank:
 
     def by_cells_alone(self) -> bool:
         """Return whether all particles are in cells and have no state of their own."""
-        return self.scene.stateless and not len(self.lattice_cells().others.rows)
+        return self.scene.stateless and not len(self.lattice_cells().off_lattice.rows)
 
     def sort(self) -> None:
         """Sort the particles' rows."""

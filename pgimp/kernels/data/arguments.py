@@ -162,7 +162,7 @@ class Forcing(NamedTuple):
         Clearances of bodies from unilateral walls, see `find_clearances`.
     filling : Filling or ()
         Filled parts of the vertices, where bodies flow; see `pgimp.kernels.flows.filling`.
-    keepers : Keepers or ()
+    limits : PenetrationLimits or ()
         The rigid bodies that hold particles out, see `pgimp.kernels.contact.hold`.
     """
 
@@ -176,7 +176,7 @@ class Forcing(NamedTuple):
     controlled: bool | float
     clearances: FloatArray | tuple[()] = ()
     filling: Any = ()
-    keepers: Any = ()
+    limits: Any = ()
 
 
 class Report(NamedTuple):

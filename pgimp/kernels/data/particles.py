@@ -37,7 +37,7 @@ class Carried(NamedTuple):
         Whether they have the cut-off parts at surfaces, for contact.
     mean : bool
         Whether they have their degree of isolation, for mean dilatation.
-    around : bool
+    cell_F : bool
         Whether they have their cells' deformation gradient, for mean dilatation in the initial
         configuration.
     own : int
@@ -48,7 +48,7 @@ class Carried(NamedTuple):
         Whether they are rings, or parts of a plate: F has a zz, out of the plane.
     surfaces_loaded : int
         Number of loads on parts of surfaces.
-    followed : bool
+    follows_surfaces : bool
         Whether such loads follow the positions.
     winding : bool
         Whether they count their turns through periodic faces.
@@ -63,14 +63,14 @@ class Carried(NamedTuple):
     state: int = 0
     surfaces: bool = False
     mean: bool = False
-    around: bool = False
+    cell_F: bool = False
     own: int = 0
     liquid: bool = False
     axial: bool = False
     plate: bool = False
     winding: bool = False
     surfaces_loaded: int = 0
-    followed: bool = False
+    follows_surfaces: bool = False
 
     @property
     def undeformed(self) -> tuple[float, ...]:
@@ -189,7 +189,7 @@ class Particles(NamedTuple):
             lambda c: int(c.surfaces),
         ),
     ]
-    alone: Annotated[
+    isolation: Annotated[
         FloatArray,
         Column(
             "part of its rate of dilatation that is not the cells', where it is alone in them",
@@ -198,22 +198,22 @@ class Particles(NamedTuple):
             least=0.0,
         ),
     ]
-    around: Annotated[
+    cell_F: Annotated[
         FloatArray,
         Column(
             "deformation gradient of the cells in which it lies, row by row, with mean dilatation "
             "in the initial configuration",
             "1",
-            lambda c: _matrix(c) if c.around else 0,
+            lambda c: _matrix(c) if c.cell_F else 0,
             initial=1.0,
         ),
     ]
-    ratio: Annotated[
+    fbar_ratio: Annotated[
         FloatArray,
         Column(
             "F over the deformation gradient at its place, likewise",
             "1",
-            lambda c: int(c.around),
+            lambda c: int(c.cell_F),
             above=0.0,
             initial=1.0,
         ),
@@ -251,15 +251,15 @@ class Particles(NamedTuple):
         Column(
             "position in the undeformed state, where loads follow surfaces",
             "length",
-            lambda c: c.dimensions if c.followed else 0,
+            lambda c: c.dimensions if c.follows_surfaces else 0,
         ),
     ]
-    drift: Annotated[
+    surface_F_correction: Annotated[
         FloatArray,
         Column(
             "R, by which R F is the deformation gradient by positions, row by row, likewise",
             "1",
-            lambda c: _matrix(c) if c.followed else 0,
+            lambda c: _matrix(c) if c.follows_surfaces else 0,
             initial=1.0,
         ),
     ]

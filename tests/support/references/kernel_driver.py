@@ -103,7 +103,8 @@ def random_particles(rng: np.random.Generator, x: np.ndarray, mean: bool = False
     p.m[:] = rng.uniform(0.5, 2.0, n)
     p.id[:] = rng.permutation(n)
     p.body[:] = rng.integers(0, 2, n)
-    p.alone[:] = rng.uniform(0.0, 1.0, p.alone.shape) * rng.integers(0, 2, p.alone.shape)
+    shape = p.isolation.shape
+    p.isolation[:] = rng.uniform(0.0, 1.0, shape) * rng.integers(0, 2, shape)
     return p
 
 
