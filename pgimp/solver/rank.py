@@ -28,8 +28,16 @@ from pgimp.solver.lagrangian.displacement import Displacement
 from pgimp.solver.parts import PARTS
 from pgimp.solver.time.stopwatch import stopwatch
 
-#: Phases of a step, as `Rank.timings` names them.
-PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
+#: Phases of a step, as `Rank.timings` names them, and what each is for.
+PHASES = {
+    "P2G": "particles to grid: mass, momentum and forces of the vertices",
+    "exchange": "sums of shared planes, from and for the neighbours; the step's length",
+    "contact": "contact of bodies, and rigid bodies",
+    "momentum": "velocities of the vertices, with walls and constraints",
+    "G2P": "grid to particles: velocity, position, deformation, stress",
+    "migrate": "particles that change the rank",
+    "order": "the canonical order of the particles, restored",
+}
 
 #: Tag of messages with the motion of shared planes.
 _MOTION = 8
