@@ -20,7 +20,8 @@ from pgimp.geometry.points.saved import Wanted
 from pgimp.geometry.regions import Points
 from pgimp.geometry.regions.base import Region
 from pgimp.geometry.regions.enclosed import Enclosed
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.column import Carried
+from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.limits import limits

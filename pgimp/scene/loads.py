@@ -139,7 +139,6 @@ class SceneLoads:
             "tractions": len(self.tractions),
             "surfaces_loaded": len(self.surfaces.entries),
             "follows_surfaces": bool(self.surfaces.following.any()),
-            "constraints": bool(self.constraints),
         }
 
     def at(self, t: float) -> Loads:

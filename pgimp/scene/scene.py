@@ -6,8 +6,9 @@ import numpy as np
 
 from pgimp.case.schema import Case
 from pgimp.kernels.data.arguments import KernelScene
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import FRAMES, MixedFrame
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles, needed_by
 from pgimp.kernels.lagrangian.cell_derivatives import MAX_PER_CELL
 from pgimp.kernels.loads.loads import Loads
 from pgimp.physics.fields import EVERY
@@ -75,7 +76,7 @@ class Scene:
             liquid=bool(self.interaction.flows and self.interaction.flows.relaxes),
             axial=case.axisymmetric,
             plate=case.geometry == "plane-stress",
-            winding=any(domain.periodic),
+            needed=needed_by(case),
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
         start, shape = FRAMES[case.geometry][1](*domain.frame), case.method

@@ -25,7 +25,7 @@ from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
 from pgimp.solver.lagrangian.displacement import Displacement
-from pgimp.solver.parts import PARTS
+from pgimp.solver.parts import PARTS, parts_of
 from pgimp.solver.time.stopwatch import stopwatch
 
 #: Phases of a step, as `Rank.timings` names them, and what each is for.
@@ -78,6 +78,8 @@ class Rank:
         Updates of lattice particles, in the initial configuration.
     surface_kinematics, grips, absorbing, damping, crossings, flows, penetration, sinks, inflow
         The parts of a step of `pgimp.solver.parts`.
+    parts_rate : float
+        The greatest `rate` of these.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.particle_groups`.
     mass_cutoff : float
@@ -145,6 +147,7 @@ class Rank:
         self.clearances = Clearances(scene)
         for name, make in PARTS.items():
             setattr(self, name, make(scene, comm, getattr(self, name, None)))
+        self.parts_rate = max((part.rate for part in parts_of(self)), default=0.0)
 
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
@@ -212,8 +215,11 @@ class Rank:
         return self.contact.free
 
     def fastest(self, rate: float) -> float:
-        """Cells crossed in a unit of time by waves and particles, `rate`, or by rigid bodies."""
-        rate, free = max(rate, self.scene.interaction.rigid_bodies.rate), self.free
+        """Cells crossed in a unit of time by waves and particles, `rate`, or by rigid bodies.
+
+        At least the rate of the parts of a step.
+        """
+        rate, free = max(rate, self.scene.interaction.rigid_bodies.rate, self.parts_rate), self.free
         return max(rate, free.rate) if free else rate
 
     def live(self) -> np.ndarray:

@@ -42,7 +42,15 @@ class StepPart:
     """What a scene may add to a step; each part overrides the methods that it needs.
 
     A step calls the methods in the order of their definition. `pgimp.solver.parts` lists the parts.
+
+    Attributes
+    ----------
+    rate : float
+        Rate whose product with the step must not be above the Courant number, for the part to be
+        stable: as the cells that waves cross in a unit of time.
     """
+
+    rate: float = 0.0
 
     def begin(self, rank: RankState, order: Order, done: int) -> None:
         """Act before the sums over particles; collective.

@@ -7,8 +7,9 @@ import pytest
 from kernel_driver import SEED, Rank, entry, initial_half
 from tiers import wide
 
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import AxialFrame
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles
 
 pytestmark = pytest.mark.slow(60)
 

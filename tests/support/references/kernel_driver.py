@@ -12,9 +12,10 @@ from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.kernels.data.arguments import Forcing, KernelScene, Report
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import AxialFrame, Frame, identity
 from pgimp.kernels.data.ledger import Ledger
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.mirror import Mirror, fold, reflect
 from pgimp.kernels.grid.position_limits import WALL
