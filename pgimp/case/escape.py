@@ -28,14 +28,14 @@ EscapeEntry = Annotated[
 
 def exits(escape: Mapping[str, str | Sink]) -> list[str]:
     """Return the faces through which particles leave."""
-    return [name for name, way in escape.items() if way == "remove"]
+    return [name for name, action in escape.items() if action == "remove"]
 
 
 def sinks(escape: Mapping[str, str | Sink]) -> dict[str, Sink]:
     """Return the sinks by name."""
-    return {name: way for name, way in escape.items() if isinstance(way, Sink)}
+    return {name: action for name, action in escape.items() if isinstance(action, Sink)}
 
 
-def ways_out(escape: Mapping[str, str | Sink]) -> Iterable[str]:
+def exits_of(escape: Mapping[str, str | Sink]) -> Iterable[str]:
     """Return the names of the faces and sinks through which particles leave."""
-    return [name for name, way in escape.items() if way != "stop"]
+    return [name for name, action in escape.items() if action != "stop"]

@@ -149,7 +149,7 @@ class Staged(NamedTuple):
         Displacements that constraints have prescribed in previous stages, to be added.
     angles : dict of str to float
         Likewise the angles of rotation.
-    ways : dict of str to float
+    profile_offsets : dict of str to float
         Likewise the ways of the profiles of loads.
     rebonds : bool
         Whether a stage has given other entries of contact, which may bond bodies anew.
@@ -177,7 +177,7 @@ class Staged(NamedTuple):
     awaited: Mapping[str, int] = {}
     stress: Any = None
     angles: Mapping[str, float] = {}
-    ways: Mapping[str, float] = {}
+    profile_offsets: Mapping[str, float] = {}
 
     @property
     def title(self) -> str:

@@ -27,7 +27,7 @@ from pgimp.utilities.batch.script import Job, write
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+:@/-]*", re.ASCII)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,62}", re.ASCII)
 _LAUNCHERS = ("mpirun", "mpiexec", "srun")
-_MOST = 10_000_000
+_MAX_COUNT = 10_000_000
 _LARGEST = 1 << 20
 
 
@@ -227,8 +227,8 @@ def _name(text: str) -> str:
 
 
 def _count(text: str) -> int:
-    if not text.isdecimal() or not text.isascii() or not 0 < int(text[:9]) <= _MOST:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number from 1 to {_MOST}")
+    if not text.isdecimal() or not text.isascii() or not 0 < int(text[:9]) <= _MAX_COUNT:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number from 1 to {_MAX_COUNT}")
     return int(text)
 
 

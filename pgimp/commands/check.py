@@ -40,6 +40,7 @@ from pgimp.utilities.check.bodies import (
 )
 from pgimp.utilities.check.cost import measure, report_cost, report_memory
 from pgimp.utilities.check.prepare import prepare
+from pgimp.utilities.check.program import report_program
 from pgimp.utilities.check.savings import ordered_advice
 from pgimp.utilities.check.settling import Settling, settling_steps
 from pgimp.utilities.check.steps import (
@@ -63,7 +64,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="change a value of the case; repeatable",
     )
     parser.add_argument(
-        "-v", "--verbose", action="store_true", help="all that is known: strains, ranks, memory"
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="all that is known: strains, ranks, memory, what a step does",
     )
 
 
@@ -139,6 +143,8 @@ def report(case: Case, verbose: bool = False) -> None:
         report_cost(scene, known.lattice, known.counts, costs, steps, to_rest, verbose)
     else:
         print("time             unknown: no step of a sample of the case could be timed")
+    if verbose and costs:
+        report_program(written, count)
     boxes = {body.name: (body.low, body.high) for body in bodies}
     # A warning has the step.
     if text := line([one for one in of_case(case, boxes) if one.name != "step"]):

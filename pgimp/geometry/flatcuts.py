@@ -17,7 +17,7 @@ Rows = NDArray[np.int64]
 
 #: Most tilted planes of a region that are considered; with more, boxes in which several meet have
 #: an error of second order.
-MOST = 16
+MAX_PLANES = 16
 
 
 def corners(
@@ -28,7 +28,7 @@ def corners(
     Parameters
     ----------
     region : Region
-        Region with the flat surfaces; ignored if more than `MOST` are tilted.
+        Region with the flat surfaces; ignored if more than `MAX_PLANES` are tilted.
     points, low, high : (n, D) float64
         Corners of the pieces in the directions `axes`, and their coordinates in the others.
     axes : tuple of int
@@ -44,7 +44,7 @@ def corners(
         return
     flats = list(dict.fromkeys(flat for part in region.simple() for flat in part.flats()))
     tilted = [flat for flat in flats if sum(n != 0.0 for n in flat.normal) > 1]
-    if not 2 <= len(tilted) <= MOST:
+    if not 2 <= len(tilted) <= MAX_PLANES:
         return
     offsets, near = [], []
     for normal, foot in tilted:

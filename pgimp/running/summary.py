@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pgimp.case.escape import ways_out
+from pgimp.case.escape import exits_of
 from pgimp.io.results.reader import Run
 from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.running.accuracy.find import of_run
@@ -100,7 +100,7 @@ def say_done(
     )
     left = sim.count - sim.present() if sim.scene.settings.loses else 0
     if left:
-        out = dict.fromkeys(name for case in sim.cases for name in ways_out(case.escape))
+        out = dict.fromkeys(name for case in sim.cases for name in exits_of(case.escape))
         ways = [f"left through {' or '.join(out)}"] if out else []
         ways += ["were removed with their bodies"] if sim.case.staged.removed else []
         columns = [*["escaped"] * bool(out), *["removed"] * bool(sim.case.staged.removed)]
@@ -130,13 +130,13 @@ def say_done(
             "kinetic energy is lost at the wall, and what lies there is denser than it should be: "
             "smaller cells or steps, or finite-gimp, press fewer particles through",
         )
-    following = sim.rank.following
-    fallen = sim.comm.allreduce(following.fallen if following else 0)
-    if fallen:
+    kinematics = sim.rank.surface_kinematics
+    fallbacks = sim.comm.allreduce(kinematics.fallbacks if kinematics else 0)
+    if fallbacks:
         _tell(
             log,
             True,
-            f"in {fallen} particle-steps the positions around a loaded surface gave no usable "
+            f"in {fallbacks} particle-steps the positions around a loaded surface gave no usable "
             "deformation, and the load followed F of the particle alone",
             "there its area and normal may be wrong: look whether the body has torn, or take more "
             "particles, or configuration: initial",

@@ -42,7 +42,7 @@ class Domain:
         initial configuration meet them.
     mirrors : list of Mirror
         Faces that reflect the part of supports beyond them.
-    followed : list of Mirror
+    absorbing_mirrors : list of Mirror
         Absorbing faces, with which all that lies beyond them moves.
     approached : list of Wall
         Faces that bodies approach; `sides_approached` is their sides for loads.
@@ -102,7 +102,7 @@ class Domain:
             ),
             key=lambda mirror: mirror.releases,
         )
-        self.followed = [
+        self.absorbing_mirrors = [
             Mirror(face.axis, face.side, number, False, False, True)
             for number, face in self.absorbing
             if method.chi != "point" and not remote

@@ -20,7 +20,8 @@ from pgimp.geometry.points.saved import Wanted
 from pgimp.geometry.regions import Points
 from pgimp.geometry.regions.base import Region
 from pgimp.geometry.regions.enclosed import Enclosed
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.column import Carried
+from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.limits import limits
@@ -28,7 +29,7 @@ from pgimp.mpi.node import one_rank_first
 from pgimp.physics.variation import Places, TableVariation
 from pgimp.physics.variation.own import OwnVariation
 from pgimp.scene.mass_scaling import is_scaled
-from pgimp.scene.materials import LEAST, MOST
+from pgimp.scene.materials import LARGEST, SMALLEST
 from pgimp.scene.variations import tables
 from pgimp.schema.messages import dotted
 
@@ -240,7 +241,7 @@ def _read_points(case: Case, comm: Communicator) -> None:
                         f"that of '{material.model}' is {state.least:g} or more: {state.meaning}"
                     )
             least, most = found.least * material.density, found.volume * material.density
-            if not (least > LEAST and most < MOST):
+            if not (least > SMALLEST and most < LARGEST):
                 raise CaseError(
                     f"bodies.{name}.region: the particles {points.file} have masses of {least:.3g} "
                     f"and {most:.3g} in all: nothing can be computed; choose other units"

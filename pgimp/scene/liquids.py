@@ -9,7 +9,7 @@ from typing import Any
 VISCOUS = 0.01
 
 #: Rate over c/h below which there is none: it would do nothing in ten thousands of steps.
-LEAST = 1e-5
+MIN_RATE = 1e-5
 
 
 def only_liquids(case: Any) -> list[Any]:
@@ -28,7 +28,7 @@ def relaxation_rate(case: Any) -> float:
     least, laws = min(case.grid.cell), only_liquids(case)
     rates = [VISCOUS * law.shear_viscosity / (law.density * least**2) for law in laws]
     waves = [law.flow_speed / least for law in laws]
-    if not rates or any(rate < LEAST * c for rate, c in zip(rates, waves, strict=True)):
+    if not rates or any(rate < MIN_RATE * c for rate, c in zip(rates, waves, strict=True)):
         return 0.0
     return float(min(rates))
 

@@ -135,11 +135,10 @@ class SceneLoads:
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
             "mean": self.averages,
-            "around": self.averages and any(self.lagrangian),
+            "cell_F": self.averages and any(self.lagrangian),
             "tractions": len(self.tractions),
             "surfaces_loaded": len(self.surfaces.entries),
-            "followed": bool(self.surfaces.followed.any()),
-            "constraints": bool(self.constraints),
+            "follows_surfaces": bool(self.surfaces.following.any()),
         }
 
     def at(self, t: float) -> Loads:
@@ -206,7 +205,7 @@ class SceneLoads:
         """Set patches and constraints of the first `n` particles, in their initial state."""
         rows = slice(0, n)
         if isinstance(self.mean, np.ndarray):
-            p.alone[rows, 0] = self.mean[p.body[rows]]
+            p.isolation[rows, 0] = self.mean[p.body[rows]]
         for i, entry in enumerate(self.tractions):
             mine = np.flatnonzero(p.body[rows] == self.bodies.index(entry.body))
             body = self.case.bodies[entry.body]

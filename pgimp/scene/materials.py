@@ -15,7 +15,7 @@ from pgimp.physics.source import Fills
 from pgimp.scene.variations import Variations
 
 #: Masses outside of this would leave the range of float64 in sums and products.
-LEAST, MOST = 1e-200, 1e200
+SMALLEST, LARGEST = 1e-200, 1e200
 
 
 class MaterialTable:
@@ -80,11 +80,11 @@ class MaterialTable:
         most = 0.0
         for name, entry in zip(self.names, self.entries, strict=True):
             particle, domain = entry.density * least, entry.density * self._volume
-            if not (particle > LEAST and domain < MOST):
+            if not (particle > SMALLEST and domain < LARGEST):
                 raise CaseError(
                     f"materials.{name}.density: a particle would have the mass {particle:.3g}, a "
-                    f"full domain {domain:.3g}; with numbers below {LEAST:g} or above {MOST:g} "
-                    "nothing can be computed: choose other units"
+                    f"full domain {domain:.3g}; with numbers below {SMALLEST:g} or "
+                    f"above {LARGEST:g} nothing can be computed: choose other units"
                 )
             most = max(most, domain)
         return most

@@ -6,9 +6,10 @@ import numpy as np
 
 from pgimp.case.schema import Case
 from pgimp.kernels.data.arguments import KernelScene
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import FRAMES, MixedFrame
-from pgimp.kernels.data.particles import Carried, Particles
-from pgimp.kernels.lagrangian.cell_derivatives import MOST
+from pgimp.kernels.data.particles import Particles, needed_by
+from pgimp.kernels.lagrangian.cell_derivatives import MAX_PER_CELL
 from pgimp.kernels.loads.loads import Loads
 from pgimp.physics.fields import EVERY
 from pgimp.scene.domain import Domain
@@ -75,7 +76,7 @@ class Scene:
             liquid=bool(self.interaction.flows and self.interaction.flows.relaxes),
             axial=case.axisymmetric,
             plate=case.geometry == "plane-stress",
-            winding=any(domain.periodic),
+            needed=needed_by(case),
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
         start, shape = FRAMES[case.geometry][1](*domain.frame), case.method
@@ -108,7 +109,7 @@ class Scene:
             and self.dimension > 1
             and self.case.geometry == "plane-strain"
             and method.in_cell
-            and max(method.particles_per_cell) <= MOST
+            and max(method.particles_per_cell) <= MAX_PER_CELL
             and not (loads.force or self.case.staged.rebonds)
         )
 
@@ -124,7 +125,7 @@ class Scene:
 
     def _ends(self) -> int:
         # A vertex beyond a face and its mirror image are on the same rank.
-        if self.domain.mirrors or self.domain.followed or self.interaction.flows:
+        if self.domain.mirrors or self.domain.absorbing_mirrors or self.interaction.flows:
             return 2 * self.settings.vertices
         # A vertex beyond a unilateral wall uses the clearance of the vertex on the wall.
         return self.settings.vertices if self.domain.approached else 0

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.escape import ways_out
+from pgimp.case.escape import exits_of
 from pgimp.case.schema import Case
 
 #: Most cells that a particle crosses in a step whose length pgimp chooses.
@@ -51,7 +51,7 @@ class Settings:
         self.follows = method.follows and not self.initial
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
-        self.escapes = bool(ways_out(case.escape)) or case.staged.escapes
+        self.escapes = bool(exits_of(case.escape)) or case.staged.escapes
         self.loses = self.escapes or bool(case.staged.removed)
         self.damps = case.damping is not None or case.staged.damped or case.rests
         self.settles = case.start.settle is not None

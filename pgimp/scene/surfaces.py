@@ -32,7 +32,7 @@ class SurfaceLoads:
         Their entries by name, in the order of their columns.
     width : int
         Numbers of a particle's part of a surface.
-    followed : (bodies,) bool
+    following : (bodies,) bool
         Bodies in the current configuration whose positions these loads follow.
     """
 
@@ -43,7 +43,7 @@ class SurfaceLoads:
             name: entry for name, entry in case.tractions.items() if entry.region is not None
         }
         loaded = {entry.body for entry in self.entries.values() if entry.follower}
-        self.followed = np.array(
+        self.following = np.array(
             [
                 name in loaded and case.dimensions > 1 and body.configuration != "initial"
                 for name, body in case.bodies.items()
@@ -75,15 +75,15 @@ class SurfaceLoads:
         part = 0.0 if case.method.chi == "point" else 0.5
         half = tuple(float(part * h / n) for h, n in each)
         profiled = any(entry.profile for entry in self.entries.values())
-        drifts = 1.0 if self.followed.any() else ()
+        corrected = 1.0 if self.following.any() else ()
         loads = [
             entry.surface_load(k * self.width, half, bool(self.follows.get(entry.body)), pull, t)
             for k, entry in enumerate(self.entries.values())
         ]
         if not profiled:
-            return tuple(load._replace(drifts=drifts) for load in loads)
+            return tuple(load._replace(corrected=corrected) for load in loads)
         return tuple(
-            load._replace(drifts=drifts, profile=self._profile(name, t))
+            load._replace(corrected=corrected, profile=self._profile(name, t))
             for load, name in zip(loads, self.entries, strict=True)
         )
 
@@ -94,7 +94,7 @@ class SurfaceLoads:
             return UNIFORM
         each = zip(case.grid.cell, case.method.particles_per_cell, strict=True)
         half = [0.5 * h / n for h, n in each]
-        return entry.parameters(half, t, case.staged.ways.get(name, 0.0))
+        return entry.parameters(half, t, case.staged.profile_offsets.get(name, 0.0))
 
     def require(
         self, p: Particles, n: int, comm: Communicator, bodies: Container[str] | None = None

@@ -24,7 +24,7 @@ from pgimp.kernels.lagrangian.keep import recall_masses
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.order.split import split_order
 from pgimp.kernels.step.g2p import grid_to_particles
-from pgimp.kernels.step.p2g import Others
+from pgimp.kernels.step.p2g import SecondGroup
 from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.scene.scene import Scene
 from pgimp.solver.lagrangian.cells import LatticeCells, cleared, no_cells, report_cells
@@ -89,11 +89,11 @@ class ParticleGroup:
         """The columns that sums take, of all groups from the first one."""
         return population.up_to_date()
 
-    def others(
+    def second_group(
         self, rank: RankState, more: Sequence[ParticleGroup], loads: Loads
-    ) -> Others | Cells | tuple[()]:
+    ) -> SecondGroup | Cells | tuple[()]:
         """What is summed in each layer after these particles: the groups after this one."""
-        return Others(*more[0].summands(loads)) if more else ()
+        return SecondGroup(*more[0].summands(loads)) if more else ()
 
     @property
     def single(self) -> Order:
@@ -171,7 +171,7 @@ class InitialGroup(ParticleGroup):
 
     def forced(self, forcing: Forcing) -> Forcing:
         """See `ParticleGroup.forced`."""
-        return forcing._replace(loads=self.loaded(forcing.loads), keepers=())
+        return forcing._replace(loads=self.loaded(forcing.loads), limits=())
 
 
 @dataclass
@@ -190,10 +190,10 @@ class CellGroup(ParticleGroup):
         """See `ParticleGroup.columns`; cells need none that may be out of date."""
         return population.columns if self.lattice else population.up_to_date()
 
-    def others(
+    def second_group(
         self, rank: RankState, more: Sequence[ParticleGroup], loads: Loads
-    ) -> Others | Cells | tuple[()]:
-        """See `ParticleGroup.others`: the cells."""
+    ) -> SecondGroup | Cells | tuple[()]:
+        """See `ParticleGroup.second_group`: the cells."""
         if self.lattice:
             return cleared(self.lattice.cells)
         return no_cells(rank.scene, rank.grid.slab.layers)
@@ -201,12 +201,12 @@ class CellGroup(ParticleGroup):
     @property
     def single(self) -> Order:
         """See `ParticleGroup.single`: those that are in no cell."""
-        return self.lattice.others if self.lattice else self.order
+        return self.lattice.off_lattice if self.lattice else self.order
 
     def finish_sums(self, rank: RankState) -> None:
         """Set the masses of vertices that keep them, where sums have not begun with them."""
         field, known = rank.grid.field, (0, 0)
-        if not len(rank.lattice_cells().others.rows) and isinstance(field.used, tuple):
+        if not len(rank.lattice_cells().off_lattice.rows) and isinstance(field.used, tuple):
             known = (rank.grid.shared_lower, rank.slab.layers)
         rank.call(recall_masses, field, known)
 

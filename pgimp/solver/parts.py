@@ -12,8 +12,8 @@ from pgimp.solver.damping.absorbing import absorbing_of
 from pgimp.solver.damping.damping import damping_of
 from pgimp.solver.flows import flows_of
 from pgimp.solver.history.crossings import crossings_of
-from pgimp.solver.loads.following import following_of
 from pgimp.solver.loads.grips import grips_of
+from pgimp.solver.loads.surface_kinematics import surface_kinematics_of
 from pgimp.solver.sources.inflow import inflow_of
 from pgimp.solver.sources.sinks import sinks_of
 from pgimp.solver.vertices import StepPart
@@ -21,7 +21,7 @@ from pgimp.solver.vertices import StepPart
 #: By its attribute of a rank, what makes a part from the scene, the communicator and the part of
 #: the stage before, if any; it returns None for a scene without it.
 PARTS: dict[str, Callable[[Scene, Communicator, Any], StepPart | None]] = {
-    "following": following_of,
+    "surface_kinematics": surface_kinematics_of,
     "grips": grips_of,
     "absorbing": absorbing_of,
     "damping": damping_of,

@@ -25,11 +25,19 @@ from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.kinds import contact_kind
 from pgimp.solver.lagrangian.cells import LatticeCells, find_cells
 from pgimp.solver.lagrangian.displacement import Displacement
-from pgimp.solver.parts import PARTS
+from pgimp.solver.parts import PARTS, parts_of
 from pgimp.solver.time.stopwatch import stopwatch
 
-#: Phases of a step, as `Rank.timings` names them.
-PHASES = ("P2G", "exchange", "contact", "momentum", "G2P", "migrate", "order")
+#: Phases of a step, as `Rank.timings` names them, and what each is for.
+PHASES = {
+    "P2G": "particles to grid: mass, momentum and forces of the vertices",
+    "exchange": "sums of shared planes, from and for the neighbours; the step's length",
+    "contact": "contact of bodies, and rigid bodies",
+    "momentum": "velocities of the vertices, with walls and constraints",
+    "G2P": "grid to particles: velocity, position, deformation, stress",
+    "migrate": "particles that change the rank",
+    "order": "the canonical order of the particles, restored",
+}
 
 #: Tag of messages with the motion of shared planes.
 _MOTION = 8
@@ -68,8 +76,10 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    following, grips, absorbing, damping, crossings, flows, penetration, sinks, inflow
+    surface_kinematics, grips, absorbing, damping, crossings, flows, penetration, sinks, inflow
         The parts of a step of `pgimp.solver.parts`.
+    parts_rate : float
+        The greatest `rate` of these.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.particle_groups`.
     mass_cutoff : float
@@ -91,7 +101,7 @@ class Rank:
         Where the kernels write them.
     """
 
-    following: Any
+    surface_kinematics: Any
     grips: Any
     absorbing: Any
     damping: Any
@@ -137,6 +147,7 @@ class Rank:
         self.clearances = Clearances(scene)
         for name, make in PARTS.items():
             setattr(self, name, make(scene, comm, getattr(self, name, None)))
+        self.parts_rate = max((part.rate for part in parts_of(self)), default=0.0)
 
     def _allocate(self, slab: Slab) -> None:
         """Allocate grid, messages and ledger for a slab; the window is still to be set."""
@@ -154,7 +165,7 @@ class Rank:
         bodies, settings = len(scene.body_names), scene.settings
         outflow = (bodies, scene.materials.sums) if settings.escapes else (0, 0)
         constraints = len(scene.interaction.loads.booked_constraints)
-        contacts = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
+        contacts = len(scene.interaction.pairs.kind) if scene.interaction.pairs else 0
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
@@ -171,7 +182,7 @@ class Rank:
 
     def by_cells_alone(self) -> bool:
         """Return whether all particles are in cells and have no state of their own."""
-        return self.scene.stateless and not len(self.lattice_cells().others.rows)
+        return self.scene.stateless and not len(self.lattice_cells().off_lattice.rows)
 
     def sort(self) -> None:
         """Sort the particles' rows."""
@@ -204,8 +215,11 @@ class Rank:
         return self.contact.free
 
     def fastest(self, rate: float) -> float:
-        """Cells crossed in a unit of time by waves and particles, `rate`, or by rigid bodies."""
-        rate, free = max(rate, self.scene.interaction.rigid_bodies.rate), self.free
+        """Cells crossed in a unit of time by waves and particles, `rate`, or by rigid bodies.
+
+        At least the rate of the parts of a step.
+        """
+        rate, free = max(rate, self.scene.interaction.rigid_bodies.rate, self.parts_rate), self.free
         return max(rate, free.rate) if free else rate
 
     def live(self) -> np.ndarray:

@@ -38,7 +38,7 @@ class RankState(Protocol):
     contact: Any
     clearances: Any
     flows: Any
-    following: Any
+    surface_kinematics: Any
     damping: Any
     absorbing: Any
     inflow: Any

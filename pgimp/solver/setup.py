@@ -104,11 +104,12 @@ def begin(
     start.warnings += at_start(scenes)
     start.notes += stripes(start.case)
     release(start.case)
-    rate = max(start.rate, scene.interaction.rigid_bodies.first_rate)
+    stable = max(start.rate, start.rank.parts_rate)
+    rate = max(stable, scene.interaction.rigid_bodies.first_rate)
     with located(start.case):
         require_end(scene, rate)
         dt = start.clock.next(start.done, rate).dt
-        start.warnings += check_first_step(scene, dt, start.rate)
+        start.warnings += check_first_step(scene, dt, stable)
     require_slow(scene.interaction.rigid_bodies, dt)
     if scene.settings.settles:
         begin_settling(start)

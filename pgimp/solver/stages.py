@@ -119,9 +119,8 @@ def enter(now: Start, case: Case) -> Start:
         if now.watch and not case.watched:
             now.watch.begin(rank)
     try:
-        now.warnings += check_first_step(
-            new, now.clock.next(now.done, rank.fastest(now.rate)).dt, now.rate
-        )
+        dt = now.clock.next(now.done, rank.fastest(now.rate)).dt
+        now.warnings += check_first_step(new, dt, max(now.rate, rank.parts_rate))
     except CaseError as error:
         raise RunError(f"{case.staged.title}: {error}") from None
     return now

@@ -74,10 +74,10 @@ def sum_particles(
         for each, group in zip(rank.calls, groups, strict=True):
             group.mark(each, rank, particles)
     setting, summed, order = first.summands(loads)
-    others = first.others(rank, more, loads)
+    second = first.second_group(rank, more, loads)
     grid.active.fill(0)
     for runs in rank.halo.parts(rank.population.start):  # first the layers neighbours wait for
-        call(particles_to_grid, setting, grid.field, particles, summed, order, runs, others)
+        call(particles_to_grid, setting, grid.field, particles, summed, order, runs, second)
         rank.halo.proceed(grid, marked)
 
 

@@ -42,7 +42,15 @@ class StepPart:
     """What a scene may add to a step; each part overrides the methods that it needs.
 
     A step calls the methods in the order of their definition. `pgimp.solver.parts` lists the parts.
+
+    Attributes
+    ----------
+    rate : float
+        Rate whose product with the step must not be above the Courant number, for the part to be
+        stable: as the cells that waves cross in a unit of time.
     """
+
+    rate: float = 0.0
 
     def begin(self, rank: RankState, order: Order, done: int) -> None:
         """Act before the sums over particles; collective.
@@ -111,7 +119,7 @@ def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
     for seam in scene.domain.seams if contact else ():
         call(join_volumes, scene.domain.frame, field, contact.volumes, contact.used, seam)
     for releases in (False, True):  # unilateral ones last: they include the sums of both
-        for mirror in (*scene.domain.followed, *scene.domain.mirrors):
+        for mirror in (*scene.domain.absorbing_mirrors, *scene.domain.mirrors):
             if mirror.releases == releases:
                 call(fold, scene.domain.frame, field, mirror, update.forcing, update.ledger)
                 if contact:
@@ -145,7 +153,7 @@ def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Set the vertices beyond reflecting faces, and beyond seams, from vertices inside."""
     scene, field = rank.scene, rank.grid.field
-    for mirror in reversed((*scene.domain.followed, *scene.domain.mirrors)):
+    for mirror in reversed((*scene.domain.absorbing_mirrors, *scene.domain.mirrors)):
         rank.call(reflect, scene.domain.frame, field, mirror, update.forcing, update.ledger)
     for seam in reversed(scene.domain.seams):
         rank.call(part_seam, scene.domain.frame, field, seam)

@@ -77,7 +77,7 @@ ASKED = {
     g.periodic: PERIODIC,
     g.conditions: WALL,
     g.on_axis: {"boundaries.x-min": "fixed"},
-    g.way_out: {"escape.y-min": "remove"},
+    g.outlet: {"escape.y-min": "remove"},
     g.escape: {"escape.bin": SINK},
     g.body_force: {"body_force": {"rotating-frame": {"about": [0.0, 0.0], "rate": 0.1}}},
     g.any_body_force: {"body_force": {"function": "push"}},
@@ -237,7 +237,7 @@ def test_features_of_other_bodies_and_directions_do_not_exclude_each_other():
         wide(f.axisymmetric, f.varying),
         wide(f.plane_stress, g.inflow),
         wide(f.axisymmetric, g.region_tractions),
-        wide(g.exact, g.way_out),
+        wide(g.exact, g.outlet),
     ],
     ids=lambda feature: feature.words,
 )

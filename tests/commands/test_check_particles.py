@@ -59,7 +59,7 @@ def test_particles_of_a_file_that_weigh_too_much(tmp_path):
 
 
 def test_too_many_particles_are_not_made_and_it_says_so(monkeypatch):
-    monkeypatch.setattr(particles, "MOST", 100)
+    monkeypatch.setattr(particles, "MAX_PARTICLES", 100)
     monkeypatch.setattr(particles, "populate", lambda *_: pytest.fail("they were made"))
     (note,) = prepare(plate(INSIDE)).notes
     mentions(note, "tractions.fill.region", "not looked at", "100 particles")

@@ -21,8 +21,9 @@ import pgimp
 from pgimp.decomposition import redistribute
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, cut, imbalance_of, slab_of
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles
 from pgimp.physics.shapes.mpm import MpmParameters
 
 pytestmark = pytest.mark.slow(150)

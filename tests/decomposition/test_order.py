@@ -12,7 +12,8 @@ from rank_threads import Comm, together
 from pgimp.decomposition.migrate import Migration, pack, unpack
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, cut, slab_of
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.column import Carried
+from pgimp.kernels.data.particles import Particles
 from pgimp.physics.shapes import SHAPES
 
 CELL, CELLS = (0.3, 0.7), (9, 3)

@@ -6,8 +6,9 @@ from hypothesis import strategies as st
 
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles
 from pgimp.physics.shapes.mpm import MpmParameters
 
 FRAME = Frame((0.0,), (1.0,), (1.0,), (9,), 1)

@@ -29,7 +29,8 @@ from pgimp.jit.kernel import FOLDER
 from pgimp.kernels.order.order import locate
 from pgimp.physics.shapes.mpm import MpmParameters
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.column import Carried
+from pgimp.kernels.data.particles import Particles
 
 
 p = Particles.empty(1, Carried(1))

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from kernel_driver import SEED, Rank, entry, make_frame, random_particles, random_positions
 
-from pgimp.kernels.data.particles import OUTFLOW, Carried, Particles
+from pgimp.kernels.data.column import Carried
+from pgimp.kernels.data.particles import OUTFLOW, Particles
 from pgimp.kernels.step.checks import INVERTED, NOT_FINITE, OUTSIDE, TOO_FAST
 from pgimp.physics.shapes import SHAPES
 

@@ -58,10 +58,10 @@ def test_a_step_is_that_of_the_cells(name, D):
     assert rank.grid_to_particles(DT)[0] == 0
     reference.grid_to_particles(p, rank.setting.materials, rank.setting.material_of, DT, True)
     after = copied(rank)
-    for each in ("x", "v", "F", "sigma", "V", "alone"):
+    for each in ("x", "v", "F", "sigma", "V", "isolation"):
         assert close(getattr(after, each), getattr(p, each)), each
-    assert (after.alone == 0).any() and (after.alone == 1).any()
-    assert ((after.alone > 0) & (after.alone < 1)).any()
+    assert (after.isolation == 0).any() and (after.isolation == 1).any()
+    assert ((after.isolation > 0) & (after.isolation < 1)).any()
 
 
 @pytest.mark.parametrize(("name", "D"), [("gimp", 2), ("finite-gimp", 3)])
@@ -128,7 +128,7 @@ def test_viscous_pressure_acts_through_the_cells():
     forces = []
     for q in (np.zeros(len(rows)), rng.uniform(0.0, 9.0, len(rows))):
         p.q[rows, 0] = q
-        p.alone[rows] = 0.0
+        p.isolation[rows] = 0.0
         parts = groups_of(sim.rank)
         sum_particles(sim.rank, parts, sim.scene.interaction.loads.at(0.0), False)
         G = grid.G.reshape(*grid.window.extent, RECORD).copy()

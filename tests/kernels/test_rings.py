@@ -7,8 +7,9 @@ import pytest
 from kernel_driver import SEED, Rank, entry, initial_half
 from tiers import wide
 
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import AxialFrame
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles
 
 pytestmark = pytest.mark.slow(60)
 
@@ -82,7 +83,7 @@ class Rings:
         p.V[:] = p.V0 * rng.uniform(0.8, 1.2, COUNT)
         p.m[:] = rng.uniform(0.5, 2.0, COUNT)
         p.id[:] = rng.permutation(COUNT)
-        p.alone[:] = rng.uniform(0.0, 1.0, p.alone.shape)
+        p.isolation[:] = rng.uniform(0.0, 1.0, p.isolation.shape)
         self.rank, self.frame, self.kind = Rank(shape, frame, p), frame, kind
         self.p = p = Particles(*(a[self.rank.population.order].copy() for a in p))
         self.r = np.arange(frame.vertices[0]) - frame.ghost
@@ -201,7 +202,7 @@ def test_mean_dilatation_of_rings(kind):
         across = parts_in_cells(x[0] - half[0], x[0] + half[0], rings.r, True)
         along = parts_in_cells(x[1] - half[1], x[1] + half[1], rings.z, False)
         e = (across @ cells @ along - L[k, [0, 3, 4]].sum()) / 3.0
-        L[k, [0, 3, 4]] += (1.0 - p.alone[k, 0]) * e
+        L[k, [0, 3, 4]] += (1.0 - p.isolation[k, 0]) * e
     xx, yy, zz, xy = p.sigma.T
     power = p.V @ (xx * L[:, 0] + xy * (L[:, 1] + L[:, 2]) + yy * L[:, 3] + zz * L[:, 4])
     assert (force * v).sum() == pytest.approx(-power, rel=1e-10)

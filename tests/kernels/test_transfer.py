@@ -8,7 +8,8 @@ from kernel_driver import KINDS, SEED, Rank, entry, follows, make_frame
 from tiers import wide
 from transfer_setting import CELL, DT, GRAVITY, LIGHTEST, ORIGIN, close, copied, faces_of, setting
 
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.column import Carried
+from pgimp.kernels.data.particles import Particles
 from pgimp.physics.boundaries import BOUNDARIES
 
 pytestmark = pytest.mark.slow(25)

@@ -8,6 +8,7 @@ from scenes import start
 from two_blocks import flying
 
 import pgimp.solver
+from pgimp.errors import CaseError
 from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.parts import PARTS, parts_of
 from pgimp.solver.vertices import StepPart
@@ -54,6 +55,22 @@ def test_a_further_part_acts_by_one_entry(monkeypatch):
     assert (sim.particles.x[rows] == before).all()
     assert (plain.particles.x[rows] != before).any()
     assert sim.time == plain.time
+
+
+def test_steps_are_short_enough_for_a_part(monkeypatch):
+    """Controlled ones follow its rate; a fixed one that is too long is refused."""
+
+    class Fast(StepPart):
+        rate = 1.0e4
+
+    monkeypatch.setitem(PARTS, "fast", lambda scene, comm, before: before or Fast())
+    followed = flying() | {"time": {"end": 1.0, "step": {"courant": 0.2}}}
+    sim = start(followed)
+    for _ in range(3):
+        sim.advance()
+        assert sim.now.dt == pytest.approx(0.2e-4)
+    with pytest.raises(CaseError, match=r"time\.step: 0\.01 is a Courant number of 100,"):
+        start(flying())
 
 
 @pytest.mark.parametrize("name", PARTS)

@@ -33,7 +33,7 @@ def check_parted(
     parted = []
     for one, other in combinations(current, 2):
         number = abs(int(pairs.entry[names.index(one), names.index(other)]))
-        if number and pairs.way[number - 1] == TIED:
+        if number and pairs.kind[number - 1] == TIED:
             old = root[other]
             root = {name: root[one] if end == old else end for name, end in root.items()}
         else:

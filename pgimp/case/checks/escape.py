@@ -20,10 +20,10 @@ Path = tuple[str | int, ...]
 def check_escape(dimensions: int, grid: Grid, escape: Mapping[str, Any]) -> Problems:
     """Check that faces exist, and that sinks lie in the domain."""
     sound = not list(check_grid(grid))
-    for name, way in escape.items():
+    for name, action in escape.items():
         path = ("escape", name)
-        if isinstance(way, Sink):
-            yield from _sink(path, name, way, grid if sound else None)
+        if isinstance(action, Sink):
+            yield from _sink(path, name, action, grid if sound else None)
         elif name not in faces(dimensions):
             text = unknown("face", name, faces(dimensions))
             yield Problem(path, f"{text}; a sink inside the domain is {{region: ..}}")

@@ -128,9 +128,9 @@ def fit_inflow(dimensions: int, inflow: Mapping[str, InflowEntry]) -> Problems:
 
 def fit_escape(dimensions: int, escape: Mapping[str, Any]) -> Problems:
     """Check that regions of sinks fit the dimensions."""
-    for name, way in escape.items():
-        if isinstance(way, Sink):
-            yield from check_region(("escape", name, "region"), way.region, dimensions)
+    for name, action in escape.items():
+        if isinstance(action, Sink):
+            yield from check_region(("escape", name, "region"), action.region, dimensions)
 
 
 def fit_probes(dimensions: int, probes: Mapping[str, PointProbe | PlaceProbe]) -> Problems:

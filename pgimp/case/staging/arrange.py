@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
-from pgimp.case.escape import ways_out
+from pgimp.case.escape import exits_of
 from pgimp.case.stages import Stage, Staged, merged
 from pgimp.case.staging.strength import strength_problems, weakened
 from pgimp.physics.loads.constraints import ConstraintEntry
@@ -31,7 +31,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
     awaited = {name: i for i, stage in enumerate(case.time.stages, 1) for name in stage.add}
     first.__dict__["staged_as"] = Staged(
-        escapes=bool(ways_out(first.escape)), awaited=awaited, stress=case.start.stress
+        escapes=bool(exits_of(first.escape)), awaited=awaited, stress=case.start.stress
     )
     found, names, strength = [first], {""}, None
     data.pop("start")  # of the first stage alone
@@ -59,7 +59,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             return (), [_relocated(item, stage, where) for item in problems]
         end, moved = float(before.time.end), _displacements(before, now)
         gone = before.staged.removed + tuple(name for name in stage.remove if name in now.bodies)
-        leaves = before.staged.escapes or bool(ways_out(now.escape))
+        leaves = before.staged.escapes or bool(exits_of(now.escape))
         rebonds = before.staged.rebonds or now.contact != before.contact
         now.__dict__["staged_as"] = Staged(
             number + 1,
@@ -76,7 +76,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             {name: i for name, i in before.staged.awaited.items() if i > number + 1},
             before.staged.stress,
             _angles(before, now),
-            _ways(before, now),
+            _profile_offsets(before, now),
         )
         found.append(now)
     return tuple(found), []
@@ -115,16 +115,17 @@ def _displacements(before: Case, now: Case) -> dict[str, tuple[float, ...]]:
         old: tuple[float | None, ...] = (None,) * now.dimensions
         shift = (0.0,) * now.dimensions
         if not reselects(before, now, name):
-            old = _way(before.constraints[name], start, now.dimensions)
+            old = _prescribed(before.constraints[name], start, now.dimensions)
             shift = before.staged.displacements.get(name, shift)
+        new = _prescribed(entry, start, now.dimensions)
         found[name] = tuple(
-            ((way or 0.0) + more) - (new or 0.0)
-            for way, more, new in zip(old, shift, _way(entry, start, now.dimensions), strict=True)
+            ((had or 0.0) + more) - (has or 0.0)
+            for had, more, has in zip(old, shift, new, strict=True)
         )
     return found
 
 
-def _way(entry: ConstraintEntry, t: float, dimensions: int) -> tuple[float | None, ...]:
+def _prescribed(entry: ConstraintEntry, t: float, dimensions: int) -> tuple[float | None, ...]:
     """Displacement that a constraint prescribes until `t`; by a function it is not known."""
     return entry.displacement(t) or (None,) * dimensions
 
@@ -141,11 +142,13 @@ def _angles(before: Case, now: Case) -> dict[str, float]:
     return found
 
 
-def _ways(before: Case, now: Case) -> dict[str, float]:
+def _profile_offsets(before: Case, now: Case) -> dict[str, float]:
     """Ways to add to the profiles of a stage, see `Staged`."""
-    start, had = float(before.time.end), before.staged.ways
+    start, offsets = float(before.time.end), before.staged.profile_offsets
     return {
-        name: entry.profile.way_in_stage(before.tractions[name].profile, had.get(name, 0.0), start)
+        name: entry.profile.offset_in_stage(
+            before.tractions[name].profile, offsets.get(name, 0.0), start
+        )
         for name, entry in now.tractions.items()
         if entry.profile
     }

@@ -27,7 +27,7 @@ _WIDTHS = {"position": 3, "displacement": 3, "velocity": 3, "stress": 6, "deform
 _WIDTHS |= {"velocity-gradient": 9, "volume": 0, "mass": 0, "initial-volume": 0}
 
 #: Columns that a checkpoint may have, besides x, V, V0, m and the states.
-_COLUMNS = tuple("v F sigma origin L q alone around ratio own slope offset excess".split())
+_COLUMNS = tuple("v F sigma origin L q isolation cell_F fbar_ratio own slope offset excess".split())
 
 #: Relative difference of densities that is rounding.
 _ROUNDING = 1e-9

@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 from pgimp.errors import DamagedError
 
 #: Version of the file's layout and content.
-LAYOUT = 2
+LAYOUT = 3
 
 Kind = Literal["<f8", "<i8", "<i4"]
 KINDS: tuple[str, ...] = get_args(Kind)

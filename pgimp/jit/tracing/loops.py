@@ -139,7 +139,7 @@ class Loops(Calls):
             self._turn(node, (more, after), frame)
             self.builder.position_at_end(more)
         self.builder.branch(after)
-        self._go_on(after, new, frame)
+        self._after_loop(after, new, frame)
         return None
 
     def _turns(
@@ -173,7 +173,7 @@ class Loops(Calls):
         builder.position_at_end(end)
         number.add_incoming(builder.add(number, step, flags=("nsw",)), end)
         builder.branch(head)
-        self._go_on(after, new, frame)
+        self._after_loop(after, new, frame)
 
     def _while(self, node: ast.While, frame: Frame) -> None:
         new, builder = self._enter(node, frame), self.builder
@@ -186,7 +186,7 @@ class Loops(Calls):
         builder.cbranch(self.content(test), body, after)
         builder.position_at_end(body)
         self._turn(node, (head, after), frame)
-        self._go_on(after, new, frame)
+        self._after_loop(after, new, frame)
         if test.known and test.constant and after not in self._left:
             builder.unreachable()  # it ends with a return
 
@@ -214,7 +214,7 @@ class Loops(Calls):
         outer.update({k: v for k, v in frame.cells.items() if v is not None})
         frame.names = outer
 
-    def _go_on(self, after: Any, new: list[str], frame: Frame) -> None:
+    def _after_loop(self, after: Any, new: list[str], frame: Frame) -> None:
         """Go on after a loop, with the values that it has left."""
         self.builder.position_at_end(after)
         for name in new:

@@ -36,11 +36,11 @@ LEAST_WITHIN = 0.01
 
 
 @inner_kernel
-def find_pairs(contact, frame, sides, around, count, rigid, dt):
+def find_pairs(contact, frame, sides, ring_factor, count, rigid, dt):
     """Find the pairs of fields that act on each other at a vertex; returns their number.
 
     The last `rigid` of `count` fields are rigid bodies. `sides` has the directions in which
-    the vertex is on a wall, see `wall_sides`; `around` is from `ring_volume_factor`.
+    the vertex is on a wall, see `wall_sides`; `ring_factor` is from `ring_volume_factor`.
     """
     fields, ends, states = contact.fields, contact.ends, contact.pair_states
     missing = 1.0
@@ -58,7 +58,7 @@ def find_pairs(contact, frame, sides, around, count, rigid, dt):
                 continue
             row = states[found]
             clear_pair(row)
-            if contact.pairs.way[entry - 1] == UNILATERAL:
+            if contact.pairs.kind[entry - 1] == UNILATERAL:
                 if b < count - rigid:
                     least = min(fields[a].mass, fields[b].mass)
                     if least < LEAST_MASS * (fields[a].mass + fields[b].mass):
@@ -67,13 +67,13 @@ def find_pairs(contact, frame, sides, around, count, rigid, dt):
                         continue
                 elif fields[a].filled < LEAST_HELD or fields[b].filled < LEAST_FILLED:
                     continue
-                length = _find_normal(frame, fields, one, other, sides, around, row)
+                length = _find_normal(frame, fields, one, other, sides, ring_factor, row)
                 if length == 0.0:
                     continue
                 if b >= count - rigid and fields[a].filled < _least_held(row):
                     continue
                 excess = max(fields[one].curvature_gap + fields[other].curvature_gap, 0.0)
-                bent = excess * _volume(frame, sides) * around / length**2
+                bent = excess * _volume(frame, sides) * ring_factor / length**2
                 gap = length * _gap(fields[one], fields[other], row, missing, bent)
                 row.gap_rate = max(gap - excess, 0.0) / dt
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]
@@ -124,14 +124,14 @@ def _gap(a, b, row, missing, bent):
 
 
 @inner_kernel
-def _find_normal(frame, fields, a, b, sides, around, row):
+def _find_normal(frame, fields, a, b, sides, ring_factor, row):
     """Set the normal, from `a` to `b`; returns the cell's length along it, 0 without a surface.
 
     A cut by a wall is no contact surface: on a wall the normal
     is along the wall, unless bodies lie on each other there. With a rigid body, its exact normal is
     used.
     """
-    square, along, side = 0.0, 0.0, around
+    square, along, side = 0.0, 0.0, ring_factor
     whole, within = 0.0, 0.0
     of_a = 0.0 if fields[b].mass == inf else 1.0
     of_b = 0.0 if fields[a].mass == inf else 1.0

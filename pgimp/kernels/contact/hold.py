@@ -33,7 +33,7 @@ from pgimp.physics.contact.pairs import Pairs
 LEAST_FREE = 0.1
 
 
-class Keepers(NamedTuple):
+class PenetrationLimits(NamedTuple):
     """Data to hold particles out of rigid bodies in a step.
 
     Attributes
@@ -56,24 +56,24 @@ class Keepers(NamedTuple):
 
 
 @inlined
-def project_out(keepers, forcing, particles, four, x, v, ledger):
+def project_out(limits, forcing, particles, four, x, v, ledger):
     """Hold four stored particles out of rigid bodies; returns their positions and velocities.
 
     Parameters
     ----------
-    keepers : Keepers or ()
+    limits : PenetrationLimits or ()
         () in scenes without rigid bodies.
     forcing, particles, four, ledger
         See `Forcing`, `Particles`, `FourParticles`, `Ledger`.
     x, v : tuple of D Vec4
         Their positions and velocities.
     """
-    if not is_record(keepers):
+    if not is_record(limits):
         return (x, v)
     held = 0
     for j in range(four.size):
-        for t in range(len(keepers.rigid_bodies.motion)):
-            held += _hold(keepers, forcing, particles, four.rows[j], t, four.layer, ledger)
+        for t in range(len(limits.rigid_bodies.motion)):
+            held += _hold(limits, forcing, particles, four.rows[j], t, four.layer, ledger)
     if held > 0:
         x = take_row(particles.x, four.rows, 0, x)
         v = take_row(particles.v, four.rows, 0, v)
@@ -184,9 +184,9 @@ def _answer(compliance, arm):
 
 
 @inner_kernel
-def _hold(keepers, forcing, particles, p, t, layer, ledger):
+def _hold(limits, forcing, particles, p, t, layer, ledger):
     """Hold particle `p` out of body `t`; returns 1 if it was changed, else 0."""
-    rigid_bodies, D = keepers.rigid_bodies, particles.x.shape[1]
+    rigid_bodies, D = limits.rigid_bodies, particles.x.shape[1]
     point, motion = rigid_bodies.point[0], rigid_bodies.motion[t]
     x = position_of_particle(particles, p)
     if not _is_within(rigid_bodies, t, D, x, 0.0):
@@ -197,7 +197,7 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
     n = (point.normal[0], point.normal[1], point.normal[2])
     depth = -point.distance - _material(particles, p, n)
     one, other = particles.body[p], rigid_bodies.bodies + t
-    entry = keepers.pairs.entry[min(one, other), max(one, other)]
+    entry = limits.pairs.entry[min(one, other), max(one, other)]
     g = free_part(forcing.constraints, particles, p, n)
     square = g[0] ** 2 + g[1] ** 2 + g[2] ** 2
     if not depth > 0.0 or entry == 0 or square < LEAST_FREE:
@@ -215,15 +215,15 @@ def _hold(keepers, forcing, particles, p, t, layer, ledger):
         moving[2] + moving[3] * arm[1] - moving[4] * arm[0],
     )
     free = free_part(forcing.constraints, particles, p, (1.0, 1.0, 1.0))
-    _stop(keepers, particles, p, t, (entry, layer), (n, free, square), (arm, own), ledger)
+    _stop(limits, particles, p, t, (entry, layer), (n, free, square), (arm, own), ledger)
     return 1
 
 
 @inner_kernel
-def _stop(keepers, particles, p, t, booking, normals, point, ledger):
+def _stop(limits, particles, p, t, booking, normals, point, ledger):
     """Remove the velocity of particle `p` into body `t`, and the friction's part across it."""
     (entry, layer), (n, free, square), (arm, own) = booking, normals, point
-    pairs, m, D = keepers.pairs, particles.m[p], particles.x.shape[1]
+    pairs, m, D = limits.pairs, particles.m[p], particles.x.shape[1]
     normal, across = 0.0, 0.0
     for d in range(D):
         normal += (particles.v[p, d] - own[d]) * n[d]
@@ -232,11 +232,9 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
     for d in range(D):
         across += (particles.v[p, d] - own[d] - normal * n[d]) ** 2
     across = sqrt(across)
-    mass = m / (
-        1.0 + _answer(keepers.compliance[t], arm)
-    )  # never too much for all of them together
+    mass = m / (1.0 + _answer(limits.compliance[t], arm))  # never too much for all of them together
     part, law = 1.0, abs(entry) - 1
-    if pairs.way[law] == UNILATERAL:
+    if pairs.kind[law] == UNILATERAL:
         part = sliding_part(pairs, law, 0.0, -normal, inf, across, across)
     booked, mine = ledger.contact[layer, law], ledger.rigid_bodies[layer, t]
     J, done, heat = (0.0, 0.0, 0.0), 0.0, 0.0
@@ -257,8 +255,8 @@ def _stop(keepers, particles, p, t, booking, normals, point, ledger):
         moment = arm[e] * J[f] - arm[f] * J[e]
         mine[RIGID_IMPULSE + d] -= J[d]
         mine[RIGID_MOMENT + d] -= moment
-        keepers.impulses[layer, t, d] -= J[d]
-        keepers.impulses[layer, t, 3 + d] -= moment
-    if keepers.rigid_bodies.lattice[t].free < 0:  # else known when all impulses are
+        limits.impulses[layer, t, d] -= J[d]
+        limits.impulses[layer, t, 3 + d] -= moment
+    if limits.rigid_bodies.lattice[t].free < 0:  # else known when all impulses are
         mine[RIGID_WORK] += done
         ledger.work[layer] += done

@@ -138,7 +138,7 @@ def exchange(contact, holding, number, held, pair, last):
     if held:
         u = held_field_velocity(contact, holding, number, a, last)
         v = held_field_velocity(contact, holding, number, b, last)
-    tied = contact.pairs.way[entry] == TIED
+    tied = contact.pairs.kind[entry] == TIED
     # A rigid body may overcome a unilateral wall, or its friction.
     rigid = first.mass == inf or second.mass == inf
     bilateral = tied or rigid

@@ -4,8 +4,8 @@ from math import inf
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.kernels.contact.fill import FAR, fill
-from pgimp.kernels.rigid.around import ring_volume_factor
 from pgimp.kernels.rigid.bodies import arm_of, position_of
+from pgimp.kernels.rigid.ring_volume import ring_volume_factor
 
 
 @inlined
@@ -42,9 +42,9 @@ def load_rigid_bodies(contact, rigid_bodies, frame, number, sides, count, last):
         row = contact.fields[found]
         contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
         row.mass, row.filled, row.curvature_gap = inf, point.filled, point.curvature_gap
-        around = ring_volume_factor(frame, number, sides)
+        ring_factor = ring_volume_factor(frame, number, sides)
         for d in range(3):
-            row.surface[d] = point.surface[d] * around
+            row.surface[d] = point.surface[d] * ring_factor
         set_rigid_velocity(row, rigid_bodies, t, frame, number, last)
         found += 1
     return found - count

@@ -93,7 +93,7 @@ def _add(contact, rigid_bodies, holding, number, pair, count, plane):
     n = (row.normal[0], row.normal[1], row.normal[2])
     s = (row.tangential_impulse[0], row.tangential_impulse[1], row.tangential_impulse[2])
     push, slip = row.normal_impulse, sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
-    tied = contact.pairs.way[contact.ends[pair].law - 1] == TIED
+    tied = contact.pairs.kind[contact.ends[pair].law - 1] == TIED
     mobility = _mobility(contact, rigid_bodies, a, b, other, contact.fields[other].mass / mass)
     along, across, drag, turn = _slopes(contact, pair, other, mobility, holding.forcing.dt)
     inverse = 1.0 / slip if slip > NONE else 0.0
@@ -152,7 +152,7 @@ def _slopes(contact, pair, other, mobility, dt):
     for d in range(3):
         answer += row.normal[d] ** 2 * mobility[d]
         most = max(most, mobility[d])
-    if contact.pairs.way[entry] == TIED or not (push != 0.0 or row.shear_adhesion > 0.0):
+    if contact.pairs.kind[entry] == TIED or not (push != 0.0 or row.shear_adhesion > 0.0):
         return 0.0, 0.0, 0.0, 0.0
     held = answer > 0.0 and push != 0.0 and push > -row.adhesion  # else it pulls at its limit
     along, across = 1.0 / answer if held else 0.0, row.sticking / most

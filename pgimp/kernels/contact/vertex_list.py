@@ -19,7 +19,7 @@ from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
 from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.faces import on_walls, wall_sides
-from pgimp.kernels.rigid.around import ring_volume_factor, walled_volume_factor
+from pgimp.kernels.rigid.ring_volume import ring_volume_factor, walled_volume_factor
 
 
 class Search(NamedTuple):
@@ -85,8 +85,8 @@ def _add(contact, search, number, most, near, found):
         rigid = load_rigid_bodies(contact, contact.rigid_bodies, frame, number, sides, count, last)
     if count + rigid < 2:
         return found
-    around = ring_volume_factor(frame, number, sides)
-    pairs = find_pairs(contact, frame, sides, around, count + rigid, rigid, search.dt)
+    ring_factor = ring_volume_factor(frame, number, sides)
+    pairs = find_pairs(contact, frame, sides, ring_factor, count + rigid, rigid, search.dt)
     if pairs == 0:
         return found
     listed, (v, f, p) = contact.listed, found

@@ -24,7 +24,7 @@ from pgimp.physics.shapes.gimp import GimpParameters
 BOXES = GimpParameters | FiniteGimpParameters
 
 #: Least half-width of a cut box, in cells.
-LEAST = 1e-4
+MIN_HALF_WIDTH = 1e-4
 
 #: The entry of a vertex's record with the correction of the sums of volumes.
 VOLUME_CORRECTION = 4
@@ -111,7 +111,7 @@ def _narrow(shape, frame, buffer, d, half, x, offset, vertex):
     if len(x) == 1:
         inverse = frame.inverse[d]
         f = (x[0] + offset[0] - frame.origin[d]) * inverse - (vertex - frame.ghost)
-        w, g = cut_weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
+        w, g = cut_weights(shape, max(half[0] - abs(offset[0]) * inverse, MIN_HALF_WIDTH), f)
         keep_support(buffer, d, w, scaled(inverse, g))
     else:
         _narrow(shape, frame, buffer, d, half[:1], x[:1], offset[:1], vertex)
@@ -125,9 +125,9 @@ def _narrow_ring(shape, frame, buffer, half, x, offset, vertex):
     if not is_axial(frame):
         return None
     inverse = frame.inverse[0]
-    r = max((x[0] + offset[0]) * inverse, LEAST)
+    r = max((x[0] + offset[0]) * inverse, MIN_HALF_WIDTH)
     f = r - frame.origin[0] * inverse - (vertex - frame.ghost)
-    left = min(max(half[0] - abs(offset[0]) * inverse, LEAST), r)
+    left = min(max(half[0] - abs(offset[0]) * inverse, MIN_HALF_WIDTH), r)
     by, (w, g) = 1.0 / r, cut_weights(shape, left, f)
     first, ends = cut_moments(shape, left, f)
     keep_support(buffer, 0, plus_scaled(by, first, w), scaled(inverse, plus_scaled(by, ends, g)))

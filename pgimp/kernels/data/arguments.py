@@ -115,9 +115,9 @@ class Field(NamedTuple):
     bounds : tuple of D pairs of float
         Coordinates between which a particle is certainly in the domain and in the window.
     used : (planes + 1, fields) int64 or ()
-        Bits of the rows along y in which a plane's velocity field is not zero. They are cleared
-        before it is active again; see `pgimp.kernels.data.velocity_fields`. The last entries are
-        for the layer's own planes. () in scenes that always have one field.
+        Several velocity fields: bits of the rows along y in which each is not zero. They are
+        cleared before its plane is active again; see `pgimp.kernels.data.velocity_fields`. The last
+        entries are for the layer's own planes. () in scenes that always have one field.
     motion : VertexMotion or ()
         Motion that the vertices keep, in scenes with bodies in the initial configuration.
     """
@@ -159,11 +159,11 @@ class Forcing(NamedTuple):
     controlled : bool or float
         Whether the next step depends on the particles' speeds.
     clearances : (faces, vertices) float64 or ()
-        Clearances of bodies from unilateral walls, see `find_clearances`.
+        Clearances of bodies from unilateral walls. See `find_clearances`.
     filling : Filling or ()
-        Filled parts of the vertices, where bodies flow; see `pgimp.kernels.flows.filling`.
-    keepers : Keepers or ()
-        The rigid bodies that hold particles out, see `pgimp.kernels.contact.hold`.
+        Filled parts of the vertices, where bodies flow. See `pgimp.kernels.flows.filling`.
+    limits : PenetrationLimits or ()
+        Rigid bodies that hold particles out. See `pgimp.kernels.contact.hold`.
     """
 
     dt: float
@@ -176,7 +176,7 @@ class Forcing(NamedTuple):
     controlled: bool | float
     clearances: FloatArray | tuple[()] = ()
     filling: Any = ()
-    keepers: Any = ()
+    limits: Any = ()
 
 
 class Report(NamedTuple):

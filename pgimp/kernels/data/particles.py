@@ -5,12 +5,13 @@ and docs/symbols.md follow from it. `Population` has the live rows and their can
 of particles that have left stay as holes until the next re-sort.
 """
 
-from collections.abc import Callable
-from typing import Annotated, NamedTuple, get_type_hints
+from collections.abc import Sequence
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.kernels.data.column import Carried, Column
 from pgimp.kernels.data.frame import identity
 from pgimp.physics.loads.surfaces import surface_width
 
@@ -20,94 +21,6 @@ OUTFLOW = -1
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Columns = tuple[tuple[IntArray, ...], tuple[NDArray[np.int32], ...]]
-
-
-class Carried(NamedTuple):
-    """Columns of a scene's particles.
-
-    Attributes
-    ----------
-    dimensions : int
-        1, 2 or 3.
-    origin, affine, viscous, constraints : bool
-        Whether they keep their initial position, velocity gradient, viscous pressure, constraint.
-    tractions, state : int
-        Number of tractions, and greatest number of state variables of a material.
-    surfaces : bool
-        Whether they have the cut-off parts at surfaces, for contact.
-    mean : bool
-        Whether they have their degree of isolation, for mean dilatation.
-    around : bool
-        Whether they have their cells' deformation gradient, for mean dilatation in the initial
-        configuration.
-    own : int
-        Number of parameters of its material that vary.
-    liquid : bool
-        Whether they have the gradient of J.
-    axial, plate : bool
-        Whether they are rings, or parts of a plate: F has a zz, out of the plane.
-    surfaces_loaded : int
-        Number of loads on parts of surfaces.
-    followed : bool
-        Whether such loads follow the positions.
-    winding : bool
-        Whether they count their turns through periodic faces.
-    """
-
-    dimensions: int
-    origin: bool = False
-    affine: bool = False
-    viscous: bool = False
-    tractions: int = 0
-    constraints: bool = False
-    state: int = 0
-    surfaces: bool = False
-    mean: bool = False
-    around: bool = False
-    own: int = 0
-    liquid: bool = False
-    axial: bool = False
-    plate: bool = False
-    winding: bool = False
-    surfaces_loaded: int = 0
-    followed: bool = False
-
-    @property
-    def undeformed(self) -> tuple[float, ...]:
-        """F of an undeformed particle."""
-        return identity(self.dimensions, self.axial or self.plate)
-
-
-class Column(NamedTuple):
-    """A column of the particles, (c,) or (c, k) with the capacity c.
-
-    All migrate, are sorted, checkpointed and resumed; `pgimp.physics.fields` has the columns for
-    output.
-
-    Attributes
-    ----------
-    meaning, unit : str
-    width : callable, optional
-        k, from `Carried`; 0: the scene does not use it. None: one number, (c,).
-    dtype : type
-    least : float, optional
-        Least allowed value.
-    above : float, optional
-        Excluded lower bound of the values.
-    numbers : str
-        Object that it numbers, if any: from 0 on, or from 1 on where 0 stands for none.
-    initial : float
-        Initial value; of a matrix its diagonal, the rest is 0.
-    """
-
-    meaning: str
-    unit: str = ""
-    width: Callable[[Carried], int] | None = None
-    dtype: type = np.float64
-    least: float | None = None
-    above: float | None = None
-    numbers: str = ""
-    initial: float = 0.0
 
 
 def _directions(carried: Carried) -> int:
@@ -120,6 +33,11 @@ def _matrix(carried: Carried) -> int:
 
 def _gradient(carried: Carried) -> int:
     return len(identity(carried.dimensions, carried.axial)) if carried.affine else 0
+
+
+def _position(p: Any, _: Sequence[Any]) -> FloatArray:
+    position: FloatArray = p.x
+    return position
 
 
 class Particles(NamedTuple):
@@ -155,7 +73,13 @@ class Particles(NamedTuple):
         NDArray[np.int32], Column("number of the body", dtype=np.int32, numbers="bodies")
     ]
     origin: Annotated[
-        FloatArray, Column("initial position", "length", lambda c: c.dimensions if c.origin else 0)
+        FloatArray,
+        Column(
+            "initial position",
+            "length",
+            lambda c: c.dimensions if c.origin else 0,
+            initial=_position,
+        ),
     ]
     L: Annotated[FloatArray, Column("velocity gradient, row by row", "1/time", _gradient)]
     q: Annotated[FloatArray, Column("viscous pressure", "stress", lambda c: int(c.viscous))]
@@ -167,9 +91,10 @@ class Particles(NamedTuple):
         NDArray[np.int32],
         Column(
             "number of the constraint that holds it, from 1; 0 is none",
-            width=lambda c: int(c.constraints),
+            width=lambda _: 1,
             dtype=np.int32,
             numbers="constraints",
+            needed=lambda case: bool(case.constraints),
         ),
     ]
     state: Annotated[FloatArray, Column("state variables of the material", "", lambda c: c.state)]
@@ -189,7 +114,7 @@ class Particles(NamedTuple):
             lambda c: int(c.surfaces),
         ),
     ]
-    alone: Annotated[
+    isolation: Annotated[
         FloatArray,
         Column(
             "part of its rate of dilatation that is not the cells', where it is alone in them",
@@ -198,22 +123,22 @@ class Particles(NamedTuple):
             least=0.0,
         ),
     ]
-    around: Annotated[
+    cell_F: Annotated[
         FloatArray,
         Column(
             "deformation gradient of the cells in which it lies, row by row, with mean dilatation "
             "in the initial configuration",
             "1",
-            lambda c: _matrix(c) if c.around else 0,
+            lambda c: _matrix(c) if c.cell_F else 0,
             initial=1.0,
         ),
     ]
-    ratio: Annotated[
+    fbar_ratio: Annotated[
         FloatArray,
         Column(
             "F over the deformation gradient at its place, likewise",
             "1",
-            lambda c: int(c.around),
+            lambda c: int(c.cell_F),
             above=0.0,
             initial=1.0,
         ),
@@ -233,7 +158,8 @@ class Particles(NamedTuple):
         IntArray,
         Column(
             "turns through periodic faces: periods from its position to the unwrapped one", "",
-            lambda c: c.dimensions if c.winding else 0, np.int64,
+            _directions, np.int64,
+            needed=lambda case: any(face.joins for face in case.boundaries.values()),
         ),
     ]  # fmt: skip
 
@@ -251,15 +177,16 @@ class Particles(NamedTuple):
         Column(
             "position in the undeformed state, where loads follow surfaces",
             "length",
-            lambda c: c.dimensions if c.followed else 0,
+            lambda c: c.dimensions if c.follows_surfaces else 0,
+            initial=_position,
         ),
     ]
-    drift: Annotated[
+    surface_F_correction: Annotated[
         FloatArray,
         Column(
             "R, by which R F is the deformation gradient by positions, row by row, likewise",
             "1",
-            lambda c: _matrix(c) if c.followed else 0,
+            lambda c: _matrix(c) if c.follows_surfaces else 0,
             initial=1.0,
         ),
     ]
@@ -269,11 +196,18 @@ class Particles(NamedTuple):
         """Arrays for `capacity` particles with all carried columns at their initial values."""
         arrays, one = {}, np.array(carried.undeformed)
         for name, column in COLUMNS.items():
-            more = () if column.width is None else (column.width(carried),)
+            more = shape_of(name, carried)
             arrays[name] = np.zeros((capacity, *more), column.dtype)
-            if column.initial:
+            if column.initial and not callable(column.initial):
                 arrays[name][:] = column.initial * one[: more[0]]
         return cls(**arrays)
+
+    def initialise(self, bodies: Sequence[Any]) -> None:
+        """Set the columns whose initial values are functions of the others, see `Column`."""
+        for name, column in COLUMNS.items():
+            values: np.ndarray = getattr(self, name)
+            if callable(column.initial) and values.size:
+                values[:] = column.initial(self, bodies).reshape(values.shape)
 
     @property
     def capacity(self) -> int:
@@ -298,3 +232,18 @@ COLUMNS: dict[str, Column] = {
     name: hint.__metadata__[0]
     for name, hint in get_type_hints(Particles, include_extras=True).items()
 }
+
+
+def shape_of(name: str, carried: Carried) -> tuple[int, ...]:
+    """Shape of a particle's entry in a column: (), or (k,) with k = 0 where it is not carried."""
+    column = COLUMNS[name]
+    if column.width is None:
+        return ()
+    return (column.width(carried) if not column.needed or name in carried.needed else 0,)
+
+
+def needed_by(case: Any) -> frozenset[str]:
+    """Return the columns that a case needs by their declaration, see `Column.needed`."""
+    return frozenset(
+        name for name, column in COLUMNS.items() if column.needed and column.needed(case)
+    )

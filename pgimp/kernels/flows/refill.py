@@ -35,7 +35,7 @@ OVERFULL = 0.05
 ALONE = 0.25
 
 #: The greatest shift of a particle at once, in cells, by direction.
-FARTHEST = 0.1
+MAX_SHIFT = 0.1
 
 #: Offset of the velocities' gains in the scratch, behind shifts.
 GAINS = 16
@@ -151,8 +151,8 @@ def _steps(slopes, cell, shift):
 
 @inlined
 def _limited(slope, side, shift):
-    """Minus `shift` times the gradient of EXCESS by cells, at most FARTHEST of a `side`."""
-    return side * min(max(-shift * side * lane(slope, EXCESS), -FARTHEST), FARTHEST)
+    """Minus `shift` times the gradient of EXCESS by cells, at most MAX_SHIFT of a `side`."""
+    return side * min(max(-shift * side * lane(slope, EXCESS), -MAX_SHIFT), MAX_SHIFT)
 
 
 @inlined

@@ -27,7 +27,7 @@ from pgimp.physics.shapes.base import by_corners
 CERTAIN = 1 << 62
 
 #: Most that a particle counts at a vertex, so that sums have room.
-_MOST = 1e15
+_MAX_UNITS = 1e15
 
 
 @inlined
@@ -48,7 +48,8 @@ def _mark(shape, noted, offset, support, d, w, stride, like):
     if len(like) == 0:
         marks[0][offset // RECORD] |= near
         if len(marks) > 1:
-            marks[1][offset // RECORD] += int(min(w, _MOST)) + 1  # not less, for light vertices
+            units = int(min(w, _MAX_UNITS)) + 1  # not less, for light vertices
+            marks[1][offset // RECORD] += units
     else:
         buffer, j = support
         most = 0.0

@@ -23,7 +23,7 @@ from pgimp.kernels.lagrangian.cells import note_errors, raise_rate
 from pgimp.kernels.lagrangian.stored_stress import averages, four_slots
 from pgimp.kernels.transfer.lane_io import deformations, put, put_row, take, take_row
 from pgimp.kernels.update.deformation import side
-from pgimp.kernels.update.mean_dilatation_lagrangian import LEAST
+from pgimp.kernels.update.mean_dilatation_lagrangian import MIN_FILL
 from pgimp.kernels.update.speed import grid_speed
 from pgimp.kernels.update.stress import keep_state, margins, update_stress
 from pgimp.kernels.update.varying import substitute_parameters
@@ -158,16 +158,17 @@ def _swollen(centre, frame, particles, rows, F):
     if len(centre) == 0:
         return F
     D = len(frame.origin)
-    least = LEAST**D
+    least = MIN_FILL**D
     mass, G = centre
-    put_row(particles.around, rows, 0, vectors(G))
+    put_row(particles.cell_F, rows, 0, vectors(G))
     held = mass * take(particles.V0, rows)
     for d in range(D):
         held = held * frame.inverse[d]
-    was = take_row(particles.alone, rows, 0, (0.0,))[0]
-    alone = where(held < least * take(particles.m, rows), 1.0, was)
-    put_row(particles.alone, rows, 0, (alone,))
+    was = take_row(particles.isolation, rows, 0, (0.0,))[0]
+    isolation = where(held < least * take(particles.m, rows), 1.0, was)
+    put_row(particles.isolation, rows, 0, (isolation,))
     swelling = max(determinant(G) / determinant(F), 0.0)  # an inverted one has none
-    now = where(alone > 0.0, take_row(particles.ratio, rows, 0, (0.0,))[0], side(swelling, F))
-    put_row(particles.ratio, rows, 0, (now,))
+    was = take_row(particles.fbar_ratio, rows, 0, (0.0,))[0]
+    now = where(isolation > 0.0, was, side(swelling, F))
+    put_row(particles.fbar_ratio, rows, 0, (now,))
     return scaled(now, F)

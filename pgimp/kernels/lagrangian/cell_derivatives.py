@@ -15,7 +15,7 @@ from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, stack, store
 
 #: Most particles of a cell along a direction.
-MOST = 4
+MAX_PER_CELL = 4
 
 
 class CellSizes(NamedTuple):
@@ -119,11 +119,11 @@ def derive_across(cells, buffers):
     low, high = load(edges, 0), load(edges, 4)
     rise, higher = load(edges, 8) - low, load(edges, 12) - high
     for r in range(rows):
-        y = fractions[MOST + r]
+        y = fractions[MAX_PER_CELL + r]
         left, right = y * rise + low, y * higher + high
         change = right - left
         for s in range(columns):
-            store(places, 4 * (r * columns + s), fractions[2 * MOST + s] * change + left)
+            store(places, 4 * (r * columns + s), fractions[2 * MAX_PER_CELL + s] * change + left)
     for group in range(groups):
         a, b, c, d = _of_slice(cells, group)
         found = _components(places, a, b, c, d)
@@ -146,9 +146,9 @@ def derive_slice(cells, q, buffers):
     rise, higher = inverse * (load(values, 8) - low), inverse * (load(values, 12) - high)
     change, inverse = higher - rise, frame.inverse[second]
     for s in range(columns):
-        store(buffers.first, 4 * s, cells.fractions[second * MOST + s] * change + rise)
+        store(buffers.first, 4 * s, cells.fractions[second * MAX_PER_CELL + s] * change + rise)
     for r in range(rows):
-        y = cells.distances[first * MOST + r]
+        y = cells.distances[first * MAX_PER_CELL + r]
         store(buffers.second, 4 * r, inverse * ((y * higher + high) - (y * rise + low)))
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from pgimp.jit.kernel import inlined
 from pgimp.jit.vectors.simd import load, stack, store
-from pgimp.kernels.lagrangian.cell_derivatives import MOST, sizes_of
+from pgimp.kernels.lagrangian.cell_derivatives import MAX_PER_CELL, sizes_of
 from pgimp.kernels.lagrangian.cell_matrices import of_four
 from pgimp.kernels.update.piola import keep_vectors
 
@@ -72,15 +72,15 @@ def _add_slice(cells, q, stresses):
     frame, lines = cells.setting.frame, stresses.lines
     fractions, distances = cells.fractions, cells.distances
     whole = _along_first(cells, stresses, 0)
-    high = fractions[second * MOST] * whole
+    high = fractions[second * MAX_PER_CELL] * whole
     for s in range(1, columns):
         force = _along_first(cells, stresses, s)
-        whole, high = whole + force, fractions[second * MOST + s] * force + high
+        whole, high = whole + force, fractions[second * MAX_PER_CELL + s] * force + high
     end = _along_second(cells, stresses, 0)
-    moment = distances[first * MOST] * end
+    moment = distances[first * MAX_PER_CELL] * end
     for r in range(1, rows):
         force = _along_second(cells, stresses, r)
-        end, moment = end + force, distances[first * MOST + r] * force + moment
+        end, moment = end + force, distances[first * MAX_PER_CELL + r] * force + moment
     inverse = frame.inverse[second]
     end, moment, inverse = inverse * end, inverse * moment, frame.inverse[first]
     low, high = inverse * ((whole - high) - moment), inverse * (high + moment)
@@ -147,11 +147,11 @@ def _end_cell(cells, stresses, f):
     f00, f01, f10, f11 = load(sums, 16), load(sums, 20), load(sums, 24), load(sums, 28)
     for r in range(rows):
         whole = load(at, 4 * r * columns)
-        high = fractions[2 * MOST] * whole
+        high = fractions[2 * MAX_PER_CELL] * whole
         for s in range(1, columns):
             force = load(at, 4 * (r * columns + s))
-            whole, high = whole + force, fractions[2 * MOST + s] * force + high
-        y, low = fractions[MOST + r], whole - high
+            whole, high = whole + force, fractions[2 * MAX_PER_CELL + s] * force + high
+        y, low = fractions[MAX_PER_CELL + r], whole - high
         a, b = y * low, y * high
         f00, f01, f10, f11 = f00 + (low - a), f01 + (high - b), f10 + a, f11 + b
     inverse = cells.setting.frame.inverse[0]

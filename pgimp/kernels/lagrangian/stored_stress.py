@@ -50,12 +50,13 @@ def stored_stresses(cells, particles, slot, total):
         rows = four_slots(cells.rows, slot)
         sigma = take_row(particles.sigma, rows, 0, like)
         sigma = less_pressure(cells.loads.viscosity, particles, rows, sigma)
-        in_company = part * (1.0 - take_row(particles.alone, rows, 0, (0.0,))[0])
+        in_company = part * (1.0 - take_row(particles.isolation, rows, 0, (0.0,))[0])
         mean = in_company * trace(full(sigma))
         rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
-        ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -load(cells.volumes, slot)
+        fbar_ratio = take_row(particles.fbar_ratio, rows, 0, (0.0,))[0]
+        V = -load(cells.volumes, slot)
         P = multiply(full(rest), cofactor(deformations(cells.setting.frame, particles, rows)))
-        return scaled(V * ratio, P), (total[0] + V * mean,)
+        return scaled(V * fbar_ratio, P), (total[0] + V * mean,)
     if cells.rows[slot] < 0:
         return vectors(nothing), total
     rows = four_slots(cells.rows, slot)
@@ -76,7 +77,7 @@ def add_mean_forces(cells, particles, cell, total, f):
     slot = slots * cell
     while cells.rows[slot] < 0:
         slot += 4
-    G = read(particles.around, cells.rows[slot], 0, matrix)
+    G = read(particles.cell_F, cells.rows[slot], 0, matrix)
     V, inverse = total[0], cells.setting.frame.inverse
     factor = share * ((lane(V, 0) + lane(V, 1)) + (lane(V, 2) + lane(V, 3)))
     C = scaled(factor, cofactor(G))

@@ -38,7 +38,7 @@ from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset, supports
 from pgimp.kernels.transfer.transfer import Support
 
 #: Least determinant and greatest squared norm of R_p^-1 that count; else the surface follows F_p.
-_LEAST, _MOST = 0.05, 25.0
+_MIN_DETERMINANT, _MAX_SQUARE = 0.05, 25.0
 
 
 class DisplacementSums(NamedTuple):
@@ -78,7 +78,7 @@ def _displacement(frame, particles, p, d):
 def _carried_gradient(frame, particles, p):
     """Displacement gradient G_p that particle `p` has from the time before, times its mass."""
     F = deformation(frame, particles, p)
-    F = multiply(read(particles.drift, p, 0, F), F)
+    F = multiply(read(particles.surface_F_correction, p, 0, F), F)
     return scaled(particles.m[p], _one_minus(inverse(_plane(F, frame.origin))))
 
 
@@ -154,14 +154,14 @@ def _is_loaded(particles, p):
 
 
 @kernel
-def find_drifts(setting, field, particles, order, undrifted) -> int:
+def find_surface_corrections(setting, field, particles, order, identity) -> int:
     """Find R_p from the displacements at the vertices.
 
     Parameters
     ----------
     setting, field, particles, order
         See `KernelScene`, `Field`, `Particles`, `Order`; the field is from `find_displacements`.
-    undrifted : tuple of float
+    identity : tuple of float
         The matrix 1.
 
     Returns
@@ -169,7 +169,7 @@ def find_drifts(setting, field, particles, order, undrifted) -> int:
     int
         Number of particles at a loaded surface that follow F_p alone: their R_p does not count.
     """
-    fallen = 0
+    fallbacks = 0
     shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
     buffer = stack(SUPPORT_SIZE)
     for layer in range(len(start) - 1):
@@ -185,19 +185,19 @@ def find_drifts(setting, field, particles, order, undrifted) -> int:
                 )[2]
                 F = deformation(frame, particles, p)
                 back = multiply(_plane(F, frame.origin), _one_minus(_gradient(slopes)))
-                R = undrifted
-                if squared(back) < _MOST and determinant(back) > _LEAST:
+                R = identity
+                if squared(back) < _MAX_SQUARE and determinant(back) > _MIN_DETERMINANT:
                     R = _with_hoop(frame, particles, p, F, inverse(back))
                 else:
-                    fallen += _is_loaded(particles, p)
-                write(particles.drift, p, 0, R)
-    return fallen
+                    fallbacks += _is_loaded(particles, p)
+                write(particles.surface_F_correction, p, 0, R)
+    return fallbacks
 
 
 @inlined
-def followed(drifts, frame, particles, p):
-    """Deformation gradient that loaded surfaces follow: R_p F_p, with () for `drifts` F_p."""
-    if is_empty(drifts) or is_initial(frame):
+def surface_F(corrected, frame, particles, p):
+    """Deformation gradient that loaded surfaces follow: R_p F_p, with () for `corrected` F_p."""
+    if is_empty(corrected) or is_initial(frame):
         return deformation(frame, particles, p)
     F = deformation(frame, particles, p)
-    return multiply(read(particles.drift, p, 0, F), F)
+    return multiply(read(particles.surface_F_correction, p, 0, F), F)

@@ -23,28 +23,28 @@ class Loads(NamedTuple):
     Attributes
     ----------
     viscosity : Viscosity or ()
-        See `pgimp.kernels.update.viscosity`.
+        Artificial viscosity of shocks (45). See `pgimp.kernels.update.viscosity`.
     tractions : tuple of Traction
-        See `pgimp.kernels.loads.tractions`.
+        Tractions on faces of bodies (18). See `pgimp.kernels.loads.tractions`.
     force : BodyForce or ()
-        See `pgimp.physics.exact.base`.
+        Body force that varies in space. See `pgimp.physics.exact.base`.
     relaxation : float or ()
-        Rate at which particles relax to the grid's velocity, see `relaxed`.
+        Rate at which particles relax to the grid's velocity. See `relaxed`.
     affine : float or ()
-        A number where particles carry their velocity gradient, see `pgimp.kernels.update.affine`.
+        A number where particles carry their velocity gradient. See `pgimp.kernels.update.affine`.
     approached : tuple of Sides
-        For each direction the walls across it that need clearances; () without any.
+        For each direction the walls across it that need clearances. () without any.
     mean : float, (bodies,) float64 or ()
-        A number where cells have one dilatation each, see `pgimp.kernels.update.mean_dilatation`.
-        In scenes with liquids under gravity an array, 1 for liquids and 0 for other bodies.
+        A number where cells have one dilatation each. In scenes with liquids under gravity an
+        array, 1 for liquids and 0 for other bodies. See `pgimp.kernels.update.mean_dilatation`.
     mean_lagrangian : float or ()
-        Likewise for bodies in the initial configuration, see
+        A number where cells have one dilatation each, of bodies in the initial configuration. See
         `pgimp.kernels.update.mean_dilatation_lagrangian`.
     rest : (bodies,) bool or ()
-        Bodies that come to rest on faces that hold every component: see
+        Bodies that come to rest on faces that hold every component. See
         `pgimp.kernels.grid.resting`.
     surfaces : tuple of SurfaceLoad
-        See `pgimp.kernels.loads.surfaces`.
+        Loads on parts of surfaces. See `pgimp.kernels.loads.surfaces`.
     """
 
     viscosity: tuple = ()

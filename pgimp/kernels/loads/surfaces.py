@@ -13,7 +13,7 @@ from pgimp.jit.kernel import class_of, inlined, inner_kernel
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.velocity_fields import field_of
-from pgimp.kernels.loads.following import followed
+from pgimp.kernels.loads.following import surface_F
 from pgimp.kernels.loads.profiles import profiled
 from pgimp.kernels.loads.strips import strip_weights
 from pgimp.kernels.loads.tractions import book_force, columns, half_step, means
@@ -196,7 +196,7 @@ def _support(load, layout, window, particles, p, layer, part, buffer):
 def _part(load, frame, particles, p):
     """Force on a particle's part of a surface, and (centroid, area vector) for its weights."""
     D = len(frame.origin)
-    F = followed(load.drifts, frame, particles, p)
+    F = surface_F(load.corrected, frame, particles, p)
     N = _vector(particles.surface, p, load.column, D)
     c = _centroid(particles.surface, p, load.column, D, N)
     f = _surface_force(load, particles, p, F, D, N, c)

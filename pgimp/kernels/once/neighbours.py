@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.jit.kernel import allocating_kernel, kernel
 
 #: Candidates tried for a particle; of more, every second, third, ... one.
-MOST = 4096
+MAX_CANDIDATES = 4096
 
 #: Smallest spread of the neighbours in a direction, over the largest, that determines a slope.
 FLAT = 1e-4
@@ -102,7 +102,7 @@ def fit_gradients(around, chosen, strides, reach, out):
             begin[run] = first_not_below(keys, key - 1)
             end[run] = first_not_below(keys, key + 2)
             total += end[run] - begin[run]
-        step = 1 + total // MOST
+        step = 1 + total // MAX_CANDIDATES
         weight, count = 0.0, 0
         xx[:], vx[:], sx[:], sv[:] = 0.0, 0.0, 0.0, 0.0
         for run in range(runs):

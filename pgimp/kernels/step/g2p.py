@@ -113,7 +113,7 @@ def grid_to_particles(
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
             put_row(particles.F, rows, 0, F)
-            x, v = project_out(forcing.keepers, forcing, particles, four, x, v, ledger)
+            x, v = project_out(forcing.limits, forcing, particles, four, x, v, ledger)
             put_row(particles.sigma, rows, 0, sigma)
             keep_state(particles, rows, state)
             if setting.tracked:

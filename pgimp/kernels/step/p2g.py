@@ -27,7 +27,7 @@ from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.step.sum_layer import sum_layer
 
 
-class Others(NamedTuple):
+class SecondGroup(NamedTuple):
     """Particles summed with another setting, into velocity fields of their own.
 
     Attributes
@@ -42,19 +42,19 @@ class Others(NamedTuple):
 
 
 @inlined
-def _sum_others(others, field, particles, layer, span):
+def _sum_second_group(second, field, particles, layer, span):
     """Sum the other particles of a layer; `span` is the range of a plane so far, and is widened."""
-    if not is_record(others):
+    if not is_record(second):
         return span
-    if isinstance(others, Cells):
-        low, high = add_cells(others, field, particles, layer, span)
+    if isinstance(second, Cells):
+        low, high = add_cells(second, field, particles, layer, span)
         use_layer(field, low, high)
         return low, high
-    start = others.order.start
+    start = second.order.start
     if start[layer] == start[layer + 1]:
         return span
     low, high = sum_layer(
-        others.setting, field, particles, others.loads, others.order.rows,
+        second.setting, field, particles, second.loads, second.order.rows,
         (start[layer], start[layer + 1]), layer + field.window.lower[0],
     )  # fmt: skip
     if span[1] == 0:
@@ -63,13 +63,13 @@ def _sum_others(others, field, particles, layer, span):
 
 
 @inlined
-def _begin_plane(others, field, alone, i):
+def _begin_plane(second, field, by_cells_only, i):
     """Begin the sums of plane `i`: from zero, but from known masses where no particle adds any.
 
-    `alone` says whether cells of the lattice have all of the rank's particles.
+    `by_cells_only` says whether cells of the lattice have all of the rank's particles.
     """
-    if is_single(field) and isinstance(others, Cells):
-        if alone:
+    if is_single(field) and isinstance(second, Cells):
+        if by_cells_only:
             begin_with_masses(field, i)
         else:
             clear_plane(field, i)
@@ -78,15 +78,15 @@ def _begin_plane(others, field, alone, i):
 
 
 @inlined
-def _reach(others, vertices):
+def _reach(second, vertices):
     """Number of planes that the other particles of a layer reach, of shapes with so many."""
-    if isinstance(others, Cells):
+    if isinstance(second, Cells):
         return CELL_VERTICES
     return vertices
 
 
 @kernel
-def particles_to_grid(setting, field, particles, quantity, order, runs, others):
+def particles_to_grid(setting, field, particles, quantity, order, runs, second):
     """Sum the particles of some layers of a rank into its planes.
 
     Parameters
@@ -99,7 +99,7 @@ def particles_to_grid(setting, field, particles, quantity, order, runs, others):
         Runs of layers to sum, one after the other: first layer, layer after the last one, and
         whether to defer. Deferred are the sums for planes not shared with the upper rank. Only the
         rank's last layers, as many as its shared planes, may be deferred.
-    others : Others, Cells or ()
+    second : SecondGroup, Cells or ()
         Further particles: with another setting, or by cells of the lattice.
     """
     start, window, shared_lower = order.start, field.window, field.shared_lower
@@ -111,14 +111,14 @@ def particles_to_grid(setting, field, particles, quantity, order, runs, others):
     kept = shared_lower * (shared_lower + 1) // 2  # first deferred sum of the last layers
     for run in range(len(runs)):
         for layer in range(runs[run, 0], runs[run, 1]):
-            low, high, reach = 0, 0, _reach(others, vertices)
+            low, high, reach = 0, 0, _reach(second, vertices)
             if start[layer] < start[layer + 1]:
                 reach = vertices
                 low, high = sum_layer(
                     setting, field, particles, quantity, order.rows,
                     (start[layer], start[layer + 1]), layer + window.lower[0],
                 )  # fmt: skip
-            low, high = _sum_others(others, field, particles, layer, (low, high))
+            low, high = _sum_second_group(second, field, particles, layer, (low, high))
             for i in range(vertices):
                 target = layer + i
                 if target < shared_lower:
@@ -127,7 +127,7 @@ def particles_to_grid(setting, field, particles, quantity, order, runs, others):
                     continue
                 if high > 0 and active[target] == 0:
                     active[target] = 1
-                    _begin_plane(others, field, start[layers] == 0, target)
+                    _begin_plane(second, field, start[layers] == 0, target)
                 if runs[run, 2] != 0 and target < layers:
                     slot = kept + _slot(layer - layers + shared, shared) + i
                     _defer(scratch, i * plane, deferred, slot * plane, low, high, plane)

@@ -66,8 +66,8 @@ def set_apart(loads, frame, particles, p):
     """
     if is_empty(loads.mean):
         return viscous_pressure(loads.viscosity, particles, p)
-    s, alone = _average(particles, p, frame), particles.alone[p, 0]
-    return s - alone * (s - viscous_pressure(loads.viscosity, particles, p))
+    s, isolation = _average(particles, p, frame), particles.isolation[p, 0]
+    return s - isolation * (s - viscous_pressure(loads.viscosity, particles, p))
 
 
 @inlined
@@ -80,7 +80,7 @@ def mean_force(loads, frame, particles, p):
         return ()
     third = float(len(frame.origin) == 3)
     q = viscous_pressure(loads.viscosity, particles, p)
-    V = particles.V[p] * (particles.alone[p, 0] - 1.0)
+    V = particles.V[p] * (particles.isolation[p, 0] - 1.0)
     f = V * (_average(particles, p, frame) - q)
     return pack(0.0, f, f, third * f)
 
@@ -106,16 +106,16 @@ def with_means(mean, frame, particles, rows, buffer, sums, count, L):
         return L
     D, part = (3 if len(L) == 9 else 2), (0.5 if len(L) == 4 else 1.0 / 3)
     dense, sparse = DENSE**D, SPARSE**D
-    alone = take_row(particles.alone, rows, 0, (0.0,))[0]
-    e = part * (1.0 - alone) * (_rates(buffer, count, frame.origin) - trace(L))
-    around = gathered_mass(sums) * take(particles.V, rows)
+    isolation = take_row(particles.isolation, rows, 0, (0.0,))[0]
+    e = part * (1.0 - isolation) * (_rates(buffer, count, frame.origin) - trace(L))
+    reached = gathered_mass(sums) * take(particles.V, rows)
     for d in range(D):
-        around = around * frame.inverse[d]
-    around = section(frame, particles.x, rows, around)
-    fill = around / take(particles.m, rows)
+        reached = reached * frame.inverse[d]
+    reached = section(frame, particles.x, rows, reached)
+    fill = reached / take(particles.m, rows)
     now = min(max((dense - fill) * (1.0 / (dense - sparse)), 0.0), 1.0)
     now = max(now, _always_alone(mean, particles, rows))
-    put_row(particles.alone, rows, 0, (now,))
+    put_row(particles.isolation, rows, 0, (now,))
     return _with_trace(L, e)
 
 

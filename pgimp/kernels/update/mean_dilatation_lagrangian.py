@@ -12,8 +12,8 @@ pressure, the force is the adjoint,
     -V0_p (r_p (s - p 1) cof(r_p F_p) grad0 S_vp + p cof(G_p) dD_p/dv_v).
 
 So its power is the power of the stress, and the energy of r_p F_p is its potential. A particle
-whose cells are filled to less than `LEAST`^d keeps r_p = 1. It shares them with no other, and their
-vertices have hardly any mass. The filled part is the mean over them, sum_v a_v m_v over the
+whose cells are filled to less than `MIN_FILL`^d keeps r_p = 1. It shares them with no other, and
+their vertices have hardly any mass. The filled part is the mean over them, sum_v a_v m_v over the
 particle's density and the cell's volume. It is 1 inside bodies, and at least 0.5^d at surfaces
 along the grid and in their corners. With two particles a cell and direction it is 0.25^d for an
 isolated one. Weights are initial weights, and masses are constant until a stage removes a bonded
@@ -57,7 +57,7 @@ from pgimp.kernels.update.piola import BY_CELLS, kept_force, kept_hoop
 from pgimp.kernels.update.plates import deform_plate
 
 #: d-th root of the filled part of its cells from which a particle is not isolated.
-LEAST = 0.4
+MIN_FILL = 0.4
 
 
 @inlined
@@ -206,25 +206,25 @@ def deform(cells, setting, forcing, particles, four, numbers, D):
             update_deformation(setting, forcing, particles, four, numbers, D),
         )
     directions = len(setting.frame.origin)
-    least = LEAST**directions
+    least = MIN_FILL**directions
     (mass, C), frame, rows, dt = cells, setting.frame, four.rows, forcing.dt
-    ratio = take_row(particles.ratio, rows, 0, (0.0,))[0]
-    before = scaled(1.0 / ratio, deformations(frame, particles, rows))
+    fbar_ratio = take_row(particles.fbar_ratio, rows, 0, (0.0,))[0]
+    before = scaled(1.0 / fbar_ratio, deformations(frame, particles, rows))
     after = plus_scaled(dt, D, before)
-    G = plus_scaled(dt, C, take_row(particles.around, rows, 0, D))
-    put_row(particles.around, rows, 0, G)
+    G = plus_scaled(dt, C, take_row(particles.cell_F, rows, 0, D))
+    put_row(particles.cell_F, rows, 0, G)
     held = mass * take(particles.V0, rows)
     for d in range(directions):
         held = held * frame.inverse[d]
     held = section(frame, particles.origin, rows, held)
-    was = take_row(particles.alone, rows, 0, (0.0,))[0]
-    alone = where(held < least * take(particles.m, rows), 1.0, was)
-    put_row(particles.alone, rows, 0, (alone,))
+    was = take_row(particles.isolation, rows, 0, (0.0,))[0]
+    isolation = where(held < least * take(particles.m, rows), 1.0, was)
+    put_row(particles.isolation, rows, 0, (isolation,))
     swelling = max(determinant(G) / determinant(after), 0.0)  # an inverted one has none
-    now = where(alone > 0.0, ratio, side(swelling, D))
-    put_row(particles.ratio, rows, 0, (now,))
+    now = where(isolation > 0.0, fbar_ratio, side(swelling, D))
+    put_row(particles.fbar_ratio, rows, 0, (now,))
     L = multiply(D, inverse(before))
-    return _and_multiple(L, dt, (now / ratio - 1.0) / dt), scaled(now, after)
+    return _and_multiple(L, dt, (now / fbar_ratio - 1.0) / dt), scaled(now, after)
 
 
 @inlined

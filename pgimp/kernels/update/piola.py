@@ -81,13 +81,13 @@ def keep_forces(loads, frame, particles, rows, buffer):
         keep_columns(buffer, 0, scaled(-take(particles.V0, rows), P))
         return
     part = 1.0 / (3 if len(matrix) > 4 else D)
-    in_company = part * (1.0 - take_row(particles.alone, rows, 0, (0.0,))[0])
+    in_company = part * (1.0 - take_row(particles.isolation, rows, 0, (0.0,))[0])
     mean = in_company * trace(stresses(frame, sigma))
     rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
-    ratio, V = take_row(particles.ratio, rows, 0, (0.0,))[0], -take(particles.V0, rows)
+    fbar_ratio, V = take_row(particles.fbar_ratio, rows, 0, (0.0,))[0], -take(particles.V0, rows)
     P = multiply(stresses(frame, rest), cofactor(deformations(frame, particles, rows)))
-    keep_columns(buffer, 0, scaled(V * ratio, P))
-    G = take_row(particles.around, rows, 0, matrix)
+    keep_columns(buffer, 0, scaled(V * fbar_ratio, P))
+    G = take_row(particles.cell_F, rows, 0, matrix)
     keep_columns(buffer, BY_CELLS, scaled(V * mean, cofactor(G)))
 
 

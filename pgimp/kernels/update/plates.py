@@ -23,10 +23,10 @@ TOLERANCE, ITERATIONS = 1e-13, 40
 
 #: Bounds of a secant's slope over the wave's. It is 1 at most, but for rounding. J2 flow leaves
 #: K/(K + 4G/3), and rubber that is stretched by a in the plane about 1/a^2.
-LEAST, GREATEST = 1e-4, 1.5
+MIN_SLOPE, MAX_SLOPE = 1e-4, 1.5
 
 #: Greatest change of the thickness in one evaluation, relative.
-FARTHEST = 0.25
+MAX_CHANGE = 0.25
 
 
 @inlined
@@ -64,12 +64,12 @@ def deform_plate(setting, forcing, particles, four, numbers, D):
         else:
             change = r - last_r
             k = (s - last) / where(change == 0.0, vector(1.0), change)
-            k = where(k > LEAST * slope, where(k < GREATEST * slope, k, slope), slope)
+            k = where(k > MIN_SLOPE * slope, where(k < MAX_SLOPE * slope, k, slope), slope)
         done = where(abs(s) * dt <= TOLERANCE * slope, vector(1.0), done)
         if bits(done > 0.0) == 15:
             break
         way = -s / k
-        most = FARTHEST / dt * (1.0 + dt * r)
+        most = MAX_CHANGE / dt * (1.0 + dt * r)
         way = max(min(way, most), -most)
         last_r, last = r, s
         r = where(done > 0.0, r, r + way)

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from pgimp.schema.base import Model
 
-#: Kinds of interaction, as `Pairs.way` numbers them: bodies pass through each other, move as one,
+#: Kinds of interaction, as `Pairs.kind` numbers them: bodies pass through each other, move as one,
 #: or cannot penetrate and part freely.
 IGNORE, TIED, UNILATERAL = range(3)
 
@@ -15,7 +15,7 @@ class ContactLaw(Model):
     """Base of the laws ``contact.ENTRY.law``."""
 
     #: Kind of interaction: `IGNORE`, `TIED` or `UNILATERAL`.
-    way: ClassVar[int] = UNILATERAL
+    kind: ClassVar[int] = UNILATERAL
 
     #: Keys of the entry that the law uses.
     keys: ClassVar[tuple[str, ...]] = ("friction", "adhesion")

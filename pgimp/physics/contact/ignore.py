@@ -8,5 +8,5 @@ from pgimp.physics.contact.base import IGNORE, ContactLaw
 class Ignore(ContactLaw):
     """They pass through each other."""
 
-    way: ClassVar[int] = IGNORE
+    kind: ClassVar[int] = IGNORE
     keys: ClassVar[tuple[str, ...]] = ()

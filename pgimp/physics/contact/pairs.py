@@ -90,12 +90,12 @@ class Pairs(NamedTuple):
     entry : (bodies, bodies) int16
         Number of the pair's entry, from 1, in the row of the body with the smaller number. It is
         negative if the entry names the other body first, 0 if the bodies pass through each other.
-    way : (entries + 1,) int64
-        `TIED` or `UNILATERAL`; the last is for pairs without an entry, which are tied.
-    kinds : tuple of NamedTuple
-        Parameters of each registered unilateral law; only their types matter.
     kind : (entries + 1,) int64
-        Index of the entry's law in `kinds`.
+        `TIED` or `UNILATERAL`; the last is for pairs without an entry, which are tied.
+    laws : tuple of NamedTuple
+        Parameters of each registered unilateral law; only their types matter.
+    law : (entries + 1,) int64
+        Index of the entry's law in `laws`.
     parameters : (entries + 1, n) float64
         Parameters of the entry's law.
     adhesion : (entries + 1, 3) float64
@@ -103,9 +103,9 @@ class Pairs(NamedTuple):
     """
 
     entry: np.ndarray
-    way: np.ndarray
-    kinds: tuple[NamedTuple, ...]
     kind: np.ndarray
+    laws: tuple[NamedTuple, ...]
+    law: np.ndarray
     parameters: np.ndarray
     adhesion: np.ndarray
 
@@ -124,24 +124,24 @@ class Pairs(NamedTuple):
             for first, second in each.pairs():
                 a, b = number[first], number[second]
                 entry[min(a, b), max(a, b)] = i if a < b else -i
-        way = np.array([*(each.law.way for each in entries), TIED], np.int64)
-        for ignored in np.flatnonzero(way == IGNORE) + 1:
+        kind = np.array([*(each.law.kind for each in entries), TIED], np.int64)
+        for ignored in np.flatnonzero(kind == IGNORE) + 1:
             entry[np.abs(entry) == ignored] = 0
-        kinds = [kind for kind in map(parameters_of, LAWS.values()) if kind]
-        kind, parameters = np.zeros(len(way), np.int64), np.zeros((len(way), _width(kinds)))
+        laws = [kind for kind in map(parameters_of, LAWS.values()) if kind]
+        law, parameters = np.zeros(len(kind), np.int64), np.zeros((len(kind), _width(laws)))
         for i, each in enumerate(entries):
-            if each.law.way == UNILATERAL:
+            if each.law.kind == UNILATERAL:
                 given = each.law.parameters(each)
-                kind[i] = kinds.index(type(given))
+                law[i] = laws.index(type(given))
                 parameters[i, : len(given)] = given
         held = [each.adhesion for each in entries]
         adhesion = [(each.normal, each.shear, each.reach) if each else (0.0,) * 3 for each in held]
-        examples = tuple(each._make((0.0,) * len(each._fields)) for each in kinds)
-        return cls(entry, way, examples, kind, parameters, np.array([*adhesion, (0.0,) * 3], float))
+        examples = tuple(each._make((0.0,) * len(each._fields)) for each in laws)
+        return cls(entry, kind, examples, law, parameters, np.array([*adhesion, (0.0,) * 3], float))
 
     def ties(self, count: int) -> bool:
         """Whether any of the first `count` bodies are tied."""
-        tied = np.flatnonzero(self.way == TIED) + 1
+        tied = np.flatnonzero(self.kind == TIED) + 1
         return any(
             bool((np.abs(self.entry[a, a + 1 : count, None]) == tied).any()) for a in range(count)
         )
@@ -149,13 +149,13 @@ class Pairs(NamedTuple):
 
 def parameters_of(law: type[ContactLaw]) -> type[NamedTuple] | None:
     """Return the type of a unilateral law's parameters; None for other laws."""
-    if law.way != UNILATERAL:
+    if law.kind != UNILATERAL:
         return None
     return get_type_hints(law.parameters)["return"]
 
 
-def _width(kinds: Sequence[type[NamedTuple]]) -> int:
-    return max(len(kind._fields) for kind in kinds)
+def _width(laws: Sequence[type[NamedTuple]]) -> int:
+    return max(len(kind._fields) for kind in laws)
 
 
 def sharing(case: Any) -> np.ndarray:

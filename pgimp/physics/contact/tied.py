@@ -11,5 +11,5 @@ class Tied(ContactLaw):
     From the beginning, or from when they meet.
     """
 
-    way: ClassVar[int] = TIED
+    kind: ClassVar[int] = TIED
     keys: ClassVar[tuple[str, ...]] = ()

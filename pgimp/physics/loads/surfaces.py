@@ -76,7 +76,7 @@ class SurfaceLoad(NamedTuple):
         Force per area against the normal, at the origin of coordinates.
     gradient : tuple of 3 float
         Gradient of the pressure in space.
-    drifts : float or ()
+    corrected : float or ()
         A number where areas and normals follow the particles' positions, not their F alone; alike
         for all loads of a scene.
     profile : Profile or ()
@@ -90,7 +90,7 @@ class SurfaceLoad(NamedTuple):
     traction: tuple[float, float, float]
     pressure: float
     gradient: tuple[float, float, float]
-    drifts: float | tuple[()] = ()
+    corrected: float | tuple[()] = ()
     profile: Profile | tuple[()] = ()
 
 
@@ -165,7 +165,7 @@ class ProfileEntry(Model):
         """Greatest size of a factor."""
         return max(abs(factor) for _, factor in self.table)
 
-    def way(self, t: float) -> float:
+    def travel(self, t: float) -> float:
         """Return the way of the coordinate's zero from time 0 to `t`: the velocity's integral."""
         v = self.velocity
         return v.integral(t) if isinstance(v, TimeFunction) else v * t
@@ -181,7 +181,7 @@ class ProfileEntry(Model):
         keys = [(each.direction, each.origin, each.velocity) for each in (self, before) if each]
         return len(keys) == 1 or keys[0] != keys[1]
 
-    def way_in_stage(self, before: ProfileEntry | None, shift: float, start: float) -> float:
+    def offset_in_stage(self, before: ProfileEntry | None, shift: float, start: float) -> float:
         """Return the way to add in a stage that begins at time `start`.
 
         Parameters
@@ -194,10 +194,10 @@ class ProfileEntry(Model):
             When the stage begins.
         """
         if before is None or (before.direction, before.origin) != (self.direction, self.origin):
-            return -self.way(start)
+            return -self.travel(start)
         if before.velocity == self.velocity:
             return shift
-        return (before.way(start) + shift) - self.way(start)
+        return (before.travel(start) + shift) - self.travel(start)
 
     def parameters(self, half: Sequence[float], t: float, shift: float) -> Profile:
         """Return the parameters of the kernels.
@@ -209,10 +209,10 @@ class ProfileEntry(Model):
         t : float
             The time.
         shift : float
-            Way to add to that since time 0, see `way_in_stage`.
+            Way to add to that since time 0, see `offset_in_stage`.
         """
         pairs = zip(self.direction, self.origin or (), strict=False)
-        origin = sum(a * x for a, x in pairs) + (self.way(t) + shift)
+        origin = sum(a * x for a, x in pairs) + (self.travel(t) + shift)
         ends = self.table[0][1], self.table[-1][1]
         outside = ends if self.beyond == "hold" else (0.0, 0.0)
         x, y, z = (*half, 0.0, 0.0)[:3]

@@ -17,7 +17,7 @@ from pgimp.schema.tables import MayVary, VaryingVector, VectorFunction
 from pgimp.schema.time_functions import TimeFunction
 
 #: Part of a column's area below which it is rounding, or negative after merging a small part.
-_LEAST = 1e-9
+_ROUNDING = 1e-9
 
 
 def overlaps(width: float, spacing: float) -> int:
@@ -245,7 +245,7 @@ class TractionEntry(Model):
             part[0] = 1.0  # belongs to the other face
         share = part / overlap
         share[:-overlap] -= part[overlap:] / overlap
-        share[share < _LEAST] = 0.0
+        share[share < _ROUNDING] = 0.0
         shares = np.zeros_like(parts[self.axis])
         shares[first : last + 1] = share[:: self.side]
         return area * shares[columns[self.axis]]

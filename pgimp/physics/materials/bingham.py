@@ -22,7 +22,7 @@ from pgimp.physics.materials.exact.flow import isotropic_columns, sheared, volum
 from pgimp.physics.materials.laws.hencky import distortion_energy, elastic_trial
 from pgimp.physics.materials.laws.invariants import TINY, shear_stress
 from pgimp.physics.materials.laws.tait import (
-    LEAST,
+    MIN_J,
     VISCOUS_WORK,
     Liquid,
     compression,
@@ -80,7 +80,7 @@ class BinghamParameters(NamedTuple):
     @staticmethod
     def margin(material, F, J, sigma, state):
         """Distance from the greatest compression of a liquid."""
-        return J - LEAST
+        return J - MIN_J
 
 
 class Bingham(Liquid):

@@ -41,7 +41,7 @@ from pgimp.schema.problems import Problem, raise_problems
 #: Steps of the bracketed Newton method; more than trial stresses of stable steps need.
 _SWEEPS = 16
 #: Least pressure, over the initial preconsolidation pressure; less counts as zero.
-_LEAST = 1e-9
+_MIN_PRESSURE = 1e-9
 _SQRT3 = sqrt(3.0)
 
 
@@ -98,7 +98,7 @@ class CamClayParameters(NamedTuple):
         s = elastic_trial(material.shear, J, sigma, L, dt)
         tau = shear_stress(s)
         grown = determinant(one_plus(dt, L))
-        least = _LEAST * material.consolidated
+        least = _MIN_PRESSURE * material.consolidated
         p = max(-mean(sigma) * J / grown, least) * exp(-a * log(grown))
         q, pc = _SQRT3 * tau / M, max(state[0], least)
         A = log(p / pc)

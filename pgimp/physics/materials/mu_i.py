@@ -30,7 +30,7 @@ from pgimp.physics.materials.exact.flow import isotropic_columns, sheared, volum
 from pgimp.physics.materials.laws.friction import PLASTIC_WORK
 from pgimp.physics.materials.laws.hencky import distortion_energy, elastic_trial
 from pgimp.physics.materials.laws.invariants import TINY, shear_stress
-from pgimp.physics.materials.laws.tait import LEAST
+from pgimp.physics.materials.laws.tait import MIN_J
 from pgimp.schema.base import NonNegative, Positive
 from pgimp.schema.problems import Problem, raise_problems
 
@@ -81,7 +81,7 @@ class MuIParameters(NamedTuple):
     @staticmethod
     def margin(material, F, J, sigma, state):
         """Distance from the greatest compression of grains."""
-        return J - LEAST
+        return J - MIN_J
 
 
 class MuI(Material):
@@ -131,7 +131,7 @@ class MuI(Material):
     def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
         """See `Material.out_of_range`."""
         return (
-            f"is compressed to {J:.3g} of its volume, which grains are not (at least {LEAST:g})",
+            f"is compressed to {J:.3g} of its volume, which grains are not (at least {MIN_J:g})",
             f"a greater modulus than young: {self.young:g}, a hundred times the greatest pressure; "
             "smaller steps (time.step)",
         )

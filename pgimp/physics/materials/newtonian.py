@@ -14,7 +14,7 @@ from pgimp.jit.algebra import contract, isotropic, symmetric
 from pgimp.physics.materials.base import State
 from pgimp.physics.materials.exact.flow import moves, viscous, volumes
 from pgimp.physics.materials.laws.tait import (
-    LEAST,
+    MIN_J,
     VISCOUS_WORK,
     Liquid,
     compression,
@@ -50,7 +50,7 @@ class InviscidParameters(NamedTuple):
     @staticmethod
     def margin(material, F, J, sigma):
         """How far it is from a compression at which it is no liquid."""
-        return J - LEAST
+        return J - MIN_J
 
 
 class NewtonianParameters(NamedTuple):
@@ -96,7 +96,7 @@ class NewtonianParameters(NamedTuple):
     @staticmethod
     def margin(material, F, J, sigma, state):
         """How far it is from a compression at which it is no liquid."""
-        return J - LEAST
+        return J - MIN_J
 
 
 class Newtonian(Liquid):

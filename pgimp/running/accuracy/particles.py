@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 Array = np.ndarray
 
 #: Most particles that are looked at, in runs of neighbours of this length.
-_MOST, _RUN = 1 << 18, 1 << 16
+_MAX_PARTICLES, _RUN = 1 << 18, 1 << 16
 #: The part of a body's particles that may be beyond what is reported of its stretch.
 _FEW = 0.01
 #: Fewest particles of a body of which anything is said.
-_LEAST = 16
+_MIN_PARTICLES = 16
 #: Rank of symmetric tensors' components in a matrix, xx yy zz xy yz xz.
 _PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
@@ -74,7 +74,7 @@ def body_states(case: Case, frame: Frame) -> list[BodyState]:
     found = []
     for number, name in enumerate(frame.bodies):
         own = np.flatnonzero((body == number) & np.isfinite(position).all(axis=1))
-        if len(own) < _LEAST:
+        if len(own) < _MIN_PARTICLES:
             continue
         low = high = within = np.nan
         square = 0.0
@@ -92,7 +92,7 @@ def body_states(case: Case, frame: Frame) -> list[BodyState]:
 def _rows(count: int) -> Iterator[tuple[int, int]]:
     """Ranges of rows to be read: all, or runs of neighbours from everywhere."""
     runs = -(-count // _RUN)
-    most = _MOST // _RUN
+    most = _MAX_PARTICLES // _RUN
     for k in np.unique(np.linspace(0, runs - 1, min(runs, most)).round().astype(int)).tolist():
         yield k * _RUN, min((k + 1) * _RUN, count)
 

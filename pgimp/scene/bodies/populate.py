@@ -92,10 +92,7 @@ def populate(
         else:
             set_stress(scene, p, rows, block)
         row += len(block.ids)
-    if p.origin.shape[1]:
-        p.origin[:] = p.x
-    if p.place.shape[1]:
-        p.place[:] = p.x
+    p.initialise(list(scene.case.bodies.values()))
     scene.interaction.loads.initialise(p, row)
     for rows, block in saved:
         restore_state(scene, p, rows, block)

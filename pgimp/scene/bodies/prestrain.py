@@ -147,7 +147,7 @@ def find_deformation(
     p.V0[rows] = p.V[rows] / volume_ratio(p.F[rows], D)
     for i, traction in enumerate(scene.interaction.loads.tractions):  # whose areas are current
         p.patch[rows, i] /= face_stretches(p.F[rows], traction.axis, D)
-    if p.drift.shape[1]:  # nothing has moved
+    if p.surface_F_correction.shape[1]:  # nothing has moved
         square = p.F[rows, : D * D].reshape(-1, D, D)
-        p.drift[rows, : D * D] = np.linalg.inv(square).reshape(-1, D * D)
-        p.drift[rows, D * D :] = 1.0 / p.F[rows, D * D :]
+        p.surface_F_correction[rows, : D * D] = np.linalg.inv(square).reshape(-1, D * D)
+        p.surface_F_correction[rows, D * D :] = 1.0 / p.F[rows, D * D :]

@@ -13,12 +13,12 @@ from pgimp.scene.scene import Scene
 
 #: Columns that all files have, and those that only some scenes have.
 _ALWAYS = ("x", "v", "F", "sigma", "V", "V0", "m")
-_SOMETIMES = ("L", "q", "alone", "around", "ratio", "own", "slope", "offset", "excess")
+_SOMETIMES = ("L", "q", "isolation", "cell_F", "fbar_ratio", "own", "slope", "offset", "excess")
 
 _CHECKPOINT = "take a checkpoint of its run, checkpoints/step-*.h5, which has it"
 
 #: Columns without which a checkpoint cannot go on; others begin as in a new body.
-_FOLLOW = ("around", "ratio", "own")
+_FOLLOW = ("cell_F", "fbar_ratio", "own")
 
 
 def saved_attributes(scene: Scene) -> dict[str, object]:
@@ -75,11 +75,11 @@ def restore_state(scene: Scene, p: Particles, rows: slice, block: ParticleBlock)
         p.state[rows, first : first + values.shape[1]] = values
     if p.origin.shape[1]:
         p.origin[rows] = columns.get("origin", columns["x"])
-    if p.drift.shape[1]:  # nothing has moved
+    if p.surface_F_correction.shape[1]:  # nothing has moved
         D = scene.dimension
         square = p.F[rows, : D * D].reshape(-1, D, D)
-        p.drift[rows, : D * D] = np.linalg.inv(square).reshape(-1, D * D)
-        p.drift[rows, D * D :] = 1.0 / p.F[rows, D * D :]
+        p.surface_F_correction[rows, : D * D] = np.linalg.inv(square).reshape(-1, D * D)
+        p.surface_F_correction[rows, D * D :] = 1.0 / p.F[rows, D * D :]
     for column in _SOMETIMES:
         array: np.ndarray = getattr(p, column)
         if not array.shape[1] or (column == "L" and not scene.carried.affine):

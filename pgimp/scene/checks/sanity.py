@@ -247,7 +247,7 @@ def _pressed(case: Case) -> set[str]:
     """Names of the bodies that may meet others under a friction law."""
     names: set[str] = set()
     for entry in case.contact:
-        if entry.law.way == UNILATERAL:
+        if entry.law.kind == UNILATERAL:
             names.update(case.bodies if entry.bodies == "all" else entry.bodies)
     return names
 

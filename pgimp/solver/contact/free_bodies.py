@@ -31,7 +31,7 @@ from pgimp.solver.time.clock import Step
 TRIES, NEWTON = 72, 12
 
 #: Convergence: change of the velocities over the body's greatest.
-ENOUGH = 1e-11
+TOLERANCE = 1e-11
 
 #: Greatest error of a body's displacement in a step, in cells, if Newton does not converge.
 ASTRAY = 0.05
@@ -149,10 +149,10 @@ class FreeBodies:
             for v, change in zip(tried, changes, strict=True):
                 for i in range(6):
                     v[i] += part * change[i]
-            if left < ENOUGH:
+            if left < TOLERANCE:
                 break
         self._set(rigid_bodies, tried)
-        if not left < ENOUGH:
+        if not left < TOLERANCE:
             find_rigid_impulses()
             self._require_found(self._sum(rigid_bodies, grid), tried, t)
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.jit.bound import Bound
-from pgimp.kernels.contact.hold import Keepers, count_inside, count_near
+from pgimp.kernels.contact.hold import PenetrationLimits, count_inside, count_near
 from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.ledger import RIGID_WORK
 from pgimp.kernels.data.particles import Particles
@@ -75,8 +75,8 @@ class PenetrationCorrection(StepPart):
             if free:
                 mass = self._near(bodies, population.columns, population.order)
                 self._set_compliance(free, mass)
-            self._kept = Keepers(bodies, pairs, self._compliance, self._impulses)
-        return forcing._replace(keepers=self._kept)
+            self._kept = PenetrationLimits(bodies, pairs, self._compliance, self._impulses)
+        return forcing._replace(limits=self._kept)
 
     def _set_compliance(self, free: FreeBodies, mass: np.ndarray) -> None:
         """Set the velocities of each free body per impulse and moment, times a mass."""

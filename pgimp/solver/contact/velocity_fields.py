@@ -27,7 +27,7 @@ from pgimp.solver.contact.grown import grown
 
 #: Least number of steps without contact for bodies that share a field, and the most before the next
 #: search. In a step a particle moves by a cell at most, or the run ends.
-FEWEST, MOST = 2, 64
+MIN_FIELDS, MAX_FIELDS = 2, 64
 
 #: The most steps with several fields: between two searches bodies may move by as many cells, and
 #: planes are searched that far around them.
@@ -115,10 +115,10 @@ def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
     pairs, found = grown(
         8 * count,
         lambda size: np.empty((size, 2), np.int64),
-        lambda pairs: find_neighbours(boxes, reach, FEWEST, axis, order, pairs),
+        lambda pairs: find_neighbours(boxes, reach, MIN_FIELDS, axis, order, pairs),
     )
     fields, scratch = np.zeros(count, np.int64), np.zeros(2 * count + found + 2, np.int64)
-    steps = colour_bodies(boxes, reach, MOST, axis, order, pairs[:found], scratch, fields)
+    steps = colour_bodies(boxes, reach, MAX_FIELDS, axis, order, pairs[:found], scratch, fields)
     return tuple(fields.tolist()), min(steps, NEAR) if fields.any() else steps
 
 

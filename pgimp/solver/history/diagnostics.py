@@ -78,7 +78,8 @@ def column_names(scene: Scene) -> list[str]:
         The scene of the run.
     """
     faces = len(scene.domain.faces)
-    contact = np.zeros((len(scene.interaction.pairs.way) if scene.interaction.pairs else 0, BOOKED))
+    pairs = scene.interaction.pairs
+    contact = np.zeros((len(pairs.kind) if pairs else 0, BOOKED))
     rigid_bodies = np.zeros((len(scene.interaction.rigid_bodies), TOOLED))
     moved = np.zeros((len(scene.case.constraints), 3))
     loads = scene.interaction.loads

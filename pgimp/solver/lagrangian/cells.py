@@ -9,7 +9,7 @@ import numpy as np
 
 from pgimp.decomposition.grid import aligned
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.lagrangian.cell_derivatives import MOST
+from pgimp.kernels.lagrangian.cell_derivatives import MAX_PER_CELL
 from pgimp.kernels.lagrangian.cells import Cells
 from pgimp.kernels.lagrangian.keep import beyond_bounds
 from pgimp.kernels.step.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE
@@ -41,7 +41,7 @@ class LatticeCells(NamedTuple):
 
     cells: Cells
     rows: np.ndarray
-    others: Order
+    off_lattice: Order
     inside: Order
     is_inside: np.ndarray
 
@@ -72,13 +72,13 @@ def find_cells(rank: RankState) -> LatticeCells:
     np.concatenate([part for _, _, part in parts], out=cells.volumes)
     if scene.cell_loads:
         cells.rows[:] = repeated(rows)
-    others, inside = (
+    off_lattice, inside = (
         Order(order.rows[mask], np.concatenate([[0], np.cumsum(mask)])[order.start])
         for mask in (~fits, fits)
     )
     is_inside = np.zeros(p.capacity, bool)
     is_inside[inside.rows] = True
-    return LatticeCells(cells, rows, others, inside, is_inside)
+    return LatticeCells(cells, rows, off_lattice, inside, is_inside)
 
 
 def _find(
@@ -211,7 +211,7 @@ def _cells(
 ) -> Cells:
     """Cells with the places of the lattice; their volumes are zero."""
     per_cell, D = scene.case.method.particles_per_cell, scene.dimension
-    fractions = np.zeros((D, MOST))
+    fractions = np.zeros((D, MAX_PER_CELL))
     for d, count in enumerate(per_cell):
         fractions[d, :count] = (np.arange(count) + 0.5) / count
     distances = fractions / np.array(scene.domain.frame.inverse)[:, None]

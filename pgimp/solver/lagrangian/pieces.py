@@ -24,7 +24,7 @@ from pgimp.storage.framefile import blocks
 _FEW = 1 << 13
 
 #: Most particles of a piece, 46 MB in 3D: larger layers are divided.
-_MOST = 1 << 18
+_MAX_PARTICLES = 1 << 18
 
 
 def by_layers(rank: RankState, order: Order, *sums: Callable[[Particles, Order], object]) -> None:
@@ -46,7 +46,7 @@ def by_layers(rank: RankState, order: Order, *sums: Callable[[Particles, Order],
             add(rank.up_to_date(), order)
         return
     for run in runs(order.start):
-        ends = blocks(run.stop - run.start, _MOST)
+        ends = blocks(run.stop - run.start, _MAX_PARTICLES)
         parts = [(run.start + begin, run.start + end) for begin, end in ends]
         pieces = [_of_order(rank, order, *parts[0])] if len(parts) == 1 else []
         for add in sums:

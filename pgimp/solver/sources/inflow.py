@@ -76,7 +76,7 @@ class Source:
         along = self.sign * particles.x[mine, self.axis]
         self.layer = _chosen(particles, mine[along < along.min() + 0.5 * self.spacing])
         self.moved, self.entered = 0.0, 0
-        self.freed = False
+        self.freed, self._bodies = False, list(case.bodies.values())
 
     def passes(self, way: float) -> bool:
         """Whether a layer passes the end of the region, or is about to, as all move on."""
@@ -98,8 +98,7 @@ class Source:
         new.x[:, self.axis] += self.moved - self.sign * self.entered * self.spacing
         new.v[:] = velocity[: new.v.shape[1]]
         new.id[:] = np.arange(first, first + new.capacity)
-        if new.origin.shape[1]:
-            new.origin[:] = new.x
+        new.initialise(self._bodies)
         return new
 
 

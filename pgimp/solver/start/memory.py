@@ -183,7 +183,7 @@ def estimate(
         + 24 * len(scene.interaction.loads.booked_tractions)
         + line * bool(scene.settings.escapes)
     )
-    plane_sums += 8 * BOOKED * len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
+    plane_sums += 8 * BOOKED * len(scene.interaction.pairs.kind) if scene.interaction.pairs else 0
     plane_sums += 8 * TOOLED * len(scene.interaction.rigid_bodies)
     # For free bodies; their sums are over all planes, twice where ranks add them up.
     answers = RESPONSE.itemsize * sum(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.errors import DamagedError
-from pgimp.solver.contact.velocity_fields import MOST
+from pgimp.solver.contact.velocity_fields import MAX_FIELDS
 
 if TYPE_CHECKING:
     from pgimp.io.checkpoints.checkpointfile import CheckpointFile
@@ -34,7 +34,7 @@ def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[s
     found, contact, bodies = {}, rank.contact, len(rank.scene.body_names)
     if contact.assignment.size and FIELDS in source.whole:
         assignment = read(source, FIELDS, (1 + bodies,))
-        if (assignment < 0).any() or assignment[0] > MOST or (assignment[1:] >= bodies).any():
+        if (assignment < 0).any() or assignment[0] > MAX_FIELDS or (assignment[1:] >= bodies).any():
             raise DamagedError("the velocity fields of its bodies are none")
         found[FIELDS] = assignment
     width = contact.kept_forces.shape[1]

@@ -150,7 +150,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
             found |= rank.absorbing.stored(source, _whole)
         found |= stored_contact(rank, source, _whole)
         if state.last_line is not None:
-            rows = len(scene.interaction.pairs.way) if scene.interaction.pairs else 0
+            rows = len(scene.interaction.pairs.kind) if scene.interaction.pairs else 0
             rows += 2 * len(scene.interaction.rigid_bodies) + len(scene.domain.faces)
             rows += 2 * len(flux_gauges(scene.case.gauges))
             rows += len(scene.interaction.loads.booked_tractions)
@@ -172,8 +172,8 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
     restore_contact(rank, found)
     if rank.comm.rank == 0:
         rank.clamped, rank.held = state.clamped, state.held
-        if rank.following:
-            rank.following.fallen = state.fallen
+        if rank.surface_kinematics:
+            rank.surface_kinematics.fallbacks = state.fallbacks
     if rank.inflow and state.inflow:
         rank.inflow.restore(state.inflow)
     rank.mass_cutoff = state.mass_cutoff
@@ -182,7 +182,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
     records.removed = None if state.removed is None else np.array(state.removed)
     records.changed, records.settling_time = state.changed, state.settling_time
     records.added = None if state.added is None else np.array(state.added)
-    records.initial_losses[:] = state.told
+    records.initial_losses[:] = state.initial_losses
     records.means.restore(scene, found.get("gauge-lines"))
     if state.last_line is not None:
         none = np.zeros((0, 3))

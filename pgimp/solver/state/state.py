@@ -42,7 +42,7 @@ class State(BaseModel):
     mass_cutoff: float = Field(ge=0.0)
     clamped: int = Field(ge=0)
     held: int = Field(ge=0, default=0)
-    fallen: int = Field(ge=0, default=0)
+    fallbacks: int = Field(ge=0, default=0)
     first_energy: float | None
     last_line: float | None
     beyond: float = Field(ge=0.0)
@@ -62,7 +62,7 @@ class State(BaseModel):
     changed: float = 0.0
     settling_time: float = Field(ge=0.0, default=0.0)
     relaxation: list[float] | None = Field(default=None, min_length=4, max_length=4)
-    told: list[float] = Field(
+    initial_losses: list[float] = Field(
         default=[0.0] * len(LOSSES), min_length=len(LOSSES), max_length=len(LOSSES)
     )
 
@@ -175,12 +175,12 @@ def capture(
     spread : dict of str to ndarray
         This rank's vertices that keep their motion; empty arrays in other scenes.
     """
-    own = rank.booked()
+    own, kinematics = rank.booked(), rank.surface_kinematics
     vertices, *motion = stored_motion(rank)
     parts = rank.comm.gather(
         (
             np.diff(rank.population.start),
-            (rank.clamped, rank.held, rank.following.fallen if rank.following else 0),
+            (rank.clamped, rank.held, kinematics.fallbacks if kinematics else 0),
             own,
             vertices,
             rank.contact.kept_forces,
@@ -197,7 +197,7 @@ def capture(
         mass_cutoff=rank.mass_cutoff,
         clamped=sum(part[1][0] for part in parts),
         held=sum(part[1][1] for part in parts),
-        fallen=sum(part[1][2] for part in parts),
+        fallbacks=sum(part[1][2] for part in parts),
         first_energy=records.first_energy,
         last_line=records.last[0] if records.last else None,
         beyond=records.most_outside[0],
@@ -217,7 +217,7 @@ def capture(
         changed=records.changed,
         settling_time=records.settling_time,
         relaxation=rank.damping.numbers if isinstance(rank.damping, Relaxation) else None,
-        told=records.initial_losses.tolist(),
+        initial_losses=records.initial_losses.tolist(),
     )
     layers, extra = rank.scene.domain.frame.vertices[0], rank.scene.settings.vertices - 1
     before = rank.scene.domain.ring or 0

@@ -123,7 +123,7 @@ def _forget_unreached(rank: Rank) -> None:
     """
     if not rank.scene.by_cells:
         return
-    others, grid, comm = _sums(rank, rank.lattice_cells().others)[0], rank.grid, rank.comm
+    masses, grid, comm = _sums(rank, rank.lattice_cells().off_lattice)[0], rank.grid, rank.comm
     reached, lower, upper = mark_corners(rank), rank.slab.lower, rank.slab.upper
     if lower == comm.rank:
         reached[:1] |= reached[rank.slab.layers :][:1]
@@ -135,7 +135,7 @@ def _forget_unreached(rank: Rank) -> None:
             reached[0] |= comm.recv(source=lower, tag=_CORNERS)
         if sent is not None:
             sent.wait()
-    reached |= others > 0.0
+    reached |= masses > 0.0
     values = grid.by_vertex(grid.kept.values)
     values[_joined(rank, reached.astype(float)) == 0.0] = 0.0
     rank.share_motion()

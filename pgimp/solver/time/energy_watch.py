@@ -47,7 +47,7 @@ ROW, DOUBT = 6, 0.8
 AT_ONCE = (100.0, 40.0, 10.0)
 
 #: The least part of the first Courant number, and the spurious energy that ends the run.
-LEAST, HOPELESS = 0.3, 10.0
+MIN_COURANT_PART, HOPELESS = 0.3, 10.0
 
 
 #: Negligible energy, over the energy of all mass at the wave speed: far more than rounding.
@@ -107,7 +107,7 @@ class EnergyWatch:
 
     def shorten(self, clock: FixedClock | CourantClock) -> None:
         """Apply the reduction to the steps that pgimp has chosen, and to all of settling."""
-        clock.part = min(max(self.part, LEAST), 1.0)
+        clock.part = min(max(self.part, MIN_COURANT_PART), 1.0)
 
     def begin(self, rank: RankState) -> None:
         """Set the current energy as the reference, with the next steps' energy; collective."""
@@ -165,7 +165,7 @@ class EnergyWatch:
                 "parts of bodies that are thinner than a cell"
             )
         self._bound = AGAIN * part
-        if self.part * SHORTER < LEAST:
+        if self.part * SHORTER < MIN_COURANT_PART:
             self.said.append(f"{there} has come from nothing, though steps are short")
             return
         self.part *= SHORTER

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pgimp.scene.scene import Scene
 
 #: Least part of a rate for its cause: velocities in files are not included.
-_MOST = 0.1
+_MIN_SHARE = 0.1
 
 
 class Limit(NamedTuple):
@@ -38,7 +38,7 @@ def limiting(scene: Scene, rate: float) -> Limit:
     """
     found = [*_of_bodies(scene), *_of_rigid(scene)]
     most = max(found, key=lambda limit: limit.rate)
-    return most if most.rate > _MOST * rate else Limit(rate, "bodies", "the fastest particle")
+    return most if most.rate > _MIN_SHARE * rate else Limit(rate, "bodies", "the fastest particle")
 
 
 def _of_bodies(scene: Scene) -> list[Limit]:

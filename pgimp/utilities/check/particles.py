@@ -11,7 +11,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.start.sound import STRESS, require_light, require_particles, shown_by_particles
 
 #: Most particles that are made, in some 4 seconds.
-MOST = 2_000_000
+MAX_PARTICLES = 2_000_000
 #: Most particles with a deformation that gives the stress of the start: it is searched for, in some
 #: 5 seconds.
 MOST_STRESSED = 250_000
@@ -30,8 +30,8 @@ def look_at_particles(scene: Scene, lattice: Lattice, counts: np.ndarray) -> lis
     keys, count = shown_by_particles(scene), int(counts.sum())
     if not keys:
         return []
-    if count > MOST:
-        return [_left_out(keys, MOST)]
+    if count > MAX_PARTICLES:
+        return [_left_out(keys, MAX_PARTICLES)]
     particles = populate(scene, lattice, counts, (0, lattice.planes))
     count = int(np.count_nonzero(particles.m))
     mass, materials, notes = particles.m[:count], scene.materials, []

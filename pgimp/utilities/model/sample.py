@@ -46,7 +46,7 @@ class ScatteredCreation(Creation):
     ) -> tuple[Particles, int]:
         """See `Creation.create`."""
         end = slab.first + slab.layers
-        if slab.layers == 0:
+        if slab.layers == 0 or self.scene.by_cells:  # cells of the lattice cost far less
             return super().create(slab, lattice, counts, layer)
         # Particles of the neighbours' next layers may be scattered into this slab.
         wider = slab._replace(first=slab.first - 1, layers=slab.layers + 2)

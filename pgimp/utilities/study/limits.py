@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 #: Bounds of a plausible order: the methods here are of second order at most. A greater order
 #: means that cells are still too coarse, or that another error dominates.
-LEAST, MOST = 0.5, 2.5
+MIN_ORDER, MAX_ORDER = 0.5, 2.5
 
 
 class Limit(NamedTuple):
@@ -55,7 +55,7 @@ def _order(found: Sequence[tuple[float, float]]) -> float | None:
     def excess(p: float) -> float:
         return coarse / fine - (x1**p - x2**p) / (x2**p - x3**p)
 
-    low, high = LEAST, MOST
+    low, high = MIN_ORDER, MAX_ORDER
     if not excess(low) >= 0.0 >= excess(high):
         return None
     for _ in range(60):

@@ -27,7 +27,7 @@ from studies.scenes import box
 
 import pgimp
 from pgimp.kernels.contact.gap import LEAST_FILLED
-from pgimp.kernels.contact.volumes import LEAST
+from pgimp.kernels.contact.volumes import MIN_HALF_WIDTH
 from pgimp.physics.shapes.gimp import GimpParameters
 
 #: Particles a cell along each direction.
@@ -43,7 +43,7 @@ def _weights(x, way=0.0):
 
     Of those that are cut with the way to their centroids, see `pgimp.kernels.contact.volumes`.
     """
-    half = np.maximum(0.5 / PER_CELL - np.abs(way), LEAST)
+    half = np.maximum(0.5 / PER_CELL - np.abs(way), MIN_HALF_WIDTH)
     first = np.floor(x + way - half)
     each = np.vectorize(
         lambda half, f: np.array(GimpParameters.weights(None, half, f)), signature="(),()->(k,n)"

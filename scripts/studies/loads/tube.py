@@ -95,8 +95,8 @@ def _across(sim):
     """Sum along x of the current area vectors of the loaded surface, J F^-T N."""
     p, rows = sim.particles, sim.live()
     F, N = p.F[rows].reshape(-1, 2, 2), p.surface[rows, 1:3]
-    if p.drift.shape[1]:
-        F = p.drift[rows].reshape(-1, 2, 2) @ F
+    if p.surface_F_correction.shape[1]:
+        F = p.surface_F_correction[rows].reshape(-1, 2, 2) @ F
     return float(-(F[:, 1, 1] * N[:, 0] - F[:, 1, 0] * N[:, 1]).sum())
 
 

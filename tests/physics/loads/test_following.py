@@ -49,11 +49,12 @@ def test_a_linear_displacement_is_found_up_to_free_surfaces(D, parts):
     exact = np.diag([1.3, 0.8]) if ring else A[:D, :D]
     p.place[rows] = (p.x[rows] - centre) @ np.linalg.inv(exact).T + centre
     for _ in range(60):
-        rank.following.begin(rank, rank.population.ordered, 0)
-    found = p.drift[rows][:, : D * D].reshape(-1, D, D)  # F is 1
+        rank.surface_kinematics.begin(rank, rank.population.ordered, 0)
+    R = p.surface_F_correction[rows]
+    found = R[:, : D * D].reshape(-1, D, D)  # F is 1
     np.testing.assert_allclose(found, np.broadcast_to(exact, found.shape), atol=1e-4)
-    if p.drift.shape[1] > D * D:
-        np.testing.assert_allclose(p.drift[rows, D * D], 1.3 if ring else 1.0, rtol=1e-12)
+    if R.shape[1] > D * D:
+        np.testing.assert_allclose(R[:, D * D], 1.3 if ring else 1.0, rtol=1e-12)
 
 
 def test_a_surface_that_falls_back_on_F_is_told(tmp_path):
@@ -61,13 +62,13 @@ def test_a_surface_that_falls_back_on_F_is_told(tmp_path):
     ball = {"ball": {"center": [3.3, 3.4], "radius": 2.3}}
     sim = start(loaded(2, ball))
     p, rank, rows = sim.particles, sim.rank, sim.live()
-    rank.following.begin(rank, rank.population.ordered, 0)
-    assert rank.following.fallen == 0
+    rank.surface_kinematics.begin(rank, rank.population.ordered, 0)
+    assert rank.surface_kinematics.fallbacks == 0
     p.place[rows] = -p.place[rows[::-1]]  # inside out
     for _ in range(3):
-        rank.following.begin(rank, rank.population.ordered, 0)
+        rank.surface_kinematics.begin(rank, rank.population.ordered, 0)
     loaded_ones = (p.surface[rows] != 0.0).any(axis=1).sum()
-    assert 0 < rank.following.fallen <= 3 * 8 * loaded_ones < 3 * 8 * len(rows)
+    assert 0 < rank.surface_kinematics.fallbacks <= 3 * 8 * loaded_ones < 3 * 8 * len(rows)
     while not sim.finished:
         sim.advance()
     said = []
@@ -81,13 +82,13 @@ def test_how_often_a_surface_falls_back_on_F_is_in_checkpoints(tmp_path):
     """A run that goes on tells the number of the whole run."""
     sim = start(loaded(2, {"ball": {"center": [3.3, 3.4], "radius": 2.3}}))
     sim.advance()
-    sim.rank.following.fallen = 24
+    sim.rank.surface_kinematics.fallbacks = 24
     (tmp_path / "checkpoints").mkdir()
     Checkpoints(tmp_path, sim.case, sim).write(sim, 0, 0)
     (path,) = (tmp_path / "checkpoints").iterdir()
     gone_on = Simulation(sim.case, Serial(), CheckpointFile(path))
     assert gone_on.step == sim.step
-    assert gone_on.rank.following.fallen == 24
+    assert gone_on.rank.surface_kinematics.fallbacks == 24
 
 
 def test_only_loads_that_follow_surfaces_pay_for_it():
@@ -96,8 +97,8 @@ def test_only_loads_that_follow_surfaces_pay_for_it():
     case["tractions"]["load"]["follower"] = False
     for each in (case, loaded(2, ball, body={"configuration": "initial"})):
         sim = start(each)
-        assert sim.rank.following is None
-        assert sim.particles.place.size == sim.particles.drift.size == 0
+        assert sim.rank.surface_kinematics is None
+        assert sim.particles.place.size == sim.particles.surface_F_correction.size == 0
 
 
 @pytest.mark.parametrize("configuration", ["current", "initial"])

@@ -26,7 +26,8 @@ from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.physics.materials import MATERIALS
 from pgimp.physics.materials.parameters.outside import parameters_of
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.column import Carried
+from pgimp.kernels.data.particles import Particles
 
 
 def ask():

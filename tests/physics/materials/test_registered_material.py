@@ -12,8 +12,9 @@ from written_laws import law, write_law
 import pgimp
 from pgimp.errors import CaseError, UsageError
 from pgimp.kernels.data.arguments import KernelScene
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import fastest_rate
 from pgimp.physics.materials import NeoHookean, registry
 from pgimp.physics.materials.parameters.outside import parameters_of

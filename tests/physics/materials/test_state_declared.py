@@ -15,7 +15,8 @@ from pgimp.errors import CaseError, UsageError
 from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import kernel
 from pgimp.jit.outside import digest
-from pgimp.kernels.data.particles import COLUMNS, Carried, Particles
+from pgimp.kernels.data.column import Carried
+from pgimp.kernels.data.particles import COLUMNS, Particles, shape_of
 from pgimp.physics.materials.base import state_width
 from pgimp.physics.materials.parameters.evaluate import evaluate
 from pgimp.physics.materials.parameters.outside import parameters_of
@@ -222,13 +223,13 @@ def test_other_state_variables_are_other_kernels(softening, monkeypatch):
 
 def test_columns_are_declared_once():
     """Each array is of its column's type and width, and the page of symbols has them all."""
-    carried = Carried(3, True, True, True, 2, True, 5)
+    carried = Carried(3, True, True, True, 2, 5, needed=frozenset(COLUMNS))
     page = (Path(__file__).parents[3] / "docs/symbols.md").read_text()
     particles = Particles.empty(4, carried)
     for name, array in particles._asdict().items():
         column = COLUMNS[name]
         assert array.dtype == column.dtype
-        assert array.shape[1:] == (() if column.width is None else (column.width(carried),))
+        assert array.shape[1:] == shape_of(name, carried)
         line = next(line for line in page.splitlines() if f"`{name}`" in line)
         assert column.meaning in line or name in ("V", "V0")
         assert column.unit in line

@@ -5,8 +5,9 @@ import pytest
 from material_driver import DENSITY, HOOKE, MU, NEO, SEED, deformations, material, response
 
 from pgimp.kernels.data.arguments import KernelScene
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import InitialFrame
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import fastest_rate
 
 

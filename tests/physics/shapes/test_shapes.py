@@ -11,8 +11,9 @@ from quadrature import chi_of, integrals
 
 from pgimp.jit.kernel import kernel
 from pgimp.jit.vectors.simd import stack
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import Window
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.transfer import supports as batch
 from pgimp.kernels.transfer.first_vertex import first_vertex, half_widths
 from pgimp.kernels.transfer.lane_io import four_rows

@@ -37,10 +37,10 @@ def disturbed(case):
     p.x[rows] += rng.normal(size=p.x[rows].shape) + (
         100.0 if sim.scene.domain.bounds[0][1] > 1e9 else 0.0
     )
-    if p.around.shape[1]:
-        p.around[rows] += 0.25 * rng.uniform(-1.0, 1.0, p.around[rows].shape)
-        p.ratio[rows] = rng.uniform(0.9, 1.1, p.ratio[rows].shape)
-        p.alone[rows] = rng.integers(0, 2, p.alone[rows].shape)
+    if p.cell_F.shape[1]:
+        p.cell_F[rows] += 0.25 * rng.uniform(-1.0, 1.0, p.cell_F[rows].shape)
+        p.fbar_ratio[rows] = rng.uniform(0.9, 1.1, p.fbar_ratio[rows].shape)
+        p.isolation[rows] = rng.integers(0, 2, p.isolation[rows].shape)
     begin_motion(sim.rank)
     return sim
 
@@ -109,7 +109,7 @@ def test_a_step_is_that_of_the_equations(name, monkeypatch):
     sim.diagnostics()  # what reactions count from
     sim.advance()
     # Rounding of sums of up to a hundred terms of size 1, of stresses of size 1e3.
-    for column in ("x", "v", "F", "V", "sigma", "L", "around", "ratio", "alone"):
+    for column in ("x", "v", "F", "V", "sigma", "L", "cell_F", "fbar_ratio", "isolation"):
         mine, theirs = getattr(sim.particles, column)[rows], getattr(p, column)
         np.testing.assert_allclose(mine, theirs, rtol=1e-11, atol=1e-11, err_msg=column)
     reactions = sim.diagnostics()
@@ -130,7 +130,7 @@ def test_forces_with_mean_dilatation_have_a_potential(D):
     sim = start(case)
     sim.advance()  # so that it is known who is alone
     p, rows, frame = sim.particles, sim.live(), sim.scene.domain.frame
-    assert 0 < p.alone[rows].sum() < len(rows)
+    assert 0 < p.isolation[rows].sum() < len(rows)
     grid = Lagrangian(shape, [2] * D, frame)
     slopes = [(grid.weights_of(p, k)[1], grid.dilatations_of(p, k)) for k in rows]
     (soft,) = sim.scene.materials.parameters
@@ -144,8 +144,8 @@ def test_forces_with_mean_dilatation_have_a_potential(D):
                 np.eye(D) + np.tensordot(np.moveaxis(u, -1, 0), slope, D) for slope in each
             )  # fmt: skip
             ratio = (np.linalg.det(G) / np.linalg.det(F)) ** (1.0 / D)
-            p.around[k], p.ratio[k] = G.ravel(), 1.0 if p.alone[k, 0] else ratio
-            p.F[k] = (p.ratio[k, 0] * F).ravel()
+            p.cell_F[k], p.fbar_ratio[k] = G.ravel(), 1.0 if p.isolation[k, 0] else ratio
+            p.F[k] = (p.fbar_ratio[k, 0] * F).ravel()
             full = matrix(p.F[k])
             J = np.linalg.det(full)
             stress = STRESS["NeoHookeanParameters"](soft, full, None, None)

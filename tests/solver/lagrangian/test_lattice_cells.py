@@ -95,7 +95,7 @@ IN_SPACE = ("planes of six", "metal in space")
 def test_cells_have_what_particles_have_one_by_one(name, monkeypatch):
     """Sums in another order, and F from displacements in place of its increments: to rounding."""
     cells = finish(start(CASES[name]))
-    others = len(cells.rank.lattice_cells().others.rows)
+    others = len(cells.rank.lattice_cells().off_lattice.rows)
     assert cells.scene.by_cells and (others > 0) == ("tractions" in CASES[name])
     monkeypatch.setattr(Scene, "_by_cells", lambda scene: False)
     single = finish(start(CASES[name]))
@@ -188,7 +188,7 @@ def test_rounding_divides_no_cell(cell):
         region[end] = [a + b for a, b in zip(region[end], case["grid"]["origin"], strict=True)]
     lattice = start(case).rank.lattice_cells()
     assert len(lattice.cells.place) == 25
-    assert not len(lattice.others.rows)
+    assert not len(lattice.off_lattice.rows)
 
 
 @pytest.mark.parametrize("cell", [0.1, 0.0442])

@@ -158,5 +158,5 @@ def test_particles_with_a_state_keep_their_columns():
     sim = start(block(5, end=9.0, tractions=load))
     for _ in range(3):
         sim.advance()
-    assert len(sim.rank.lattice_cells().others.rows) and not sim.population.released
+    assert len(sim.rank.lattice_cells().off_lattice.rows) and not sim.population.released
     assert sim.population.columns.F[:, 0].all()

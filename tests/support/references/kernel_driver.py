@@ -12,9 +12,10 @@ from pgimp.decomposition.halo import Halo
 from pgimp.decomposition.population import Population
 from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.kernels.data.arguments import Forcing, KernelScene, Report
+from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import AxialFrame, Frame, identity
 from pgimp.kernels.data.ledger import Ledger
-from pgimp.kernels.data.particles import Carried, Particles
+from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.mirror import Mirror, fold, reflect
 from pgimp.kernels.grid.position_limits import WALL
@@ -103,7 +104,8 @@ def random_particles(rng: np.random.Generator, x: np.ndarray, mean: bool = False
     p.m[:] = rng.uniform(0.5, 2.0, n)
     p.id[:] = rng.permutation(n)
     p.body[:] = rng.integers(0, 2, n)
-    p.alone[:] = rng.uniform(0.0, 1.0, p.alone.shape) * rng.integers(0, 2, p.alone.shape)
+    shape = p.isolation.shape
+    p.isolation[:] = rng.uniform(0.0, 1.0, shape) * rng.integers(0, 2, shape)
     return p
 
 

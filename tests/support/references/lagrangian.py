@@ -4,7 +4,7 @@ import numpy as np
 from reference import Reference
 from reference_materials import STRESS, matrix, tensor, voigt
 
-from pgimp.kernels.update.mean_dilatation_lagrangian import LEAST
+from pgimp.kernels.update.mean_dilatation_lagrangian import MIN_FILL
 
 
 class Lagrangian(Reference):
@@ -40,12 +40,12 @@ class Lagrangian(Reference):
             S, grad = self.weights_of(p, k)
             F = matrix(p.F[k])
             sigma = tensor(p.sigma[k])
-            if p.around.shape[1]:
-                mean = (1.0 - p.alone[k, 0]) * np.trace(sigma[:D, :D]) / D
-                G = matrix(p.around[k])
+            if p.cell_F.shape[1]:
+                mean = (1.0 - p.isolation[k, 0]) * np.trace(sigma[:D, :D]) / D
+                G = matrix(p.cell_F[k])
                 P = np.linalg.det(G) * mean * np.linalg.inv(G).T
                 self.f -= p.V0[k] * self.dilatations_of(p, k) @ P[:D, :D].T
-                sigma = p.ratio[k, 0] * (sigma - mean * np.eye(3))
+                sigma = p.fbar_ratio[k, 0] * (sigma - mean * np.eye(3))
             J = np.linalg.det(F) if D > 1 else F[0, 0]
             P = J * sigma @ np.linalg.inv(F).T
             self.m += p.m[k] * S
@@ -66,16 +66,16 @@ class Lagrangian(Reference):
             p.x[k] += dt * np.tensordot(S, self.v, D)
             p.v[k] = np.tensordot(S, self.v, D)
             F = matrix(p.F[k])
-            if p.around.shape[1]:
-                F[:D, :D] /= p.ratio[k]
-                p.alone[k] = p.alone[k] or self.company(p, k) < LEAST**D
+            if p.cell_F.shape[1]:
+                F[:D, :D] /= p.fbar_ratio[k]
+                p.isolation[k] = p.isolation[k] or self.company(p, k) < MIN_FILL**D
                 cells = np.tensordot(np.moveaxis(self.v, -1, 0), self.dilatations_of(p, k), D)
-                p.around[k] += dt * cells.ravel()
-                G = np.linalg.det(matrix(p.around[k]))
+                p.cell_F[k] += dt * cells.ravel()
+                G = np.linalg.det(matrix(p.cell_F[k]))
                 new = F + dt * rate
-                if not p.alone[k, 0]:
-                    p.ratio[k] = (G / np.linalg.det(new)) ** (1 / D)
-                new[:D, :D] *= p.ratio[k]
+                if not p.isolation[k, 0]:
+                    p.fbar_ratio[k] = (G / np.linalg.det(new)) ** (1 / D)
+                new[:D, :D] *= p.fbar_ratio[k]
                 L = (new @ np.linalg.inv(matrix(p.F[k])) - np.eye(3)) / dt
                 F = new
             else:

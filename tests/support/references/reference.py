@@ -37,7 +37,7 @@ class Reference(ReferenceWeights):
             self.m += particles.m[k] * S
             self.p += particles.m[k] * S[..., None] * particles.v[k]
             if self.mean:
-                mean = (1.0 - particles.alone[k, 0]) * np.trace(sigma) / self.D
+                mean = (1.0 - particles.isolation[k, 0]) * np.trace(sigma) / self.D
                 rates = self.dilatation_of(particles.x[k], particles.F[k])
                 self.f -= particles.V[k] * mean * rates
                 sigma = sigma - mean * np.eye(self.D)
@@ -206,9 +206,9 @@ class Reference(ReferenceWeights):
                     L[r, c] = (self.v[..., r] * grad[..., c]).sum()
             if self.mean:
                 rate = (self.v * self.dilatation_of(particles.x[k], particles.F[k])).sum()
-                part = (1.0 - particles.alone[k, 0]) / self.D
+                part = (1.0 - particles.isolation[k, 0]) / self.D
                 L[: self.D, : self.D] += part * (rate - np.trace(L)) * np.eye(self.D)
-                particles.alone[k] = self.alone(S, particles.V[k] / particles.m[k])
+                particles.isolation[k] = self.alone(S, particles.V[k] / particles.m[k])
             particles.x[k] += dt * np.tensordot(S, self.v, self.D)
             particles.v[k] += dt * np.tensordot(S, self.a, self.D)
             F = (np.eye(3) + dt * L) @ matrix(particles.F[k])

@@ -45,7 +45,7 @@ met_by_initial = Feature(
         if entry.approaches
     ),
 )
-way_out = named("`escape` at a face", "escape", has=lambda way: not isinstance(way, Sink))
+outlet = named("`escape` at a face", "escape", has=lambda action: not isinstance(action, Sink))
 escape = named("`escape`", "escape")
 
 # Loads.

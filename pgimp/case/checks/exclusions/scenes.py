@@ -188,7 +188,7 @@ SCENES = (
         "has a level along {b.axis}, where the domain is periodic", "leave one out", "axis",
     ),
     Exclusion(
-        g.way_out, g.conditions,
+        g.outlet, g.conditions,
         "{a.name} has a condition (boundaries), through which nothing is to leave",
         "remove one of the two", "owner",
     ),

@@ -20,7 +20,7 @@ from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.jit.vectors.simd import lane
 from pgimp.kernels.contact.data import impulse_of
 from pgimp.kernels.contact.lagrangian.rigid_ends import load_rigid, push_rigid
-from pgimp.kernels.contact.lagrangian.rows import give, velocity_at
+from pgimp.kernels.contact.lagrangian.rows import add_impulse, velocity_at
 from pgimp.kernels.contact.law import exchange
 
 #: Numbers of a pair's impulse: along the normal, and across it by component.
@@ -64,11 +64,11 @@ def apply_impulse(contact, frame, end, J, coupling, solved):
         if s < 0:
             push_rigid(contact.rigid_bodies, frame, s, number, J, sign)
         else:
-            give(s, J, sign, coupling, solved)
+            add_impulse(s, J, sign, coupling, solved)
 
 
 @kernel
-def solve_impulses(contact, free, contact_pairs, coupling, solved, changes, sweeps, enough):
+def solve_impulses(contact, free, contact_pairs, coupling, solved, changes, sweeps, tolerance):
     """Exchange impulses in all pairs until the law holds for all of them.
 
     Parameters
@@ -87,9 +87,9 @@ def solve_impulses(contact, free, contact_pairs, coupling, solved, changes, swee
         Scratch.
     sweeps : int
         Maximum number of sweeps over all pairs, alternately forwards and backwards.
-    enough : float
-        Tolerance: greatest change of an impulse in a sweep, relative to the greatest impulse. Both
-        are times the root of the pair's inverse mass, so that energies are compared.
+    tolerance : float
+        Greatest change of an impulse in a sweep, relative to the greatest impulse. Both are times
+        the root of the pair's inverse mass, so that energies are compared.
 
     Returns
     -------
@@ -103,14 +103,14 @@ def solve_impulses(contact, free, contact_pairs, coupling, solved, changes, swee
     method of conjugate gradients: Silcowitz, Niebe and Erleben, A nonsmooth nonlinear conjugate
     gradient method for interactive contact force problems, Visual Comput. 26, 893-901 (2010).
     """
-    begin, before = changes[0], -1.0
+    start, before = changes[0], -1.0
     changes[1, :, :] = 0.0
     for sweep in range(sweeps):
         if sweep % 2 == 0:
             for k in range(len(contact_pairs.ends)):
-                _store_impulse(contact_pairs.states[k], begin, k)
+                _store_impulse(contact_pairs.states[k], start, k)
         change, most = _sweep(contact, free, contact_pairs, coupling, solved, sweep % 2 == 0)
-        if change <= enough * most:
+        if change <= tolerance * most:
             return sweep + 1
         if sweep % 2 == 1 and sweep + 1 < sweeps:
             before = conjugate_step(contact, free, contact_pairs, coupling, solved, changes, before)
@@ -157,34 +157,34 @@ def _store_impulse(row, into, k):
 def conjugate_step(contact, free, contact_pairs, coupling, solved, changes, before):
     """Go on along the last changes of all impulses.
 
-    `changes` are the impulses before the last two sweeps, and the way so far, which is set.
+    `changes` are the impulses before the last two sweeps, and the direction so far, which is set.
     `before` is the square of the changes by the two sweeps before these, below 0 without any.
     Returns the square of the last ones.
     """
-    begin, way, square = changes[0], changes[1], 0.0
+    start, direction, square = changes[0], changes[1], 0.0
     for k in range(len(contact_pairs.ends)):
         row = contact_pairs.states[k]
-        begin[k, 0] = row.normal_impulse - begin[k, 0]
+        start[k, 0] = row.normal_impulse - start[k, 0]
         for d in range(3):
-            begin[k, 1 + d] = row.tangential_impulse[d] - begin[k, 1 + d]
+            start[k, 1 + d] = row.tangential_impulse[d] - start[k, 1 + d]
         for n in range(IMPULSES):
-            square += begin[k, n] ** 2
+            square += start[k, n] ** 2
     part = square / before if before > 0.0 else 0.0
     for k in range(len(contact_pairs.ends)):
         row = contact_pairs.states[k]
         if part > 1.0:
             for n in range(IMPULSES):
-                way[k, n] = 0.0
+                direction[k, n] = 0.0
             continue
         old = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
         for n in range(IMPULSES):
-            way[k, n] *= part
-        row.normal_impulse += way[k, 0]
+            direction[k, n] *= part
+        row.normal_impulse += direction[k, 0]
         for d in range(3):
-            row.tangential_impulse[d] += way[k, 1 + d]
+            row.tangential_impulse[d] += direction[k, 1 + d]
         J = (impulse_of(row, 0) - old[0], impulse_of(row, 1) - old[1], impulse_of(row, 2) - old[2])
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
             apply_impulse(contact, free.frame, contact_pairs.ends[k], J, coupling, solved)
         for n in range(IMPULSES):
-            way[k, n] += begin[k, n]
+            direction[k, n] += start[k, n]
     return square

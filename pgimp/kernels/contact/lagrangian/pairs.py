@@ -19,7 +19,7 @@ from pgimp.kernels.contact.lagrangian.rigid_ends import load_resting
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
-from pgimp.kernels.rigid.around import ring_volume_factor
+from pgimp.kernels.rigid.ring_volume import ring_volume_factor
 from pgimp.physics.contact.base import UNILATERAL
 
 #: Ends of a pair: the entry of each in `ContactVertices`, later its row in `Coupling`, or -1 - n
@@ -28,7 +28,7 @@ ENDS = structure(("rows", "i8", 2), ("bodies", "i8", 2), ("law", "i8"), ("vertex
 
 #: Largest distance, in cells along the normal, between a vertex and the body's mass there. Farther
 #: vertices would respond to strain, not to the velocity of the surface.
-FARTHEST = 0.9
+MAX_ARM = 0.9
 
 
 class ContactPairs(NamedTuple):
@@ -88,7 +88,7 @@ def _load(contact, a, row, cell):
 
 @inner_kernel
 def _is_far(frame, row, normal):
-    """Whether a group's centre of mass is farther than `FARTHEST` from its vertex.
+    """Whether a group's centre of mass is farther than `MAX_ARM` from its vertex.
 
     `row` has the group's sums there, `normal` the pair's normal.
     """
@@ -96,7 +96,7 @@ def _is_far(frame, row, normal):
     for d in range(len(frame.cell)):
         way += normal.normal[d] * row.mass_offset[d]
         cell += (normal.normal[d] * frame.cell[d]) ** 2
-    return way * way > FARTHEST**2 * cell * row.mass**2
+    return way * way > MAX_ARM**2 * cell * row.mass**2
 
 
 @inner_kernel
@@ -110,7 +110,7 @@ def _keep_pairs(contact, frame, sums, number, slots, pairs, found, contact_pairs
         far = False
         for side in range(2):
             a = contact.ends[k].fields[side]
-            if a < len(slots) and contact.pairs.way[contact.ends[k].law - 1] == UNILATERAL:
+            if a < len(slots) and contact.pairs.kind[contact.ends[k].law - 1] == UNILATERAL:
                 far = far or _is_far(frame, sums[slots[a]], contact.pair_states[k])
         if far:
             continue
@@ -166,10 +166,10 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
         0 if axis == 1 else sides[1],
         0 if axis == 2 else sides[2],
     )
-    around = ring_volume_factor(frame, number, along)
-    area = cell * frame.inverse[axis] * around
+    ring_factor = ring_volume_factor(frame, number, along)
+    area = cell * frame.inverse[axis] * ring_factor
     row.surface[axis] = -side * area * (1.0 if deep != 1 else 1e-3)
-    return find_pairs(contact, frame, along, around, 2, 1, 1.0)
+    return find_pairs(contact, frame, along, ring_factor, 2, 1, 1.0)
 
 
 @kernel
@@ -206,22 +206,22 @@ def find_contact_pairs(contact, frame, faces, walls, contact_vertices, dt, conta
         slots, number = order[begin:i], number_of(contact_vertices, vertex)
         count, sides = len(slots), wall_sides(faces, frame, number)
         cell = whole * 0.5 ** on_walls(faces, frame, number)
-        around = ring_volume_factor(frame, number, sides)
+        ring_factor = ring_volume_factor(frame, number, sides)
         for a in range(count):
-            _load(contact, a, sums[slots[a]], cell * around)
+            _load(contact, a, sums[slots[a]], cell * ring_factor)
         fills = contact_vertices.fills[slots[0]]
         rigid_bodies = load_resting(
             contact, contact.rigid_bodies, frame, number, sides, count, fills
         )
         if count + rigid_bodies > 1:
             every = count + rigid_bodies
-            pairs = find_pairs(contact, frame, sides, around, every, rigid_bodies, dt)
+            pairs = find_pairs(contact, frame, sides, ring_factor, every, rigid_bodies, dt)
             found = _keep_pairs(contact, frame, sums, number, slots, pairs, found, contact_pairs)
         for w in range(len(walls.planes)):
             for a in range(count):
                 on = depth(walls.planes[w], number) == 0
                 half = cell * 2.0 if on else cell
-                _load(contact, 0, sums[slots[a]], half * around)
+                _load(contact, 0, sums[slots[a]], half * ring_factor)
                 pairs = _wall_pair(contact, frame, faces, walls, w, number, sides, half)
                 if pairs > 0:
                     contact.pair_states[0].gap_rate /= dt

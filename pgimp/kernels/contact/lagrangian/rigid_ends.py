@@ -12,8 +12,8 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.jit.memory import structure
 from pgimp.kernels.contact.fill import fill
 from pgimp.kernels.contact.rigid_fields import set_rigid_velocity
-from pgimp.kernels.rigid.around import ring_volume_factor
 from pgimp.kernels.rigid.bodies import find_distance, lever, move_freely, position_of
+from pgimp.kernels.rigid.ring_volume import ring_volume_factor
 
 #: What a rigid body fills of the neighbourhood of a vertex: whether that is known, and whether it
 #: is near; then as in `FIELD_STATE`. It lasts while the body rests.
@@ -141,10 +141,10 @@ def load_resting(contact, rigid_bodies, frame, number, sides, count, fills):
         kept = fills[t]
         if kept.state == UNKNOWN:
             kept.state = NEAR if fill(rigid_bodies, t, frame, number, sides) else FAR
-            around = ring_volume_factor(frame, number, sides)
+            ring_factor = ring_volume_factor(frame, number, sides)
             kept.filled, kept.curvature_gap = point.filled, point.curvature_gap
             for d in range(3):
-                kept.surface[d] = point.surface[d] * around
+                kept.surface[d] = point.surface[d] * ring_factor
         if kept.state == FAR:
             continue
         row = contact.fields[found]

@@ -118,7 +118,7 @@ def _entry(entry, k):
 
 
 @inner_kernel
-def _give_held(r, every, stiff, coupling, solved):
+def _add_held_impulse(r, every, stiff, coupling, solved):
     """Apply an impulse by a row of which nearly all is held, in the components of the mask `stiff`.
 
     Its inverse mass is zero in these, so none of its vertices moves: what holds the others bears
@@ -140,7 +140,7 @@ def _give_held(r, every, stiff, coupling, solved):
 
 
 @inner_kernel
-def give(r, J, sign, coupling, solved):
+def add_impulse(r, J, sign, coupling, solved):
     """Apply an impulse to the reference vertices of an end of a pair, with row `r`."""
     start, column, entry = coupling.start, coupling.column, coupling.entry
     every, answer, velocity = pack(J[0], J[1], J[2], 0.0), coupling.answer, solved.velocity
@@ -153,7 +153,7 @@ def give(r, J, sign, coupling, solved):
         return
     stiff = pack(answer[r, 0], answer[r, 1], answer[r, 2], 1.0) == 0.0
     if bits(stiff) != 0:
-        _give_held(r, sign * every, stiff, coupling, solved)
+        _add_held_impulse(r, sign * every, stiff, coupling, solved)
         return
     for k in range(start[r], start[r + 1]):
         j = column[k]

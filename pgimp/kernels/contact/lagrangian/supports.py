@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.jit.tuples import plus_scaled, read, scaled
-from pgimp.kernels.contact.volumes import LEAST, cut_moments, cut_weights
+from pgimp.kernels.contact.volumes import MIN_HALF_WIDTH, cut_moments, cut_weights
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.transfer.first_vertex import first_vertex, is_axial, off_axis
 from pgimp.kernels.transfer.rings import ring_weights
@@ -137,7 +137,8 @@ def _narrow(shape, frame, half, x, offset, supports, i, d):
     if len(x) == 1:
         inverse, first = frame.inverse[d], supports.first[i, d]
         f = (x[0] + offset[0] - frame.origin[d]) * inverse - (first - frame.ghost)
-        values, slopes = cut_weights(shape, max(half[0] - abs(offset[0]) * inverse, LEAST), f)
+        left = max(half[0] - abs(offset[0]) * inverse, MIN_HALF_WIDTH)
+        values, slopes = cut_weights(shape, left, f)
         keep_values(supports.w[i, d], 0, values)
         keep_values(supports.g[i, d], 0, slopes)
     else:
@@ -159,9 +160,9 @@ def _narrow_ring(shape, frame, place, whole, supports, i, cut):
             supports.hoop[i, k] = whole.hoop[i, k]
         return
     inverse, first = frame.inverse[0], supports.first[i, 0]
-    r = max((x[0] + offset[0]) * inverse, LEAST)
+    r = max((x[0] + offset[0]) * inverse, MIN_HALF_WIDTH)
     f = r - frame.origin[0] * inverse - (first - frame.ghost)
-    left = min(max(half[0] - abs(offset[0]) * inverse, LEAST), r)
+    left = min(max(half[0] - abs(offset[0]) * inverse, MIN_HALF_WIDTH), r)
     by, (w, g) = 1.0 / r, cut_weights(shape, left, f)
     moments, ends = cut_moments(shape, left, f)
     keep_values(supports.w[i, 0], 0, plus_scaled(by, moments, w))

@@ -64,7 +64,7 @@ def _set_impulse(contact, entry, row, J):
         along += row.tangential_impulse[d] * row.normal[d]
         answer += row.normal[d] ** 2 * mobility
         most = max(most, mobility)
-    if contact.pairs.way[entry] == TIED:
+    if contact.pairs.kind[entry] == TIED:
         return
     rigid = one.mass == inf or other.mass == inf
     row.normal_impulse = max(along, -row.adhesion)

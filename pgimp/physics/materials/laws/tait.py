@@ -12,7 +12,7 @@ from pgimp.physics.materials.base import Material, State
 from pgimp.schema.base import NonNegative, Number, Positive
 
 #: Smallest J: no liquid reaches twice its density, and with g = 7 the pressure there is 18 K.
-LEAST = 0.5
+MIN_J = 0.5
 
 VISCOUS_WORK = State("viscous-work", "energy/volume", "work of viscous stresses, by initial volume")
 
@@ -119,7 +119,7 @@ class Liquid(Material):
     def out_of_range(self, J: float, state: tuple[float, ...]) -> tuple[str, str]:
         """See `Material.out_of_range`."""
         return (
-            f"is compressed to {J:.3g} of its volume, where a liquid is none (at least {LEAST:g})",
+            f"is compressed to {J:.3g} of its volume, where a liquid is none (at least {MIN_J:g})",
             f"a greater bulk modulus than {self.bulk:g}: a hundred times the density times the "
             "square of the greatest velocity; smaller steps (time.step); bodies or tools that "
             "begin apart",

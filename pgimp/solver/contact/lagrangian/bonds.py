@@ -19,19 +19,19 @@ def with_walls(scene: Scene) -> Pairs:
     letting = [face for face in scene.domain.faces if face.condition.approaches]
     names = [*scene.body_names, *scene.interaction.rigid_bodies.names]
     pairs = scene.interaction.pairs or Pairs.of((), names)
-    n, m, known = len(scene.body_names), len(names), len(pairs.way)
+    n, m, known = len(scene.body_names), len(names), len(pairs.kind)
     entry = np.zeros((m + len(letting),) * 2, np.int16)
     entry[:m, :m] = pairs.entry
     entry[:n, m:] = known + 1 + np.arange(len(letting))
     given = [coefficients(getattr(face.condition, "friction", 0.0)) for face in letting]
     parameters = np.zeros((len(letting), pairs.parameters.shape[1]))
     parameters[:, :2] = np.array(given, float).reshape(-1, 2)
-    coulomb = [type(kind) for kind in pairs.kinds].index(CoulombParameters)
+    coulomb = [type(kind) for kind in pairs.laws].index(CoulombParameters)
     return Pairs(
         entry,
-        np.concatenate([pairs.way, np.full(len(letting), UNILATERAL)]),
-        pairs.kinds,
-        np.concatenate([pairs.kind, np.full(len(letting), coulomb)]),
+        np.concatenate([pairs.kind, np.full(len(letting), UNILATERAL)]),
+        pairs.laws,
+        np.concatenate([pairs.law, np.full(len(letting), coulomb)]),
         np.concatenate([pairs.parameters, parameters]),
         np.concatenate([pairs.adhesion, np.zeros((len(letting), 3))]),
     )
@@ -94,7 +94,7 @@ def bonded(
 
 def _tied(pairs: Pairs, near: np.ndarray, lagrangian: np.ndarray) -> np.ndarray:
     """Tied pairs of bodies of one configuration, ascending; of the initial one only `near` ones."""
-    n, tied = len(lagrangian), np.flatnonzero(pairs.way == TIED) + 1
+    n, tied = len(lagrangian), np.flatnonzero(pairs.kind == TIED) + 1
     found = [near[np.isin(np.abs(pairs.entry[near[:, 0], near[:, 1]]), tied)]]
     found[0] = found[0][lagrangian[found[0]].all(axis=1)]
     current = np.flatnonzero(~lagrangian)
@@ -109,7 +109,7 @@ def _tied(pairs: Pairs, near: np.ndarray, lagrangian: np.ndarray) -> np.ndarray:
 def interactions(pairs: Pairs, groups: np.ndarray, rigid_bodies: int) -> np.ndarray:
     """How groups act on each other and on rigid bodies, int8; see `keep_possible`."""
     n, last = len(groups), len(groups) + rigid_bodies
-    ways = np.where(pairs.way == UNILATERAL, WHERE_FILLED, ANYWHERE).astype(np.int8)
+    ways = np.where(pairs.kind == UNILATERAL, WHERE_FILLED, ANYWHERE).astype(np.int8)
     acts = np.concatenate([[NEVER], ways]).astype(np.int8)[np.abs(pairs.entry[:n, :last])]
     own = np.triu(acts[:, :n], 1)
     acts[:, :n] = np.maximum(own, own.T)

@@ -42,10 +42,10 @@ from pgimp.solver.vertices import VertexUpdate
 
 #: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. To
 #: 1e-3 only, the vertices round a corner that leans on a wall took energy from it, without end.
-SWEEPS, ENOUGH = 100, 1e-5
+SWEEPS, TOLERANCE = 100, 1e-5
 
 #: The tolerance with free rigid bodies: all impulses on one change the velocities of all others.
-TOGETHER = 200, 1e-6
+COUPLED_ACCURACY = 200, 1e-6
 
 
 class LagrangianContact(NoContact):
@@ -90,7 +90,7 @@ class LagrangianContact(NoContact):
             self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.domain.faces), rigid_bodies
         )
         self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
-        self._accuracy = TOGETHER if self.free else (SWEEPS, ENOUGH)
+        self._accuracy = COUPLED_ACCURACY if self.free else (SWEEPS, TOLERANCE)
         self._every_face = scene.domain.standing_faces()
         self._selector = Selector(scene, comm, rigid_bodies, self._walls, self._every_face)
         self._selector.acts = interactions(

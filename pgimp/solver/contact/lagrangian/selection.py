@@ -44,7 +44,7 @@ from pgimp.solver.contact.lagrangian.shares import FAR, divide, undivided
 
 #: Least and greatest slack, in cells, of particles and rigid bodies until the next selection; the
 #: steps at the greatest speed for which it should last.
-LEAST, MOST, STEPS = 0.05, 0.3, 8
+MIN_SLACK, MAX_SLACK, SLACK_STEPS = 0.05, 0.3, 8
 
 
 class Selector:
@@ -136,8 +136,12 @@ class Selector:
         """
         scene, call, comm = self.scene, self.call, self.comm
         speed, rigid_speed = speeds
-        self._slack = 0.0 if scene.settings.mixed else max(LEAST, min(MOST, STEPS * speed))
-        self._rigid_slack = 0.0 if scene.settings.mixed else min(MOST, STEPS * rigid_speed)
+        slack, rigid = (
+            min(MAX_SLACK, SLACK_STEPS * speed),
+            min(MAX_SLACK, SLACK_STEPS * rigid_speed),
+        )
+        self._slack = 0.0 if scene.settings.mixed else max(MIN_SLACK, slack)
+        self._rigid_slack = 0.0 if scene.settings.mixed else rigid
         self._travel, anew = 0.0, looked or scene.settings.mixed or self._window is not grid.window
         self._window = grid.window
         if population.outdated:

@@ -19,7 +19,7 @@ Array = np.ndarray
 
 _EDGE, _WIDTH = "#222222", 0.8
 #: Fewest colours of those who ask for as many.
-_LEAST = 12
+_MIN_COLOURS = 12
 
 
 def levels(low: float, high: float, count: int, *, exact: bool) -> Array:
@@ -31,7 +31,7 @@ def levels(low: float, high: float, count: int, *, exact: bool) -> Array:
 
     if exact:
         return np.linspace(low, high, count + 1)
-    least = _LEAST if count >= _LEAST else 0
+    least = _MIN_COLOURS if count >= _MIN_COLOURS else 0
     for most in range(count, 4 * count):
         found = np.asarray(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
         if len(found) > least:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.utilities.plot.curves.series import Series
-from pgimp.utilities.plot.curves.spectrum import LEAST, Spectrum, spectrum
+from pgimp.utilities.plot.curves.spectrum import MIN_LINES, Spectrum, spectrum
 from pgimp.utilities.plot.words import limits
 
 if TYPE_CHECKING:
@@ -118,12 +118,12 @@ def spectra(
     low, high = chosen.times or (-np.inf, np.inf)
     within = np.isfinite(time) & (time >= low) & (time <= high)
     finite = {name: within & np.isfinite(values[name]) for name in names}
-    enough = [name for name in names if finite[name].sum() >= LEAST]
+    enough = [name for name in names if finite[name].sum() >= MIN_LINES]
     rows = within & np.all([finite[name] for name in enough], axis=0) if enough else within
     rows = _increasing(time, rows)
-    if not enough or len(rows) < LEAST:
+    if not enough or len(rows) < MIN_LINES:
         raise UsageError(
-            f"{one.shown.path}: a spectrum needs {LEAST} lines or more with values"
+            f"{one.shown.path}: a spectrum needs {MIN_LINES} lines or more with values"
             f"{' at these times' if chosen.times else ''}; there are {len(rows)}"
         )
     found = {name: spectrum(time[rows], np.asarray(values[name])[rows]) for name in enough}

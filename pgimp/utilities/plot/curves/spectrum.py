@@ -9,7 +9,7 @@ import numpy as np
 Array = np.ndarray
 
 #: Fewest lines of a spectrum.
-LEAST = 16
+MIN_LINES = 16
 #: Points of the transform over lines; so a peak lies at most a 32nd of the resolution off a point.
 _PADDED = 16
 #: Relative spread of time steps that counts as none.
@@ -81,7 +81,7 @@ def spectrum(time: Array, values: Array) -> Spectrum:
     Parameters
     ----------
     time : (n,) float64
-        Times, which increase; at least `LEAST`.
+        Times, which increase; at least `MIN_LINES`.
     values : (n,) float64
         The values.
     """

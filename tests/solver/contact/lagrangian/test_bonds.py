@@ -29,7 +29,7 @@ def random_pairs(rng, count):
 def way_of(pairs, a, b):
     """How two bodies act on each other."""
     law = abs(int(pairs.entry[min(a, b), max(a, b)]))
-    return None if law == 0 else pairs.way[law - 1]
+    return None if law == 0 else pairs.kind[law - 1]
 
 
 @pytest.mark.parametrize("seed", range(40))

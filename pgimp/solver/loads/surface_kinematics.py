@@ -10,7 +10,11 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.grid.seam import join_records
-from pgimp.kernels.loads.following import DisplacementSums, find_displacements, find_drifts
+from pgimp.kernels.loads.following import (
+    DisplacementSums,
+    find_displacements,
+    find_surface_corrections,
+)
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
@@ -21,7 +25,7 @@ from pgimp.solver.vertices import StepPart
 EVERY = 8
 
 
-class Following(StepPart):
+class SurfaceKinematics(StepPart):
     """The displacements at a rank's vertices.
 
     Parameters
@@ -33,14 +37,14 @@ class Following(StepPart):
 
     Attributes
     ----------
-    fallen : int
+    fallbacks : int
         Steps times particles of this rank in which a surface follows F alone.
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
-        self.fallen = 0
+        self.fallbacks = 0
         self.scene, self.call = scene, Bound()
-        self.bodies = scene.interaction.loads.surfaces.followed
+        self.bodies = scene.interaction.loads.surfaces.following
         self._sums = VertexSums(scene, comm, DisplacementSums())
 
     def begin(self, rank: RankState, order: Order, done: int) -> None:
@@ -60,16 +64,16 @@ class Following(StepPart):
         for seam in self.scene.domain.seams:
             self.call(join_records, self.scene.domain.frame, field, seam)
         self.call(find_displacements, field)
-        identity = self.scene.setting.identity
-        self.fallen += EVERY * self.call(find_drifts, setting, field, particles, order, identity)
+        args = setting, field, particles, order, self.scene.setting.identity
+        self.fallbacks += EVERY * self.call(find_surface_corrections, *args)
 
 
-def following_of(
-    scene: Scene, comm: Communicator, before: Following | None = None
-) -> Following | None:
+def surface_kinematics_of(
+    scene: Scene, comm: Communicator, before: SurfaceKinematics | None = None
+) -> SurfaceKinematics | None:
     """The displacements of a scene whose loads follow surfaces; None without any."""
-    if not scene.carried.followed:
+    if not scene.carried.follows_surfaces:
         return None
-    found = Following(scene, comm)
-    found.fallen = before.fallen if before else 0
+    found = SurfaceKinematics(scene, comm)
+    found.fallbacks = before.fallbacks if before else 0
     return found
