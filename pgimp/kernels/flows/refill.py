@@ -101,7 +101,8 @@ def refill(forcing, setting, field, particles, four, buffers, moved, ledger):
             particles.state[p, gap] -= closed
             lost, most = J * (1.0 - exp(-closed)), J * exp(-particles.state[p, gap] - closed)
         else:
-            _keep_slope(particles, p, 0, slopes)
+            for d, slope in enumerate(slopes):
+                particles.slope[p, d] = lane(slope, FIELD)
             _keep_spin(forcing.loads.affine, frame, particles, p, lane(U, SURPLUS) + 1.0)
             most = filling.most[body]
             lost = filling.relaxed[body] * (J - lane(U, FIELD))
@@ -153,16 +154,6 @@ def _steps(slopes, cell, shift):
 def _limited(slope, side, shift):
     """Minus `shift` times the gradient of EXCESS by cells, at most FARTHEST of a `side`."""
     return side * min(max(-shift * side * lane(slope, EXCESS), -FARTHEST), FARTHEST)
-
-
-@inlined
-def _keep_slope(particles, p, d, slopes):
-    """Store the gradient of J that particle `p` carries, from direction `d` on."""
-    if len(slopes) == 1:
-        particles.slope[p, d] = lane(slopes[0], FIELD)
-    else:
-        particles.slope[p, d] = lane(slopes[0], FIELD)
-        _keep_slope(particles, p, d + 1, slopes[1:])
 
 
 @inlined

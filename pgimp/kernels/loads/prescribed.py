@@ -150,9 +150,7 @@ def _mean(one, x):
 @inlined
 def _own(functions, number, x, t):
     """Value of one of the functions at a place, D numbers, and a time."""
-    if len(functions) == 1:
-        return call(functions[0], (x, t))
-    if number == 0:
+    if len(functions) == 1 or number == 0:
         return call(functions[0], (x, t))
     return _own(functions[1:], number - 1, x, t)
 

@@ -74,27 +74,17 @@ def keep_mean_lagrangian(mean, shape, frame, buffer, weights):
         inverse = frame.inverse[0]
         keep_support(weights, 0, means_of_rings(shape, buffer)[0], scaled(inverse, slopes))
         keep_hoop(weights, scaled(inverse, hoop))
-        _along(shape, buffer, weights, 1, frame.cell[1:])
+        _along(shape, frame, buffer, weights, 1)
     else:
-        return _along(shape, buffer, weights, 0, frame.cell)
+        return _along(shape, frame, buffer, weights, 0)
 
 
 @inlined
-def _along(shape, buffer, weights, d, cell):
-    """Store the weights along the directions from `d` on, with the cell sizes `cell`."""
-    if len(cell) == 0:
-        return None
-    a = means_of_parts(shape, buffer, d, cell[0])
-    keep_support(weights, d, a, _slopes(buffer, d, 0, a))
-    _along(shape, buffer, weights, d + 1, cell[1:])
-
-
-@inlined
-def _slopes(buffer, d, i, like):
-    """The gradients of the vertices i, i + 1, ... along `d`, as many as `like` has."""
-    if len(like) == 1:
-        return (four_entries(buffer, d, 1, i),)
-    return (four_entries(buffer, d, 1, i), *_slopes(buffer, d, i + 1, like[1:]))
+def _along(shape, frame, buffer, weights, first):
+    """Store the weights along the directions from `first` on."""
+    for d in range(first, len(frame.cell)):
+        a = means_of_parts(shape, buffer, d, frame.cell[d])
+        keep_support(weights, d, a, tuple(four_entries(buffer, d, 1, i) for i in range(len(a))))
 
 
 @inlined
@@ -136,7 +126,7 @@ def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
         U, _, D, _ = gather_shared(
             shape, field.G, weights, offset, window.stride, frame.origin, (0.0, *frame.origin)
         )
-        return U[0], row_major(_but_first(D))
+        return U[0], row_major(tuple(each[1:] for each in D))
     for j in range(four.size):
         U, A, D, _ = gather_products(
             shape, field.G, Support(weights, j), begin + first_offset(buffer, j), window.stride,
@@ -145,14 +135,6 @@ def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
         keep_sums(sums, j, U, A, D)
     repeat_sums(sums, four.size, frame.origin)
     return gathered_mass(sums), gradients(sums, 2, frame.origin)
-
-
-@inlined
-def _but_first(D):
-    """Tuples without their first entries."""
-    if len(D) == 1:
-        return (D[0][1:],)
-    return (D[0][1:], *_but_first(D[1:]))
 
 
 @inlined

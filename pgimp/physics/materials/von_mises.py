@@ -148,15 +148,9 @@ class SaturatingParameters(NamedTuple):
         """Plastic work per initial volume."""
         return saturating_work(material, state[0]), 0.0, 0.0
 
-    @staticmethod
-    def energy(material, F, J, sigma, state):
-        """Elastic energy per initial volume."""
-        return elastic_energy(material, J, sigma)
+    energy = staticmethod(VonMisesParameters.energy)
 
-    @staticmethod
-    def speed(material, F, J, state):
-        """Longitudinal elastic wave."""
-        return elastic_speed(material, J)
+    speed = staticmethod(VonMisesParameters.speed)
 
 
 class KinematicParameters(NamedTuple):
@@ -197,10 +191,7 @@ class KinematicParameters(NamedTuple):
         """Plastic work per initial volume, without the energy stored by the back stress."""
         return saturating_work(material, state[0]), 0.0, 0.0
 
-    @staticmethod
-    def speed(material, F, J, state):
-        """Longitudinal elastic wave."""
-        return elastic_speed(material, J)
+    speed = staticmethod(VonMisesParameters.speed)
 
 
 class Saturation(Model):
