@@ -106,12 +106,27 @@ def full(S):
 
 
 @inlined
+def on_diagonal(k, A):
+    """Whether entry `k` of a matrix is on its diagonal, as its zz is."""
+    return k % (isqrt(len(A)) + 1) == 0 or k == len(A) - 1
+
+
+@inlined
+def plus_diagonal(A, e):
+    """The matrix A + e 1."""
+    return tuple(a + e if on_diagonal(k, A) else a for k, a in enumerate(A))
+
+
+@inlined
 def one_plus(c, A):
     """The matrix 1 + c A."""
-    if len(A) == 5:
-        return (*one_plus(c, A[:4]), 1.0 + c * A[4])
-    step = isqrt(len(A)) + 1  # from entry to entry of the diagonal
-    return tuple(1.0 + c * a if k % step == 0 else c * a for k, a in enumerate(A))
+    return plus_diagonal(scaled(c, A), 1.0)
+
+
+@inlined
+def trace(A):
+    """Trace of a matrix."""
+    return sum(a for k, a in enumerate(A) if on_diagonal(k, A))
 
 
 @inlined

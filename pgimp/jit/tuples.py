@@ -22,6 +22,12 @@ def plus_scaled(a, V, U):
 
 
 @inlined
+def three(V):
+    """A vector of the scene as three numbers, zero in missing directions."""
+    return V + (0.0,) * (3 - len(V))
+
+
+@inlined
 def squared(v):
     """Square of the length of a tuple."""
     if len(v) == 1:

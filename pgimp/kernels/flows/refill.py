@@ -9,7 +9,7 @@ pressed to nothing.
 from pgimp.jit.algebra import determinant
 from pgimp.jit.functions import exp, power
 from pgimp.jit.kernel import inlined, is_empty, is_record
-from pgimp.jit.tuples import plus_first, scaled
+from pgimp.jit.tuples import plus_first, scaled, three
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import lane, load, pack, store
 from pgimp.kernels.data.ledger import CARRIED, ROOM
@@ -139,15 +139,7 @@ def _to_field(shape, window, other, particles, p):
 @inlined
 def _steps(slopes, cell, shift):
     """The shift of a particle along x, y, z, zero where the scene has no such direction."""
-    if len(cell) == 1:
-        return (_limited(slopes[0], cell[0], shift), 0.0, 0.0)
-    if len(cell) == 2:
-        return (_limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift), 0.0)
-    return (
-        _limited(slopes[0], cell[0], shift),
-        _limited(slopes[1], cell[1], shift),
-        _limited(slopes[2], cell[2], shift),
-    )
+    return three(tuple(_limited(slopes[d], cell[d], shift) for d in range(len(cell))))
 
 
 @inlined

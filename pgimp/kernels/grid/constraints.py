@@ -133,12 +133,7 @@ def constrain_particles(constraints, particles, four, u, v, ledger):
     if len(constraints) == 0:
         return (u, v)
     column, rows = particles.constraint, four.rows
-    number = pack(
-        float(column[rows[0], 0]),
-        float(column[rows[1], 0]),
-        float(column[rows[2], 0]),
-        float(column[rows[3], 0]),
-    )
+    number = pack(*tuple(float(column[rows[j], 0]) for j in range(4)))
     if bits(number > 0.0) == 0:
         return u, v
     m = where(pack(0.0, 1.0, 2.0, 3.0) < four.size, take(particles.m, rows), 0.0)

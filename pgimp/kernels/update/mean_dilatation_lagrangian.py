@@ -21,7 +21,7 @@ body. A particle that becomes isolated then keeps its r_p, and an isolated one s
 r_p would add strain. The particles' F is r_p F_p. G_p and r_p have columns of their own.
 """
 
-from pgimp.jit.algebra import determinant, inverse, multiply
+from pgimp.jit.algebra import determinant, inverse, multiply, plus_diagonal
 from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.simd import where
@@ -206,20 +206,5 @@ def deform(cells, setting, forcing, particles, four, numbers, D):
     now = where(alone > 0.0, ratio, side(swelling, D))
     put_row(particles.ratio, rows, 0, (now,))
     L = multiply(D, inverse(before))
-    return _and_multiple(L, dt, (now / ratio - 1.0) / dt), scaled(now, after)
-
-
-@inlined
-def _and_multiple(L, dt, e):
-    """The matrix L + e (1 + dt L)."""
-    if len(L) == 4:
-        f = 1.0 + e * dt
-        return f * L[0] + e, f * L[1], f * L[2], f * L[3] + e
-    if len(L) == 5:
-        f = 1.0 + e * dt
-        return f * L[0] + e, f * L[1], f * L[2], f * L[3] + e, f * L[4] + e
-    f = 1.0 + e * dt
-    return (
-        f * L[0] + e, f * L[1], f * L[2], f * L[3], f * L[4] + e, f * L[5], f * L[6], f * L[7],
-        f * L[8] + e,
-    )  # fmt: skip
+    e = (now / ratio - 1.0) / dt
+    return plus_diagonal(scaled(1.0 + e * dt, L), e), scaled(now, after)

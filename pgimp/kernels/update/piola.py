@@ -7,14 +7,13 @@ stack for the transfers, which take one after the other.
 
 from math import isqrt
 
-from pgimp.jit.algebra import cofactor, full, multiply
+from pgimp.jit.algebra import cofactor, full, multiply, trace
 from pgimp.jit.kernel import inlined, is_empty, is_record
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, number, pack, store, vector
 from pgimp.kernels.transfer.first_vertex import is_axial, is_initial, is_plate, undeformed
 from pgimp.kernels.transfer.lane_io import deformations, take, take_row
-from pgimp.kernels.update.viscosity import trace
 
 #: Offset in the buffer of the forces by cells, see
 #: `pgimp.kernels.update.mean_dilatation_lagrangian`.

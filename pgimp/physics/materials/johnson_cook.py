@@ -100,9 +100,16 @@ class JohnsonCookDamageParameters(NamedTuple):
         ln = choose(state[3] < 1.0, ln, min(ln, 0.0))
         return 0.5 * k.bulk * ln * ln + distortion_energy(k.shear, J, sigma)
 
-    losses = staticmethod(JohnsonCookParameters.losses)
+    @staticmethod
+    def losses(material, F, J, sigma, state):
+        """Plastic work, and its part that becomes heat."""
+        k = material.strength
+        return state[2], 0.0, (state[1] - k.start) / k.heating
 
-    speed = staticmethod(JohnsonCookParameters.speed)
+    @staticmethod
+    def speed(material, F, J, state):
+        """Longitudinal elastic wave of the undamaged material."""
+        return elastic_speed(material.strength, J)
 
 
 class DamageEntry(Model):

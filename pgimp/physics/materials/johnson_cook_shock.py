@@ -110,11 +110,17 @@ class JohnsonCookShockDamageParameters(NamedTuple):
         inner = material.density * state[4] - k.share * state[2]
         return inner + distortion_energy(k.shear, J, sigma)
 
-    losses = staticmethod(JohnsonCookShockParameters.losses)
+    @staticmethod
+    def losses(material, F, J, sigma, state):
+        """Plastic work, and its part that becomes heat."""
+        return state[2], 0.0, material.strength.share * state[2]
 
     @staticmethod
     def speed(material, F, J, state):
         """Longitudinal wave of the undamaged material at constant entropy."""
         return sqrt(shock_speed_squared(material.eos, J, state[4], material.strength.shear))
 
-    margin = staticmethod(JohnsonCookShockParameters.margin)
+    @staticmethod
+    def margin(material, F, J, sigma, state):
+        """Of the pressure's range."""
+        return margin_of(material.eos, J)

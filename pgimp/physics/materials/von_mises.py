@@ -148,9 +148,15 @@ class SaturatingParameters(NamedTuple):
         """Plastic work per initial volume."""
         return saturating_work(material, state[0]), 0.0, 0.0
 
-    energy = staticmethod(VonMisesParameters.energy)
+    @staticmethod
+    def energy(material, F, J, sigma, state):
+        """Elastic energy per initial volume."""
+        return elastic_energy(material, J, sigma)
 
-    speed = staticmethod(VonMisesParameters.speed)
+    @staticmethod
+    def speed(material, F, J, state):
+        """Longitudinal elastic wave."""
+        return elastic_speed(material, J)
 
 
 class KinematicParameters(NamedTuple):
@@ -191,7 +197,10 @@ class KinematicParameters(NamedTuple):
         """Plastic work per initial volume, without the energy stored by the back stress."""
         return saturating_work(material, state[0]), 0.0, 0.0
 
-    speed = staticmethod(VonMisesParameters.speed)
+    @staticmethod
+    def speed(material, F, J, state):
+        """Longitudinal elastic wave."""
+        return elastic_speed(material, J)
 
 
 class Saturation(Model):
