@@ -9,7 +9,7 @@ in 3D. Each is a prefix of the next, so that zz is always there.
 from math import isqrt
 
 from pgimp.jit.kernel import inlined
-from pgimp.jit.tuples import scaled
+from pgimp.jit.tuples import on_diagonal, scaled
 
 #: Rows and columns of a symmetric tensor's components.
 _COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
@@ -103,12 +103,6 @@ def full(S):
     if len(S) == 4:
         return (S[0], S[3], S[3], S[1])
     return (S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2])
-
-
-@inlined
-def on_diagonal(k, A):
-    """Whether entry `k` of a matrix is on its diagonal, as its zz is."""
-    return k % (isqrt(len(A)) + 1) == 0 or k == len(A) - 1
 
 
 @inlined

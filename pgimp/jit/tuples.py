@@ -1,5 +1,7 @@
 """Tuples of numbers or vectors in kernels: arithmetic on them, rows of arrays to and from them."""
 
+from math import isqrt
+
 from pgimp.jit.kernel import inlined
 
 
@@ -52,3 +54,9 @@ def write(array, p, i, values):
 def plus_first(x, S):
     """The sum of x and as many entries of S."""
     return tuple(a + b for a, b in zip(x, S, strict=False))
+
+
+@inlined
+def on_diagonal(k, A):
+    """Whether entry `k` of a matrix is on its diagonal, as its zz is."""
+    return k % (isqrt(len(A)) + 1) == 0 or k == len(A) - 1

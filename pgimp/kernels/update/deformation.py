@@ -8,10 +8,10 @@ every step.
 
 from math import sqrt
 
-from pgimp.jit.algebra import determinant, inverse, multiply, on_diagonal, one_plus
+from pgimp.jit.algebra import determinant, inverse, multiply, one_plus
 from pgimp.jit.functions import cbrt
 from pgimp.jit.kernel import inlined, of_types
-from pgimp.jit.tuples import plus_scaled
+from pgimp.jit.tuples import on_diagonal, plus_scaled
 from pgimp.jit.vectors.lanes import where_all
 from pgimp.jit.vectors.simd import bits, pack, vector, where
 from pgimp.kernels.transfer.first_vertex import is_initial
