@@ -6,8 +6,13 @@ A symmetric tensor (stress, left Cauchy-Green) is (xx, yy, zz) in 1D, with xy in
 in 3D. Each is a prefix of the next, so that zz is always there.
 """
 
+from math import isqrt
+
 from pgimp.jit.kernel import inlined
-from pgimp.jit.tuples import scaled
+from pgimp.jit.tuples import on_diagonal, scaled
+
+#: Rows and columns of a symmetric tensor's components.
+_COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 @inlined
@@ -29,27 +34,21 @@ def determinant(A):
 @inlined
 def multiply(A, B):
     """Matrix product A B."""
-    if len(A) == 1:
-        return (A[0] * B[0],)
-    if len(A) == 4:
-        return (
-            A[0] * B[0] + A[1] * B[2],
-            A[0] * B[1] + A[1] * B[3],
-            A[2] * B[0] + A[3] * B[2],
-            A[2] * B[1] + A[3] * B[3],
-        )
     if len(A) == 5:
         return (*multiply(A[:4], B[:4]), A[4] * B[4])
-    return (
-        A[0] * B[0] + A[1] * B[3] + A[2] * B[6],
-        A[0] * B[1] + A[1] * B[4] + A[2] * B[7],
-        A[0] * B[2] + A[1] * B[5] + A[2] * B[8],
-        A[3] * B[0] + A[4] * B[3] + A[5] * B[6],
-        A[3] * B[1] + A[4] * B[4] + A[5] * B[7],
-        A[3] * B[2] + A[4] * B[5] + A[5] * B[8],
-        A[6] * B[0] + A[7] * B[3] + A[8] * B[6],
-        A[6] * B[1] + A[7] * B[4] + A[8] * B[7],
-        A[6] * B[2] + A[7] * B[5] + A[8] * B[8],
+    D = isqrt(len(A))
+    return tuple(
+        sum(A[D * i + k] * B[D * k + j] for k in range(D)) for i in range(D) for j in range(D)
+    )
+
+
+@inlined
+def _products(A, B, rest):
+    """The tensor A B^T where it is symmetric; `rest` in the directions that a scene has not."""
+    D = isqrt(len(A))
+    return tuple(
+        sum(A[D * i + k] * B[D * j + k] for k in range(D)) if j < D else rest
+        for i, j in _COMPONENTS[: (3, 4, 6)[D - 1]]
     )
 
 
@@ -107,19 +106,21 @@ def full(S):
 
 
 @inlined
+def plus_diagonal(A, e):
+    """The matrix A + e 1."""
+    return tuple(a + e if on_diagonal(k, A) else a for k, a in enumerate(A))
+
+
+@inlined
 def one_plus(c, A):
     """The matrix 1 + c A."""
-    if len(A) == 1:
-        return (1.0 + c * A[0],)
-    if len(A) == 4:
-        return (1.0 + c * A[0], c * A[1], c * A[2], 1.0 + c * A[3])
-    if len(A) == 5:
-        return (*one_plus(c, A[:4]), 1.0 + c * A[4])
-    return (
-        1.0 + c * A[0], c * A[1], c * A[2],
-        c * A[3], 1.0 + c * A[4], c * A[5],
-        c * A[6], c * A[7], 1.0 + c * A[8],
-    )  # fmt: skip
+    return plus_diagonal(scaled(c, A), 1.0)
+
+
+@inlined
+def trace(A):
+    """Trace of a matrix."""
+    return sum(a for k, a in enumerate(A) if on_diagonal(k, A))
 
 
 @inlined
@@ -152,43 +153,22 @@ def symmetric(A):
 @inlined
 def left_cauchy_green(F):
     """The symmetric tensor b = F F^T; missing directions of a scene are not stretched."""
-    if len(F) == 1:
-        return (F[0] * F[0], 1.0, 1.0)
-    if len(F) == 4:
-        return (
-            F[0] * F[0] + F[1] * F[1],
-            F[2] * F[2] + F[3] * F[3],
-            1.0,
-            F[0] * F[2] + F[1] * F[3],
-        )
     if len(F) == 5:
-        return (*left_cauchy_green(F[:4])[:2], F[4] * F[4], left_cauchy_green(F[:4])[3])
-    return (
-        F[0] * F[0] + F[1] * F[1] + F[2] * F[2],
-        F[3] * F[3] + F[4] * F[4] + F[5] * F[5],
-        F[6] * F[6] + F[7] * F[7] + F[8] * F[8],
-        F[0] * F[3] + F[1] * F[4] + F[2] * F[5],
-        F[3] * F[6] + F[4] * F[7] + F[5] * F[8],
-        F[0] * F[6] + F[1] * F[7] + F[2] * F[8],
-    )
+        b = left_cauchy_green(F[:4])
+        return (b[0], b[1], F[4] * F[4], b[3])
+    return _products(F, F, 1.0)
 
 
 @inlined
 def isotropic(a, S, c):
     """The symmetric tensor a S + c 1."""
-    if len(S) == 3:
-        return (a * S[0] + c, a * S[1] + c, a * S[2] + c)
-    if len(S) == 4:
-        return (a * S[0] + c, a * S[1] + c, a * S[2] + c, a * S[3])
-    return (a * S[0] + c, a * S[1] + c, a * S[2] + c, a * S[3], a * S[4], a * S[5])
+    return tuple(a * each + c for each in S[:3]) + scaled(a, S[3:])
 
 
 @inlined
 def add(A, B):
     """Sum of two tuples of equal length."""
-    if len(A) == 1:
-        return (A[0] + B[0],)
-    return (A[0] + B[0], *add(A[1:], B[1:]))
+    return tuple(a + b for a, b in zip(A, B, strict=True))
 
 
 @inlined
@@ -207,18 +187,8 @@ def rotate(Q, S):
     if len(S) == 3:
         return S
     if len(S) == 4:
-        a, b = Q[0] * S[0] + Q[1] * S[3], Q[0] * S[3] + Q[1] * S[1]
-        c, d = Q[2] * S[0] + Q[3] * S[3], Q[2] * S[3] + Q[3] * S[1]
-        return (a * Q[0] + b * Q[1], c * Q[2] + d * Q[3], S[2], a * Q[2] + b * Q[3])
-    M = multiply(Q, (S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2]))
-    return (
-        M[0] * Q[0] + M[1] * Q[1] + M[2] * Q[2],
-        M[3] * Q[3] + M[4] * Q[4] + M[5] * Q[5],
-        M[6] * Q[6] + M[7] * Q[7] + M[8] * Q[8],
-        M[0] * Q[3] + M[1] * Q[4] + M[2] * Q[5],
-        M[3] * Q[6] + M[4] * Q[7] + M[5] * Q[8],
-        M[0] * Q[6] + M[1] * Q[7] + M[2] * Q[8],
-    )
+        return _products(multiply(Q[:4], full(S)), Q, S[2])
+    return _products(multiply(Q, full(S)), Q, 0.0)
 
 
 @inlined

@@ -100,19 +100,8 @@ def inverse_symmetric(S):
 @exact
 def combine(P, S, T):
     """The symmetric tensor P[0] 1 + P[1] S + P[2] T."""
-    if len(S) == 3:
-        return (
-            fma(P[2], T[0], fma(P[1], S[0], P[0])),
-            fma(P[2], T[1], fma(P[1], S[1], P[0])),
-            fma(P[2], T[2], fma(P[1], S[2], P[0])),
-        )
-    if len(S) == 4:
-        return (*combine(P, S[:3], T[:3]), fma(P[2], T[3], P[1] * S[3]))
-    return (
-        *combine(P, S[:3], T[:3]),
-        fma(P[2], T[3], P[1] * S[3]),
-        fma(P[2], T[4], P[1] * S[4]),
-        fma(P[2], T[5], P[1] * S[5]),
+    return tuple(
+        fma(P[2], T[k], fma(P[1], S[k], P[0]) if k < 3 else P[1] * S[k]) for k in range(len(S))
     )
 
 
@@ -123,11 +112,10 @@ def _series(found, P, coefficients):
     P are the coefficients found so far, in 1, X and X^2; X^3 is
     I1 X^2 - I2 X + I3.
     """
-    if len(coefficients) == 0:
-        return P
-    p, q, r = P
-    now = fma(r, found[2], coefficients[0]), fma(-r, found[1], p), fma(r, found[0], q)
-    return _series(found, now, coefficients[1:])
+    for each in coefficients:
+        p, q, r = P
+        P = fma(r, found[2], each), fma(-r, found[1], p), fma(r, found[0], q)
+    return P
 
 
 _EXP_BACK = (*reversed(_EXP[1:-3]), 0.0)

@@ -1,16 +1,14 @@
 """Tuples of numbers or vectors in kernels: arithmetic on them, rows of arrays to and from them."""
 
+from math import isqrt
+
 from pgimp.jit.kernel import inlined
 
 
 @inlined
 def scaled(a, V):
     """The tuple a V, of numbers or vectors."""
-    if len(V) == 0:
-        return ()
-    if len(V) == 1:
-        return (a * V[0],)
-    return (a * V[0], *scaled(a, V[1:]))
+    return tuple(a * each for each in V)
 
 
 @inlined
@@ -22,11 +20,13 @@ def joined(first, rest):
 @inlined
 def plus_scaled(a, V, U):
     """The tuple a V + U, of numbers or vectors."""
-    if len(V) == 0:
-        return ()
-    if len(V) == 1:
-        return (a * V[0] + U[0],)
-    return (a * V[0] + U[0], *plus_scaled(a, V[1:], U[1:]))
+    return tuple(a * v + u for v, u in zip(V, U, strict=False))
+
+
+@inlined
+def three(V):
+    """A vector of the scene as three numbers, zero in missing directions."""
+    return V + (0.0,) * (3 - len(V))
 
 
 @inlined
@@ -40,24 +40,23 @@ def squared(v):
 @inlined
 def read(array, p, i, like):
     """Entries i, i+1, ... of row `p`, as many as `like` has."""
-    if len(like) == 1:
-        return (array[p, i],)
-    return (array[p, i], *read(array, p, i + 1, like[1:]))
+    return tuple(array[p, i + k] for k in range(len(like)))
 
 
 @inlined
 def write(array, p, i, values):
     """Set entries i, i+1, ... of row `p`."""
-    if len(values) == 1:
-        array[p, i] = values[0]
-    else:
-        array[p, i] = values[0]
-        write(array, p, i + 1, values[1:])
+    for k, value in enumerate(values):
+        array[p, i + k] = value
 
 
 @inlined
 def plus_first(x, S):
     """The sum of x and as many entries of S."""
-    if len(x) == 1:
-        return (x[0] + S[0],)
-    return (x[0] + S[0], *plus_first(x[1:], S[1:]))
+    return tuple(a + b for a, b in zip(x, S, strict=False))
+
+
+@inlined
+def on_diagonal(k, A):
+    """Whether entry `k` of a matrix is on its diagonal, as its zz is."""
+    return k % (isqrt(len(A)) + 1) == 0 or k == len(A) - 1

@@ -288,3 +288,30 @@ def test_models_that_give_numbers_for_vectors(pair):
     one = response((NEO,), np.array([[1.5]]))[0]
     assert axial == pytest.approx(0.5 * YOUNG) and none == 0.0
     assert other == pytest.approx(one[0, 0]) and lateral == pytest.approx(one[1, 1])
+
+
+class Softening(NamedTuple):
+    """A law with a branch, which does not take vectors."""
+
+    bulk: float
+    density: float
+
+    @staticmethod
+    def speed(material, F, J):
+        if material.bulk < 4.0:
+            return 0.5
+        return math.sqrt(material.bulk / material.density)
+
+
+@kernel
+def varying_speeds(bulk, out):
+    law = Softening(pack(bulk[0], bulk[1], bulk[2], bulk[3]), 2.0)
+    found = evaluate_four("speed", (law,), 0, ((vector(1.0),), vector(1.0)), (), vector(0.0))
+    for j in range(4):
+        out[j] = lane(found, j)
+
+
+def test_a_law_with_branches_varies_in_space():
+    bulk, found = np.array([2.0, 8.0, 18.0, 3.0]), np.zeros(4)
+    varying_speeds(bulk, found)
+    assert found.tolist() == [0.5, 2.0, 3.0, 0.5]

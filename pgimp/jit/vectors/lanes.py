@@ -2,7 +2,7 @@
 
 from numba.core import types
 
-from pgimp.jit.kernel import inlined, of_types
+from pgimp.jit.kernel import inlined, is_record, of_types
 from pgimp.jit.outside import NumbaObject
 from pgimp.jit.own import named
 from pgimp.jit.vectors.kinds import is_vector
@@ -31,11 +31,7 @@ def lanes_of(kind: NumbaObject) -> int:
 @inlined
 def vectors(values):
     """The values with vectors in place of numbers."""
-    if not _is_tuple(values):
-        return vector(values)
-    if len(values) == 1:
-        return (vector(values[0]),)
-    return (vector(values[0]), *vectors(values[1:]))
+    return tuple(vector(each) for each in values) if _is_tuple(values) else vector(values)
 
 
 @inlined
@@ -43,9 +39,7 @@ def vectors_as(values, like):
     """The values with vectors as long as `like` in place of numbers."""
     if not _is_tuple(values):
         return vector_as(values, like)
-    if len(values) == 1:
-        return (vector_as(values[0], like),)
-    return (vector_as(values[0], like), *vectors_as(values[1:], like))
+    return tuple(vector_as(each, like) for each in values)
 
 
 @inlined
@@ -53,25 +47,19 @@ def half_of(values, i):
     """Vectors of the first or second four of eight particles, `i` a literal 0 or 1."""
     if is_vector(values):
         return halves(values)[i]
-    if len(values) == 1:
-        return (halves(values[0])[i],)
-    return (halves(values[0])[i], *half_of(values[1:], i))
+    return tuple(halves(each)[i] for each in values)
 
 
 @inlined
 def zeros(like):
     """Zero vectors, as many as `like` has entries."""
-    if len(like) == 0:
-        return ()
-    return (vector(0.0), *zeros(like[1:]))
+    return tuple(vector(0.0) for _ in like)
 
 
 @inlined
 def numbers(buffer, at, step, like):
     """Every `step`-th number of a buffer on the stack from `at` on, as many as `like` has."""
-    if len(like) == 0:
-        return ()
-    return (number(buffer, at), *numbers(buffer, at + step, step, like[1:]))
+    return tuple(number(buffer, at + k * step) for k in range(len(like)))
 
 
 @inlined
@@ -81,19 +69,8 @@ def of_lane(values, j):
         return lane(values, j)
     if not _is_tuple(values):
         return values
-    if len(values) == 0:
-        return ()
-    if isinstance(values, types.BaseNamedTuple):
-        return named(values, _each_of_lane(values, j))
-    return _each_of_lane(values, j)
-
-
-@inlined
-def _each_of_lane(values, j):
-    """The entries of a tuple for particle `j`, see `of_lane`, as a plain tuple."""
-    if len(values) == 1:
-        return (of_lane(values[0], j),)
-    return (of_lane(values[0], j), *_each_of_lane(values[1:], j))
+    found = tuple(of_lane(each, j) for each in values)
+    return named(values, found) if is_record(values) else found
 
 
 @inlined
@@ -101,9 +78,7 @@ def with_lanes(values, j, one):
     """The vectors `values` with the numbers `one` for particle `j`."""
     if is_vector(values):
         return with_lane(values, j, one)
-    if len(values) == 1:
-        return (with_lane(values[0], j, one[0]),)
-    return (with_lane(values[0], j, one[0]), *with_lanes(values[1:], j, one[1:]))
+    return tuple(with_lane(each, j, part) for each, part in zip(values, one, strict=False))
 
 
 @inlined
@@ -111,17 +86,15 @@ def where_all(mask, a, b):
     """Vectors of `a` where the mask is true, else of `b`."""
     if is_vector(a):
         return where(mask, a, b)
-    if len(a) == 1:
-        return (where(mask, a[0], b[0]),)
-    return (where(mask, a[0], b[0]), *where_all(mask, a[1:], b[1:]))
+    return tuple(where(mask, one, other) for one, other in zip(a, b, strict=False))
 
 
 @inlined
 def and_finite(mask, values):
     """The mask, also false where one of the vectors `values` is not finite."""
-    if len(values) == 0:
-        return mask
-    return and_finite(mask & (values[0] - values[0] == 0.0), values[1:])
+    for each in values:
+        mask = mask & (each - each == 0.0)
+    return mask
 
 
 @inlined

@@ -76,15 +76,8 @@ class VolumeSums(NamedTuple):
 @inlined
 def _moved(F, d):
     """Offset F d of a particle deformed by F, as many numbers as `d` has."""
-    if len(d) == 1:
-        return (F[0] * d[0],)
-    if len(d) == 2:
-        return (F[0] * d[0] + F[1] * d[1], F[2] * d[0] + F[3] * d[1])
-    return (
-        F[0] * d[0] + F[1] * d[1] + F[2] * d[2],
-        F[3] * d[0] + F[4] * d[1] + F[5] * d[2],
-        F[6] * d[0] + F[7] * d[1] + F[8] * d[2],
-    )
+    D = len(d)
+    return tuple(sum(F[D * i + k] * d[k] for k in range(D)) for i in range(D))
 
 
 def volume_sums(shape: object) -> VolumeSums:
@@ -95,11 +88,9 @@ def volume_sums(shape: object) -> VolumeSums:
 @inlined
 def _outward(V, d):
     """Vectors V (d_i, e_i) of as many directions as the offset `d` has."""
-    if len(d) == 1:
-        return (pack(V * d[0], V, 0.0, 0.0),)
-    if len(d) == 2:
-        return (*_outward(V, d[:1]), pack(V * d[1], 0.0, V, 0.0))
-    return (*_outward(V, d[:2]), pack(V * d[2], 0.0, 0.0, V))
+    return tuple(
+        pack(V * each, *tuple(V if k == i else 0.0 for k in range(3))) for i, each in enumerate(d)
+    )
 
 
 @inlined

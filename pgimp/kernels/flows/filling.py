@@ -81,7 +81,8 @@ class FillingSums(NamedTuple):
         if most > 0.0:
             J = min(J, most)
             A = pack(V * J, m, m * J, 0.0)
-            C = _in_ratio(scaled(m, read(particles.slope, p, 0, frame.origin)))
+            slopes = scaled(m, read(particles.slope, p, 0, frame.origin))
+            C = tuple(pack(0.0, 0.0, each, 0.0) for each in slopes)  # at RATIO
         return Share(A, motion, nothing, C, (), ())
 
 
@@ -119,14 +120,6 @@ class Filling(NamedTuple):
     most: FloatArray
     gap: IntArray
     calming: Calming | tuple[()] = ()
-
-
-@inlined
-def _in_ratio(g):
-    """Vectors with the entries of `g` at RATIO."""
-    if len(g) == 1:
-        return (pack(0.0, 0.0, g[0], 0.0),)
-    return (pack(0.0, 0.0, g[0], 0.0), *_in_ratio(g[1:]))
 
 
 @kernel

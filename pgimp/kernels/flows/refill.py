@@ -9,7 +9,7 @@ pressed to nothing.
 from pgimp.jit.algebra import determinant
 from pgimp.jit.functions import exp, power
 from pgimp.jit.kernel import inlined, is_empty, is_record
-from pgimp.jit.tuples import plus_first, scaled
+from pgimp.jit.tuples import plus_first, scaled, three
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import lane, load, pack, store
 from pgimp.kernels.data.ledger import CARRIED, ROOM
@@ -101,7 +101,8 @@ def refill(forcing, setting, field, particles, four, buffers, moved, ledger):
             particles.state[p, gap] -= closed
             lost, most = J * (1.0 - exp(-closed)), J * exp(-particles.state[p, gap] - closed)
         else:
-            _keep_slope(particles, p, 0, slopes)
+            for d, slope in enumerate(slopes):
+                particles.slope[p, d] = lane(slope, FIELD)
             _keep_spin(forcing.loads.affine, frame, particles, p, lane(U, SURPLUS) + 1.0)
             most = filling.most[body]
             lost = filling.relaxed[body] * (J - lane(U, FIELD))
@@ -138,31 +139,13 @@ def _to_field(shape, window, other, particles, p):
 @inlined
 def _steps(slopes, cell, shift):
     """The shift of a particle along x, y, z, zero where the scene has no such direction."""
-    if len(cell) == 1:
-        return (_limited(slopes[0], cell[0], shift), 0.0, 0.0)
-    if len(cell) == 2:
-        return (_limited(slopes[0], cell[0], shift), _limited(slopes[1], cell[1], shift), 0.0)
-    return (
-        _limited(slopes[0], cell[0], shift),
-        _limited(slopes[1], cell[1], shift),
-        _limited(slopes[2], cell[2], shift),
-    )
+    return three(tuple(_limited(slopes[d], cell[d], shift) for d in range(len(cell))))
 
 
 @inlined
 def _limited(slope, side, shift):
     """Minus `shift` times the gradient of EXCESS by cells, at most MAX_SHIFT of a `side`."""
     return side * min(max(-shift * side * lane(slope, EXCESS), -MAX_SHIFT), MAX_SHIFT)
-
-
-@inlined
-def _keep_slope(particles, p, d, slopes):
-    """Store the gradient of J that particle `p` carries, from direction `d` on."""
-    if len(slopes) == 1:
-        particles.slope[p, d] = lane(slopes[0], FIELD)
-    else:
-        particles.slope[p, d] = lane(slopes[0], FIELD)
-        _keep_slope(particles, p, d + 1, slopes[1:])
 
 
 @inlined

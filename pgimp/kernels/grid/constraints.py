@@ -133,35 +133,18 @@ def constrain_particles(constraints, particles, four, u, v, ledger):
     if len(constraints) == 0:
         return (u, v)
     column, rows = particles.constraint, four.rows
-    number = pack(
-        float(column[rows[0], 0]),
-        float(column[rows[1], 0]),
-        float(column[rows[2], 0]),
-        float(column[rows[3], 0]),
-    )
+    number = pack(*tuple(float(column[rows[j], 0]) for j in range(4)))
     if bits(number > 0.0) == 0:
         return u, v
     m = where(pack(0.0, 1.0, 2.0, 3.0) < four.size, take(particles.m, rows), 0.0)
     x = places_of_four(constraints, particles, rows, u)
-    return _held(constraints, 0, (number, m, x), u, v, ledger, four.layer)
-
-
-@inlined
-def _held(constraints, k, which, u, v, ledger, plane):
-    """Apply the constraints from number `k` on, given in `constraints`.
-
-    `which` are each particle's constraint, from 1; their masses, zero for particles that do not
-    count; and their places, where these matter. Branches for single particles would slow down the
-    loop over all.
-    """
-    if len(constraints) == 0:
-        return (u, v)
-    number, m, x = which
-    one, chosen = constraints[0], number == k + 1.0
-    w = velocities_at(one, x, chosen)
-    _book_moment(one, x, chosen, m, w, v, ledger, plane)
-    U, V = _hold(one, (plane, k, 0), (chosen, m), w, u, v, ledger)
-    return _held(constraints[1:], k + 1, which, U, V, ledger, plane)
+    # Branches for single particles would slow down the loop over all.
+    for k, one in enumerate(constraints):
+        chosen = number == k + 1.0
+        w = velocities_at(one, x, chosen)
+        _book_moment(one, x, chosen, m, w, v, ledger, four.layer)
+        u, v = _hold(one, (four.layer, k, 0), (chosen, m), w, u, v, ledger)
+    return u, v
 
 
 @inlined

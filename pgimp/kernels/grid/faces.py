@@ -114,11 +114,9 @@ def constrained(kinds, k, rows, n, v, a, clearance):
 @inlined
 def unilateral_walls(kinds, k, kind):
     """Whether number `kind` is a unilateral condition; `kinds` are numbered from `k`."""
-    if len(kinds) == 0:
-        return False
-    if hasattr(class_of(kinds[0]), "approach"):
-        return kind == k or unilateral_walls(kinds[1:], k + 1, kind)
-    return unilateral_walls(kinds[1:], k + 1, kind)
+    return any(
+        hasattr(class_of(each), "approach") and kind == k + n for n, each in enumerate(kinds)
+    )
 
 
 @inlined

@@ -4,7 +4,7 @@ With mean dilatation (`pgimp.kernels.update.mean_dilatation_lagrangian`) the cel
 are its cell alone, whose G is the deformation gradient at its centre.
 """
 
-from pgimp.jit.algebra import cofactor, full, multiply
+from pgimp.jit.algebra import cofactor, full, multiply, trace
 from pgimp.jit.kernel import inlined, is_empty, is_record
 from pgimp.jit.tuples import read, scaled
 from pgimp.jit.vectors.lanes import vectors
@@ -12,7 +12,6 @@ from pgimp.jit.vectors.simd import lane, load, pack, store, vector
 from pgimp.kernels.lagrangian.cell_derivatives import sizes_of
 from pgimp.kernels.transfer.lane_io import deformations, take_row
 from pgimp.kernels.update.piola import less_pressure
-from pgimp.kernels.update.viscosity import trace
 
 
 @inlined

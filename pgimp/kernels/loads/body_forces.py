@@ -1,7 +1,7 @@
 """Forces per mass on particles: of exact solutions, of the case, of water in the ground."""
 
 from pgimp.jit.kernel import class_of, inlined, inner_kernel, is_record
-from pgimp.jit.tuples import read
+from pgimp.jit.tuples import read, three
 from pgimp.jit.vectors.lanes import of_lane
 from pgimp.jit.vectors.simd import number, pack, store
 from pgimp.kernels.loads.wall_gap import divergence
@@ -28,21 +28,7 @@ def buoyancy(water, particles, p):
         volume = 1.0 / particles.own[p, water.column[body]]
     a = volume * water.lift
     a *= submerged(water.level, water.up, water.half, particles.x[p, water.axis])
-    return (
-        a if water.axis == 0 else 0.0,
-        a if water.axis == 1 else 0.0,
-        a if water.axis == 2 else 0.0,
-    )
-
-
-@inlined
-def _three(V):
-    """A vector of the scene as three numbers, zero in missing directions."""
-    if len(V) == 1:
-        return (V[0], 0.0, 0.0)
-    if len(V) == 2:
-        return (V[0], V[1], 0.0)
-    return V
+    return tuple(a if water.axis == d else 0.0 for d in range(3))
 
 
 @inlined
@@ -58,13 +44,13 @@ def _force(force, frame, particles, p):
         return b[0] + a[0], b[1] + a[1], b[2] + a[2]
     x, v = read(particles.x, p, 0, frame.origin), read(particles.v, p, 0, frame.origin)
     if hasattr(kind, "acceleration"):
-        return acceleration(source, _three(x), _three(v), t)
+        return acceleration(source, three(x), three(v), t)
     if hasattr(kind, "taken") and all(number > 0 for number in kind.taken):
-        return _three(call(source, (x, x, v, t)))
+        return three(call(source, (x, x, v, t)))
     X = read(particles.origin, p, 0, frame.origin)
     if hasattr(kind, "taken"):
-        return _three(call(source, (X, x, v, t)))
-    return _three(body_force(source, X, t))
+        return three(call(source, (X, x, v, t)))
+    return three(body_force(source, X, t))
 
 
 @inlined

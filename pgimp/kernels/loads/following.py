@@ -13,11 +13,12 @@ In axisymmetry the hoop's stretch is x_p/X_p along the radius. In plane stress t
 is F's.
 """
 
+from math import isqrt
 from typing import NamedTuple
 
-from pgimp.jit.algebra import determinant, inverse, multiply
+from pgimp.jit.algebra import determinant, inverse, multiply, one_plus
 from pgimp.jit.kernel import inlined, inner_kernel, is_empty, kernel
-from pgimp.jit.tuples import read, scaled, squared, write
+from pgimp.jit.tuples import read, scaled, squared, three, write
 from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import lane, pack, stack
 from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD
@@ -79,7 +80,7 @@ def _carried_gradient(frame, particles, p):
     """Displacement gradient G_p that particle `p` has from the time before, times its mass."""
     F = deformation(frame, particles, p)
     F = multiply(read(particles.surface_F_correction, p, 0, F), F)
-    return scaled(particles.m[p], _one_minus(inverse(_plane(F, frame.origin))))
+    return scaled(particles.m[p], one_plus(-1.0, inverse(_plane(F, frame.origin))))
 
 
 @inlined
@@ -90,21 +91,10 @@ def _plane(F, D):
 
 
 @inlined
-def _one_minus(A):
-    """The matrix 1 - A."""
-    if len(A) == 4:
-        return (1.0 - A[0], -A[1], -A[2], 1.0 - A[3])
-    return (
-        1.0 - A[0], -A[1], -A[2], -A[3], 1.0 - A[4], -A[5], -A[6], -A[7], 1.0 - A[8],
-    )  # fmt: skip
-
-
-@inlined
 def _columns(G):
     """Columns of a matrix, as vectors (0, column)."""
-    if len(G) == 4:
-        return (pack(0.0, G[0], G[2], 0.0), pack(0.0, G[1], G[3], 0.0))
-    return (pack(0.0, G[0], G[3], G[6]), pack(0.0, G[1], G[4], G[7]), pack(0.0, G[2], G[5], G[8]))
+    D = isqrt(len(G))
+    return tuple(pack(0.0, *three(G[d::D])) for d in range(D))
 
 
 @kernel
@@ -125,13 +115,7 @@ def find_displacements(field):
 @inlined
 def _gradient(slopes):
     """Displacement gradient, row by row, of gathered vectors (., du_x, du_y, du_z) by direction."""
-    if len(slopes) == 2:
-        return (lane(slopes[0], 1), lane(slopes[1], 1), lane(slopes[0], 2), lane(slopes[1], 2))
-    return (
-        lane(slopes[0], 1), lane(slopes[1], 1), lane(slopes[2], 1),
-        lane(slopes[0], 2), lane(slopes[1], 2), lane(slopes[2], 2),
-        lane(slopes[0], 3), lane(slopes[1], 3), lane(slopes[2], 3),
-    )  # fmt: skip
+    return tuple(lane(each, 1 + i) for i in range(len(slopes)) for each in slopes)
 
 
 @inlined
@@ -184,7 +168,7 @@ def find_surface_corrections(setting, field, particles, order, identity) -> int:
                     shape, field.G, Support(buffer, j), at, window.stride, frame.origin, (), ()
                 )[2]
                 F = deformation(frame, particles, p)
-                back = multiply(_plane(F, frame.origin), _one_minus(_gradient(slopes)))
+                back = multiply(_plane(F, frame.origin), one_plus(-1.0, _gradient(slopes)))
                 R = identity
                 if squared(back) < _MAX_SQUARE and determinant(back) > _MIN_DETERMINANT:
                     R = _with_hoop(frame, particles, p, F, inverse(back))

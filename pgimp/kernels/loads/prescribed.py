@@ -6,7 +6,7 @@ Where no constraint depends on the place, see `PlacedConstraint`, no place is fo
 from typing import Any, NamedTuple
 
 from pgimp.jit.kernel import class_of, inlined, inner_kernel, is_record
-from pgimp.jit.tuples import plus_scaled, scaled
+from pgimp.jit.tuples import plus_scaled, scaled, three
 from pgimp.jit.vectors.lanes import of_lane, with_lanes
 from pgimp.jit.vectors.simd import bits
 from pgimp.kernels.data.frame import Frame, Window
@@ -55,16 +55,7 @@ def place_of(marked, r):
 @inlined
 def _coordinates(places, r, number, like):
     """Coordinates of a vertex, zero along missing directions; `like` has D numbers."""
-    D = len(like)
-    if D == 3:
-        return (
-            _along(places, r, number, 0),
-            _along(places, r, number, 1),
-            _along(places, r, number, 2),
-        )
-    if D == 2:
-        return (_along(places, r, number, 0), _along(places, r, number, 1), 0.0)
-    return (_along(places, r, number, 0), 0.0, 0.0)
+    return three(tuple(_along(places, r, number, d) for d in range(len(like))))
 
 
 @inlined
@@ -97,7 +88,7 @@ def velocity_at(one, x):
     if is_record(one.fields):
         if one.field < 0:
             return _linear(one.velocity, one.gradient, one.centre, x)
-        return _three(_mean(one, _first(x, one.fields.like)))
+        return three(_mean(one, x[: len(one.fields.like)]))
     return _linear(one.velocity, one.gradient, one.centre, x)
 
 
@@ -128,11 +119,11 @@ def rate_at(one, x):
     if is_record(one.fields):
         if one.field < 0 or not one.fields.end > one.fields.start:
             return _linear(one.rate, one.rate_gradient, one.centre, x)
-        f, y = one.fields, _first(x, one.fields.like)
+        f, y = one.fields, x[: len(one.fields.like)]
         dt = f.end - f.start
         last = _own(f.functions, one.field, plus_scaled(dt, _mean(one, y), y), f.end)
         first = _own(f.functions, one.field, y, f.start)
-        return _three(scaled(1.0 / dt, plus_scaled(-1.0, first, last)))
+        return three(scaled(1.0 / dt, plus_scaled(-1.0, first, last)))
     return _linear(one.rate, one.rate_gradient, one.centre, x)
 
 
@@ -150,47 +141,17 @@ def _mean(one, x):
 @inlined
 def _own(functions, number, x, t):
     """Value of one of the functions at a place, D numbers, and a time."""
-    if len(functions) == 1:
-        return call(functions[0], (x, t))
-    if number == 0:
+    if len(functions) == 1 or number == 0:
         return call(functions[0], (x, t))
     return _own(functions[1:], number - 1, x, t)
 
 
 @inlined
-def _first(x, like):
-    """The first entries of three, as many as `like` has."""
-    if len(like) == 1:
-        return (x[0],)
-    if len(like) == 2:
-        return (x[0], x[1])
-    return x
-
-
-@inlined
-def _three(x):
-    """A vector of the scene as three numbers."""
-    if len(x) == 1:
-        return (x[0], 0.0, 0.0)
-    if len(x) == 2:
-        return (x[0], x[1], 0.0)
-    return x
-
-
-@inlined
 def _linear(value, W, c, x):
     """Vector ``value + W (x - c)`` with as many components as `x`."""
-    if len(x) == 1:
-        return (value[0] + W[0] * (x[0] - c[0]),)
-    if len(x) == 2:
-        a, b = x[0] - c[0], x[1] - c[1]
-        return value[0] + (W[0] * a + W[1] * b), value[1] + (W[3] * a + W[4] * b)
-    a, b, e = x[0] - c[0], x[1] - c[1], x[2] - c[2]
-    return (
-        value[0] + (W[0] * a + W[1] * b + W[2] * e),
-        value[1] + (W[3] * a + W[4] * b + W[5] * e),
-        value[2] + (W[6] * a + W[7] * b + W[8] * e),
-    )
+    D = len(x)
+    arm = tuple(x[d] - c[d] for d in range(D))
+    return tuple(value[i] + sum(W[3 * i + k] * arm[k] for k in range(D)) for i in range(D))
 
 
 @inlined

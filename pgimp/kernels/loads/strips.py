@@ -36,8 +36,8 @@ def _kink(half, f):
 @inlined
 def _moments(half, f, like):
     """First moments of the tents of vertices 0, 1, ... over a box of a half-width about f."""
-    if len(like) == 1:
-        return (_kink(half, f + 1.0) - 2.0 * _kink(half, f) + _kink(half, f - 1.0),)
+    if len(like) == 0:
+        return ()
     return (
         _kink(half, f + 1.0) - 2.0 * _kink(half, f) + _kink(half, f - 1.0),
         *_moments(half, f - 1.0, like[1:]),

@@ -137,47 +137,19 @@ def _support(traction, layout, window, particles, p, layer, F, buffer):
 
     `layout` is the shape and the frame.
     """
-    D = len(layout[1].origin)
-    like = (0.0,) * class_of(layout[0]).vertices()
-    if is_axial(layout[1]):
-        shape, frame = layout
-        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
-        half = half_widths(shape, frame, particles, p)
-        j = first_vertex(frame, 1, half[1], y)
-        w = _along(traction, frame, F, x, 0, layer, like)
-        if traction.axis == 1:  # a plane ring, whose parts weigh with their radius
-            f = (x - frame.origin[0]) * frame.inverse[0] - (layer - frame.ghost)
-            w = ring_weights(shape, half[0], f, x * frame.inverse[0])[0]
-        v = _along(traction, frame, F, y, 1, j, like)
-        keep_support(buffer, 0, w, w)
-        keep_support(buffer, 1, v, v)
-        return (j - window.lower[1]) * window.stride[1]
-    if D == 1:
-        _, frame = layout
-        w = _along(traction, frame, F, coordinate(frame, particles, p, 0), 0, layer, like)
-        keep_support(buffer, 0, w, w)
-        return 0
-    if D == 2:
-        shape, frame = layout
-        x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
-        j = first_vertex(frame, 1, half_widths(shape, frame, particles, p)[1], y)
-        w = _along(traction, frame, F, x, 0, layer, like)
-        v = _along(traction, frame, F, y, 1, j, like)
-        keep_support(buffer, 0, w, w)
-        keep_support(buffer, 1, v, v)
-        return (j - window.lower[1]) * window.stride[1]
-    shape, frame = layout
-    x, y = coordinate(frame, particles, p, 0), coordinate(frame, particles, p, 1)
-    z = coordinate(frame, particles, p, 2)
+    (shape, frame), D = layout, len(layout[1].origin)
+    like = (0.0,) * class_of(shape).vertices()
     half = half_widths(shape, frame, particles, p)
-    j, k = first_vertex(frame, 1, half[1], y), first_vertex(frame, 2, half[2], z)
-    w = _along(traction, frame, F, x, 0, layer, like)
-    v = _along(traction, frame, F, y, 1, j, like)
-    u = _along(traction, frame, F, z, 2, k, like)
-    keep_support(buffer, 0, w, w)
-    keep_support(buffer, 1, v, v)
-    keep_support(buffer, 2, u, u)
-    return (j - window.lower[1]) * window.stride[1] + (k - window.lower[2]) * window.stride[2]
+    x = tuple(coordinate(frame, particles, p, d) for d in range(D))
+    first = (layer, *tuple(first_vertex(frame, d, half[d], x[d]) for d in range(1, D)))
+    for d in range(D):
+        w = _along(traction, frame, F, x[d], d, first[d], like)
+        if d == 0 and is_axial(frame) and traction.axis == 1:
+            # A plane ring, whose parts weigh with their radius.
+            f = (x[0] - frame.origin[0]) * frame.inverse[0] - (layer - frame.ghost)
+            w = ring_weights(shape, half[0], f, x[0] * frame.inverse[0])[0]
+        keep_support(buffer, d, w, w)
+    return sum((first[d] - window.lower[d]) * window.stride[d] for d in range(1, D))
 
 
 @inner_kernel

@@ -75,8 +75,5 @@ def _shear_stress(setting, particles, p, materials, strain, dt):
 @inlined
 def _sheared(F, strain):
     """(1 + strain e_x e_y) F."""
-    if len(F) == 9:
-        return (
-            F[0] + strain * F[3], F[1] + strain * F[4], F[2] + strain * F[5], *F[3:],
-        )  # fmt: skip
-    return (F[0] + strain * F[2], F[1] + strain * F[3], *F[2:])
+    D = isqrt(len(F))
+    return tuple(F[d] + strain * F[D + d] for d in range(D)) + F[D:]

@@ -22,9 +22,10 @@ _LEAVES = -1
 @inlined
 def within(bounds, x):
     """Whether each coordinate lies within its bounds; false for NaN, never branches."""
-    if len(x) == 1:
-        return (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1])
-    return (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1]) & within(bounds[1:], x[1:])
+    inside = (x[0] >= bounds[0][0]) & (x[0] <= bounds[0][1])
+    for d in range(1, len(x)):
+        inside = inside & ((x[d] >= bounds[d][0]) & (x[d] <= bounds[d][1]))
+    return inside
 
 
 @inlined

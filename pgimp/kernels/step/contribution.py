@@ -1,13 +1,16 @@
 """Contribution of a particle to the sums of the grid: mass, momentum, stress."""
 
 from pgimp.jit.kernel import inlined
-from pgimp.jit.tuples import read, scaled
+from pgimp.jit.tuples import read, scaled, three
 from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.loads.wall_gap import moment, wall
 from pgimp.kernels.transfer.first_vertex import is_axial, is_initial
 from pgimp.kernels.update.mean_dilatation import set_apart
 from pgimp.kernels.update.piola import kept_force, kept_hoop
 from pgimp.kernels.update.viscosity import viscous_pressure
+
+#: Place of a shear stress, by the sum of its directions.
+_SHEAR = (0, 3, 5, 4)
 
 
 @inlined
@@ -27,45 +30,23 @@ def contribution(loads, frame, particles, p, forces, j):
         (P_xi, P_yi, P_zi)).
     """
     D = len(frame.origin)
+    m = particles.m[p]
+    A = pack(m, *three(scaled(m, read(particles.v, p, 0, frame.origin))))
     if is_initial(frame):
-        m = particles.m[p]
-        v = scaled(m, read(particles.v, p, 0, frame.origin))
-        return _mass_and_momentum(m, v), kept_force(forces, 0, j, frame.origin)
-    m, V = particles.m[p], -particles.V[p]
+        return A, kept_force(forces, 0, j, frame.origin)
+    V, s = -particles.V[p], particles.sigma
     if D == 1:
         q = viscous_pressure(loads.viscosity, particles, p)
-        mx = moment(wall(loads.approached, 0), particles, p, 0)
-        return pack(m, m * particles.v[p, 0], 0.0, 0.0), (
-            pack(mx, V * (particles.sigma[p, 0] - q), 0.0, 0.0),
-        )
-    q, s = set_apart(loads, frame, particles, p), particles.sigma
-    if D == 2:
-        xy = V * s[p, 3]
-        mx = moment(wall(loads.approached, 0), particles, p, 0)
-        my = moment(wall(loads.approached, 1), particles, p, 1)
-        return pack(m, m * particles.v[p, 0], m * particles.v[p, 1], 0.0), (
-            pack(mx, V * (s[p, 0] - q), xy, 0.0),
-            pack(my, xy, V * (s[p, 1] - q), 0.0),
-        )
-    v = particles.v
-    xy = V * s[p, 3]
-    yz = V * s[p, 4]
-    xz = V * s[p, 5]
-    return pack(m, m * v[p, 0], m * v[p, 1], m * v[p, 2]), (
-        pack(moment(wall(loads.approached, 0), particles, p, 0), V * (s[p, 0] - q), xy, xz),
-        pack(moment(wall(loads.approached, 1), particles, p, 1), xy, V * (s[p, 1] - q), yz),
-        pack(moment(wall(loads.approached, 2), particles, p, 2), xz, yz, V * (s[p, 2] - q)),
+    else:
+        q = set_apart(loads, frame, particles, p)
+    rows = tuple(
+        tuple(V * (s[p, i] - q) if i == k else V * s[p, _SHEAR[i + k]] for k in range(D))
+        for i in range(D)
     )
-
-
-@inlined
-def _mass_and_momentum(m, p):
-    """The vector (m, p)."""
-    if len(p) == 1:
-        return pack(m, p[0], 0.0, 0.0)
-    if len(p) == 2:
-        return pack(m, p[0], p[1], 0.0)
-    return pack(m, p[0], p[1], p[2])
+    return A, tuple(
+        pack(moment(wall(loads.approached, i), particles, p, i), *three(row))
+        for i, row in enumerate(rows)
+    )
 
 
 @inlined

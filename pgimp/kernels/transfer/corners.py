@@ -37,19 +37,9 @@ def _inverse(E):
 @inlined
 def _keep_rows(buffer, at, rows, factors):
     """Store rows, their entries multiplied by `factors`, one after the other."""
-    if len(rows) == 0:
-        return None
-    _keep_row(buffer, at, rows[0], factors)
-    _keep_rows(buffer, at + 4 * len(factors), rows[1:], factors)
-
-
-@inlined
-def _keep_row(buffer, at, row, factors):
-    """Store one row."""
-    if len(row) == 0:
-        return None
-    store(buffer, at, row[0] * factors[0])
-    _keep_row(buffer, at + 4, row[1:], factors[1:])
+    for k, row in enumerate(rows):
+        for i, each in enumerate(row):
+            store(buffer, at + 4 * (k * len(factors) + i), each * factors[i])
 
 
 @inlined

@@ -35,12 +35,10 @@ def _combinations(part, buffer, at, steps, V, rows):
 
     `steps` are the distances in the buffer of a row's numbers, and of the rows.
     """
-    if len(rows) == 0 or len(V) == 0:
+    if len(V) == 0:
         return ()
-    return (
-        part * _combined(numbers(buffer, at, steps[0], V), V),
-        *_combinations(part, buffer, at + steps[1], steps, V, rows[1:]),
-    )
+    begins = tuple(at + k * steps[1] for k in range(len(rows)))
+    return tuple(part * _combined(numbers(buffer, each, steps[0], V), V) for each in begins)
 
 
 @inlined
@@ -110,9 +108,7 @@ def _part_of(part, B):
 @inlined
 def _over_cells(part, C, cell):
     """The changes C, per length, over a cell along each direction, times `part`; () if () ."""
-    if len(C) == 0:
-        return ()
-    return ((part * cell[0]) * C[0], *_over_cells(part, C[1:], cell[1:]))
+    return tuple((part * h) * each for each, h in zip(C, cell, strict=False))
 
 
 @inlined

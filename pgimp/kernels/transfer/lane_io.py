@@ -35,57 +35,32 @@ def take(array, rows):
 def take_row(array, rows, i, like):
     """Vectors of the entries i, i+1, ... of four rows, as many as `like` has."""
     if len(like) == 4:
-        return transpose(
-            load_row(array, rows[0], i),
-            load_row(array, rows[1], i),
-            load_row(array, rows[2], i),
-            load_row(array, rows[3], i),
-        )
+        return transpose(*tuple(load_row(array, rows[j], i) for j in range(4)))
     if len(like) > 4:
         return (*take_row(array, rows, i, like[:4]), *take_row(array, rows, i + 4, like[4:]))
-    if len(like) == 1:
-        return (pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),)
-    return (
-        pack(array[rows[0], i], array[rows[1], i], array[rows[2], i], array[rows[3], i]),
-        *take_row(array, rows, i + 1, like[1:]),
-    )
+    return tuple(pack(*tuple(array[rows[j], i + k] for j in range(4))) for k in range(len(like)))
 
 
 @inlined
 def put(array, rows, values):
     """Set the entries of four rows to the elements of a vector."""
-    array[rows[0]] = lane(values, 0)
-    array[rows[1]] = lane(values, 1)
-    array[rows[2]] = lane(values, 2)
-    array[rows[3]] = lane(values, 3)
+    for j in range(4):
+        array[rows[j]] = lane(values, j)
 
 
 @inlined
 def put_row(array, rows, i, values):
     """Set the entries i, i+1, ... of four rows to the vectors `values`."""
-    if min(len(values), 5) == 1:
-        array[rows[0], i] = lane(values[0], 0)
-        array[rows[1], i] = lane(values[0], 1)
-        array[rows[2], i] = lane(values[0], 2)
-        array[rows[3], i] = lane(values[0], 3)
-        return
-    if min(len(values), 5) == 2:
-        put_row(array, rows, i, values[:1])
-        put_row(array, rows, i + 1, values[1:])
-        return
-    if min(len(values), 5) == 3:
-        put_row(array, rows, i, values[:1])
-        put_row(array, rows, i + 1, values[1:])
-        return
-    if min(len(values), 5) == 4:
-        whole = transpose(values[0], values[1], values[2], values[3])
-        store_row(array, rows[0], i, whole[0])
-        store_row(array, rows[1], i, whole[1])
-        store_row(array, rows[2], i, whole[2])
-        store_row(array, rows[3], i, whole[3])
-        return
-    put_row(array, rows, i, values[:4])
-    put_row(array, rows, i + 4, values[4:])
+    if len(values) > 4:
+        put_row(array, rows, i, values[:4])
+        put_row(array, rows, i + 4, values[4:])
+    elif len(values) == 4:
+        for j, row in enumerate(transpose(*values)):
+            store_row(array, rows[j], i, row)
+    else:
+        for k, value in enumerate(values):
+            for j in range(4):
+                array[rows[j], i + k] = lane(value, j)
 
 
 @inlined

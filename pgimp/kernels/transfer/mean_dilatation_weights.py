@@ -29,18 +29,16 @@ def keep_means(mean, shape, frame, buffer):
         a, g = means_of_rings(shape, buffer)
         keep_vectors(buffer, MEANS, a)
         keep_vectors(buffer, PLAIN, scaled(frame.inverse[0], g))
-        _along(shape, buffer, 1, frame.cell[1:])
+        _along(shape, frame, buffer, 1)
     else:
-        return _along(shape, buffer, 0, frame.cell)
+        return _along(shape, frame, buffer, 0)
 
 
 @inlined
-def _along(shape, buffer, d, cell):
-    """Store the weights along the directions from `d` on, with the cell sizes `cell`."""
-    if len(cell) == 0:
-        return None
-    keep_vectors(buffer, MEANS + 16 * d, means_of_parts(shape, buffer, d, cell[0]))
-    _along(shape, buffer, d + 1, cell[1:])
+def _along(shape, frame, buffer, first):
+    """Store the weights along the directions from `first` on."""
+    for d in range(first, len(frame.cell)):
+        keep_vectors(buffer, MEANS + 16 * d, means_of_parts(shape, buffer, d, frame.cell[d]))
 
 
 @inlined
@@ -142,9 +140,7 @@ def factor(mean, hoop, buffer, d, i, j):
 @inlined
 def factors(mean, buffer, d, i, j, like):
     """The factors of the vertices i, i+1, ..., as many as `like` has."""
-    if len(like) == 1:
-        return (factor(mean, (), buffer, d, i, j),)
-    return (factor(mean, (), buffer, d, i, j), *factors(mean, buffer, d, i + 1, j, like[1:]))
+    return tuple(factor(mean, (), buffer, d, i + k, j) for k in range(len(like)))
 
 
 @inlined

@@ -33,22 +33,13 @@ def repeat_sums(buffer, count, like):
 @inlined
 def _columns(buffer, i):
     """The first, second, third and fourth elements of the vectors `i` of four particles."""
-    return transpose(
-        load(buffer, 16 * i),
-        load(buffer, 16 * i + 4),
-        load(buffer, 16 * i + 8),
-        load(buffer, 16 * i + 12),
-    )
+    return transpose(*tuple(load(buffer, 16 * i + 4 * j) for j in range(4)))
 
 
 @inlined
 def collected(buffer, i, like):
     """The components of the vectors `i` of four particles: for each direction a vector of four."""
-    if len(like) == 1:
-        return (_columns(buffer, i)[1],)
-    if len(like) == 2:
-        return _columns(buffer, i)[1:3]
-    return _columns(buffer, i)[1:]
+    return _columns(buffer, i)[1 : 1 + len(like)]
 
 
 @inlined
@@ -66,11 +57,5 @@ def held_weights(buffer):
 @inlined
 def gradients(buffer, i, like):
     """Velocity gradients of four particles, row-major, from the vectors `i`, ... of their sums."""
-    if len(like) == 1:
-        return collected(buffer, i, like)
-    if len(like) == 2:
-        a, b = collected(buffer, i, like), collected(buffer, i + 1, like)
-        return (a[0], b[0], a[1], b[1])
-    a, b = collected(buffer, i, like), collected(buffer, i + 1, like)
-    c = collected(buffer, i + 2, like)
-    return (a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2])
+    columns = tuple(collected(buffer, i + d, like) for d in range(len(like)))
+    return tuple(column[d] for d in range(len(like)) for column in columns)

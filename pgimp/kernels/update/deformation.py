@@ -11,7 +11,7 @@ from math import sqrt
 from pgimp.jit.algebra import determinant, inverse, multiply, one_plus
 from pgimp.jit.functions import cbrt
 from pgimp.jit.kernel import inlined, of_types
-from pgimp.jit.tuples import plus_scaled
+from pgimp.jit.tuples import on_diagonal, plus_scaled
 from pgimp.jit.vectors.lanes import where_all
 from pgimp.jit.vectors.simd import bits, pack, vector, where
 from pgimp.kernels.transfer.first_vertex import is_initial
@@ -93,12 +93,4 @@ def side(volume, L):
 @inlined
 def _diagonal(f, like):
     """The matrix f 1."""
-    if len(like) == 1:
-        return (f,)
-    if len(like) == 5:
-        return (*_diagonal(f, like[:4]), f)
-    if len(like) == 4:
-        zero = vector(0.0)
-        return f, zero, zero, f
-    zero = vector(0.0)
-    return f, zero, zero, zero, f, zero, zero, zero, f
+    return tuple(f if on_diagonal(k, like) else vector(0.0) for k in range(len(like)))

@@ -37,6 +37,7 @@ motions of the vertices that change no mean, and sink.
 
 from math import pi
 
+from pgimp.jit.algebra import plus_diagonal, trace
 from pgimp.jit.kernel import inlined, is_array, is_empty
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, pack, store, vector
@@ -44,7 +45,7 @@ from pgimp.kernels.transfer.first_vertex import is_axial, off_axis
 from pgimp.kernels.transfer.lane_io import put_row, take, take_row
 from pgimp.kernels.transfer.mean_dilatation_weights import GATHERED_RATES
 from pgimp.kernels.transfer.transpose import gathered_mass
-from pgimp.kernels.update.viscosity import trace, viscous_pressure
+from pgimp.kernels.update.viscosity import viscous_pressure
 
 #: d-th roots of the filled part from which a particle counts as not isolated, and as isolated.
 DENSE, SPARSE = 0.58, 0.45
@@ -116,7 +117,7 @@ def with_means(mean, frame, particles, rows, buffer, sums, count, L):
     now = min(max((dense - fill) * (1.0 / (dense - sparse)), 0.0), 1.0)
     now = max(now, _always_alone(mean, particles, rows))
     put_row(particles.isolation, rows, 0, (now,))
-    return _with_trace(L, e)
+    return plus_diagonal(L, e)
 
 
 @inlined
@@ -131,23 +132,8 @@ def section(frame, x, rows, V):
 def _always_alone(mean, particles, rows):
     """1 for each of four particles that always has the rate at its position, else 0."""
     if is_array(mean):
-        return pack(
-            mean[particles.body[rows[0]]],
-            mean[particles.body[rows[1]]],
-            mean[particles.body[rows[2]]],
-            mean[particles.body[rows[3]]],
-        )
+        return pack(*tuple(mean[particles.body[rows[j]]] for j in range(4)))
     return vector(0.0)
-
-
-@inlined
-def _with_trace(L, e):
-    """The matrix L + e 1."""
-    if len(L) == 4:
-        return (L[0] + e, L[1], L[2], L[3] + e)
-    if len(L) == 5:
-        return (L[0] + e, L[1], L[2], L[3] + e, L[4] + e)
-    return (L[0] + e, L[1], L[2], L[3], L[4] + e, L[5], L[6], L[7], L[8] + e)
 
 
 @inlined
@@ -156,10 +142,5 @@ def _rates(buffer, count, like):
     third = float(len(like) == 3)
     for j in range(count, 4):
         store(buffer, GATHERED_RATES + 4 * j, load(buffer, GATHERED_RATES + 4 * (count - 1)))
-    rate = transpose(
-        load(buffer, GATHERED_RATES),
-        load(buffer, GATHERED_RATES + 4),
-        load(buffer, GATHERED_RATES + 8),
-        load(buffer, GATHERED_RATES + 12),
-    )
+    rate = transpose(*tuple(load(buffer, GATHERED_RATES + 4 * j) for j in range(4)))
     return rate[1] + rate[2] + third * rate[3]

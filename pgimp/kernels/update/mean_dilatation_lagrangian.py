@@ -21,7 +21,7 @@ body. A particle that becomes isolated then keeps its r_p, and an isolated one s
 r_p would add strain. The particles' F is r_p F_p. G_p and r_p have columns of their own.
 """
 
-from pgimp.jit.algebra import determinant, inverse, multiply
+from pgimp.jit.algebra import determinant, inverse, multiply, plus_diagonal
 from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.simd import where
@@ -74,27 +74,17 @@ def keep_mean_lagrangian(mean, shape, frame, buffer, weights):
         inverse = frame.inverse[0]
         keep_support(weights, 0, means_of_rings(shape, buffer)[0], scaled(inverse, slopes))
         keep_hoop(weights, scaled(inverse, hoop))
-        _along(shape, buffer, weights, 1, frame.cell[1:])
+        _along(shape, frame, buffer, weights, 1)
     else:
-        return _along(shape, buffer, weights, 0, frame.cell)
+        return _along(shape, frame, buffer, weights, 0)
 
 
 @inlined
-def _along(shape, buffer, weights, d, cell):
-    """Store the weights along the directions from `d` on, with the cell sizes `cell`."""
-    if len(cell) == 0:
-        return None
-    a = means_of_parts(shape, buffer, d, cell[0])
-    keep_support(weights, d, a, _slopes(buffer, d, 0, a))
-    _along(shape, buffer, weights, d + 1, cell[1:])
-
-
-@inlined
-def _slopes(buffer, d, i, like):
-    """The gradients of the vertices i, i + 1, ... along `d`, as many as `like` has."""
-    if len(like) == 1:
-        return (four_entries(buffer, d, 1, i),)
-    return (four_entries(buffer, d, 1, i), *_slopes(buffer, d, i + 1, like[1:]))
+def _along(shape, frame, buffer, weights, first):
+    """Store the weights along the directions from `first` on."""
+    for d in range(first, len(frame.cell)):
+        a = means_of_parts(shape, buffer, d, frame.cell[d])
+        keep_support(weights, d, a, tuple(four_entries(buffer, d, 1, i) for i in range(len(a))))
 
 
 @inlined
@@ -136,7 +126,7 @@ def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
         U, _, D, _ = gather_shared(
             shape, field.G, weights, offset, window.stride, frame.origin, (0.0, *frame.origin)
         )
-        return U[0], row_major(_but_first(D))
+        return U[0], row_major(tuple(each[1:] for each in D))
     for j in range(four.size):
         U, A, D, _ = gather_products(
             shape, field.G, Support(weights, j), begin + first_offset(buffer, j), window.stride,
@@ -145,14 +135,6 @@ def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
         keep_sums(sums, j, U, A, D)
     repeat_sums(sums, four.size, frame.origin)
     return gathered_mass(sums), gradients(sums, 2, frame.origin)
-
-
-@inlined
-def _but_first(D):
-    """Tuples without their first entries."""
-    if len(D) == 1:
-        return (D[0][1:],)
-    return (D[0][1:], *_but_first(D[1:]))
 
 
 @inlined
@@ -224,20 +206,5 @@ def deform(cells, setting, forcing, particles, four, numbers, D):
     now = where(isolation > 0.0, fbar_ratio, side(swelling, D))
     put_row(particles.fbar_ratio, rows, 0, (now,))
     L = multiply(D, inverse(before))
-    return _and_multiple(L, dt, (now / fbar_ratio - 1.0) / dt), scaled(now, after)
-
-
-@inlined
-def _and_multiple(L, dt, e):
-    """The matrix L + e (1 + dt L)."""
-    if len(L) == 4:
-        f = 1.0 + e * dt
-        return f * L[0] + e, f * L[1], f * L[2], f * L[3] + e
-    if len(L) == 5:
-        f = 1.0 + e * dt
-        return f * L[0] + e, f * L[1], f * L[2], f * L[3] + e, f * L[4] + e
-    f = 1.0 + e * dt
-    return (
-        f * L[0] + e, f * L[1], f * L[2], f * L[3], f * L[4] + e, f * L[5], f * L[6], f * L[7],
-        f * L[8] + e,
-    )  # fmt: skip
+    e = (now / fbar_ratio - 1.0) / dt
+    return plus_diagonal(scaled(1.0 + e * dt, L), e), scaled(now, after)

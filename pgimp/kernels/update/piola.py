@@ -5,14 +5,15 @@ matrix of F, which needs no division. It is computed for four particles at a tim
 stack for the transfers, which take one after the other.
 """
 
-from pgimp.jit.algebra import cofactor, full, multiply
+from math import isqrt
+
+from pgimp.jit.algebra import cofactor, full, multiply, trace
 from pgimp.jit.kernel import inlined, is_empty, is_record
 from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, number, pack, store, vector
 from pgimp.kernels.transfer.first_vertex import is_axial, is_initial, is_plate, undeformed
 from pgimp.kernels.transfer.lane_io import deformations, take, take_row
-from pgimp.kernels.update.viscosity import trace
 
 #: Offset in the buffer of the forces by cells, see
 #: `pgimp.kernels.update.mean_dilatation_lagrangian`.
@@ -38,30 +39,19 @@ def less_pressure(viscosity, particles, rows, sigma):
 def keep_vectors(buffer, at, first, second, third):
     """Store the vectors (0, first, second, third) of four particles in the buffer."""
     V = transpose(vector(0.0), vector(first), vector(second), vector(third))
-    store(buffer, at, V[0])
-    store(buffer, at + 4, V[1])
-    store(buffer, at + 8, V[2])
-    store(buffer, at + 12, V[3])
+    for j, each in enumerate(V):
+        store(buffer, at + 4 * j, each)
 
 
 @inlined
 def keep_columns(buffer, at, P):
     """Store the columns of row-major matrices of four particles in the buffer, from `at` on."""
-    if len(P) == 1:
-        keep_vectors(buffer, at, P[0], 0.0, 0.0)
-        return
-    if len(P) == 4:
-        keep_vectors(buffer, at, P[0], P[2], 0.0)
-        keep_vectors(buffer, at + 16, P[1], P[3], 0.0)
-        return
     if len(P) == 5:
-        keep_vectors(buffer, at, P[0], P[2], 0.0)
-        keep_vectors(buffer, at + 16, P[1], P[3], 0.0)
         store(buffer, at + _HOOP, P[4])
-        return
-    keep_vectors(buffer, at, P[0], P[3], P[6])
-    keep_vectors(buffer, at + 16, P[1], P[4], P[7])
-    keep_vectors(buffer, at + 32, P[2], P[5], P[8])
+    D = isqrt(len(P))
+    columns = tuple(P[d : D * D : D] + (0.0,) * (3 - D) for d in range(D))
+    for d, column in enumerate(columns):
+        keep_vectors(buffer, at + 16 * d, *column)
 
 
 @inlined
@@ -111,8 +101,4 @@ def kept_force(buffer, at, j, like):
 
     From the offset `at` on, 0 or `BY_CELLS`.
     """
-    if len(like) == 1:
-        return (load(buffer, at + 4 * j),)
-    if len(like) == 2:
-        return (load(buffer, at + 4 * j), load(buffer, at + 16 + 4 * j))
-    return (load(buffer, at + 4 * j), load(buffer, at + 16 + 4 * j), load(buffer, at + 32 + 4 * j))
+    return tuple(load(buffer, at + 16 * d + 4 * j) for d in range(len(like)))

@@ -33,12 +33,7 @@ def _takes_viscous_pressure(materials):
 @inlined
 def materials_of(material_of, body, rows):
     """Materials of four particles."""
-    return (
-        material_of[body[rows[0]]],
-        material_of[body[rows[1]]],
-        material_of[body[rows[2]]],
-        material_of[body[rows[3]]],
-    )
+    return tuple(material_of[body[rows[j]]] for j in range(4))
 
 
 @inlined

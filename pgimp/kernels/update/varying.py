@@ -20,31 +20,6 @@ def _width(materials):
 
 
 @inlined
-def _each_filled(materials, values):
-    """Materials with values in place of each one's `Own`."""
-    if len(materials) == 1:
-        return (filled(materials[0], values),)
-    return (filled(materials[0], values), *_each_filled(materials[1:], values))
-
-
-@inlined
-def _with_materials(setting, materials):
-    """The setting with other materials."""
-    return (KernelScene(
-        setting.shape, setting.frame, setting.identity, materials, setting.material_of,
-        setting.tracked, setting.exits,
-    ))  # fmt: skip
-
-
-@inlined
-def _values(own, rows, like):
-    """Leading numbers of the column `own`, as many as `like` has: of a particle, or of four."""
-    if is_number(rows):
-        return read(own, rows, 0, like)
-    return take_row(own, rows, 0, like)
-
-
-@inlined
 def substitute_parameters(setting, particles, rows):
     """The setting with the materials' parameters of a particle, or of four: `rows` is a tuple then.
 
@@ -53,7 +28,11 @@ def substitute_parameters(setting, particles, rows):
     width = _width(setting.materials)
     if not width:
         return setting
-    zeros = (0.0,) * width
-    return _with_materials(
-        setting, _each_filled(setting.materials, _values(particles.own, rows, zeros))
-    )
+    like = (0.0,) * width
+    own = particles.own
+    values = read(own, rows, 0, like) if is_number(rows) else take_row(own, rows, 0, like)
+    materials = tuple(filled(each, values) for each in setting.materials)
+    return KernelScene(
+        setting.shape, setting.frame, setting.identity, materials, setting.material_of,
+        setting.tracked, setting.exits,
+    )  # fmt: skip

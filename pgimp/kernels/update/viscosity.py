@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.jit.algebra import trace
 from pgimp.jit.kernel import inlined, is_record
 from pgimp.jit.vectors.kinds import is_vector
 from pgimp.jit.vectors.simd import where
@@ -31,18 +32,6 @@ def viscous_pressure(viscosity, particles, p):
     if not is_record(viscosity):
         return 0.0
     return particles.q[p, 0]
-
-
-@inlined
-def trace(L):
-    """Trace of a row-major velocity gradient."""
-    if len(L) == 1:
-        return L[0]
-    if len(L) == 4:
-        return L[0] + L[3]
-    if len(L) == 5:
-        return L[0] + L[3] + L[4]
-    return L[0] + L[4] + L[8]
 
 
 @inlined

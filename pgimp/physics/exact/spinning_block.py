@@ -25,7 +25,8 @@ from pydantic import Field
 
 from pgimp.geometry.regions import Box
 from pgimp.jit.algebra import rotate
-from pgimp.jit.kernel import inlined, kernel
+from pgimp.jit.kernel import kernel
+from pgimp.jit.tuples import three
 from pgimp.physics.exact.base import Solution, no_gravity
 from pgimp.physics.materials.base import lame
 from pgimp.schema.base import Number, Positive, Vector
@@ -37,30 +38,6 @@ Triple = tuple[float, float, float]
 OptionalVector = Annotated[
     tuple[float, ...] | None, Either("one number a direction", {tuple: Vector, None: None})
 ]
-
-
-@inlined
-def three(X):
-    """Three coordinates from the scene's D coordinates."""
-    if len(X) == 2:
-        return (X[0], X[1], 0.0)
-    return X
-
-
-@inlined
-def components(like, V):
-    """Vector of the scene's D components from three components."""
-    if len(like) == 2:
-        return (V[0], V[1])
-    return V
-
-
-@inlined
-def symmetric_components(like, S):
-    """Symmetric tensor of the scene's dimension from six components."""
-    if len(like) == 2:
-        return (S[0], S[1], S[2], S[3])
-    return S
 
 
 @kernel
@@ -146,9 +123,9 @@ class SpinningBlockParameters(NamedTuple):
         f = solution.mu / (F * G * H)
         along = (f * (F * F - 1.0), f * (G * G - 1.0), f * (H * H - 1.0), 0.0, 0.0, 0.0)
         return (
-            components(X, u),
-            components(X, (fly[0] + v[0], fly[1] + v[1], fly[2] + v[2])),
-            symmetric_components(X, rotate(Q, along)),
+            u[: len(X)],
+            tuple(fly[d] + v[d] for d in range(len(X))),
+            rotate(Q, along)[: 2 * len(X)],
         )
 
     @staticmethod
@@ -178,7 +155,7 @@ class SpinningBlockParameters(NamedTuple):
             + growth * r[0]
             - stiffness * (1.0 + 1.0 / (H * H)) * g * r[2],
         )
-        return components(X, turned(rotation(n, w * t), b))
+        return turned(rotation(n, w * t), b)[: len(X)]
 
 
 class SpinningBlock(Solution):

@@ -67,9 +67,7 @@ def returned(material, s1, s2, s3, J):
 @inlined
 def choose_all(condition, a, b):
     """Entries of tuple `a` where the condition is true, else entries of `b`."""
-    if len(a) == 1:
-        return (choose(condition, a[0], b[0]),)
-    return (choose(condition, a[0], b[0]), *choose_all(condition, a[1:], b[1:]))
+    return tuple(choose(condition, one, other) for one, other in zip(a, b, strict=True))
 
 
 @inlined

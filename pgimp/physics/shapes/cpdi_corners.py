@@ -31,48 +31,26 @@ from pgimp.physics.shapes.stretch import LARGEST
 @exact
 def _extents(half, cell, F):
     """Half-widths of the deformed box's grid-aligned bounding box, sum_j |F_ij| l_j, in cells."""
-    if len(half) == 2:
-        a, b = half[0] * cell[0], half[1] * cell[1]
-        return (
-            (abs(F[0]) * a + abs(F[1]) * b) / cell[0],
-            (abs(F[2]) * a + abs(F[3]) * b) / cell[1],
-        )
-    a, b, c = half[0] * cell[0], half[1] * cell[1], half[2] * cell[2]
-    return (
-        (abs(F[0]) * a + abs(F[1]) * b + abs(F[2]) * c) / cell[0],
-        (abs(F[3]) * a + abs(F[4]) * b + abs(F[5]) * c) / cell[1],
-        (abs(F[6]) * a + abs(F[7]) * b + abs(F[8]) * c) / cell[2],
-    )
+    D = len(half)
+    initial = tuple(half[d] * cell[d] for d in range(D))
+    return tuple(sum(abs(F[D * i + j]) * initial[j] for j in range(D)) / cell[i] for i in range(D))
 
 
 @exact
 def _clamped(half, cell, F):
     """Half-widths limited to `LARGEST`, and the largest before the limit."""
-    if len(half) == 2:
-        x, y = _extents(half, cell, F)
-        return (min(x, LARGEST), min(y, LARGEST)), max(x, y)
-    x, y, z = _extents(half, cell, F)
-    return (min(x, LARGEST), min(y, LARGEST), min(z, LARGEST)), max(max(x, y), z)
+    extents = _extents(half, cell, F)
+    return tuple(min(each, LARGEST) for each in extents), max(extents)
 
 
 @exact
 def _half_edges(half, cell, F):
     """Vectors F e_j l_j, in cells, after shrinking."""
-    if len(half) == 2:
-        x, y = _extents(half, cell, F)
-        # Factors of at most 1: LARGEST over an extent of zero would be infinite.
-        x, y = min(LARGEST / x, 1.0) / cell[0], min(LARGEST / y, 1.0) / cell[1]
-        a, b = half[0] * cell[0], half[1] * cell[1]
-        return (F[0] * a * x, F[2] * a * y), (F[1] * b * x, F[3] * b * y)
-    x, y, z = _extents(half, cell, F)
-    x, y = min(LARGEST / x, 1.0) / cell[0], min(LARGEST / y, 1.0) / cell[1]
-    z = min(LARGEST / z, 1.0) / cell[2]
-    a, b, c = half[0] * cell[0], half[1] * cell[1], half[2] * cell[2]
-    return (
-        (F[0] * a * x, F[3] * a * y, F[6] * a * z),
-        (F[1] * b * x, F[4] * b * y, F[7] * b * z),
-        (F[2] * c * x, F[5] * c * y, F[8] * c * z),
-    )
+    D, extents = len(half), _extents(half, cell, F)
+    # Factors of at most 1: LARGEST over an extent of zero would be infinite.
+    inner = tuple(min(LARGEST / x, 1.0) / h for x, h in zip(extents, cell, strict=True))
+    initial = tuple(half[d] * cell[d] for d in range(D))
+    return tuple(tuple(F[D * i + j] * initial[j] * inner[i] for i in range(D)) for j in range(D))
 
 
 class CpdiCornersParameters(NamedTuple):

@@ -4,6 +4,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from pgimp.jit.kernel import exact
+from pgimp.jit.tuples import three
 
 #: Largest half-width in cells: a particle then reaches four vertices a direction.
 LARGEST = 1.0
@@ -19,23 +20,11 @@ def stretched(half0, cell, F):
     if len(half0) == 1:
         l0 = abs(F[0]) * half0[0]
         return (min(l0, LARGEST),), l0
-    if len(half0) == 2:
-        a, b = half0[0] * cell[0], half0[1] * cell[1]
-        l0 = _length(F[0] * a, F[1] * b, 0.0) / cell[0]
-        l1 = _length(F[2] * a, F[3] * b, 0.0) / cell[1]
-        return (min(l0, LARGEST), min(l1, LARGEST)), max(l0, l1)
-    a, b, c = half0[0] * cell[0], half0[1] * cell[1], half0[2] * cell[2]
-    l0 = _length(F[0] * a, F[1] * b, F[2] * c) / cell[0]
-    l1 = _length(F[3] * a, F[4] * b, F[5] * c) / cell[1]
-    l2 = _length(F[6] * a, F[7] * b, F[8] * c) / cell[2]
-    most = max(max(l0, l1), l2)
-    return (min(l0, LARGEST), min(l1, LARGEST), min(l2, LARGEST)), most
-
-
-@exact
-def _length(a, b, c):
-    """Length of a vector of three."""
-    return sqrt(a * a + b * b + c * c)
+    D = len(half0)
+    initial = tuple(half0[d] * cell[d] for d in range(D))
+    rows = tuple(three(tuple(F[D * i + j] * initial[j] for j in range(D))) for i in range(D))
+    half = tuple(sqrt(a * a + b * b + c * c) / h for (a, b, c), h in zip(rows, cell, strict=True))
+    return tuple(min(each, LARGEST) for each in half), max(half)
 
 
 class FixedSize(NamedTuple):

@@ -30,27 +30,17 @@ def _volume(totals: Totals, k: int, column: int) -> float:
 
 
 FLOWS = (
-    Group(
-        lambda scene: [name for _, name in _flows(scene)],
-        (
-            Column(
-                "volume.NAME",
-                "length^dimensions",
-                "for each body that flows: its volume, less what of it crowds where "
-                "neighbourhoods of vertices are more than full; as of the last time that its "
-                "particles were shifted (the page 'Soils, fluids and gases'), every few steps; "
-                "nan before",
-                lambda s, k: _volume(s, k, ROOM),
-            ),
-            Column(
-                "volume.NAME.carried",
-                "length^dimensions",
-                "sum of J times initial volume of its particles then, of fluids and grains up to "
-                "J = 1.01, of loose soil less its `gap`: with `volume.NAME` it tells by how much "
-                "its level is too low",
-                lambda s, k: _volume(s, k, CARRIED),
-            ),
-        ),
-    ),
-)
+    Group(lambda scene: [name for _, name in _flows(scene)], (
+        Column("volume.NAME", "length^dimensions",
+            "for each body that flows: its volume, less what of it crowds where neighbourhoods of "
+            "vertices are more than full; as of the last time that its particles were shifted (the "
+            "page 'Soils, fluids and gases'), every few steps; nan before",
+            lambda s, k: _volume(s, k, ROOM)),
+        Column("volume.NAME.carried", "length^dimensions",
+            "sum of J times initial volume of its particles then, of fluids and grains up to J = "
+            "1.01, of loose soil less its `gap`: with `volume.NAME` it tells by how much its level "
+            "is too low",
+            lambda s, k: _volume(s, k, CARRIED)),
+    )),
+)  # fmt: skip
 """Columns of each body that flows."""

@@ -10,186 +10,110 @@ _PERIODIC = "{b.axis}-min and {b.axis}-max are periodic, "
 
 SCENES = (
     # Axisymmetric scenes: x is the radius.
-    Exclusion(
-        f.axisymmetric, f.not_plane,
-        "axisymmetric is for 2 dimensions, the radius x and the axis y, but the case has {b.name}",
-    ),
-    Exclusion(
-        f.without_rings, f.axisymmetric,
-        "{a.name} has no axisymmetric weights", "take gimp, finite-gimp, cpdi or mpm",
-    ),
-    Exclusion(
-        g.on_axis, f.axisymmetric,
-        "is the axis, across which nothing moves:", "leave it out, or take slip",
-    ),
-    Exclusion(
-        f.motions, f.axisymmetric,
-        "is along the axis, y, alone, as rings move: x is the radius", "take [0.0, ...]", "axis",
-    ),
-    Exclusion(
-        f.forces, f.axisymmetric,
-        "acts along the axis, y, alone: x is the radius", "take [0.0, ...]", "axis",
-    ),
+    Exclusion(f.axisymmetric, f.not_plane,
+        "axisymmetric is for 2 dimensions, the radius x and the axis y, but the case has {b.name}"),
+    Exclusion(f.without_rings, f.axisymmetric,
+        "{a.name} has no axisymmetric weights", "take gimp, finite-gimp, cpdi or mpm"),
+    Exclusion(g.on_axis, f.axisymmetric,
+        "is the axis, across which nothing moves:", "leave it out, or take slip"),
+    Exclusion(f.motions, f.axisymmetric,
+        "is along the axis, y, alone, as rings move: x is the radius", "take [0.0, ...]", "axis"),
+    Exclusion(f.forces, f.axisymmetric,
+        "acts along the axis, y, alone: x is the radius", "take [0.0, ...]", "axis"),
     Exclusion(g.body_force, f.axisymmetric, "is not known in axisymmetry", "leave it out"),
     Exclusion(g.packaged_exact, f.axisymmetric, "is not known in axisymmetry", "leave it out"),
-    Exclusion(
-        f.mixed, f.axisymmetric,
-        "in axisymmetry all bodies have the same, but {a.name}",
-        "take initial, or current, for all",
-    ),
+    Exclusion(f.mixed, f.axisymmetric, "in axisymmetry all bodies have the same, but {a.name}",
+        "take initial, or current, for all"),
     # What keeps a flow's volume (`kernels/flows/filling.py`) divides the volumes summed at a vertex
     # by a cell of the plane: of rings they are 2 pi r times as great. Its shift is along gradients
     # without the hoop, and would move rings across the axis.
-    Exclusion(
-        f.loose, f.axisymmetric,
-        "'{a.name}' flows, which is not known in axisymmetry yet", "take 3 dimensions",
-    ),
-    Exclusion(
-        g.periodic, f.axisymmetric,
+    Exclusion(f.loose, f.axisymmetric,
+        "'{a.name}' flows, which is not known in axisymmetry yet", "take 3 dimensions"),
+    Exclusion(g.periodic, f.axisymmetric,
         "x is the radius, which has no period", "only y-min and y-max may be periodic in "
-        "axisymmetry", "axis",
-    ),
-    Exclusion(
-        g.absorbing, f.axisymmetric,
+        "axisymmetry", "axis"),
+    Exclusion(g.absorbing, f.axisymmetric,
         "absorbing is for plane waves, and along the radius waves are none:",
-        "take slip or leave it open, farther away; y-min and y-max may absorb", "axis",
-    ),
-    Exclusion(
-        g.turning, f.axisymmetric,
+        "take slip or leave it open, farther away; y-min and y-max may absorb", "axis"),
+    Exclusion(g.turning, f.axisymmetric,
         "what is turned in the plane of radius and axis is no ring any more, and a rotation about "
-        "the axis (swirl) is no motion of this geometry", "leave it out", "axis",
-    ),
-    Exclusion(
-        g.inflow, f.axisymmetric,
+        "the axis (swirl) is no motion of this geometry", "leave it out", "axis"),
+    Exclusion(g.inflow, f.axisymmetric,
         "rings that enter along the radius have other volumes layer by layer",
-        "only along the axis y can they", "axis",
-    ),
+        "only along the axis y can they", "axis"),
     # Plane stress.
-    Exclusion(
-        f.plane_stress, f.not_plane,
-        "plane-stress is for 2 dimensions, but the case has {b.name}",
-    ),
-    Exclusion(
-        f.mean, f.plane_stress,
-        "mean is against locking, which plane stress does not have", "take pointwise",
-    ),
-    Exclusion(
-        f.not_across, f.plane_stress,
-        "{a.name} is not known in plane stress", "hooke, neo-hookean and von-mises are",
-    ),
-    Exclusion(
-        g.stress, f.plane_stress,
-        "has a part out of the plane", "take settle, or plane-strain",
-    ),
+    Exclusion(f.plane_stress, f.not_plane,
+        "plane-stress is for 2 dimensions, but the case has {b.name}"),
+    Exclusion(f.mean, f.plane_stress,
+        "mean is against locking, which plane stress does not have", "take pointwise"),
+    Exclusion(f.not_across, f.plane_stress,
+        "{a.name} is not known in plane stress", "hooke, neo-hookean and von-mises are"),
+    Exclusion(g.stress, f.plane_stress,
+        "has a part out of the plane", "take settle, or plane-strain"),
     Exclusion(g.packaged_exact, f.plane_stress, "is not known in plane stress", "leave it out"),
-    Exclusion(
-        g.level_gauges, f.plane_stress,
-        "is for liquids and soils, which are never in plane stress", "leave it out",
-    ),
+    Exclusion(g.level_gauges, f.plane_stress,
+        "is for liquids and soils, which are never in plane stress", "leave it out"),
     # Method.
-    Exclusion(
-        f.mean, f.no_boxes,
+    Exclusion(f.mean, f.no_boxes,
         "mean is for particles that are boxes, whose parts in cells are known; {b.name} are none:",
-        "take shape: gimp, finite-gimp or cpdi, or leave it out (pointwise)",
-    ),
+        "take shape: gimp, finite-gimp or cpdi, or leave it out (pointwise)"),
     # The initial configuration.
-    Exclusion(
-        f.one_particle, f.initial_on_lattice,
+    Exclusion(f.one_particle, f.initial_on_lattice,
         "bodies in the initial configuration, as '{b.name}', have hourglass modes with one "
         "particle along {a.name} directions of a cell: they strain no particle, and grow "
-        "without end", "take 2 along all directions, or all but one",
-    ),
-    Exclusion(
-        g.exact, f.mixed, "is for bodies of one configuration, but {b.name}",
-        "leave it out, or take one for all",
-    ),
-    Exclusion(
-        f.not_separable, f.mixed,
-        "{a.name} is for bodies of one configuration, but {b.name}:", "take cpdi",
-    ),
-    Exclusion(
-        f.initial, f.liquid,
+        "without end", "take 2 along all directions, or all but one"),
+    Exclusion(g.exact, f.mixed, "is for bodies of one configuration, but {b.name}",
+        "leave it out, or take one for all"),
+    Exclusion(f.not_separable, f.mixed,
+        "{a.name} is for bodies of one configuration, but {b.name}:", "take cpdi"),
+    Exclusion(f.initial, f.liquid,
         "'{b.name}' flows, and keeps no deformation; the initial configuration is for solids:",
-        "take current", "owner",
-    ),
-    Exclusion(
-        g.holding, f.initial,
+        "take current", "owner"),
+    Exclusion(g.holding, f.initial,
         "holds what comes against it; of bodies in the initial configuration, as '{b.name}', only "
         "separating does:",
-        "take that, fixed, slip or {{velocity: ..}}, or configuration: current",
-    ),
-    Exclusion(
-        g.escape, f.all_initial,
+        "take that, fixed, slip or {{velocity: ..}}, or configuration: current"),
+    Exclusion(g.escape, f.all_initial,
         "bodies in the initial configuration, as '{b.name}', may leave the domain, and stay what "
-        "they are", "leave it out",
-    ),
-    Exclusion(
-        f.initial_volume, f.initial,
+        "they are", "leave it out"),
+    Exclusion(f.initial_volume, f.initial,
         "is for the current configuration; in the initial one, as of '{b.name}', forces are "
         "computed from the initial volume and the first Piola-Kirchhoff stress, exactly:",
-        "leave it out",
-    ),
-    Exclusion(
-        g.contact_forces, f.initial,
+        "leave it out"),
+    Exclusion(g.contact_forces, f.initial,
         "forces of contact act where bodies are, and frames show the grid of the start, as "
-        "'{b.name}' is in the initial configuration", "the history has their sums",
-    ),
-    Exclusion(
-        g.wall_gauges, g.met_by_initial,
+        "'{b.name}' is in the initial configuration", "the history has their sums"),
+    Exclusion(g.wall_gauges, g.met_by_initial,
         "bodies in the initial configuration, as '{b.name}', meet {a.name} where they are, and not "
-        "on their grid", "history.csv has the force, reaction.{a.name}", "owner",
-    ),
-    Exclusion(
-        f.initial_with_memory, g.stressed,
+        "on their grid", "history.csv has the force, reaction.{a.name}", "owner"),
+    Exclusion(f.initial_with_memory, g.stressed,
         "initial begins undeformed, and the stress of '{a.name}' follows from the deformation:",
-        "take current, or hooke, or settle in place of start.stress", "owner",
-    ),
-    Exclusion(
-        f.initial, g.entering,
+        "take current, or hooke, or settle in place of start.stress", "owner"),
+    Exclusion(f.initial, g.entering,
         "the grid of the initial configuration moves with the body as it was at the start, and "
-        "nothing can be added to it", "what enters takes configuration: current", "owner",
-    ),
+        "nothing can be added to it", "what enters takes configuration: current", "owner"),
     # Periodic faces.
-    Exclusion(
-        f.meetings_of_initial, g.periodic,
+    Exclusion(f.meetings_of_initial, g.periodic,
         _PERIODIC + "where bodies in the initial configuration meet nothing yet: no contact, "
-        "separating walls, rigid bodies, or bodies in the current configuration", "take current",
-    ),
-    Exclusion(
-        f.initial_not_uniform, g.periodic,
+        "separating walls, rigid bodies, or bodies in the current configuration", "take current"),
+    Exclusion(f.initial_not_uniform, g.periodic,
         _PERIODIC + "where the vertices of bodies in the initial configuration begin at one "
-        "velocity, [..]", "take configuration: current",
-    ),
-    Exclusion(
-        g.profiles, g.periodic, _PERIODIC + "where this coordinate would jump",
-        "take a direction along these faces, or a longer domain without periodic faces", "axis",
-    ),
-    Exclusion(
-        g.at_ends, g.periodic,
-        "{a.name} is on a periodic face, behind which it may go on",
-        "a body with an end there begins within the domain", "axis",
-    ),
-    Exclusion(
-        g.body_force, g.periodic,
-        _PERIODIC + "but this force depends on the position, and would jump there", "take gravity",
-    ),
-    Exclusion(
-        g.turning, g.periodic,
+        "velocity, [..]", "take configuration: current"),
+    Exclusion(g.profiles, g.periodic, _PERIODIC + "where this coordinate would jump",
+        "take a direction along these faces, or a longer domain without periodic faces", "axis"),
+    Exclusion(g.at_ends, g.periodic, "{a.name} is on a periodic face, behind which it may go on",
+        "a body with an end there begins within the domain", "axis"),
+    Exclusion(g.body_force, g.periodic,
+        _PERIODIC + "but this force depends on the position, and would jump there", "take gravity"),
+    Exclusion(g.turning, g.periodic,
         "the domain is periodic along {b.axis}: each of its copies would turn about a centre of "
-        "its own", "only a rotation about {b.axis} is the same for all", "axis",
-    ),
-    Exclusion(
-        g.inflow, g.periodic,
+        "its own", "only a rotation about {b.axis} is the same for all", "axis"),
+    Exclusion(g.inflow, g.periodic,
         "along {b.axis} the domain is periodic: what enters would come back into the inflow",
-        "take open faces there", "axis",
-    ),
-    Exclusion(
-        g.water, g.periodic,
-        "has a level along {b.axis}, where the domain is periodic", "leave one out", "axis",
-    ),
-    Exclusion(
-        g.outlet, g.conditions,
+        "take open faces there", "axis"),
+    Exclusion(g.water, g.periodic,
+        "has a level along {b.axis}, where the domain is periodic", "leave one out", "axis"),
+    Exclusion(g.outlet, g.conditions,
         "{a.name} has a condition (boundaries), through which nothing is to leave",
-        "remove one of the two", "owner",
-    ),
+        "remove one of the two", "owner"),
 )  # fmt: skip

@@ -263,16 +263,9 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
                 way = from_centroid(frame, table[i], _way(frame, motion[i], vertex))
                 way = by_axis(frame, way)
                 add_particle(box, supports, i, low, part, way)
-                begin = (
-                    min(begin[0], supports.first[i, 0]),
-                    min(begin[1], supports.first[i, 1]),
-                    min(begin[2], supports.first[i, 2]),
-                )
-                end = (
-                    max(end[0], supports.first[i, 0] + supports.many[i, 0]),
-                    max(end[1], supports.first[i, 1] + supports.many[i, 1]),
-                    max(end[2], supports.first[i, 2] + supports.many[i, 2]),
-                )
+                first, many = supports.first[i], supports.many[i]
+                begin = tuple(min(begin[d], first[d]) for d in range(3))
+                end = tuple(max(end[d], first[d] + many[d]) for d in range(3))
             if used + most > len(coupling.column):
                 box[:, :] = 0.0
                 return 2 * len(coupling.column) + most

@@ -71,33 +71,29 @@ def weights_at(supports, i, q):
 
 
 @inlined
-def keep_values(out, i, values):
-    """Set `out[i]`, `out[i + 1]`, ... to a tuple of numbers."""
-    if len(values) == 0:
-        return None
-    out[i] = values[0]
-    keep_values(out, i + 1, values[1:])
+def _keep_values(out, values):
+    """Set `out[0]`, `out[1]`, ... to a tuple of numbers."""
+    for k, value in enumerate(values):
+        out[k] = value
 
 
 @inlined
-def _support(shape, frame, half, x, supports, i, d, like):
-    """Set support `i` along the directions from `d` on, as many as `like` has."""
-    if len(like) == 0:
-        return None
-    first = first_vertex(frame, d, half[d], x[d])
-    f = (x[d] - frame.origin[d]) * frame.inverse[d] - (first - frame.ghost)
-    values, slopes = weights(shape, half[d], f)
-    supports.first[i, d] = first
-    keep_values(supports.w[i, d], 0, values)
-    keep_values(supports.g[i, d], 0, slopes)
-    _support(shape, frame, half, x, supports, i, d + 1, like[1:])
+def _support(shape, frame, half, x, supports, i, begin):
+    """Set support `i` along the directions from `begin` on."""
+    for d in range(begin, len(frame.origin)):
+        first = first_vertex(frame, d, half[d], x[d])
+        f = (x[d] - frame.origin[d]) * frame.inverse[d] - (first - frame.ghost)
+        values, slopes = weights(shape, half[d], f)
+        supports.first[i, d] = first
+        _keep_values(supports.w[i, d], values)
+        _keep_values(supports.g[i, d], slopes)
 
 
 @inlined
 def _first_support(shape, frame, half, x, supports, i):
     """Set support `i` along all directions, in axisymmetry along the radius with rings."""
     if not is_axial(frame):
-        return _support(shape, frame, half, x, supports, i, 0, frame.origin)
+        return _support(shape, frame, half, x, supports, i, 0)
     inverse, near = frame.inverse[0], off_axis(frame, (x[0],))[0]
     r = near * inverse
     wide = min(half[0], r)
@@ -105,10 +101,10 @@ def _first_support(shape, frame, half, x, supports, i):
     f = (near - frame.origin[0]) * inverse - (first - frame.ghost)
     values, slopes, hoop, _, _ = ring_weights(shape, wide, f, r)
     supports.first[i, 0] = first
-    keep_values(supports.w[i, 0], 0, values)
-    keep_values(supports.g[i, 0], 0, slopes)
-    keep_values(supports.hoop[i], 0, hoop)
-    _support(shape, frame, half, x, supports, i, 1, frame.origin[1:])
+    _keep_values(supports.w[i, 0], values)
+    _keep_values(supports.g[i, 0], slopes)
+    _keep_values(supports.hoop[i], hoop)
+    _support(shape, frame, half, x, supports, i, 1)
 
 
 @kernel
@@ -132,18 +128,14 @@ def find_supports(shape, frame, half, x, supports):
 
 
 @inlined
-def _narrow(shape, frame, half, x, offset, supports, i, d):
-    """Set the weights of a cut box in support `i`, along the directions from `d` on."""
-    if len(x) == 1:
+def _narrow(shape, frame, half, x, offset, supports, i):
+    """Set the weights of a cut box in support `i`."""
+    for d in range(len(x)):
         inverse, first = frame.inverse[d], supports.first[i, d]
-        f = (x[0] + offset[0] - frame.origin[d]) * inverse - (first - frame.ghost)
-        left = max(half[0] - abs(offset[0]) * inverse, MIN_HALF_WIDTH)
-        values, slopes = cut_weights(shape, left, f)
-        keep_values(supports.w[i, d], 0, values)
-        keep_values(supports.g[i, d], 0, slopes)
-    else:
-        _narrow(shape, frame, half[:1], x[:1], offset[:1], supports, i, d)
-        _narrow(shape, frame, half[1:], x[1:], offset[1:], supports, i, d + 1)
+        f = (x[d] + offset[d] - frame.origin[d]) * inverse - (first - frame.ghost)
+        values, slopes = cut_weights(shape, max(half[d] - abs(offset[d]) * inverse, MIN_HALF_WIDTH), f)
+        _keep_values(supports.w[i, d], values)
+        _keep_values(supports.g[i, d], slopes)
 
 
 @inlined
@@ -165,9 +157,9 @@ def _narrow_ring(shape, frame, place, whole, supports, i, cut):
     left = min(max(half[0] - abs(offset[0]) * inverse, MIN_HALF_WIDTH), r)
     by, (w, g) = 1.0 / r, cut_weights(shape, left, f)
     moments, ends = cut_moments(shape, left, f)
-    keep_values(supports.w[i, 0], 0, plus_scaled(by, moments, w))
-    keep_values(supports.g[i, 0], 0, plus_scaled(by, ends, g))
-    keep_values(supports.hoop[i], 0, scaled(by, w))
+    _keep_values(supports.w[i, 0], plus_scaled(by, moments, w))
+    _keep_values(supports.g[i, 0], plus_scaled(by, ends, g))
+    _keep_values(supports.hoop[i], scaled(by, w))
 
 
 @kernel
@@ -193,7 +185,7 @@ def narrow_supports(shape, frame, table, motion, whole, supports):
         half, x = read(table.half_width, i, 0, zero), read(motion.position, i, 0, zero)
         offset = read(motion.centroid_offset, i, 0, zero)
         if row.cut != 0:
-            _narrow(shape, frame, half, x, offset, supports, i, 0)
+            _narrow(shape, frame, half, x, offset, supports, i)
         _narrow_ring(shape, frame, (half, x, offset), whole, supports, i, row.cut != 0)
 
 
