@@ -68,7 +68,7 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    following, grips, absorbing, damping, crossings, flows, penetration, sinks, inflow
+    following, grips, absorbing, damping, averaged_mass, crossings, flows, penetration, sinks, inflow
         The parts of a step of `pgimp.solver.parts`.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.particle_groups`.
@@ -95,6 +95,7 @@ class Rank:
     grips: Any
     absorbing: Any
     damping: Any
+    averaged_mass: Any
     crossings: Any
     flows: Any
     penetration: Any
