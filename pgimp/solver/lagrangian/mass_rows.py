@@ -192,10 +192,9 @@ def _amid_whole_cells(rank: RankState, cells: np.ndarray, reach: int) -> np.ndar
         )
         least = np.minimum(least[lower], least[upper])
         most = np.maximum(most[lower], most[upper])
-    found = np.zeros((rank.grid.planes, *size))
-    found[:, :, size[1] - least.shape[2] :, size[2] - least.shape[3] :] = np.where(
-        least == most, least, 0.0
-    )
+    found, alike = np.zeros((rank.grid.planes, *size)), np.where(least == most, least, 0.0)
+    inner = found[:, :, size[1] - least.shape[2] :, size[2] - least.shape[3] :]
+    inner[:] = alike[: len(found)]
     return found
 
 
