@@ -29,6 +29,7 @@ PARTS: dict[str, dict[int, dict[int, tuple[float, float]]]] = {
 
 #: Shapes whose weights at the start are those of another one, on the lattice.
 _LIKE = {
+    "mpm": "gimp",
     "finite-gimp": "gimp",
     "cpdi": "gimp",
     "cpdi-corners": "gimp",
