@@ -41,3 +41,7 @@ class Body(Model):
         "on them at the start; `separating` ones, rigid bodies and other bodies, of either "
         "configuration, are met where they are",
     )
+    mass: Literal["lumped", "averaged"] | None = Field(
+        default=None,
+        description="mass of this body's vertices, see `method`; by default that of `method.mass`",
+    )

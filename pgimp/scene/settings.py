@@ -19,6 +19,8 @@ class Settings:
     lagrangian : (bodies,) bool
         Which bodies are in the initial configuration, where particles keep their layers and
         initial weights. `initial`: all are; `mixed`: some are.
+    averaged : (bodies,) bool
+        Which bodies have an averaged mass.
     shape : NamedTuple
         Parameters of the shape; its support has `vertices` per direction.
     follows : bool
@@ -42,6 +44,9 @@ class Settings:
     def __init__(self, case: Case) -> None:
         self.lagrangian = np.array(
             [b.configuration == "initial" for b in case.bodies.values()], bool
+        )
+        self.averaged = np.array(
+            [(b.mass or case.method.mass) == "averaged" for b in case.bodies.values()], bool
         )
         self.initial = bool(self.lagrangian.all())
         self.mixed = bool(self.lagrangian.any()) and not self.initial

@@ -12,6 +12,7 @@ from pgimp.solver.damping.absorbing import absorbing_of
 from pgimp.solver.damping.damping import damping_of
 from pgimp.solver.flows import flows_of
 from pgimp.solver.history.crossings import crossings_of
+from pgimp.solver.lagrangian.averaged_mass import averaged_mass_of
 from pgimp.solver.loads.grips import grips_of
 from pgimp.solver.loads.surface_kinematics import surface_kinematics_of
 from pgimp.solver.sources.inflow import inflow_of
@@ -25,6 +26,7 @@ PARTS: dict[str, Callable[[Scene, Communicator, Any], StepPart | None]] = {
     "grips": grips_of,
     "absorbing": absorbing_of,
     "damping": damping_of,
+    "averaged_mass": averaged_mass_of,
     "crossings": crossings_of,
     "flows": flows_of,
     "penetration": penetration_of,

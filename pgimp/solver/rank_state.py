@@ -40,6 +40,7 @@ class RankState(Protocol):
     flows: Any
     surface_kinematics: Any
     damping: Any
+    averaged_mass: Any
     absorbing: Any
     inflow: Any
     sinks: Any

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.physics.shapes.averaging import averaged_part
+
 #: With bodies in the initial configuration only, whose vertices keep velocities: by shape,
 #: dimensions and particles per cell; of bodies at any offset to the grid, by eigenvalues
 #: (``scripts/hard vertices``). Points have none: with them a body's outermost vertices may have as
@@ -73,7 +75,21 @@ def vertex_limit(case: Any) -> float | None:
     if not limit:
         n, least = list(found.items())[-1]
         limit = least * n / most
-    return limit * _of_ratios(case)
+    return averaged_limit(case, limit * _of_ratios(case))
+
+
+def averaged_limit(case: Any, limit: float) -> float:
+    """The part of a limit, of lumped masses, that the averaged mass of any body leaves.
+
+    The greatest frequency grows by the root of 1 + alpha at most, whatever the body.
+    """
+    if not any((body.mass or case.method.mass) == "averaged" for body in case.bodies.values()):
+        return limit
+    found = limit
+    for _ in range(20):  # alpha depends on the Courant number
+        alpha = averaged_part(case.method.name, case.method.particles_per_cell, found)
+        found = limit / (1.0 + alpha) ** 0.5
+    return found
 
 
 def _of_ratios(case: Any) -> float:
@@ -90,4 +106,6 @@ def _of_ratios(case: Any) -> float:
 def largest_courant(case: Any) -> float:
     """Largest Courant number measured as stable with the case's shape and bodies."""
     limit = vertex_limit(case)
-    return case.method.largest_courant(case.dimensions) if limit is None else limit
+    if limit is not None:
+        return limit
+    return averaged_limit(case, case.method.largest_courant(case.dimensions))

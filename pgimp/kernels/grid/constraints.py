@@ -63,6 +63,19 @@ def former_velocity(marked, r, v, dt):
 
 
 @inlined
+def constrained_rate(marked, r, a):
+    """Acceleration of the vertex at `r` with all constraints applied to `a`, see above."""
+    if len(marked) == 0:
+        return a
+    constraints, mask = marked[0], marked[1]
+    for k in range(len(constraints)):
+        if mask[r // RECORD] >> k & 1:
+            h, b = constraints[k].held, rate_at(constraints[k], place_of(marked, r))
+            a = (b[0] if h[0] else a[0], b[1] if h[1] else a[1], b[2] if h[2] else a[2])
+    return a
+
+
+@inlined
 def is_marked(marked, r):
     """Whether a constraint holds the vertex at `r`."""
     if len(marked) == 0:

@@ -62,6 +62,27 @@ def is_beyond(faces, n, frame, number):
 
 
 @inner_kernel
+def box_of(faces, n, frame, window, i):
+    """Vertices of plane `i` of a window on face `n` or beyond it: ranges along y and along z."""
+    axis, side = side_of(faces, n)
+    wall = wall_of(faces, n, frame)
+    j0, j1, k0, k1 = 0, window.extent[1], 0, window.extent[2]
+    if axis == 0:
+        if (i + window.lower[0] - wall) * side < 0:
+            j1 = 0
+    elif axis == 1:
+        if side < 0:
+            j1 = min(j1, wall - window.lower[1] + 1)
+        else:
+            j0 = max(j0, wall - window.lower[1])
+    elif side < 0:
+        k1 = min(k1, wall - window.lower[2] + 1)
+    else:
+        k0 = max(k0, wall - window.lower[2])
+    return j0, j1, k0, k1
+
+
+@inner_kernel
 def _is_on(faces, n, frame, number):
     """Whether a vertex is on face `n`."""
     return number[side_of(faces, n)[0]] == wall_of(faces, n, frame)

@@ -238,6 +238,61 @@ def _reflect_vertex(field, mirror, forcing, ledger, image, rate, f):
         G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
 
 
+@kernel
+def reflect_accelerations(frame, field, mirror, A, reach):
+    """Set accelerations beyond a face from the mirror images.
+
+    Parameters
+    ----------
+    frame, field, mirror
+        As in `reflect`, before the momentum update.
+    A, reach
+        Accelerations, see `pgimp.kernels.lagrangian.averaged_mass.find_accelerations`.
+    """
+    window, G = field.window, field.G
+    half = window.stride[0] // 2
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for n in range(beyond_count(frame, window, mirror)):
+            _, g, r, _ = image_of(frame, field, mirror, begin, n)
+            if r < 0 or G[g + MASS] != -1.0 - mirror.number:
+                continue
+            to, source = reach * half + g // 2, reach * half + r // 2
+            for d in range(3):
+                sign = -1.0 if _turns(mirror, d) else 1.0
+                A[to + 1 + d] = sign * A[source + 1 + d]
+
+
+@kernel
+def fold_forces(frame, field, mirror, dt, ledger):
+    """Add forces beyond a face, found since `fold`, to those of the mirror images.
+
+    Parameters
+    ----------
+    frame, field, mirror
+        As in `fold`, after it.
+    dt : float
+        Length of the step.
+    ledger : Ledger
+        `impulse` grows by what the face takes of reversed components.
+    """
+    window, G = field.window, field.G
+    for f in range(field_count(window)):
+        begin = f * field_size(window)
+        for n in range(beyond_count(frame, window, mirror)):
+            i, g, r, _ = image_of(frame, field, mirror, begin, n)
+            if r < 0 or G[g + MASS] != -1.0 - mirror.number:
+                continue
+            for d in range(3):
+                force = G[g + FORCE + d]
+                G[g + FORCE + d] = 0.0
+                if _turns(mirror, d):
+                    if i < field.owned:
+                        ledger.impulse[i, mirror.number, d] -= 2.0 * dt * force
+                    force = -force
+                G[r + FORCE + d] += force
+
+
 @inner_kernel
 def _turns(mirror, d):
     """Whether a mirror reverses component `d`."""

@@ -11,7 +11,7 @@ Across x the same is done by the exchange between ranks (`pgimp.decomposition.ha
 from typing import NamedTuple
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.data.record import ACCELERATION, HELD, MASS, RECORD, VELOCITY
+from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.used_rows import is_used, note_range, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 
@@ -104,6 +104,49 @@ def part_seam(frame, field, seam):
                 for d in range(3):
                     G[g + VELOCITY + d] = G[r + VELOCITY + d]
                     G[g + ACCELERATION + d] = G[r + ACCELERATION + d]
+
+
+@kernel
+def part_accelerations(frame, field, seam, A, reach):
+    """Give the vertices beyond a seam the accelerations of the same ones inside.
+
+    Parameters
+    ----------
+    frame, field, seam
+        As in `join_seam`, after it.
+    A, reach
+        Accelerations, see `pgimp.kernels.lagrangian.averaged_mass.find_accelerations`.
+    """
+    window, G = field.window, field.G
+    half = window.stride[0] // 2
+    for i in range(len(field.active)):
+        for f in range(field_count(window)):
+            if field.active[i] == 0 or not is_used(field, i, f):
+                continue
+            for n in range(_count(frame, window, seam)):
+                g, r = _copies(frame, field, seam, i, f, n)
+                if G[g + MASS] != _BEYOND - seam.axis:
+                    continue
+                to, source = reach * half + g // 2, reach * half + r // 2
+                for d in range(3):
+                    A[to + 1 + d] = A[source + 1 + d]
+
+
+@kernel
+def join_forces(frame, field, seam):
+    """Add forces beyond a seam, found since `join_seam`, to those of the same vertices inside."""
+    window, G = field.window, field.G
+    for i in range(len(field.active)):
+        for f in range(field_count(window)):
+            if field.active[i] == 0 or not is_used(field, i, f):
+                continue
+            for n in range(_count(frame, window, seam)):
+                g, r = _copies(frame, field, seam, i, f, n)
+                if G[g + MASS] != _BEYOND - seam.axis:
+                    continue
+                for d in range(3):
+                    G[r + FORCE + d] = G[g + FORCE + d] + G[r + FORCE + d]
+                    G[g + FORCE + d] = 0.0
 
 
 @kernel

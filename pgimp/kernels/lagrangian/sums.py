@@ -5,7 +5,7 @@ accounts for its part of each vertex: m_p S_vp of its mass. So sums by layer and
 particles, and bodies that share vertices have each their own.
 """
 
-from pgimp.jit.kernel import class_of, inlined, inner_kernel, kernel
+from pgimp.jit.kernel import class_of, inlined, inner_kernel, is_empty, kernel
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
@@ -30,14 +30,14 @@ def _weight(buffer, d, directions, i, j):
 
 
 @inlined
-def _vertex_count(shape):
+def vertex_count(shape):
     """Vertices a direction in a support; a grid may have room for more, of other bodies' shapes."""
     count = class_of(shape).vertices()
     return count
 
 
 @kernel
-def motion_sums(setting, field, particles, order, sums):
+def motion_sums(setting, field, particles, order, lumped, sums):
     """Add what the vertices have beyond particles: momentum, angular momentum, kinetic energy.
 
     Parameters
@@ -47,12 +47,15 @@ def motion_sums(setting, field, particles, order, sums):
         by `layer_sums` this completes.
     field : Field
         With the vertices' motion.
+    lumped : (bodies,) float64 or ()
+        Part of the lumped mass in energy and angular momentum; () if it is all, without averaged
+        mass. The rest is of the consistent mass, by which particles have what they see.
     sums : (layers, bodies, columns) float64
         From `layer_sums`.
     """
     shape, frame, window, start = setting.shape, setting.frame, field.window, order.start
     values, D = field.motion.values, len(setting.frame.origin)
-    vertices, across = _vertex_count(shape), remaining_across(frame)
+    vertices, across = vertex_count(shape), remaining_across(frame)
     ny, nz = vertices if D > 1 else 1, vertices if D > 2 else 1
     buffer = stack(SUPPORT_SIZE)
     for layer in range(len(start) - 1):
@@ -95,6 +98,8 @@ def motion_sums(setting, field, particles, order, sums):
                 row[MOMENTUM] += across * (m * (px - vx))
                 row[MOMENTUM + 1] += m * (py - vy)
                 row[MOMENTUM + 2] += m * (pz - vz)
+                if not is_empty(lumped):
+                    m *= lumped[particles.body[p]]
                 row[ANGULAR] += m * (ax - (y * vz - z * vy))
                 row[ANGULAR + 1] += m * (ay - (z * vx - x * vz))
                 row[ANGULAR + 2] += across * (m * (az - (x * vy - y * vx)))

@@ -47,6 +47,14 @@ class Shape(Model):
         "(gimp, finite-gimp, cpdi), in either configuration; in 1D it makes no difference",
     )
 
+    mass: Literal["lumped", "averaged"] = Field(
+        default="lumped",
+        description="mass of the vertices of bodies in the initial configuration: lumped, each its "
+        "own part, with which short waves are slow; averaged, some way from there to the "
+        "consistent mass, so that the leading error of waves cancels: a wave of ten cells is four "
+        "times as accurate, in steps 0.85 times as long. Settling keeps the lumped mass",
+    )
+
     #: Vertices per direction in a support.
     vertices: ClassVar[int]
 

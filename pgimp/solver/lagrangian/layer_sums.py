@@ -42,4 +42,6 @@ def _complete_sums(
         mine = scene.settings.lagrangian[particles.body[order.rows]]
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         order, setting = Order(order.rows[mine], edges), scene.setting_lagrangian
-    motion_sums(setting.without_materials(), rank.grid.field, particles, order, sums)
+    averaged = rank.averaged_mass
+    lumped = averaged.lumped if averaged else ()
+    motion_sums(setting.without_materials(), rank.grid.field, particles, order, lumped, sums)

@@ -101,6 +101,17 @@ class Grips(StepPart):
 
     def find(self, rank: RankState, update: VertexUpdate) -> tuple[Constraint, ...]:
         """Find the velocities of the grips in a step; return all constraints; collective."""
+        moved = self.controls == 1
+        found = self.forecast(rank, update)
+        for k, one in enumerate(found):
+            velocity = np.array(one.velocity)[moved[k]]
+            self.state[k, VELOCITY, moved[k]] = velocity
+            self.state[k, DISPLACEMENT : DEFLECTION + 1, moved[k]] += update.t.dt * velocity[:, None]
+            self._rates[k] = np.where(moved[k], one.rate, 0.0)
+        return found
+
+    def forecast(self, rank: RankState, update: VertexUpdate) -> tuple[Constraint, ...]:
+        """Return all constraints, with the motion of the grips by current forces; collective."""
         t, grid, forcing = update.t, rank.grid, update.forcing
         sums = np.zeros((grid.planes, len(self.entries), 3, GRIPPED))
         rank.call(sum_grips, grid.field, forcing, self.controls, sums)
@@ -111,9 +122,6 @@ class Grips(StepPart):
             for d in np.flatnonzero(self.controls[k] == 1):
                 rate[d] = self._acceleration(entry, k, int(d), total[k, d], t)
                 velocity[d] = float(self.state[k, VELOCITY, d]) + t.dt * rate[d]
-                self.state[k, VELOCITY, d] = velocity[d]
-                self.state[k, DISPLACEMENT : DEFLECTION + 1, d] += t.dt * velocity[d]
-            self._rates[k] = rate
             found.append(_with(one, self.controls[k] == 1, tuple(velocity), tuple(rate)))
         return tuple(found)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pgimp.case.stepping.courant import vertex_limit
+from pgimp.case.stepping.courant import averaged_limit, vertex_limit
 from pgimp.errors import CaseError
 from pgimp.physics.materials.base import has
 from pgimp.scene.checks.warned import Warned, warned
@@ -47,7 +47,7 @@ def stable_courant(case: Case) -> float:
     method, vertices = case.method, vertex_limit(case)
     if vertices is not None:
         return vertices
-    least = float(method.stable)
+    least = averaged_limit(case, float(method.stable))
     if method.volumetric == "pointwise" or case.dimensions == 1:
         return least
     used = (case.materials[body.material] for body in case.bodies.values())
@@ -57,7 +57,7 @@ def stable_courant(case: Case) -> float:
     if most > measured[-1]:
         return least
     limit, of_one = (float(np.interp(most, measured, each)) for each in zip(*limits, strict=True))
-    return max(least, min(limit, of_one / max(method.particles_per_cell)))
+    return max(least, averaged_limit(case, min(limit, of_one / max(method.particles_per_cell))))
 
 
 def check_first_step(scene: Scene, dt: float, rate: float) -> list[Warned]:

@@ -46,6 +46,7 @@ no_boxes = of_key(
     "method.shape",
     lambda method: not (method.chi == "box" and method.separable),
 )
+of_points = of_key("points (`mpm`)", "method.shape", lambda method: method.is_point)
 not_separable = of_key("`cpdi-corners`", "method.shape", lambda method: not method.separable)
 initial_volume = of_key("`volume: initial`", "method.volume", lambda method: not method.tracked)
 mean = of_key("mean dilatation", "method.volumetric", lambda method: method.volumetric == "mean")
@@ -61,6 +62,17 @@ one_particle = Feature(
 # Bodies of a material.
 initial = of_bodies(
     "bodies in the initial configuration", "configuration", lambda b, _: _initial(b)
+)
+current = of_bodies(
+    "bodies in the current configuration", "configuration", lambda b, _: not _initial(b)
+)
+averaged = Feature(
+    "averaged mass",
+    lambda bodies, method: (
+        Place(("bodies", name, "mass") if body.mass else ("method", "mass"), name, name)
+        for name, body in bodies.items()
+        if (body.mass or method.mass) == "averaged"
+    ),
 )
 initial_on_lattice = of_bodies(
     "bodies in the initial configuration, on the lattice",

@@ -133,7 +133,8 @@ def _narrow(shape, frame, half, x, offset, supports, i):
     for d in range(len(x)):
         inverse, first = frame.inverse[d], supports.first[i, d]
         f = (x[d] + offset[d] - frame.origin[d]) * inverse - (first - frame.ghost)
-        values, slopes = cut_weights(shape, max(half[d] - abs(offset[d]) * inverse, MIN_HALF_WIDTH), f)
+        left = max(half[d] - abs(offset[d]) * inverse, MIN_HALF_WIDTH)
+        values, slopes = cut_weights(shape, left, f)
         _keep_values(supports.w[i, d], values)
         _keep_values(supports.g[i, d], slopes)
 

@@ -1,0 +1,256 @@
+"""Averaged mass of bodies in the initial configuration: waves at their speed.
+
+The lumped mass L makes short waves slow, and the consistent mass C = sum m_p N N^T of the particles
+at their initial positions makes them fast. With a part alpha of C - L the leading error cancels:
+
+    M^-1 = L^-1 - alpha L^-1 (C - L) L^-1.
+
+No system is solved for that. Forces f give a = f/L; vertices that are held get the acceleration
+that they are made to have; then f <- f - alpha (C - L) a. C never changes, and its rows sum up to
+L. So
+
+    alpha ((C - L) a)_i = sum_j alpha C_ij (a_j - a_i):
+
+momentum stays exact, and a uniform acceleration as it is. M^-1 is symmetric, and between L^-1 and
+(1 + alpha) L^-1.
+
+Where all cells round a vertex are whole ones of the lattice, the row is a product of three numbers
+along each direction. Others are kept, see `pgimp.solver.lagrangian.mass_rows`.
+"""
+
+from typing import NamedTuple
+
+from pgimp.jit.kernel import inlined, inner_kernel, kernel
+from pgimp.jit.vectors.simd import load, pack, stack, store, vector
+from pgimp.kernels.data.motion import keeps, velocity_before
+from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.data.record import FORCE, MASS, RECORD
+from pgimp.kernels.data.used_rows import next_rows, used_rows
+from pgimp.kernels.data.velocity_fields import field_count, field_size
+from pgimp.kernels.grid.conditions import Holding, hold
+from pgimp.kernels.grid.constraints import constrained_rate, is_marked
+from pgimp.kernels.grid.faces import box_of, face_count
+from pgimp.kernels.lagrangian.sums import vertex_count
+from pgimp.kernels.transfer.lane_io import LANES, four_rows
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, entry, first_offset, supports
+
+#: Numbers of a vertex in the array of accelerations: one that is 0, and three components.
+NUMBERS = 4
+
+#: Offset of the vector with the force in a vertex's record.
+_SECOND = FORCE - 1
+
+
+class MassRows(NamedTuple):
+    """Rows of alpha C at the vertices of a rank's planes, without their diagonal.
+
+    Offsets are within a plane, in float64: of records in `Field.G`, and of accelerations.
+
+    Attributes
+    ----------
+    start : (planes + 1,) int64
+        Beginning of each plane's rows.
+    vertex : (rows,) int64
+        Offset of the vertex's record.
+    first : (rows + 1,) int64
+        Beginning of each row's entries.
+    column : (entries,) int64
+        Distance of the other vertex's acceleration.
+    value : (entries,) float64
+        Entries of alpha C.
+    scale : tuple of D float
+        Second differences that whole cells add along each direction, as a part.
+    run_start : (planes + 1,) int64
+        Beginning of each plane's runs of vertices amid whole cells.
+    run : (runs, 2) int64
+        Offsets of the first acceleration and of the end of a run along the last direction.
+    mass : (runs,) float64
+        alpha times the vertices' mass.
+    span : (planes, 2) int64
+        Range of accelerations that a plane's runs need.
+    """
+
+    start: IntArray
+    vertex: IntArray
+    first: IntArray
+    column: IntArray
+    value: FloatArray
+    scale: tuple[float, ...]
+    run_start: IntArray
+    run: IntArray
+    mass: FloatArray
+    span: IntArray
+
+
+@kernel
+def find_accelerations(frame, field, faces, forcing, scratch, A, reach):
+    """Find the accelerations of vertices with their lumped mass, after all conditions.
+
+    Parameters
+    ----------
+    frame, field, faces, forcing
+        As in `update_momentum`, before it.
+    scratch : (faces, 3) float64
+        For impulses of faces, which are not booked.
+    A : ((planes + 2 reach) * plane / 2,) float64
+        Set for the rank's planes, of which the first is number `reach`; see `NUMBERS`.
+    reach : int
+        Planes below and above those of the rank.
+    """
+    G, window, plane = field.G, field.window, field.window.stride[0]
+    half, size, row = plane // 2, field_size(window), window.stride[1]
+    g, zero = pack(0.0, forcing.gravity[0], forcing.gravity[1], forcing.gravity[2]), vector(0.0)
+    for i in range(len(field.active)):
+        own = (i + reach) * half
+        if field.active[i] == 0:
+            A[own : own + half] = 0.0
+            continue
+        for f in range(field_count(window)):
+            if not keeps(field.motion, f):
+                continue
+            first, left = f * size, used_rows(field, i, f)
+            while left:
+                begin, end, left = next_rows(field, left)
+                for at in range(first + begin * row, first + end * row, RECORD):
+                    r = i * plane + at
+                    m, a = G[r + MASS], zero
+                    if m > forcing.mass_cutoff:
+                        inverse = 1.0 / m
+                        a = pack(0.0, inverse, inverse, inverse) * load(G, r + _SECOND) + g
+                    store(A, own + at // 2, a)
+            holding = Holding(faces, frame, forcing, scratch, 0.0)
+            for n in range(face_count(faces)):
+                j0, j1, k0, k1 = box_of(faces, n, frame, window, i)
+                for j in range(j0, j1):
+                    for k in range(k0, k1):
+                        _hold(field, holding, f, (i, j, k), own, A)
+            if len(forcing.marked):
+                for j in range(window.extent[1]):
+                    for k in range(window.extent[2]):
+                        r = i * plane + first + j * row + k * RECORD
+                        if is_marked(forcing.marked, r):
+                            _hold(field, holding, f, (i, j, k), own, A)
+
+
+@inner_kernel
+def _hold(field, holding, f, vertex, own, A):
+    """Set the acceleration of a vertex that faces or constraints may hold."""
+    G, window, forcing = field.G, field.window, holding.forcing
+    i, j, k = vertex
+    at = f * field_size(window) + j * window.stride[1] + k * window.stride[2]
+    r, dt, g = i * window.stride[0] + at, forcing.dt, forcing.gravity
+    if not G[r + MASS] > forcing.mass_cutoff:
+        return
+    inverse = 1.0 / G[r + MASS]
+    b = (
+        G[r + FORCE] * inverse + g[0],
+        G[r + FORCE + 1] * inverse + g[1],
+        G[r + FORCE + 2] * inverse + g[2],
+    )
+    v = (
+        velocity_before(field.motion, True, G, r, 0, inverse) + dt * b[0],
+        velocity_before(field.motion, True, G, r, 1, inverse) + dt * b[1],
+        velocity_before(field.motion, True, G, r, 2, inverse) + dt * b[2],
+    )
+    number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
+    _, b = hold(holding, number, r, v, b, 0.0)
+    b = constrained_rate(forcing.marked, r, b)
+    store(A, own + at // 2, pack(0.0, b[0], b[1], b[2]))
+
+
+@kernel
+def average_forces(field, A, reach, rows, buffer):
+    """Take alpha (C - L) a from the forces at a rank's vertices.
+
+    Parameters
+    ----------
+    field : Field
+        With the forces, before the momentum update.
+    A, reach
+        See `find_accelerations`; also of the planes below and above.
+    rows : MassRows
+        The rows.
+    buffer : (plane / 2,) float64
+        For values in between.
+    """
+    G, plane = field.G, field.window.stride[0]
+    for i in range(len(field.active)):
+        if field.active[i] == 0:
+            continue
+        own, to = (i + reach) * (plane // 2), i * plane + _SECOND
+        if rows.run_start[i] < rows.run_start[i + 1]:
+            _average_runs(field, A, rows, i, buffer, own)
+        for n in range(rows.start[i], rows.start[i + 1]):
+            at = own + rows.vertex[n] // 2
+            a, even, odd = load(A, at), vector(0.0), vector(0.0)
+            e, end = rows.first[n], rows.first[n + 1]
+            while e + 1 < end:
+                even = even + rows.value[e] * (load(A, at + rows.column[e]) - a)
+                odd = odd + rows.value[e + 1] * (load(A, at + rows.column[e + 1]) - a)
+                e += 2
+            if e < end:
+                even = even + rows.value[e] * (load(A, at + rows.column[e]) - a)
+            r = to + rows.vertex[n]
+            store(G, r, load(G, r) - (even + odd))
+
+
+@inlined
+def _average(scale, before, now, after):
+    """A value with a part of its second difference; exactly itself if all three are equal."""
+    return now + scale * ((before - now) + (after - now))
+
+
+@inlined
+def _along_row(rows, buffer, row, at):
+    """Averages along all directions but the last one, from those across planes."""
+    if len(rows.scale) == 2:
+        return load(buffer, at)
+    return _average(rows.scale[1], load(buffer, at - row), load(buffer, at), load(buffer, at + row))
+
+
+@inner_kernel
+def _average_runs(field, A, rows, i, buffer, own):
+    """As `average_forces`, for the vertices of plane `i` amid whole cells."""
+    G, plane, row = field.G, field.window.stride[0], field.window.stride[1] // 2
+    half, scale = plane // 2, rows.scale
+    to = i * plane + _SECOND
+    for at in range(rows.span[i, 0], rows.span[i, 1], NUMBERS):
+        r = own + at
+        store(buffer, at, _average(scale[0], load(A, r - half), load(A, r), load(A, r + half)))
+    for n in range(rows.run_start[i], rows.run_start[i + 1]):
+        begin, end, mass = rows.run[n, 0], rows.run[n, 1], rows.mass[n]
+        before = _along_row(rows, buffer, row, begin - NUMBERS)
+        now = _along_row(rows, buffer, row, begin)
+        for at in range(begin, end, NUMBERS):
+            after = _along_row(rows, buffer, row, at + NUMBERS)
+            change = _average(scale[len(scale) - 1], before, now, after) - load(A, own + at)
+            r = to + 2 * at
+            store(G, r, load(G, r) - mass * change)
+            before, now = now, after
+
+
+@kernel
+def find_weights(setting, window, particles, order, first, weights):
+    """Find the weights of some particles at their initial positions.
+
+    Parameters
+    ----------
+    setting, window, particles, order
+        See `KernelScene`, `Window`, `Particles`, `Order`.
+    first : (n,) int64
+        Set to the offset of the first vertex's record in its plane.
+    weights : (n, D, 4) float64
+        Set to the weights along each direction; zeros stay where a support has fewer vertices.
+    """
+    shape, frame, start = setting.shape, setting.frame, order.start
+    D, buffer = len(setting.frame.origin), stack(SUPPORT_SIZE)
+    vertices = vertex_count(shape)
+    for layer in range(len(start) - 1):
+        for k in range(start[layer], start[layer + 1], LANES):
+            four = four_rows(order.rows, k, start[layer + 1])
+            supports(shape, frame, window, particles, four, layer + window.lower[0], buffer, ())
+            for j in range(min(LANES, start[layer + 1] - k)):
+                first[k + j] = first_offset(buffer, j)
+                for d in range(D):
+                    for i in range(vertices):
+                        weights[k + j, d, i] = entry(buffer, d, 0, i, j)

@@ -1,0 +1,114 @@
+"""Averaged mass in a step: a part of the forces for bodies in the initial configuration."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.decomposition.grid import aligned
+from pgimp.kernels.data.arguments import Field
+from pgimp.kernels.grid.mirror import fold_forces, reflect_accelerations
+from pgimp.kernels.grid.seam import join_forces, part_accelerations
+from pgimp.kernels.lagrangian.averaged_mass import (
+    MassRows,
+    average_forces,
+    find_accelerations,
+)
+from pgimp.mpi.communicator import Communicator
+from pgimp.scene.averaging import averaged_parts
+from pgimp.scene.scene import Scene
+from pgimp.solver.lagrangian.mass_rows import find_rows
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.vertices import StepPart, VertexUpdate
+
+#: Tags of messages with accelerations.
+_UP, _DOWN = 23, 24
+
+
+class AveragedMass(StepPart):
+    """The averaged mass on one rank, see `pgimp.kernels.lagrangian.averaged_mass`.
+
+    While a run comes to rest the lumped mass is enough.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+
+    Attributes
+    ----------
+    alpha : (bodies,) float64
+        Part of the consistent mass by body; 0 for those with lumped mass.
+    """
+
+    def __init__(self, scene: Scene, alpha: np.ndarray) -> None:
+        self.scene, self.alpha = scene, alpha
+        self._known: Field | None = None
+        self._rows: MassRows | None = None
+        self._accelerations = self._buffer = np.empty(0)
+
+    @property
+    def lumped(self) -> np.ndarray:
+        """Part of the lumped mass in kinetic energy and angular momentum, (bodies,)."""
+        return 1.0 - (np.zeros_like(self.alpha) if self.scene.domain.settling else self.alpha)
+
+    def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
+        """Take alpha (C - L) a from the forces at a rank's vertices; collective."""
+        domain, grid = self.scene.domain, rank.grid
+        if domain.settling:
+            return
+        frame, field, reach = domain.frame, grid.field, grid.vertices - 1
+        if self._known is not field:
+            self._known, self._rows = field, find_rows(rank, self.alpha)
+            half = grid.window.stride[0] // 2
+            self._accelerations = aligned((grid.planes + 2 * reach) * half)
+            self._buffer = aligned(half)
+        forcing, A = update.forcing, self._accelerations
+        if rank.grips and rank.grips.acts:
+            constraints = rank.grips.forecast(rank, update)
+            forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
+        scratch = np.empty((len(domain.faces), 3))
+        rank.call(find_accelerations, frame, field, update.faces, forcing, scratch, A, reach)
+        mirrors = sorted((*domain.followed, *domain.mirrors), key=lambda each: each.releases)
+        for mirror in reversed(mirrors):
+            rank.call(reflect_accelerations, frame, field, mirror, A, reach)
+        for seam in reversed(domain.seams):
+            rank.call(part_accelerations, frame, field, seam, A, reach)
+        self._exchange(rank, reach)
+        rank.call(average_forces, field, A, reach, self._rows, self._buffer)
+        for seam in domain.seams:
+            rank.call(join_forces, frame, field, seam)
+        for mirror in mirrors:
+            rank.call(fold_forces, frame, field, mirror, forcing.dt, update.ledger)
+
+    def _exchange(self, rank: RankState, reach: int) -> None:
+        """Get the accelerations of planes that only the neighbours have; collective."""
+        slab, comm, grid = rank.slab, rank.comm, rank.grid
+        if not slab.neighbours:
+            return
+        size, A = reach * (grid.window.stride[0] // 2), self._accelerations
+        planes = A.reshape(grid.planes + 2 * reach, -1)
+        below, above = planes[:reach], planes[reach + grid.planes :]
+        low, high = planes[2 * reach : 3 * reach], planes[slab.layers : slab.layers + reach]
+        assert low.size == high.size == size
+        if slab.lower == slab.upper == comm.rank:
+            below[:], above[:] = high, low
+            return
+        requests = []
+        for neighbour, received, sent, tags in (
+            (slab.lower, below, low, (_UP, _DOWN)),
+            (slab.upper, above, high, (_DOWN, _UP)),
+        ):
+            if neighbour is not None:
+                requests.append(comm.Irecv(received, neighbour, tags[0]))
+                requests.append(comm.Isend(sent, neighbour, tags[1]))
+        for request in requests:
+            request.Wait()
+
+
+def averaged_mass_of(
+    scene: Scene, _: Communicator, before: AveragedMass | None = None
+) -> AveragedMass | None:
+    """Return the averaged mass of a scene; None where all masses are lumped."""
+    if not scene.settings.averaged.any():
+        return None
+    return AveragedMass(scene, averaged_parts(scene))
