@@ -11,6 +11,7 @@ from pgimp.kernels.data.particles import Carried, Particles
 from pgimp.kernels.lagrangian.cell_derivatives import MOST
 from pgimp.kernels.loads.loads import Loads
 from pgimp.physics.fields import EVERY
+from pgimp.physics.shapes.parts import PartParameters
 from pgimp.scene.domain import Domain
 from pgimp.scene.interaction import Interaction
 from pgimp.scene.mass_scaling import scaled
@@ -76,6 +77,7 @@ class Scene:
             axial=case.axisymmetric,
             plate=case.geometry == "plane-stress",
             winding=any(domain.periodic),
+            products=PartParameters.products(D) if settings.exact_surfaces.any() else 0,
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
         start, shape = FRAMES[case.geometry][1](*domain.frame), case.method

@@ -12,6 +12,7 @@ from pgimp.solver.damping.absorbing import absorbing_of
 from pgimp.solver.damping.damping import damping_of
 from pgimp.solver.flows import flows_of
 from pgimp.solver.history.crossings import crossings_of
+from pgimp.solver.lagrangian.slaves import slaves_of
 from pgimp.solver.loads.following import following_of
 from pgimp.solver.loads.grips import grips_of
 from pgimp.solver.sources.inflow import inflow_of
@@ -24,6 +25,7 @@ PARTS: dict[str, Callable[[Scene, Communicator, Any], StepPart | None]] = {
     "following": following_of,
     "grips": grips_of,
     "absorbing": absorbing_of,
+    "slaves": slaves_of,
     "damping": damping_of,
     "crossings": crossings_of,
     "flows": flows_of,

@@ -68,7 +68,7 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    following, grips, absorbing, damping, crossings, flows, penetration, sinks, inflow
+    following, grips, absorbing, slaves, damping, crossings, flows, penetration, sinks, inflow
         The parts of a step of `pgimp.solver.parts`.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.particle_groups`.
@@ -94,6 +94,7 @@ class Rank:
     following: Any
     grips: Any
     absorbing: Any
+    slaves: Any
     damping: Any
     crossings: Any
     flows: Any

@@ -41,6 +41,7 @@ class RankState(Protocol):
     following: Any
     damping: Any
     absorbing: Any
+    slaves: Any
     inflow: Any
     sinks: Any
     grips: Any

@@ -50,6 +50,8 @@ class Carried(NamedTuple):
         Number of loads on parts of surfaces.
     followed : bool
         Whether such loads follow the positions.
+    products : int
+        Number of a part's products of inertia, of bodies that are exact to their surface.
     winding : bool
         Whether they count their turns through periodic faces.
     """
@@ -71,6 +73,7 @@ class Carried(NamedTuple):
     winding: bool = False
     surfaces_loaded: int = 0
     followed: bool = False
+    products: int = 0
 
     @property
     def undeformed(self) -> tuple[float, ...]:
@@ -261,6 +264,24 @@ class Particles(NamedTuple):
             "1",
             lambda c: _matrix(c) if c.followed else 0,
             initial=1.0,
+        ),
+    ]
+
+    products: Annotated[
+        FloatArray,
+        Column(
+            "means over its part of a cell of products of the distances from the part's centroid, "
+            "xy in 2D, yz xz xy xyz in 3D, at the start",
+            "length^2, length^3",
+            lambda c: c.products,
+        ),
+    ]
+    bearing: Annotated[
+        FloatArray,
+        Column(
+            "likewise of its part of each loaded surface, about that part's centroid",
+            "length^2, length^3",
+            lambda c: c.surfaces_loaded * c.products,
         ),
     ]
 
