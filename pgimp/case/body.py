@@ -18,10 +18,12 @@ class Body(Model):
 
     material: Name = Field(description="name of its material")
     region: RegionEntry = Field(description="the part of space that it fills at the start")
-    surface: Literal["cut", "whole"] = Field(
+    surface: Literal["cut", "whole", "exact"] = Field(
         default="cut",
         description="cut: a particle that the surface cuts has the volume, mass and momentum of "
-        "its part inside; whole: whole particles, those whose centre lies inside",
+        "its part inside; whole: whole particles, those whose centre lies inside; exact, for "
+        "bodies in the initial configuration: weights and forces of cut particles are those of "
+        "their parts, too, and vertices that hold next to nothing move with those next to them",
     )
     velocity: Annotated[
         tuple[float, ...] | RigidMotion | OwnVelocity,

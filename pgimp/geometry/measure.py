@@ -1,4 +1,4 @@
-"""Volume and first moment of the part of a box that lies in a region (3, 4).
+"""Volume and moments of the part of a box that lies in a region (3, 4).
 
 A box is cut along the planes of the region's surface (`Region.planes`). Pieces that no curved
 surface meets lie inside or outside as a whole. For boxes, their unions and differences the result
@@ -24,7 +24,17 @@ Rows = NDArray[np.int64]
 #: Gauss's rule on [0, 1] over each smooth stretch. With two points it is exact for flat cuts, whose
 #: integrands are cubics at most, moments included. A curved surface leaves an error of fourth
 #: order: for the volume of a ball of radius 2 boxes 2e-4, of radius 16 boxes 7e-8.
-_NODES, _WEIGHTS = (0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)), (0.5, 0.5)
+_TWO = (0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)), (0.5, 0.5)
+
+#: Likewise with products of inertia, whose integrands have two degrees more.
+_THREE = (0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)), (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
+
+#: Directions of the coordinates that each integral multiplies, by dimensions.
+_MONOMIALS: tuple[tuple[tuple[int, ...], ...], ...] = (
+    ((), (0,)),
+    ((), (0,), (1,), (0, 1)),
+    ((), (0,), (1,), (2,), (1, 2), (0, 2), (0, 1), (0, 1, 2)),
+)
 
 #: Boxes per block; lines per block, times the number of parts of the region.
 _BATCH, _CROSSINGS = 16384, 1_000_000
@@ -44,19 +54,24 @@ class TangledError(Exception):
         )
 
 
-def measure(region: Region, low: Points, high: Points) -> tuple[Reals, Reals]:
+def measure(
+    region: Region, low: Points, high: Points, products: bool = False
+) -> tuple[Reals, Reals]:
     """Measure the parts of boxes that lie in a region.
 
     Parameters
     ----------
     low, high : ndarray of float64, shape (n, D)
         Corners of the boxes.
+    products : bool
+        Whether to measure products of inertia, too.
 
     Returns
     -------
     volume : ndarray of float64, shape (n,)
-    moment : ndarray of float64, shape (n, D)
-        Integral over the part of the position relative to the box's centre.
+    moment : ndarray of float64, shape (n, D or 2^D - 1)
+        Integral over the part of the position relative to the box's centre. With `products` also
+        those of its components' products: xy in 2D; yz, xz, xy, xyz in 3D.
 
     Raises
     ------
@@ -64,12 +79,13 @@ def measure(region: Region, low: Points, high: Points) -> tuple[Reals, Reals]:
         If the region has too many surfaces in one of the boxes.
     """
     n, D = low.shape
-    total = np.zeros((n, 1 + D))
+    width = 2**D if products else 1 + D
+    total = np.zeros((n, width))
     for begin in range(0, n, _BATCH):
         part = slice(begin, begin + _BATCH)
         centre = 0.5 * (low[part] + high[part])
-        rows, a, b = _pieces(region, low[part], high[part])
-        _add(total[part], rows, _piece(region, a, b, centre[rows]))
+        rows, a, b = pieces(region, low[part], high[part])
+        _add(total[part], rows, _piece(region, a, b, centre[rows], width))
     return total[:, 0], total[:, 1:]
 
 
@@ -79,7 +95,7 @@ def _add(total: Reals, rows: Rows, parts: Reals) -> None:
         np.add.at(total[:, column], rows, parts[:, column])
 
 
-def _pieces(region: Region, low: Points, high: Points) -> tuple[Rows, Points, Points]:
+def pieces(region: Region, low: Points, high: Points) -> tuple[Rows, Points, Points]:
     """Cut boxes along the planes: for each piece the row of its box, ascending, and its corners."""
     n, D = low.shape
     planes = region.planes()
@@ -97,11 +113,11 @@ def _pieces(region: Region, low: Points, high: Points) -> tuple[Rows, Points, Po
         cut = (np.concatenate(rows), np.concatenate(cuts))
         stretches.append(_stretches(low[:, axis], high[:, axis], *cut))
         counts.append(np.bincount(stretches[-1][0], minlength=n))
-    pieces = np.prod(counts, axis=0)
-    if pieces.max(initial=0) > _MOST_PIECES:
+    many = np.prod(counts, axis=0)
+    if many.max(initial=0) > _MOST_PIECES:
         raise TangledError
-    row = np.repeat(np.arange(n), pieces)
-    number = np.arange(len(row)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    row = np.repeat(np.arange(n), many)
+    number = np.arange(len(row)) - np.repeat(np.cumsum(many) - many, many)
     a, b = np.empty((len(row), D)), np.empty((len(row), D))
     for axis in reversed(range(D)):
         number, along = np.divmod(number, counts[axis][row])
@@ -124,11 +140,11 @@ def _stretches(low: Reals, high: Reals, rows: Rows, cuts: Reals) -> tuple[Rows, 
     return rows[starts], ends[starts], ends[starts + 1]
 
 
-def _piece(region: Region, low: Points, high: Points, centre: Points) -> Reals:
-    """Volume and moments about `centre` of pieces without cuts by planes, (n, 1 + D)."""
+def _piece(region: Region, low: Points, high: Points, centre: Points, width: int) -> Reals:
+    """Volume and moments about `centre` of pieces without cuts by planes, (n, width)."""
     n, D = low.shape
     middle, size = 0.5 * (low + high), high - low
-    total = np.zeros((n, 1 + D))
+    total = np.zeros((n, width))
     square = np.zeros(n)
     for d in range(D):
         square += size[:, d] * size[:, d]
@@ -138,9 +154,10 @@ def _piece(region: Region, low: Points, high: Points, centre: Points) -> Reals:
     volume = np.ones(len(whole))
     for d in range(D):
         volume *= size[whole, d]
-    total[whole, 0] = volume
-    for d in range(D):
-        total[whole, 1 + d] = volume * (middle[whole, d] - centre[whole, d])
+    for column, axes in enumerate(_MONOMIALS[D - 1][:width]):
+        total[whole, column] = volume
+        for d in axes:
+            total[whole, column] *= middle[whole, d] - centre[whole, d]
     rest = np.flatnonzero(~uniform)
     if len(rest) == 0:
         return total
@@ -149,7 +166,7 @@ def _piece(region: Region, low: Points, high: Points, centre: Points) -> Reals:
     for axes in np.unique(order, axis=0):
         rows = rest[(order == axes).all(axis=1)]
         total[rows] = _integrate(
-            region, middle[rows], low[rows], high[rows], centre[rows], tuple(axes.tolist())
+            region, middle[rows], low[rows], high[rows], centre[rows], tuple(axes.tolist()), width
         )
     return total
 
@@ -175,14 +192,20 @@ def _steepness(region: Region, middle: Points, size: Points) -> Reals:
 
 
 def _integrate(
-    region: Region, points: Points, low: Points, high: Points, centre: Points, axes: tuple[int, ...]
+    region: Region,
+    points: Points,
+    low: Points,
+    high: Points,
+    centre: Points,
+    axes: tuple[int, ...],
+    columns: int,
 ) -> Reals:
-    """Integrals over the directions `axes`, the others fixed at `points`; (n, 1 + D)."""
+    """Integrals over the directions `axes`, the others fixed at `points`; (n, columns)."""
     most = max(1, _CROSSINGS // region.parts)
     if len(points) > most:
         few = [slice(begin, begin + most) for begin in range(0, len(points), most)]
         return np.concatenate(
-            [_integrate(region, points[i], low[i], high[i], centre[i], axes) for i in few]
+            [_integrate(region, points[i], low[i], high[i], centre[i], axes, columns) for i in few]
         )
     axis, inner = axes[0], axes[1:]
     a, b = low[:, axis], high[:, axis]
@@ -202,16 +225,21 @@ def _integrate(
     if np.bincount(rows).max(initial=0) > _MOST_CUTS:
         raise TangledError
     width = right - left
-    total = np.zeros((len(points), 1 + points.shape[1]))
+    D = points.shape[1]
+    total = np.zeros((len(points), columns))
     if inner:
-        nodes = np.tile(_NODES, len(rows))
-        weights = np.tile(_WEIGHTS, len(rows))
-        rows, left, width = np.repeat(rows, 2), np.repeat(left, 2), np.repeat(width, 2)
+        rule = _TWO if columns == 1 + D else _THREE
+        nodes, weights = (np.tile(each, len(rows)) for each in rule)
+        many = len(rule[0])
+        rows, left, width = np.repeat(rows, many), np.repeat(left, many), np.repeat(width, many)
         at = points[rows]
         at[:, axis] = left + nodes * width
-        parts = _integrate(region, at, low[rows], high[rows], centre[rows], inner)
+        parts = _integrate(region, at, low[rows], high[rows], centre[rows], inner, columns)
         parts *= (weights * width)[:, None]
-        parts[:, 1 + axis] += parts[:, 0] * (at[:, axis] - centre[rows, axis])
+        every = _MONOMIALS[D - 1][:columns]
+        for k, others in enumerate(every):
+            if (more := tuple(sorted((*others, axis)))) in every and axis not in others:
+                parts[:, every.index(more)] += parts[:, k] * (at[:, axis] - centre[rows, axis])
         _add(total, rows, parts)
     else:
         at = points[rows]

@@ -43,6 +43,7 @@ class Communicator(Protocol):
     Allreduce: Message
     Iallreduce: Message
     Allgather: Message
+    Allgatherv: Message
     Alltoall: Message
     Alltoallv: Message
     Bcast: Message

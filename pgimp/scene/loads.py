@@ -95,7 +95,6 @@ class SceneLoads:
         if self.averages and case.gravity is not None and liquid.any():
             self.mean = liquid
         (self.force, self.water), self.walls = forces, walls
-        self.tractions = [entry for entry in case.tractions.values() if entry.face is not None]
         self.constraints = list(case.constraints.values())
         #: Of each constraint, see `LEAST_PART`; 0 where it holds all vertices that it reaches.
         self.least_parts = np.array(
@@ -112,6 +111,8 @@ class SceneLoads:
         self._spread = Spread(2.0 * self.half, size, method.chi, method.ends)
         self._follows = dict(zip(self.bodies, follows, strict=False))
         self.surfaces = SurfaceLoads(case, self._follows)
+        self.on_faces = self.surfaces.patched
+        self.tractions = [case.tractions[name] for name in self.on_faces]
         self._width = 2.0 * size if method.chi == "box" else size
         self._varies = bool(self.force) or any(entry.varies for entry in case.tractions.values())
         self._varies |= self.surfaces.varies or bool(self.water and self.water.varies)
@@ -178,9 +179,7 @@ class SceneLoads:
     @property
     def booked_tractions(self) -> list[Hashable]:
         """Names of the rows of tractions in the ledger: on faces, then on regions' surfaces."""
-        entries = self.case.tractions.items()
-        faces = [name for name, entry in entries if entry.face is not None]
-        return [*faces, *self.surfaces.entries]
+        return [*self.on_faces, *self.surfaces.entries]
 
     def angle(self, number: int, t: float) -> float:
         """Angle by which a constraint of `turning` has turned until `t`, with previous stages."""
@@ -214,7 +213,7 @@ class SceneLoads:
             for d in range(len(self.half)):
                 edges, centres = self._lattice(d)
                 columns.append(np.searchsorted(centres, p.x[mine, d]))
-                if body.surface == "cut":
+                if body.surface != "whole":
                     parts.append(covered_fractions(low[d], high[d], edges))
                     if d == 0 and self.case.axisymmetric:
                         parts[0] *= ring_factors(low[0], high[0], edges)

@@ -12,6 +12,7 @@ from pgimp.kernels.data.particles import Particles, needed_by
 from pgimp.kernels.lagrangian.cell_derivatives import MAX_PER_CELL
 from pgimp.kernels.loads.loads import Loads
 from pgimp.physics.fields import EVERY
+from pgimp.physics.shapes.parts import PartParameters
 from pgimp.scene.domain import Domain
 from pgimp.scene.interaction import Interaction
 from pgimp.scene.mass_scaling import scaled
@@ -77,6 +78,7 @@ class Scene:
             axial=case.axisymmetric,
             plate=case.geometry == "plane-stress",
             needed=needed_by(case),
+            products=PartParameters.products(D) if settings.exact_surfaces.any() else 0,
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
         start, shape = FRAMES[case.geometry][1](*domain.frame), case.method

@@ -6,6 +6,7 @@ import numpy as np
 
 from pgimp.case.escape import exits_of
 from pgimp.case.schema import Case
+from pgimp.physics.shapes.parts import PartParameters
 
 #: Most cells that a particle crosses in a step whose length pgimp chooses.
 MOST_CELLS = 0.5
@@ -23,6 +24,8 @@ class Settings:
         Which bodies have an averaged mass.
     shape : NamedTuple
         Parameters of the shape; its support has `vertices` per direction.
+    exact_surfaces : (bodies,) bool
+        Which bodies are exact to their surface.
     follows : bool
         Whether supports follow the deformation.
     exact : NamedTuple or ()
@@ -51,7 +54,10 @@ class Settings:
         self.initial = bool(self.lagrangian.all())
         self.mixed = bool(self.lagrangian.any()) and not self.initial
         method = case.method
+        self.exact_surfaces = np.array([b.surface == "exact" for b in case.bodies.values()], bool)
         self.shape = (method.fixed if self.initial else method.parameters)(tuple(case.grid.cell))
+        if self.exact_surfaces.any():  # whole particles have the same weights
+            self.shape = PartParameters(tuple(0.0 for _ in case.grid.cell))
         self.vertices: int = self.shape.vertices()
         self.follows = method.follows and not self.initial
         self.exact: Any = case.exact.parameters(case) if case.exact else ()

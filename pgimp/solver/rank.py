@@ -76,8 +76,8 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    surface_kinematics, grips, absorbing, damping, averaged_mass, crossings, flows, penetration,
-    sinks, inflow
+    surface_kinematics, grips, absorbing, slaves, damping, averaged_mass, crossings, flows,
+    penetration, sinks, inflow
         The parts of a step of `pgimp.solver.parts`.
     parts_rate : float
         The greatest `rate` of these.
@@ -105,6 +105,7 @@ class Rank:
     surface_kinematics: Any
     grips: Any
     absorbing: Any
+    slaves: Any
     damping: Any
     averaged_mass: Any
     crossings: Any

@@ -42,6 +42,7 @@ class RankState(Protocol):
     damping: Any
     averaged_mass: Any
     absorbing: Any
+    slaves: Any
     inflow: Any
     sinks: Any
     grips: Any

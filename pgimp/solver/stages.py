@@ -133,7 +133,7 @@ def _remove(rank: Rank, bodies: list[int]) -> np.ndarray:
     offsets = np.flatnonzero(np.isin(rank.up_to_date().body[order], bodies)).astype(np.int32)
     rows = order[offsets]
     start = np.searchsorted(offsets, population.start)
-    taken = sums_of_bodies(rank, rank.scene, Order(rows, start))
+    taken = sums_of_bodies(rank, rank.scene, Order(rows, start), bodies)
     population.free_later(rows)
     population.restore_order(offsets, np.empty(0, np.int32))
     return np.add.reduce(taken, axis=0)
@@ -148,10 +148,7 @@ def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
         shape = like.shape[1:]
         same = array.shape[1:] == shape
         arrays[name] = array if same else np.zeros((p.capacity, *shape), like.dtype)
-    names = [
-        [name for name, entry in scene.case.tractions.items() if entry.face is not None]
-        for scene in (old, new)
-    ]
+    names = [scene.interaction.loads.on_faces for scene in (old, new)]
     if names[0] != names[1]:
         kept = [names[0].index(name) for name in names[1]]
         arrays["patch"] = np.ascontiguousarray(p.patch[:, kept])
@@ -160,6 +157,9 @@ def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
         kept, width = [names[0].index(name) for name in names[1]], surface_width(new.dimension)
         parts = p.surface.reshape(p.capacity, -1, width)[:, kept]
         arrays["surface"] = np.ascontiguousarray(parts.reshape(p.capacity, len(kept) * width))
+        if wide := new.carried.products:
+            parts = p.bearing.reshape(p.capacity, -1, wide)[:, kept]
+            arrays["bearing"] = np.ascontiguousarray(parts.reshape(p.capacity, len(kept) * wide))
     if old.case.constraints or new.case.constraints:
         found = _held(rank, old.case, new)
         if new.case.constraints:

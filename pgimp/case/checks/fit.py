@@ -102,6 +102,8 @@ def fit_tractions(dimensions: int, tractions: Mapping[str, TractionEntry]) -> Pr
         yield from lengths((*path, "traction"), entry.traction, dimensions)
         if entry.face is None:
             yield from check_region((*path, "region"), entry.region, dimensions)
+            if entry.normal is not None:
+                yield from length((*path, "normal", "of"), entry.normal.of, dimensions)
             if entry.profile is not None:
                 yield from profile_problems((*path, "profile"), dimensions, entry.profile)
 

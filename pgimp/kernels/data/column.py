@@ -36,6 +36,8 @@ class Carried(NamedTuple):
         Number of loads on parts of surfaces.
     follows_surfaces : bool
         Whether such loads follow the positions.
+    products : int
+        Number of a part's products of inertia, of bodies that are exact to their surface.
     needed : set of str
         Columns that the case needs by their own declaration, see `Column.needed`.
     """
@@ -55,6 +57,7 @@ class Carried(NamedTuple):
     plate: bool = False
     surfaces_loaded: int = 0
     follows_surfaces: bool = False
+    products: int = 0
     needed: frozenset[str] = frozenset()
 
     @property

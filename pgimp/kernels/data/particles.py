@@ -191,6 +191,24 @@ class Particles(NamedTuple):
         ),
     ]
 
+    products: Annotated[
+        FloatArray,
+        Column(
+            "means over its part of a cell of products of the distances from the part's centroid, "
+            "xy in 2D, yz xz xy xyz in 3D, at the start",
+            "length^2, length^3",
+            lambda c: c.products,
+        ),
+    ]
+    bearing: Annotated[
+        FloatArray,
+        Column(
+            "likewise of its part of each loaded surface, about that part's centroid",
+            "length^2, length^3",
+            lambda c: c.surfaces_loaded * c.products,
+        ),
+    ]
+
     @classmethod
     def empty(cls, capacity: int, carried: Carried) -> "Particles":
         """Arrays for `capacity` particles with all carried columns at their initial values."""

@@ -12,7 +12,9 @@ from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.data.velocity_fields import field_of
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC, MOMENTUM, remaining_across
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
+from pgimp.kernels.transfer.parts import corner_weights
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, entry, first_offset, supports
+from pgimp.physics.shapes.base import by_parts
 
 
 @inner_kernel
@@ -23,10 +25,21 @@ def _coordinate(frame, window, d, number):
     return frame.origin[d] + (number + window.lower[d] - frame.ghost) * frame.cell[d]
 
 
-@inner_kernel
-def _weight(buffer, d, directions, i, j):
-    """Weight of vertex `i` along `d` of particle `j`; 1 along missing directions."""
-    return entry(buffer, d, 0, i, j) if d < directions else 1.0
+@inlined
+def _weight(shape, buffer, j, corner):
+    """Weight of a vertex of particle `j`, by its numbers along all directions."""
+    if by_parts(shape):
+        return corner_weights(buffer, j, corner)[0]
+    return _product(buffer, j, corner)
+
+
+@inlined
+def _product(buffer, j, corner):
+    """Product of the weights along the first directions."""
+    last = len(corner) - 1
+    if last == 0:
+        return entry(buffer, 0, 0, corner[0], j)
+    return _product(buffer, j, corner[:last]) * entry(buffer, last, 0, corner[last], j)
 
 
 @inlined
@@ -73,8 +86,7 @@ def motion_sums(setting, field, particles, order, lumped, sums):
                 for a in range(vertices):
                     for b in range(ny):
                         for c in range(nz):
-                            w = _weight(buffer, 0, D, a, j) * _weight(buffer, 1, D, b, j)
-                            w *= _weight(buffer, 2, D, c, j)
+                            w = _weight(shape, buffer, j, (a, b, c)[:D])
                             r = begin + a * window.stride[0] + b * window.stride[1] + c * RECORD
                             if w == 0.0:
                                 continue

@@ -19,15 +19,24 @@ from pgimp.kernels.loads.strips import strip_weights
 from pgimp.kernels.loads.tractions import book_force, columns, half_step, means
 from pgimp.kernels.transfer.first_vertex import (
     coordinate,
+    deformation,
     first_vertex,
     half_widths,
     is_axial,
     is_initial,
 )
 from pgimp.kernels.transfer.gather import gather_products
+from pgimp.kernels.transfer.parts import (
+    gather_parts,
+    keep_own_products,
+    product_count,
+    read_products,
+    scatter_parts,
+)
 from pgimp.kernels.transfer.scatter import Share, scatter_products
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, keep_support
 from pgimp.kernels.transfer.transfer import Support
+from pgimp.physics.shapes.base import by_parts
 
 #: Part of the squared area below which an area vector is that of no direction.
 _NONE = 1e-20
@@ -149,6 +158,27 @@ def _along(load, frame, x, part, own, d, vertex, like):
 
 
 @inlined
+def _keep_point(load, layout, window, particles, p, d, c, vertex, buffer):
+    """Store a part's weights in its particle's cell, from direction `d` on: those of the part.
+
+    `vertex` is the cell's first vertex along d; returns the offset along the following directions.
+    """
+    _, frame = layout
+    D = len(frame.origin)
+    f = (coordinate(frame, particles, p, d) - frame.origin[d]) * frame.inverse[d]
+    t = f - (vertex - frame.ghost) + c[d] * frame.inverse[d]
+    keep_support(buffer, d, (1.0 - t, t), (-frame.inverse[d], frame.inverse[d]))
+    if d == D - 1:
+        number = load.column // (1 + D + D * D) * product_count(D)
+        keep_own_products(buffer, read_products(particles.bearing, p, number, D))
+        return 0
+    x = coordinate(frame, particles, p, d + 1)
+    following = first_vertex(frame, d + 1, 0.0, x)
+    rest = _keep_point(load, layout, window, particles, p, d + 1, c, following, buffer)
+    return (following - window.lower[d + 1]) * window.stride[d + 1] + rest
+
+
+@inlined
 def _along_first(load, frame, x, part, own, vertex, like):
     """As `_along`, along x; in axisymmetry as of `strip_weights`."""
     if is_axial(frame):
@@ -160,6 +190,8 @@ def _along_first(load, frame, x, part, own, vertex, like):
 def _support(load, layout, window, particles, p, layer, part, buffer):
     """Store the weights of the vertices under a part; returns the first offset."""
     D = len(layout[1].origin)
+    if by_parts(layout[0]):
+        return _keep_point(load, layout, window, particles, p, 0, part[0], layer, buffer)
     like = (0.0,) * class_of(layout[0]).vertices()
     if D == 1:
         shape, frame = layout
@@ -205,6 +237,82 @@ def _part(load, frame, particles, p):
 
 
 @inner_kernel
+def _couple(load, frame, particles, p, j, N, c):
+    """First moment along `j` of a pressure's force on a part, about its centroid.
+
+    Where a part is bent, or round an edge, its components act at different places.
+    """
+    D = len(frame.origin)
+    F = deformation(frame, particles, p)
+    surface, first, g, q = particles.surface, load.column, load.gradient, load.pressure
+    if g[0] != 0.0 or g[1] != 0.0 or g[2] != 0.0:
+        at, C = _position(particles, p, D), columns(F)
+        for d in range(3):
+            q += g[d] * (at[d] + C[0][d] * c[0] + C[1][d] * c[1] + C[2][d] * c[2])
+        q = max(q, 0.0)
+    n = (
+        _moment(surface, p, first, D, j, 0) - c[j] * N[0],
+        _moment(surface, p, first, D, j, 1) - c[j] * N[1],
+        _moment(surface, p, first, D, j, 2) - c[j] * N[2],
+    )
+    if load.follows:
+        n = _cofactor(F, n)
+    f = (-q * n[0], -q * n[1], -q * n[2])
+    return profiled(load.profile, frame, _position(particles, p, D), F, (c, N), f)
+
+
+@inlined
+def _couples(load, frame, particles, p, part, like):
+    """First moments of the force on a part, for gradients along the directions, vectors (0, f)."""
+    if len(like) == 0:
+        return ()
+    f = _couple(load, frame, particles, p, len(frame.origin) - len(like), part[1], part[0])
+    return (pack(0.0, *f), *_couples(load, frame, particles, p, part, like[1:]))
+
+
+@inlined
+def _scatter(load, layout, particles, p, part, planes, support, f):
+    """Add the force `f` on a part; `planes` are G, offset and stride."""
+    (shape, frame), (G, offset, stride) = layout, planes
+    zero, nothing = pack(0.0, 0.0, 0.0, 0.0), zeros(frame.origin)
+    force = pack(0.0, f[0], f[1], f[2])
+    if by_parts(shape):
+        couples = _couples(load, frame, particles, p, part, frame.origin)
+        share = Share((), force, couples, (), (), ())
+        return scatter_parts(G, support, offset, stride, share)
+    share = Share(zero, force, nothing, (), (), ())
+    return scatter_products(shape, G, support, offset, stride, share)
+
+
+@inlined
+def _power(load, layout, particles, p, part, planes, support, f, dt):
+    """Power of the force `f` on a part; arguments as of `_scatter`, and the step's length."""
+    (shape, frame), (G, offset, stride), like = layout, planes, layout[1].origin
+    half = half_step(load.follows, dt)
+    if by_parts(shape):
+        U, A, D = gather_parts(G, support, offset, stride, like)
+        couples = _couples(load, frame, particles, p, part, like)
+        return _scalar(f, U - half * A) + _powers(couples, D)
+    U, A = gather_products(shape, G, support, offset, stride, like, (), ())[:2]
+    return _scalar(f, U - half * A)
+
+
+@inlined
+def _scalar(f, u):
+    """Product of a force and a velocity, a vector (m, v)."""
+    return f[0] * lane(u, 1) + f[1] * lane(u, 2) + f[2] * lane(u, 3)
+
+
+@inlined
+def _powers(couples, D):
+    """Sum of the products of first moments and velocity gradients."""
+    if len(couples) == 0:
+        return 0.0
+    f = couples[0]
+    return _scalar((lane(f, 1), lane(f, 2), lane(f, 3)), D[0]) + _powers(couples[1:], D[1:])
+
+
+@inner_kernel
 def scatter_surfaces(loads, setting, field, particles, rows, span, layer):
     """Add the forces on a layer's parts of surfaces, in canonical order, to its own planes.
 
@@ -212,8 +320,6 @@ def scatter_surfaces(loads, setting, field, particles, rows, span, layer):
     """
     shape, frame, window, scratch = setting.shape, setting.frame, field.window, field.scratch
     buffer = stack(SUPPORT_SIZE)
-    zero = pack(0.0, 0.0, 0.0, 0.0)
-    nothing = zeros(frame.origin)
     for k in range(span[0], span[1]):
         p = rows[k]
         for t in range(len(loads)):
@@ -222,8 +328,8 @@ def scatter_surfaces(loads, setting, field, particles, rows, span, layer):
             f, part = _part(loads[t], frame, particles, p)
             offset = _support(loads[t], (shape, frame), window, particles, p, layer, part, buffer)
             offset += field_of(window, particles, p)
-            share = Share(zero, pack(0.0, f[0], f[1], f[2]), nothing, (), (), ())
-            scatter_products(shape, scratch, Support(buffer, 0), offset, window.stride, share)
+            planes, layout = (scratch, offset, window.stride), (shape, frame)
+            _scatter(loads[t], layout, particles, p, part, planes, Support(buffer, 0), f)
 
 
 @inner_kernel
@@ -241,10 +347,9 @@ def surface_power(loads, setting, field, particles, rows, span, layer, booking):
             f, part = _part(loads[t], frame, particles, p)
             offset = _support(loads[t], (shape, frame), window, particles, p, layer, part, buffer)
             offset += field_of(window, particles, p)
-            support, at = Support(buffer, 0), start + offset
-            like = frame.origin
-            U, A = gather_products(shape, G, support, at, window.stride, like, (), ())[:2]
-            u = U - half_step(loads[t].follows, booking.dt) * A
+            planes, layout = (G, start + offset, window.stride), (shape, frame)
             book_force(booking, layer - window.lower[0], t, f)
-            power += f[0] * lane(u, 1) + f[1] * lane(u, 2) + f[2] * lane(u, 3)
+            power += _power(
+                loads[t], layout, particles, p, part, planes, Support(buffer, 0), f, booking.dt
+            )
     return power

@@ -9,9 +9,10 @@ from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import load, vector
 from pgimp.kernels.transfer.cornertransfer import gather_corners
 from pgimp.kernels.transfer.mean_dilatation_weights import factor, no_rates
+from pgimp.kernels.transfer.parts import gather_parts
 from pgimp.kernels.transfer.supports import HOOP, entry
 from pgimp.kernels.transfer.transfer import last_step, transfer_products
-from pgimp.physics.shapes.base import by_corners
+from pgimp.physics.shapes.base import by_corners, by_parts
 
 
 class Sums(NamedTuple):
@@ -117,6 +118,8 @@ def gather(shape, G, support, offset, stride, like, mean, hoop):
     """
     if by_corners(shape):
         return gather_corners(shape, G, support, offset, stride, like)
+    if by_parts(shape):
+        return (*gather_parts(G, support, offset, stride, like), ())
     return gather_products(shape, G, support, offset, stride, like, mean, hoop)
 
 

@@ -25,6 +25,7 @@ from pgimp.kernels.transfer.transpose import (
     keep_sums,
     repeat_sums,
 )
+from pgimp.physics.shapes.base import by_parts
 
 
 @inlined
@@ -53,7 +54,7 @@ def take_from_grid(layout, field, mean, four, buffer, sums):
     hoop : tuple of 2 Vec4 or ()
         In axisymmetry, sums of velocities times T_vp; `grad` then has that of the radial ones.
     """
-    if is_initial(layout[1]) and not is_axial(layout[1]):
+    if is_initial(layout[1]) and not is_axial(layout[1]) and not by_parts(layout[0]):
         if four.size < LANES or not share_support(buffer):
             return _take_separately(layout, field, mean, four, buffer, sums)
         (shape, frame), window = layout, field.window

@@ -8,9 +8,10 @@ from pgimp.jit.tuples import scaled
 from pgimp.jit.vectors.simd import load, store
 from pgimp.kernels.transfer.cornertransfer import scatter_corners
 from pgimp.kernels.transfer.mean_dilatation_weights import factor, factored, plus_factored
+from pgimp.kernels.transfer.parts import scatter_parts
 from pgimp.kernels.transfer.supports import HOOP, entry
 from pgimp.kernels.transfer.transfer import last_step, transfer_products
-from pgimp.physics.shapes.base import by_corners
+from pgimp.physics.shapes.base import by_corners, by_parts
 
 
 class Share(NamedTuple):
@@ -132,6 +133,8 @@ def scatter(shape, G, support, offset, stride, share):
     """
     if by_corners(shape):
         return scatter_corners(shape, G, support, offset, stride, share)
+    if by_parts(shape):
+        return scatter_parts(G, support, offset, stride, share)
     return scatter_products(shape, G, support, offset, stride, share)
 
 

@@ -12,6 +12,7 @@ from pgimp.kernels.data.velocity_fields import move_to_fields
 from pgimp.kernels.transfer.corners import keep_corners
 from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_axial
 from pgimp.kernels.transfer.lane_io import coordinates, deformations
+from pgimp.kernels.transfer.parts import keep_products
 from pgimp.kernels.transfer.rings import ring_weights
 from pgimp.physics.shapes.base import by_corners, weights
 
@@ -104,6 +105,7 @@ def supports(shape, frame, window, particles, rows, layer, buffer, arms):
         half = box(shape, frame, deformations(frame, particles, rows), x)[0]
         _along_first(shape, frame, buffer, arms, half[0], x[0], layer)
         store(buffer, _OFFSET, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
+        keep_products(shape, frame, particles, rows, buffer)
         move_to_fields(window, particles, rows, buffer, _OFFSET)
 
 

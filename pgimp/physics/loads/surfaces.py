@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from math import hypot
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -92,6 +92,31 @@ class SurfaceLoad(NamedTuple):
     gradient: tuple[float, float, float]
     corrected: float | tuple[()] = ()
     profile: Profile | tuple[()] = ()
+
+
+class Normal(Model):
+    """The parts of a surface whose normal is near a direction."""
+
+    of: Vector = Field(description="the direction, out of the body, of any length")
+    within: Annotated[float, Field(gt=0.0, le=180.0)] = Field(
+        default=30.0, description="greatest angle between it and the normal [degrees]"
+    )
+
+    @model_validator(mode="after")
+    def _check_direction(self) -> Normal:
+        if not hypot(*self.of) > 0.0:
+            text = "expected a direction, not a vector of length zero"
+            raise_problems("normal", [Problem(("of",), text)])
+        return self
+
+    def includes(self, area: np.ndarray) -> np.ndarray:
+        """Whether elements with area vectors, (n, D), are among them, (n,) bool."""
+        size, along = np.zeros(len(area)), np.zeros(len(area))
+        for d, each in enumerate(self.of):
+            size += area[:, d] ** 2
+            along += each * area[:, d]
+        least = np.cos(np.radians(self.within)) * hypot(*self.of)
+        return np.asarray(along >= least * np.sqrt(size))
 
 
 class Hydrostatic(Model):

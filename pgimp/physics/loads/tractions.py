@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from pgimp.geometry.regions.base import REGION
-from pgimp.physics.loads.surfaces import Hydrostatic, ProfileEntry, SurfaceLoad
+from pgimp.physics.loads.surfaces import Hydrostatic, Normal, ProfileEntry, SurfaceLoad
 from pgimp.schema.base import Model, Name
 from pgimp.schema.dispatch import Either
 from pgimp.schema.problems import Problem, raise_problems
@@ -126,6 +126,12 @@ class TractionEntry(Model):
         "everywhere",
     )
 
+    normal: Normal | None = Field(
+        default=None,
+        description="with `region`: only where the surface's normal at the start is near a "
+        "direction, so that the top of a block is its top; null: any",
+    )
+
     @model_validator(mode="after")
     def _check_kind(self) -> TractionEntry:
         given, found = [self.traction, self.pressure, self.hydrostatic], []
@@ -140,6 +146,8 @@ class TractionEntry(Model):
             if not self.follower:
                 text = "is for a load with a `region`; on a face loads follow the deformation"
                 found.append(Problem(("follower",), text))
+            if self.normal is not None:
+                found.append(Problem(("normal",), "is for a load with a `region`"))
             if self.profile is not None:
                 text = "is for a load with a `region`: region: {box: ..} in place of face"
                 found.append(Problem(("profile",), text))

@@ -223,3 +223,9 @@ def edges(shape, F):
 def by_corners(shape):
     """Whether a shape, given by its Numba type, has corners (`edges`) in place of `weights`."""
     return hasattr(shape.instance_class, "edges")
+
+
+@of_types
+def by_parts(shape):
+    """Whether a shape, given by its Numba type, is of parts of cells, with `products`."""
+    return hasattr(shape.instance_class, "products")

@@ -31,6 +31,9 @@ from pgimp.scene.bodies.volume_fractions import Ranges, VolumeFractions
 #: Particles that are created at a time.
 _BLOCK = 200_000
 
+#: Part of a box by which a centroid stays within it: kernels find the cell from it.
+_WITHIN = 1e-8
+
 
 class ParticleBlock(NamedTuple):
     """Some particles of one body.
@@ -56,6 +59,8 @@ class ParticleBlock(NamedTuple):
         Rows of the file.
     columns, saved : mapping, Saved or None
         Whole state by column, and what it is of, if the file is a run's own.
+    products : (n, 1 or 4) float64 or None
+        Products of inertia of the parts, of bodies that are exact to their surface.
     """
 
     body: int
@@ -70,6 +75,17 @@ class ParticleBlock(NamedTuple):
     rows: NDArray[np.int64] | None = None
     columns: Mapping[str, NDArray] = MappingProxyType({})
     saved: Saved | None = None
+    products: NDArray[np.float64] | None = None
+
+    def places(self, box: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Positions of the particles, (n, D): of parts with `products` their centroids.
+
+        Those stay within their boxes, of sides `box`, by more than rounding.
+        """
+        if self.products is None:
+            return self.positions
+        most = (0.5 - _WITHIN) * box
+        return self.positions + np.clip(self.centroids - self.positions, -most, most)
 
 
 class Lattice:
@@ -106,7 +122,13 @@ class Lattice:
         self.bodies: list[LatticeBody | Cloud] = [
             Cloud(body.region, self.edges)
             if isinstance(body.region, Points)
-            else LatticeBody(body.region, self.edges, self.coordinates, body.surface == "cut")
+            else LatticeBody(
+                body.region,
+                self.edges,
+                self.coordinates,
+                body.surface != "whole",
+                body.surface == "exact",
+            )
             for body in case.bodies.values()
         ]
         # The last counts by body and plane, and their sums: bodies may be made one by one.
@@ -303,4 +325,6 @@ class Lattice:
                     fractions = volumes.fraction(part)
                     centroids = x + volumes.moment(part) / fractions[:, None]
                     ids = np.arange(first + begin, first + begin + len(part))
-                    yield ParticleBlock(number, x, ids, fractions, centroids)
+                    found = ParticleBlock(number, x, ids, fractions, centroids)
+                    products = volumes.products(part) if body.exact else None
+                    yield found._replace(products=products)

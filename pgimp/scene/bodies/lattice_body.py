@@ -63,10 +63,20 @@ class LatticeBody:
         Coordinates of the lattice's boxes by direction.
     cut : bool
         Whether surfaces cut boxes; otherwise boxes with their centres inside are whole.
+    exact : bool
+        Whether parts have their products of inertia, and none merges into a neighbour.
     """
 
-    def __init__(self, region: Region, edges: list[Reals], centres: list[Reals], cut: bool) -> None:
+    def __init__(
+        self,
+        region: Region,
+        edges: list[Reals],
+        centres: list[Reals],
+        cut: bool,
+        exact: bool = False,
+    ) -> None:
         self.region, self.edges, self.centres, self.cut = region, edges, centres, cut
+        self.exact = exact
         low, high = region.bounds()
         self.box: Ranges = []
         for e, a, b in zip(edges, low, high, strict=True):
@@ -84,6 +94,12 @@ class LatticeBody:
         reach = max(float(np.abs(e[[0, -1]]).max() / h) for e, h in ends)
         self.rounding = 1e-12 + 16.0 * float(np.finfo(float).eps) * reach
 
+    @property
+    def _width(self) -> int:
+        """Moments of a box, with its products of inertia if it is exact."""
+        D = len(self.edges)
+        return 2**D - 1 if self.exact else D
+
     def slabs(self, planes: tuple[int, int]) -> Iterator[VolumeFractions]:
         """Volume fractions in a range of planes, small cut boxes merged, in ascending order."""
         first, last = max(planes[0], self.box[0][0]), min(planes[1], self.box[0][1])
@@ -91,11 +107,14 @@ class LatticeBody:
             return
         row = int(np.prod([end - begin for begin, end in self.box[1:]], initial=1))
         deep = max(1, _SLAB // row)
-        halo = 2 if self.cut else 0  # a small box's neighbour, and the small boxes around it
+        # A small box's neighbour, and the small boxes around it.
+        halo = 2 if self.cut and not self.exact else 0
         for begin in range(first, last, deep):
             end = min(begin + deep, last)
             wide = (max(begin - halo, self.box[0][0]), min(end + halo, self.box[0][1]))
-            volumes = merge_small(self.volume_fractions([wide, *self.box[1:]]), self.size)
+            volumes = self.volume_fractions([wide, *self.box[1:]])
+            if not self.exact:
+                volumes = merge_small(volumes, self.size)
             part = slice((begin - wide[0]) * row, (end - wide[0]) * row)
             at = slice(*np.searchsorted(volumes.indices, (part.start, part.stop)))
             yield VolumeFractions(
@@ -133,7 +152,7 @@ class LatticeBody:
                 whole[part] = self.region.contains(points)
         indices = np.concatenate(cut) if cut else np.zeros(0, np.int64)
         if (key := tuple(ranges)) not in self._measured:
-            fractions, moments = np.zeros(len(indices)), np.zeros((len(indices), len(ranges)))
+            fractions, moments = np.zeros(len(indices)), np.zeros((len(indices), self._width))
             for begin in range(0, len(indices), _BLOCK):
                 few = slice(begin, begin + _BLOCK)
                 fractions[few], moments[few] = self._measure(ranges, shape, indices[few])
@@ -150,7 +169,8 @@ class LatticeBody:
             if found is None:
                 return None
             whole, indices, fractions, moments = found
-            fractions, moments = self._rounded(fractions, moments)
+            more = np.zeros((len(moments), self._width - moments.shape[1]))
+            fractions, moments = self._rounded(fractions, np.concatenate([moments, more], axis=1))
             whole[indices] = fractions == 1.0
             keep = (fractions > 0.0) & (fractions != 1.0)
             # Inside boxes are many: kept as bits.
@@ -200,9 +220,9 @@ class LatticeBody:
         index = [i + r[0] for i, r in zip(np.unravel_index(indices, shape), ranges, strict=True)]
         low = np.stack([e[i] for e, i in zip(self.edges, index, strict=True)], axis=1)
         high = np.stack([e[i + 1] for e, i in zip(self.edges, index, strict=True)], axis=1)
-        volume, moment = np.zeros(len(low)), np.zeros_like(low)
+        volume, moment = np.zeros(len(low)), np.zeros((len(low), self._width))
         for rows, region in self._neighbourhoods(index):
-            volume[rows], moment[rows] = measure(region, low[rows], high[rows])
+            volume[rows], moment[rows] = measure(region, low[rows], high[rows], self.exact)
         return self._rounded(volume, moment)
 
     def _rounded(self, volume: Reals, moment: Reals) -> tuple[Reals, Reals]:

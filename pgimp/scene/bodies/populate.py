@@ -18,7 +18,7 @@ from pgimp.scene.bodies.clouds.point_cloud import Cloud
 from pgimp.scene.bodies.lattice import Lattice, ParticleBlock
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.saved_state import restore_state
-from pgimp.scene.bodies.surface_elements import parts_of
+from pgimp.scene.bodies.surface_elements import AWAY, parts_of
 from pgimp.scene.scene import Scene
 
 
@@ -63,7 +63,9 @@ def populate(
     )
     for block in chain.from_iterable(every):
         rows = slice(row, row + len(block.ids))
-        p.x[rows] = block.positions
+        p.x[rows] = block.places(np.array(lattice.box))
+        if block.products is not None:
+            p.products[rows] = block.products
         # A field linear in space has its mean over a part (5) at the part's centroid. An exact
         # solution refers to the particle's position.
         points = block.positions if scene.settings.moves else block.centroids
@@ -84,7 +86,7 @@ def populate(
         if scene.case.axisymmetric and block.rows is None:  # files have the volumes of rings
             p.V0[rows] = p.V[rows] = p.V[rows] * scene.domain.circumference(block.centroids)
         if scene.carried.surfaces:
-            p.offset[rows] = block.centroids - block.positions
+            p.offset[rows] = block.centroids - p.x[rows]
             p.excess[rows, 0] = lattice.excess(block)
         p.m[rows] = p.V0[rows] * scene.materials.parameters[material].density  # (4)
         if block.saved:
@@ -106,14 +108,16 @@ def _set_surfaces(
     """Set the parts of loaded surfaces that the first `n` particles carry."""
     loads = scene.interaction.loads.surfaces
     width = loads.width
-    for k, entry in enumerate(loads.entries.values()):
+    for k, (name, entry) in enumerate(loads.entries.items()):
         number = scene.body_names.index(entry.body)
         body, mine = lattice.bodies[number], np.flatnonzero(p.body[:n] == number)
         if isinstance(body, LatticeBody):
             ring = scene.case.axisymmetric
-            p.surface[mine, k * width : (k + 1) * width] = parts_of(
-                body, entry.region, p.x[mine], planes, ring, loads.closed
-            )
+            found = loads.elements(name, body, planes, AWAY)
+            parts, bearing = parts_of(body, found, p.x[mine], ring)
+            p.surface[mine, k * width : (k + 1) * width] = parts
+            if more := scene.carried.products:
+                p.bearing[mine, k * more : (k + 1) * more] = bearing
 
 
 def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:

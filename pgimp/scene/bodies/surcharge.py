@@ -19,10 +19,11 @@ def surcharge(
     upwards.
     """
     axis, pull = vertical
-    stress, tractions = scene.case.start.stress, scene.case.tractions
+    stress = scene.case.start.stress
     named = stress.surcharge if isinstance(stress, InitialStress) else ()
-    on_faces = [name in named for name, entry in tractions.items() if entry.face is not None]
-    on_parts = [name in named for name, entry in tractions.items() if entry.region is not None]
+    carried = scene.interaction.loads
+    on_faces = [name in named for name in carried.on_faces]
+    on_parts = [name in named for name in carried.surfaces.entries]
     sign, found = (1.0 if pull > 0.0 else -1.0), np.zeros(count)
     loads, D = scene.interaction.loads.at(t), scene.dimension
     for known, each in zip(on_faces, loads.tractions, strict=True):

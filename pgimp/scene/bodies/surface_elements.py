@@ -13,8 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.geometry.measure import measure
+from pgimp.geometry.measure import measure, pieces
 from pgimp.geometry.regions.base import Region
+from pgimp.physics.shapes.parts import PartParameters
 from pgimp.scene.bodies.elements import Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
 
@@ -27,8 +28,11 @@ _PARTS = (1, 4, 2)
 #: Thickness of the slabs by which areas are measured, and least area, over those of a part.
 _THIN, _LEAST = 1e-4, 1e-9
 
+#: Part of a piece's volume that is rounding.
+_ROUNDING = 1e-9
+
 #: Boxes from an element to the particle that carries it, at most.
-_AWAY = 2
+AWAY = 2
 
 #: Boxes whose distances are found at once.
 _BLOCK = 200_000
@@ -71,12 +75,16 @@ def find_elements(
             ranges[d] = ranges[d][ranges[d] >= 0]
         if (d, 1) in closed:
             ranges[d] = ranges[d][ranges[d] < len(e) - 1]
-    find = _cut_elements if body.cut else _whole_elements
-    found = find(body, ranges, closed)
+    cuts = (body.region, within) if body.exact else ()
+    found = (
+        _cut_elements(body, ranges, closed, cuts)
+        if body.cut
+        else _whole_elements(body, ranges, closed)
+    )
     return found.chosen(within.contains(found.centroid)) if len(found.box) else found
 
 
-def _products(axes: Sequence[Indices]) -> Indices:
+def _combinations(axes: Sequence[Indices]) -> Indices:
     """All combinations of numbers, in C order, (n, D)."""
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
 
@@ -94,11 +102,16 @@ def _near(body: LatticeBody, low: Reals, high: Reals) -> NDArray[np.bool_]:
     return found
 
 
-def _cut_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) -> Elements:
-    """Elements of a surface that cuts boxes."""
+def _cut_elements(
+    body: LatticeBody, ranges: Sequence[Indices], closed: Closed, cuts: Sequence[Region]
+) -> Elements:
+    """Elements of a surface that cuts boxes; none of them crosses a plane of the regions `cuts`.
+
+    On such planes each side of a box has an element of its own, so that edges have none.
+    """
     D, boxes = len(ranges), []
     for plane in ranges[0]:
-        some = _products([np.array([plane]), *ranges[1:]])
+        some = _combinations([np.array([plane]), *ranges[1:]])
         ends = (
             np.stack([_edge(e, some[:, d] + k) for d, e in enumerate(body.edges)], axis=1)
             for k in (0, 1)
@@ -106,7 +119,7 @@ def _cut_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) 
         boxes.append(some[_near(body, *ends)] if len(some) else some)
     box = np.concatenate(boxes) if boxes else np.zeros((0, D), np.int64)
     parts = _PARTS[D - 1]
-    each = _products([np.arange(parts)] * D)
+    each = _combinations([np.arange(parts)] * D)
     part = np.tile(each, (len(box), 1))
     box = np.repeat(box, len(each), axis=0)
     low, high = np.empty(box.shape), np.empty(box.shape)
@@ -116,9 +129,17 @@ def _cut_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) 
         high[:, d] = a + (part[:, d] + 1) / parts * (b - a)
     near = _near(body, low, high) if len(low) else np.zeros(0, bool)
     box, low, high = box[near], low[near], high[near]
+    for region in cuts:
+        row, low, high = pieces(region, low, high)
+        box = box[row]
     n, size = len(box), high - low
     area, moment = np.zeros((n, D)), np.zeros((n, D, D))
     volume = measure(body.region, low, high)[0]
+    full = size.prod(axis=1)
+    whole = volume > (1.0 - _ROUNDING) * full
+    # Pieces without a surface inside, but for their faces, have an element for each of these.
+    plain = whole | (volume < _ROUNDING * full) if cuts else np.zeros(n, bool)
+    sides = []
     for d in range(D):
         moment[:, d, d] += volume
         for side, at in ((-1.0, low), (1.0, high)):
@@ -134,16 +155,32 @@ def _cut_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) 
             thickness = b[:, d] - a[:, d]
             face = inside / thickness
             area[:, d] -= side * face
+            arms = np.zeros((n, D))
             for j in range(D):
-                arm = side * 0.5 * size[:, d] * face if j == d else first[:, j] / thickness
-                moment[:, j, d] -= side * arm
+                arms[:, j] = side * 0.5 * size[:, d] * face if j == d else first[:, j] / thickness
+                moment[:, j, d] -= side * arms[:, j]
+            if plain.any():
+                missing = np.where(whole, full / size[:, d], 0.0) - face
+                arms[:, d] -= side * 0.5 * np.where(whole, full, 0.0)
+                sides.append(_side(d, side, missing, -side * arms))
     there = np.zeros(n, bool)
     for d in range(D):
-        full = np.ones(n)
-        for j in range(D):
-            full *= size[:, j] if j != d else 1.0
-        there |= np.abs(area[:, d]) > _LEAST * full
-    return Elements(box, 0.5 * (low + high), area, moment).chosen(there)
+        there |= np.abs(area[:, d]) > _LEAST * (full / size[:, d])
+    found = Elements(box, 0.5 * (low + high), area, moment)
+    if not plain.any():
+        return found.chosen(there)
+    every = [found.chosen(there & ~plain)]
+    for of_side, moments, d in sides:
+        some = plain & (np.abs(of_side[:, d]) > _LEAST * (full / size[:, d]))
+        every.append(found._replace(area=of_side, moment=moments).chosen(some))
+    return Elements(*map(np.concatenate, zip(*every, strict=True)))
+
+
+def _side(d: int, side: float, missing: Reals, arms: Reals) -> tuple[Reals, Reals, int]:
+    """Area vectors and moments of the elements on a side of boxes, and the side's axis."""
+    area, moment = np.zeros(arms.shape), np.zeros((*arms.shape, arms.shape[1]))
+    area[:, d], moment[:, :, d] = side * missing, arms
+    return area, moment, d
 
 
 def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) -> Elements:
@@ -203,17 +240,17 @@ def _exists(body: LatticeBody, ranges: Sequence[Indices]) -> NDArray[np.bool_]:
 def carriers(body: LatticeBody, elements: Elements) -> Indices:
     """Boxes of the particles that carry elements: their own, or the nearest with a particle.
 
-    Those without any within `_AWAY` boxes get -2.
+    Those without any within `AWAY` boxes get -2.
     """
     D = len(body.edges)
     box = elements.box.copy()
     if not len(box):
         return box
-    ranges = [np.arange(box[:, d].min() - _AWAY, box[:, d].max() + _AWAY + 1) for d in range(D)]
+    ranges = [np.arange(box[:, d].min() - AWAY, box[:, d].max() + AWAY + 1) for d in range(D)]
     first = np.array([r[0] for r in ranges])
     exists = _exists(body, ranges)
     lacking = np.flatnonzero(~exists[tuple((box - first).T)])
-    steps = _products([np.arange(-_AWAY, _AWAY + 1)] * D)
+    steps = _combinations([np.arange(-AWAY, AWAY + 1)] * D)
     centroid = elements.centroid
     for row in lacking:
         near = box[row] + steps
@@ -226,34 +263,31 @@ def carriers(body: LatticeBody, elements: Elements) -> Indices:
     return box
 
 
-def parts_of(
-    body: LatticeBody,
-    within: Region,
-    x: Reals,
-    planes: tuple[int, int],
-    ring: bool,
-    closed: Closed = (),
-) -> Reals:
-    """Parts of a surface that particles carry: area, area vector, first moments, (n, width).
+def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tuple[Reals, Reals]:
+    """Parts of a surface that particles carry.
 
     Parameters
     ----------
-    body, within
-        As in `find_elements`.
+    body : LatticeBody
+        The body.
+    elements : Elements
+        The elements of the surface within `AWAY` boxes from the particles.
     x : (n, D) float64
-        Positions of the body's particles in these planes, in the order of the lattice.
-    planes : (int, int)
-        First plane and end.
+        Positions of the body's particles in some planes, in the order of the lattice.
     ring : bool
         Whether boxes stand for rings about the axis x = 0.
-    closed
-        As in `find_elements`.
+
+    Returns
+    -------
+    parts : (n, width) float64
+        Area, area vector, first moments.
+    products : (n, 0, 1 or 4) float64
+        Means of products of the distances from the part's centroid, see `PartParameters`.
     """
     n, D = x.shape
     found = np.zeros((n, 1 + D + D * D))
-    if not n:
-        return found
-    elements = find_elements(body, within, (planes[0] - _AWAY, planes[1] + _AWAY), closed)
+    if not n or not len(elements.box):
+        return found, np.zeros((n, PartParameters.products(D)))
     goes = carriers(body, elements)
     whole = _together(body, elements) if ring else elements.area
     shape = tuple(len(e) + 2 for e in body.edges)
@@ -276,7 +310,61 @@ def parts_of(
             if ring:
                 moment += 2.0 * np.pi * _spread(whole, j) * elements.area[:, d]
             np.add.at(found[:, 1 + D + D * j + d], row, moment)
+    return found, _products(elements, x, row, found)
+
+
+def _products(elements: Elements, x: Reals, row: Indices, parts: Reals) -> Reals:
+    """Products of inertia of the parts of a surface in some rows, see `parts_of`."""
+    n, D = x.shape
+    found = np.zeros((n, PartParameters.products(D)))
+    loaded = np.flatnonzero(parts[:, 0])
+    vector = parts[:, 1 : 1 + D]
+    moment = parts[:, 1 + D :].reshape(n, D, D)
+    square = np.maximum((vector * vector).sum(axis=1), 1e-300)
+    centroid = x + (moment * vector[:, None]).sum(axis=2) / square[:, None]
+    arm, area = elements.centroid - centroid[row], elements.area
+    size = np.sqrt((area * area).sum(axis=1))
+    for column, axes in enumerate(((0, 1),) if D == 2 else ((1, 2), (0, 2), (0, 1), (0, 1, 2))):
+        product = size * arm[:, axes].prod(axis=1)
+        if len(axes) == 2:  # an element is straight, or a flat one as wide as long
+            i, j = axes
+            own = area[:, i] * area[:, j] / 12.0
+            product -= own * (size if D == 2 else 1.0)
+        if D > 1:
+            np.add.at(found[:, column], row, product)
+    found[loaded] /= parts[loaded, 0, None]
     return found
+
+
+def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, int]) -> Elements:
+    """Elements of a face of a body that is a box, one in each box of the lattice.
+
+    Parameters
+    ----------
+    body : LatticeBody
+        The body.
+    axis, side : int
+        The face's normal is `side` times the unit vector `axis`.
+    planes : (int, int)
+        First plane and end.
+    """
+    low, high = (np.array(end) for end in body.region.bounds())
+    D, ranges, ends = len(body.edges), [], []
+    for d, e in enumerate(body.edges):
+        a, b = np.maximum(e[:-1], low[d]), np.minimum(e[1:], high[d])
+        some = np.flatnonzero(a < b)
+        if d == axis:
+            some = some[-1:] if side > 0 else some[:1]
+            a[some] = b[some] = (low, high)[side > 0][d]
+        if d == 0:
+            some = some[(planes[0] <= some) & (some < planes[1])]
+        ranges.append(some)
+        ends.append((a, b))
+    box = _combinations(ranges)
+    a, b = (np.stack([ends[d][k][box[:, d]] for d in range(D)], axis=1) for k in (0, 1))
+    area = np.zeros(box.shape)
+    area[:, axis] = side * np.where(np.arange(D) == axis, 1.0, b - a).prod(axis=1)
+    return Elements(box, 0.5 * (a + b), area, np.zeros((len(box), D, D)))
 
 
 #: Places in a box along each direction that tell elements apart.

@@ -23,9 +23,9 @@ class VolumeFractions(NamedTuple):
         Numbers of boxes with a fraction other than 0 and 1, ascending.
     fractions : (n,) float64
         Volume of their parts inside, over the volume of a box.
-    moments : (n, D) float64
+    moments : (n, D or 2^D - 1) float64
         Integrals over their parts of the position relative to the box's centre, over the volume
-        of a box.
+        of a box. Of bodies that are exact to their surface also of its components' products.
     """
 
     ranges: Ranges
@@ -47,7 +47,27 @@ class VolumeFractions(NamedTuple):
 
     def moment(self, indices: Indices) -> Reals:
         """Moments of the boxes with these numbers, (n, D)."""
-        return self._take(indices, np.zeros((len(indices), self.moments.shape[1])), self.moments)
+        D = len(self.ranges)
+        return self._take(indices, np.zeros((len(indices), D)), self.moments[:, :D])
+
+    def products(self, indices: Indices) -> Reals:
+        """Products of inertia of the boxes with these numbers about their centroids, (n, 1 or 4).
+
+        They are means over a box's part: of xy in 2D, of yz, xz, xy and xyz in 3D.
+        """
+        D = len(self.ranges)
+        means = (
+            self._take(indices, np.zeros((len(indices), self.moments.shape[1])), self.moments)
+            / self.fraction(indices)[:, None]
+        )
+        c, found = means[:, :D].T, means[:, D:]
+        if D == 2:
+            found[:, 0] -= c[0] * c[1]
+            return found
+        x, y, z = c
+        found[:, 3] -= x * found[:, 0] + y * found[:, 1] + z * found[:, 2] - 2.0 * x * y * z
+        found[:, :3] -= np.stack([y * z, x * z, x * y], axis=1)
+        return found
 
     def part(self, ranges: Ranges) -> "VolumeFractions":
         """The same in another part of the lattice; boxes outside of this one are empty."""

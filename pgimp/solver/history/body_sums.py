@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from math import frexp, ldexp
 
 import numpy as np
@@ -19,10 +20,12 @@ def _mass(sums: np.ndarray, unit: float) -> float:
     return ldexp(float((high << LOW) + low), -LOW) / unit
 
 
-def own_sums(rank: RankState, scene: Scene, order: Order) -> tuple[np.ndarray, np.ndarray, float]:
+def own_sums(
+    rank: RankState, scene: Scene, order: Order, bodies: Collection[int] | None = None
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Sums by layer and body of some particles of a rank, their masses, and the masses' unit."""
     sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))
-    sum_layers(rank, scene, order, sums)
+    sum_layers(rank, scene, order, sums, bodies)
     masses = np.zeros((len(scene.body_names), 2), np.int64)
     unit = 2.0 ** (HIGH - 2 - frexp(scene.materials.most_mass)[1])  # see `put_in_order`
     exact_masses(rank.population.columns, order.rows, unit, masses)
@@ -39,7 +42,9 @@ def reduced(
     return bodies, _mass(every.reshape(-1, 2), unit)
 
 
-def sums_of_bodies(rank: RankState, scene: Scene, order: Order) -> np.ndarray:
+def sums_of_bodies(
+    rank: RankState, scene: Scene, order: Order, bodies: Collection[int] | None = None
+) -> np.ndarray:
     """Sums by body of some particles, as in `layer_sums`, on rank 0; collective.
 
     Parameters
@@ -50,13 +55,15 @@ def sums_of_bodies(rank: RankState, scene: Scene, order: Order) -> np.ndarray:
         The scene with the parameters.
     order : Order
         The particles, by layer.
+    bodies : collection of int, optional
+        Whose particles these are, if not all.
 
     Returns
     -------
     (bodies, columns) float64
         Zeros except on rank 0.
     """
-    sums, masses, unit = own_sums(rank, scene, order)
+    sums, masses, unit = own_sums(rank, scene, order, bodies)
     parts = rank.comm.gather((sums, masses))
     if parts is None:
         return np.zeros((len(scene.body_names), scene.materials.sums))

@@ -116,6 +116,7 @@ def _find(
     fits &= (number[:, 0] == p.layer[rows]) & ((0 <= place) & (place < per_cell)).all(axis=1)
     fits &= ~p.patch[rows].any(axis=1)  # tractions are forces on particles
     fits &= ~p.surface[rows].any(axis=1)
+    fits &= ~p.products[rows].any(axis=1)  # parts have weights of their own
     mine = np.flatnonzero(fits)
     offset = np.zeros(len(mine), np.int64)
     for d in range(1, D):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from pgimp.kernels.data.arguments import Order
@@ -13,7 +15,13 @@ from pgimp.solver.lagrangian.pieces import by_layers
 from pgimp.solver.rank_state import RankState
 
 
-def sum_layers(rank: RankState, scene: Scene, order: Order, sums: np.ndarray) -> None:
+def sum_layers(
+    rank: RankState,
+    scene: Scene,
+    order: Order,
+    sums: np.ndarray,
+    bodies: Collection[int] | None = None,
+) -> None:
     """Add `layer_sums` of some of a rank's particles, and what vertices have beyond them.
 
     Parameters
@@ -23,12 +31,16 @@ def sum_layers(rank: RankState, scene: Scene, order: Order, sums: np.ndarray) ->
     order : Order
         The particles, by layer.
     sums : (layers, bodies, columns) float64
+    bodies : collection of int, optional
+        Whose particles these are, if not all.
     """
     by_layers(
         rank, order,
         lambda particles, order: layer_sums(scene.setting.without_shape(), particles, order, sums),
         lambda particles, order: _complete_sums(rank, scene, particles, order, sums),
     )  # fmt: skip
+    if rank.slaves:
+        rank.slaves.complete_sums(rank, bodies, sums)
 
 
 def _complete_sums(

@@ -28,12 +28,12 @@ def stored_motion(rank: Rank) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     values = grid.by_vertex(grid.kept.values)[: grid.owned].transpose(0, 2, 3, 1, 4)
     kept = np.concatenate([values[..., _VELOCITY], values[..., _DISPLACEMENT]], axis=-1)
     moving = kept.any(axis=-1) & grid.kept.fields
-    keys = _keys(grid, values.shape[3])[: grid.owned]
+    keys = vertex_keys(grid, values.shape[3])[: grid.owned]
     counts = moving.sum(axis=(1, 2, 3)).astype(np.int64)
     return counts, keys[moving], kept[moving]
 
 
-def _keys(grid: Grid, fields: int) -> np.ndarray:
+def vertex_keys(grid: Grid, fields: int) -> np.ndarray:
     """Keys of a rank's vertices, (planes, y, z, fields) int64."""
     ny, nz = (*grid.frame.vertices, 1, 1)[1:3]
     x, y, z, f = np.meshgrid(
@@ -52,7 +52,7 @@ def put_motion(rank: Rank, keys: np.ndarray, values: np.ndarray) -> bool:
     """Set the motion of a rank's planes from a checkpoint; whether all keys are of its vertices."""
     grid = rank.grid
     mine = grid.by_vertex(grid.kept.values).transpose(0, 2, 3, 1, 4)
-    known = _keys(grid, mine.shape[3])
+    known = vertex_keys(grid, mine.shape[3])
     index = np.searchsorted(known.reshape(-1), keys)
     inside = index < known.size
     if not (inside.all() and (known.reshape(-1)[index] == keys).all()):

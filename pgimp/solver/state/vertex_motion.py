@@ -13,10 +13,12 @@ import numpy as np
 
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
-from pgimp.kernels.data.record import MASS, MOMENTUM
+from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.solver.lagrangian.cells import find_beyond, mark_corners
+from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.particle_groups import groups_of
+from pgimp.solver.state.stored_motion import vertex_keys
 from pgimp.solver.transfers import sum_particles
 
 if TYPE_CHECKING:
@@ -74,6 +76,10 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     kept = grid.kept.fields
     grid.by_vertex(grid.kept.values)[:, kept, ..., _VELOCITY] = velocity[:, kept]
     _forget_unreached(rank)
+    if rank.slaves:
+        _find_slaves(rank)
+        values = grid.kept.values.reshape(-1, RECORD)
+        rank.slaves.spread(rank, values[:, _VELOCITY])
     if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
 
@@ -113,6 +119,37 @@ def keep_masses(rank: Rank) -> None:
     values[..., KEPT_MASS] = _sums(rank)[0]
     _forget_unreached(rank)
     values[_joined(rank, values[..., KEPT_MASS].copy()) == 0.0] = 0.0
+    if rank.slaves:
+        _find_slaves(rank)
+
+
+def _find_slaves(rank: Rank) -> None:
+    """Find the vertices that hold next to nothing, and fold their masses; collective."""
+    scene, grid, population = rank.scene, rank.grid, rank.population
+    particles, order = rank.up_to_date(), population.ordered
+    v, rows = particles.v.copy(), order.rows
+    particles.v[rows, 0] = particles.V0[rows] / particles.m[rows]  # momentum is then volume
+    shape = grid.by_vertex(grid.G).shape[:-1]
+    volume, exact = np.zeros(shape), np.zeros(shape, bool)
+    masses = np.zeros((len(scene.body_names), shape[0], *shape[2:]))
+    for b in range(len(masses)):
+        mine = particles.body[order.rows] == b
+        edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
+        mass, momentum = _sums(rank, Order(order.rows[mine], edges))
+        field = velocity_field(grid, b)
+        masses[b] = mass[:, field]
+        volume[:, field] += momentum[:, field, ..., 0]
+        exact[:, field] |= (masses[b] > 0.0) & scene.settings.exact_surfaces[b]
+    particles.v[:] = v
+    held = volume / np.prod(scene.domain.frame.cell)
+    keys = vertex_keys(grid, shape[1]).transpose(0, 3, 1, 2)
+    frame = scene.domain.frame
+    faces = [
+        (face.axis, frame.ghost + (frame.cells[face.axis] if face.side > 0 else 0))
+        for face in scene.domain.faces
+    ]
+    rank.slaves.find(rank, Vertices(rank, keys, held, exact, faces), masses)
+    rank.slaves.fold_masses(rank)
 
 
 def _forget_unreached(rank: Rank) -> None:

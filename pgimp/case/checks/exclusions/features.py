@@ -60,6 +60,7 @@ one_particle = Feature(
 )
 
 # Bodies of a material.
+beyond_cells = of_key("tents, B-splines", "method.shape", lambda method: not method.in_cell)
 initial = of_bodies(
     "bodies in the initial configuration", "configuration", lambda b, _: _initial(b)
 )
@@ -88,6 +89,10 @@ initial_not_uniform = of_bodies(
     "bodies in the initial configuration that begin with a rotation or a function",
     "velocity",
     lambda body, _: _initial(body) and not isinstance(body.velocity, tuple),
+)
+exact_surface = of_bodies("`surface: exact`", "surface", lambda body, _: body.surface == "exact")
+in_current = of_bodies(
+    "bodies in the current configuration", "configuration", lambda b, _: not _initial(b)
 )
 all_initial = Feature(
     "all bodies in the initial configuration",

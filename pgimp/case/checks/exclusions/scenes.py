@@ -99,6 +99,25 @@ SCENES = (
     Exclusion(f.averaged, f.of_points,
         "averaged is for particles with a size: points may leave a vertex of '{a.name}' hardly any "
         "mass", "take gimp, or lumped"),
+    # Bodies exact to their surface.
+    Exclusion(f.exact_surface, f.in_current,
+        "is for scenes in the initial configuration, but '{b.name}' is in the current one:",
+        "take configuration: initial for all bodies, or surface: cut"),
+    *(
+        Exclusion(f.exact_surface, feature, f"{why}:", "take surface: cut")
+        for feature, why in (
+            (f.beyond_cells, "is for particles that are points or boxes in cells, not {b.name}"),
+            (f.mean, "does not know mean dilatation yet"),
+            (f.axisymmetric, "does not know rings yet"),
+            (f.plane_stress, "does not know plane stress yet"),
+            (f.points, "is for bodies on the lattice, but '{b.name}' comes from a file"),
+            (f.meetings, "does not know {b.name} yet"),
+            (f.averaged, "does not know the averaged mass yet"),
+            (g.periodic, "does not know periodic faces yet"),
+            (g.absorbing, "does not know absorbing faces yet"),
+            (g.grips, "does not know constraints that a force moves yet"),
+        )
+    ),
     # Periodic faces.
     Exclusion(f.meetings_of_initial, g.periodic,
         _PERIODIC + "where bodies in the initial configuration meet nothing yet: no contact, "

@@ -20,6 +20,7 @@ from rank_scenes.flights import (
 from rank_scenes.gauged import GAUGED, gauged
 from rank_scenes.initial_bodies import (
     both_configurations,
+    exact_surfaces,
     initial,
     initial_contact,
     initial_lattice,
@@ -79,6 +80,7 @@ SCENES = (
             staged,
             flowing,
             initial,
+            exact_surfaces,
             initial_stages,
             initial_contact,
             initial_lattice,

@@ -41,6 +41,36 @@ def initial():
     ) | {"method": {"shape": "finite-gimp", "particles_per_cell": [2, 2], "volumetric": "mean"}}
 
 
+def exact_surfaces():
+    """Bodies exact to their surface, across slabs: one turns, one hangs, pressed and dragged."""
+    disk = {"ball": {"centre": [5.3, 5.4], "radius": 1.9}}
+    bodies = {
+        "bar": box([0.0, 1.02], [14.6, 2.98]),
+        "disk": turning({"material": "stiff", "region": disk}, [5.3, 5.4], 2.0, [1.0, 0.5]),
+    }
+    held = {"body": "bar", "region": {"box": {"min": [12.0, 0.0], "max": [13.0, 3.0]}}}
+    top = {"body": "bar", "region": {"box": {"min": [3.3, 2.0], "max": [9.1, 4.0]}}}
+    more = {"configuration": "initial", "surface": "exact"}
+    return scene(
+        2,
+        {name: body | more for name, body in bodies.items()},
+        cells=[18, 9],
+        shape="finite-gimp",
+        end=0.8,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"x-min": "fixed"},
+        constraints={"grip": held | {"velocity": [None, {"table": [[0.0, 0.0], [1.0, 2.0]]}]}},
+        tractions={
+            "push": top | {"pressure": 2.0, "normal": {"of": [0.0, 1.0]}},
+            "pull": {"body": "bar", "face": "x-max", "traction": [1.0, 0.0]},
+        },
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+
+
 def initial_stages():
     """Bonded bodies in the initial configuration, cut off the grid's lines, in stages.
 

@@ -1,0 +1,158 @@
+"""The cell whose vertices move a slave, see `pgimp.solver.lagrangian.slaves`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.solver.rank_state import RankState
+
+#: Vertices from a slave to its masters, at most, along each direction.
+REACH = 2
+
+#: Slaves that are looked at together.
+_BLOCK = 4096
+
+
+class Vertices(NamedTuple):
+    """What a rank's vertices hold of the cells around them.
+
+    Attributes
+    ----------
+    rank : Rank
+        The rank.
+    keys : (planes, fields, y, z) int64
+        Numbers of the vertices and fields in the whole grid.
+    held : (planes, fields, y, z) float64
+        Volumes of particles times weights, over that of a cell.
+    exact : (planes, fields, y, z) bool
+        Where a body is that is exact to its surface.
+    faces : sequence of (int, int)
+        Axis and number of the planes of vertices with a condition.
+    """
+
+    rank: RankState
+    keys: np.ndarray
+    held: np.ndarray
+    exact: np.ndarray
+    faces: Sequence[tuple[int, int]]
+
+    @staticmethod
+    def sizes(rank: RankState) -> tuple[int, int, int]:
+        """Vertices of the whole grid along y and z, and fields."""
+        ny, nz = (*rank.grid.frame.vertices, 1, 1)[1:3]
+        return ny, nz, 1 + max(rank.grid.fields, default=0)
+
+    @staticmethod
+    def numbers(rank: RankState, keys: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Numbers of vertices along x, y, z, and fields."""
+        ny, nz, fields = Vertices.sizes(rank)
+        rest, field = np.divmod(keys, fields)
+        rest, z = np.divmod(rest, nz)
+        x, y = np.divmod(rest, ny)
+        return x, y, z, field
+
+    def field_of(self, keys: np.ndarray) -> np.ndarray:
+        """Fields of vertices, by their keys."""
+        return self.numbers(self.rank, keys)[3]
+
+    def around(self, keys: np.ndarray) -> np.ndarray:
+        """Keys of all vertices of the grid within `REACH`, ascending."""
+        found = [np.zeros(0, np.int64)]
+        for begin in range(0, len(keys), _BLOCK):
+            near = self.shifted(keys[begin : begin + _BLOCK])
+            found.append(np.unique(near[near >= 0]))
+        return np.unique(np.concatenate(found))
+
+    def shifted(self, keys: np.ndarray) -> np.ndarray:
+        """Keys of the vertices within `REACH` of each, -1 beyond the grid, (n, (2 REACH + 1)^D)."""
+        frame = self.rank.grid.frame
+        D, most = len(frame.cell), (*frame.vertices, 1, 1)[:3]
+        ny, nz, fields = self.sizes(self.rank)
+        *place, field = self.numbers(self.rank, keys)
+        steps = np.array([*product(range(-REACH, REACH + 1), repeat=D)])
+        found = np.zeros((len(keys), len(steps)), np.int64)
+        inside = np.ones(found.shape, bool)
+        for d, size in enumerate((1, ny, nz)):
+            at = place[d][:, None] + (steps[None, :, d] if d < D else 0)
+            inside &= (at >= 0) & (at < most[d])
+            found = found * size + at
+        return np.where(inside, found * fields + field[:, None], -1)
+
+    def find(self, keys: np.ndarray, owned: int) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
+        """Places (plane, field, y, z) of vertices that the rank owns, and which these are."""
+        window = self.rank.grid.window
+        x, y, z, field = self.numbers(self.rank, keys)
+        i, j, k = (each - low for each, low in zip((x, y, z), window.lower, strict=True))
+        there = (i >= 0) & (i < owned) & (j >= 0) & (j < window.extent[1])
+        there &= (k >= 0) & (k < window.extent[2])
+        return (i[there], field[there], j[there], k[there]), np.flatnonzero(there)
+
+
+def choose_masters(
+    vertices: Vertices, keys: np.ndarray, known: np.ndarray, held: np.ndarray, least: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Choose the cell of each slave: the least sum of weights' sizes, then along the inward normal.
+
+    Parameters
+    ----------
+    vertices : Vertices
+        The vertices.
+    keys : (n,) int64
+        The slaves.
+    known, held : (k,) int64, (k,) float64
+        Vertices around them, ascending, and what these hold of a cell.
+    least : float
+        What a vertex has to hold.
+
+    Returns
+    -------
+    masters : (n, 2^D) int64
+        Numbers among `known` of each slave's masters; -1 where no cell is near.
+    weights : (n, 2^D) float64
+        Their weights.
+    """
+    D = len(vertices.rank.grid.frame.cell)
+    corners = np.array([*product((0, 1), repeat=D)])
+    firsts = np.array([*product(range(-REACH, REACH), repeat=D)])
+    digits = (2 * REACH + 1) ** np.arange(D)[::-1]
+    members = ((firsts[:, None] + corners + REACH) * digits).sum(axis=2)
+    # Weights of a cell's vertices at a slave, which is -first cells from its lower corner.
+    each = np.where(corners[None] == 1, -firsts[:, None], 1 + firsts[:, None]).prod(axis=2)
+    cost = np.abs(each).sum(axis=1).astype(float)
+    middle = firsts + 0.5
+    middle /= np.sqrt((middle * middle).sum(axis=1))[:, None]
+    steps = np.array([*product(range(-REACH, REACH + 1), repeat=D)])
+    near = (np.abs(steps) <= 1).all(axis=1)
+
+    masters = np.full((len(keys), len(corners)), -1, np.int64)
+    weights = np.zeros((len(keys), len(corners)))
+    place = vertices.numbers(vertices.rank, keys)
+    for begin in range(0, len(keys), _BLOCK):
+        some = slice(begin, begin + _BLOCK)
+        around = vertices.shifted(keys[some])
+        row = np.minimum(np.searchsorted(known, around), max(len(known) - 1, 0))
+        there = known[row] == around
+        volume = np.where(there, held[row], 0.0)
+        good = (volume >= least)[:, members].all(axis=2)
+        for axis, number in vertices.faces:  # what a face holds, masters on it hold as well
+            on = place[axis][some] == number
+            good &= ~on[:, None] | (np.abs(firsts[:, axis] + 0.5) < 1.0)
+        inward = np.zeros((len(around), D))
+        for d in range(D):
+            for column in np.flatnonzero(near):
+                inward[:, d] += volume[:, column] * steps[column, d]
+        size = np.sqrt((inward * inward).sum(axis=1))
+        inward /= np.where(size > 0.0, size, 1.0)[:, None]
+        along = np.zeros(good.shape)
+        for d in range(D):
+            along += inward[:, d, None] * middle[None, :, d]
+        score = np.where(good, cost - 0.25 * np.round(along, 9), np.inf)
+        best = np.argmin(score, axis=1)
+        found = np.isfinite(score[np.arange(len(best)), best])
+        masters[some][found] = np.take_along_axis(row, members[best], axis=1)[found]
+        weights[some][found] = each[best][found]
+    return masters, weights

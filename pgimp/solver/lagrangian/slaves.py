@@ -1,0 +1,314 @@
+"""Vertices that hold next to nothing, as slaves of a cell near them: bodies exact to their surface.
+
+A surface may leave a vertex as little as one likes. Such a vertex has hardly any stiffness beside
+its mass, or hardly any mass, and would move by itself. So one that holds less than `LEAST` of a
+cell moves as the multilinear function of the nearest cell whose vertices all hold enough, continued
+to its place. Its force and its mass go to that cell's vertices with the same weights. Rigid motions
+are kept, so that momentum and angular momentum stay exact. After Badia, Verdugo and Martin, The
+aggregated unfitted finite element method, Comput. Meth. Appl. Mech. Engng 336, 533-553 (2018).
+
+All ranks have the table of all slaves; each folds what belongs to its planes, in the order of the
+vertices. So no bit depends on the ranks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
+from pgimp.kernels.data.record import FORCE, MASS, RECORD, VELOCITY
+from pgimp.kernels.sums.sums import ANGULAR, KINETIC
+from pgimp.mpi.communicator import Communicator
+from pgimp.scene.scene import Scene
+from pgimp.solver.lagrangian.masters import REACH, Vertices, choose_masters
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.vertices import StepPart, VertexUpdate
+
+#: Part of a cell below which a vertex is a slave.
+LEAST = 0.05
+
+_FORCE, _VELOCITY = slice(FORCE, FORCE + 3), slice(VELOCITY, VELOCITY + 3)
+
+
+class Rows(NamedTuple):
+    """Where a rank has the slaves and their masters, until its planes or its window change.
+
+    Attributes
+    ----------
+    slaves, own : (n,) int64
+        Number of each slave's record, -1 where the rank has none; whether the rank owns it.
+    masters : (m,) int64
+        Likewise of all masters.
+    shared : tuple of 2 (k,) int64
+        Numbers of slaves, and of masters, that other ranks may need; ascending, as ranks are.
+    mine : tuple of 2 (j,) int64
+        Numbers of the rank's own ones among both.
+    counts : (2, ranks) int64
+        How many of both each rank has.
+    changed : (c,) int64
+        Numbers of changes of mass at the rank's own vertices; their records and layers follow.
+    records, layers : (c,) int64
+    """
+
+    slaves: np.ndarray
+    own: np.ndarray
+    masters: np.ndarray
+    shared: tuple[np.ndarray, np.ndarray]
+    mine: tuple[np.ndarray, np.ndarray]
+    counts: np.ndarray
+    changed: np.ndarray
+    records: np.ndarray
+    layers: np.ndarray
+
+
+class Slaves(StepPart):
+    """The slaves of a scene's bodies that are exact to their surface.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    comm : communicator
+        Of all ranks.
+
+    Attributes
+    ----------
+    keys : (n,) int64
+        The slaves, as numbers of vertices and fields, ascending.
+    masters : (m,) int64
+        Likewise their masters, each once.
+    of : (n, 2^D) int64
+        Each slave's masters, as numbers in `masters`.
+    weights : (n, 2^D) float64
+        Their weights.
+    free : int
+        Vertices that hold too little, and have no cell near them.
+    """
+
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
+        self.scene, self.comm = scene, comm
+        corners = 2**scene.dimension
+        self.keys = self.masters = np.zeros(0, np.int64)
+        self.of, self.weights = np.zeros((0, corners), np.int64), np.zeros((0, corners))
+        self.free = 0
+        # Changes of mass by folding: vertex, body, change.
+        self._changes: tuple[np.ndarray, np.ndarray, np.ndarray] = (
+            self.keys, self.keys, np.zeros(0)
+        )  # fmt: skip
+        self._field: Any = None
+        self._rows: Rows
+
+    def find(self, rank: RankState, vertices: Vertices, masses: np.ndarray) -> None:
+        """Find slaves and masters from what vertices hold; collective.
+
+        Parameters
+        ----------
+        rank : Rank
+            The rank.
+        vertices : Vertices
+            What its vertices hold of cells.
+        masses : (bodies, planes, y, z) float64
+            The masses that vertices have of each body.
+        """
+        # Slaves of all ranks, and what is held around them.
+        held = vertices.held
+        few = np.where(vertices.exact & (held > 0.0) & (held < LEAST))
+        mine = few[0] < rank.grid.owned
+        few = tuple(each[mine] for each in few)
+        keys = np.sort(np.concatenate(self.comm.allgather(vertices.keys[few])))
+        near = vertices.around(keys)
+        at, there = vertices.find(near, rank.grid.owned)
+        fields = vertices.field_of(near)
+        own = np.zeros((len(self.scene.body_names), len(at[0])))
+        for b, field in enumerate(rank.grid.fields or [0] * len(own)):
+            own[b] = np.where(fields[there] == field, masses[b][at[0], at[2], at[3]], 0.0)
+        parts = self.comm.allgather((near[there], held[at], own))
+        known, values, own = (np.concatenate(each, axis=-1) for each in zip(*parts, strict=True))
+        order = np.argsort(known, kind="stable")
+        known, values, own = known[order], values[order], own[:, order]
+
+        # Their masters; none whose folded mass would become small.
+        masters, weights = choose_masters(vertices, keys, known, values, LEAST)
+        chosen = masters[:, 0] >= 0
+        total, row = own.sum(axis=0), np.searchsorted(known, keys)
+        while True:
+            folded = total.copy()
+            share = weights[chosen] * total[row[chosen], None]
+            np.add.at(folded, masters[chosen].reshape(-1), share.reshape(-1))
+            bad = folded < 0.5 * total
+            bad[row[chosen]] = False
+            spoilt = chosen & (bad[masters] & (weights < 0.0)).any(axis=1)
+            if not spoilt.any():
+                break
+            chosen &= ~spoilt
+        self.free = int((~chosen).sum())
+        self.keys, self.weights = keys[chosen], weights[chosen]
+        numbers, self.of = np.unique(masters[chosen], return_inverse=True)
+        self.of = self.of.reshape(self.weights.shape)
+        self.masters = known[numbers]
+        self._find_changes(own[:, row[chosen]])
+        self._field = None
+
+    def _find_changes(self, own: np.ndarray) -> None:
+        """Set the changes of mass by folding, given what slaves have of each body."""
+        found = []
+        for b, mass in enumerate(own):
+            change = np.zeros(len(self.masters))
+            np.add.at(change, self.of.reshape(-1), (self.weights * mass[:, None]).reshape(-1))
+            for keys, values in ((self.keys, -mass), (self.masters, change)):
+                some = values != 0.0
+                found.append((keys[some], np.full(some.sum(), b), values[some]))
+        keys, bodies, values = (np.concatenate(each) for each in zip(*found, strict=True))
+        self._changes = keys, bodies, values
+
+    def fold_masses(self, rank: RankState) -> None:
+        """Add the kept masses of slaves to their masters'."""
+        rows, records = self._located(rank), rank.grid.kept.values.reshape(-1, RECORD)
+        keys, _, changes = self._changes
+        slaves = np.isin(keys, self.keys)
+        at, _ = self._records(rank, keys)
+        there = (at >= 0) & ~slaves
+        np.add.at(records[:, KEPT_MASS], at[there], changes[there])
+        records[rows.slaves[rows.slaves >= 0], KEPT_MASS] = 0.0
+
+    def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
+        """Add the forces on slaves to their masters'; see `StepPart.add_forces`."""
+        if not len(self.keys):
+            return
+        rows, G = self._located(rank), rank.grid.G.reshape(-1, RECORD)
+        kept = rank.grid.kept.values.reshape(-1, RECORD)
+        force = np.zeros((len(self.keys), 3))
+        force[rows.own] = G[rows.slaves[rows.own], _FORCE]
+        self._exchange(force, rows, 0)
+        to = rows.masters[self.of].reshape(-1)
+        there = to >= 0
+        for d in range(3):
+            share = (self.weights * force[:, d, None]).reshape(-1)
+            np.add.at(G[:, FORCE + d], to[there], share[there])
+        here = rows.slaves[rows.slaves >= 0]
+        G[here, _FORCE] = 0.0
+        for each in (here, rows.masters[rows.masters >= 0]):
+            G[each, MASS] = kept[each, KEPT_MASS]
+
+    def book(self, rank: RankState, update: VertexUpdate) -> None:
+        """Move slaves as their masters say, before any vertex is moved."""
+        if not len(self.keys):
+            return
+        self.spread(rank, rank.grid.G.reshape(-1, RECORD)[:, _VELOCITY])
+
+    def spread(self, rank: RankState, values: np.ndarray) -> None:
+        """Set vectors at slaves to what their masters' give; collective.
+
+        Parameters
+        ----------
+        values : (records, 3) float64
+            Vectors of the rank's vertices.
+        """
+        rows = self._located(rank)
+        known = np.zeros((len(self.masters), 3))
+        there = rows.masters >= 0
+        known[there] = values[rows.masters[there]]
+        self._exchange(known, rows, 1)
+        found = np.zeros((len(self.keys), 3))
+        for corner in range(self.weights.shape[1]):
+            found += self.weights[:, corner, None] * known[self.of[:, corner]]
+        here = rows.slaves >= 0
+        values[rows.slaves[here]] = found[here]
+
+    def complete_sums(
+        self, rank: RankState, some: Collection[int] | None, sums: np.ndarray
+    ) -> None:
+        """Add what masters have in place of slaves: angular momentum and kinetic energy.
+
+        Parameters
+        ----------
+        some : collection of int or None
+            The bodies of the sums; None: all.
+        sums : (layers, bodies, columns) float64
+            See `pgimp.kernels.sums.sums.layer_sums`.
+        """
+        if not len(self.keys):
+            return
+        rows = self._located(rank)
+        bodies, mass = self._changes[1][rows.changed], self._changes[2][rows.changed]
+        counted = np.isin(bodies, [*some]) if some is not None else np.ones(len(bodies), bool)
+        records = rows.records[counted]
+        layer, bodies, mass = rows.layers[counted], bodies[counted], mass[counted]
+        motion = rank.grid.kept.values.reshape(-1, RECORD)[records]
+        v = motion[:, KEPT_VELOCITY : KEPT_VELOCITY + 3]
+        x = self._places(rank, self._changes[0][rows.changed[counted]])
+        x += motion[:, DISPLACEMENT : DISPLACEMENT + 3]
+        for d in range(3):
+            i, j = (d + 1) % 3, (d + 2) % 3
+            about = mass * (x[:, i] * v[:, j] - x[:, j] * v[:, i])
+            np.add.at(sums[..., ANGULAR + d], (layer, bodies), about)
+        square = v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1] + v[:, 2] * v[:, 2]
+        np.add.at(sums[..., KINETIC], (layer, bodies), 0.5 * mass * square)
+
+    def _places(self, rank: RankState, keys: np.ndarray) -> np.ndarray:
+        """Coordinates of vertices in the initial state, (n, 3)."""
+        frame, found = rank.grid.frame, np.zeros((len(keys), 3))
+        for d, number in enumerate(Vertices.numbers(rank, keys)[: len(frame.cell)]):
+            found[:, d] = frame.origin[d] + (number - frame.ghost) * frame.cell[d]
+        return found
+
+    def _records(self, rank: RankState, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the records of vertices, -1 where the rank has none; and their planes."""
+        grid = rank.grid
+        x, y, z, field = Vertices.numbers(rank, keys)
+        (i, j, k), extent = (
+            (each - low for each, low in zip((x, y, z), grid.window.lower, strict=True)),
+            (grid.planes, *grid.window.extent[1:]),
+        )
+        there = (i >= 0) & (i < extent[0]) & (j >= 0) & (j < extent[1])
+        there &= (k >= 0) & (k < extent[2])
+        stride = [s // RECORD for s in grid.window.stride]
+        size = extent[1] * extent[2]
+        at = i * stride[0] + field * size + j * stride[1] + k * stride[2]
+        return np.where(there, at, -1), i
+
+    def _located(self, rank: RankState) -> Rows:
+        """Where the rank has slaves and masters; collective when planes or window have changed."""
+        if self._field is rank.grid.field:
+            return self._rows
+        self._field = rank.grid.field
+        owned, slab = rank.grid.owned, rank.slab
+        slaves, i = self._records(rank, self.keys)
+        masters, k = self._records(rank, self.masters)
+        changes, n = self._records(rank, self._changes[0])
+        changed = np.flatnonzero((changes >= 0) & (n < owned))
+        own, mine = (slaves >= 0) & (i < owned), (masters >= 0) & (k < owned)
+        # Whatever is this near to the end of a slab may be of use to other ranks.
+        ends = self.comm.allgather((slab.first, slab.first + owned) if owned else ())
+        edges = np.unique([end for each in ends for end in each])[1:-1]
+        near, have = [], []
+        for keys, here in ((self.keys, own), (self.masters, mine)):
+            x = Vertices.numbers(rank, keys)[0]
+            apart = np.abs(x[:, None] - edges[None]) if len(edges) else np.full((len(x), 1), 99)
+            near.append(np.flatnonzero(apart.min(axis=1) <= 2 * REACH))
+            have.append(near[-1][here[near[-1]]])
+        counts = np.array(self.comm.allgather([len(each) for each in have])).T
+        layers = np.minimum(n[changed], max(slab.layers - 1, 0))
+        self._rows = Rows(
+            slaves, own, masters, (near[0], near[1]), (have[0], have[1]), counts,
+            changed, changes[changed], layers,
+        )  # fmt: skip
+        return self._rows
+
+    def _exchange(self, values: np.ndarray, rows: Rows, which: int) -> None:
+        """Set the vectors of slaves (0) or masters (1) that other ranks own; collective."""
+        counts = rows.counts[which]
+        if self.comm.size == 1 or not counts.sum():
+            return
+        found = np.empty((int(counts.sum()), 3))
+        sent = np.ascontiguousarray(values[rows.mine[which]])
+        self.comm.Allgatherv(sent, (found, 3 * counts))
+        values[rows.shared[which]] = found
+
+
+def slaves_of(scene: Scene, comm: Communicator, before: Slaves | None = None) -> Slaves | None:
+    """The slaves of a scene; None without bodies that are exact to their surface."""
+    return Slaves(scene, comm) if scene.settings.exact_surfaces.any() else None

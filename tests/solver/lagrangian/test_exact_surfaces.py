@@ -1,0 +1,177 @@
+"""Bodies exact to their surface: forces, masses and stresses against integrals over true bodies."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scenes import finish, scene, start
+
+from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
+from pgimp.kernels.data.record import RECORD
+from pgimp.solver.lagrangian.masters import Vertices
+
+pytestmark = pytest.mark.slow(60)
+
+SIZE = 4.0
+PUSH = 0.05
+
+
+def exact(region, **more):
+    """A body in the initial configuration, exact to its surface."""
+    body = {"material": "soft", "region": region, "configuration": "initial", "surface": "exact"}
+    return body | more
+
+
+def block(low, **parts):
+    """A square of four cells, cut anywhere."""
+    low = np.array(low)
+    region = {"box": {"min": low.tolist(), "max": (low + SIZE).tolist()}}
+    more = {"velocity": parts.pop("velocity")} if "velocity" in parts else {}
+    return scene(2, exact(region, **more), cells=[9, 9], **parts)
+
+
+def corners(sim):
+    """Weights and gradients of a simulation's particles, by NumPy: (n, 2^D), (n, 2^D, D)."""
+    p, rows = sim.particles, sim.live()
+    D, h = sim.scene.dimension, np.array(sim.scene.domain.frame.cell)
+    x, c = p.origin[rows] / h, p.products[rows]
+    first = np.floor(x)
+    t = x - first
+    N, dN, cells = [], [], []
+    for corner in product((0, 1), repeat=D):
+        sign = np.array([1.0 if k else -1.0 for k in corner])
+        n = np.where(np.array(corner) == 1, t, 1.0 - t)
+        if D == 2:
+            N.append(n[:, 0] * n[:, 1] + sign.prod() * c[:, 0] / h.prod())
+            dN.append(np.stack([sign[0] * n[:, 1], sign[1] * n[:, 0]], axis=1) / h)
+        else:
+            yz, xz, xy = (c[:, k] / np.delete(h, k).prod() for k in range(3))
+            a, b, g = n.T
+            s, u, v = sign
+            N.append(a * b * g + a * u * v * yz + b * s * v * xz + g * s * u * xy
+                     + s * u * v * c[:, 3] / h.prod())  # fmt: skip
+            parts = s * (b * g + u * v * yz), u * (a * g + s * v * xz), v * (a * b + s * u * xy)
+            dN.append(np.stack(parts, axis=1) / h)
+        cells.append(first + corner)
+    return (np.stack(each, axis=1) for each in (N, dN, np.array(cells, int)))
+
+
+def at_vertices(shape, cells, values):
+    """Sums of particles' values at vertices."""
+    found = np.zeros((*shape, *values.shape[2:]))
+    np.add.at(found, tuple(np.moveaxis(cells, -1, 0)), values)
+    return found
+
+
+def tents(x, shape):
+    """Weights of all vertices at points, (n, *shape)."""
+    each = [np.maximum(1.0 - np.abs(x[:, d, None] - np.arange(n)), 0.0)
+            for d, n in enumerate(shape)]  # fmt: skip
+    letters = "xyz"[: len(shape)]
+    return np.einsum(",".join("n" + c for c in letters) + "->n" + letters, *each)
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_forces_and_masses_are_integrals_over_the_ball(D):
+    centre, R = np.array([3.13, 2.91, 3.27])[:D], 2.2
+    ball = {"ball": {"centre": centre.tolist(), "radius": R}}
+    sim = start(scene(D, exact(ball), cells=[6] * D))
+    p, rows, shape = sim.particles, sim.live(), (7,) * D
+    N, dN, cells = corners(sim)
+    force = at_vertices(shape, cells, p.V0[rows][:, None, None] * dN)
+    if D == 2:
+        angle = (np.arange(20000) + 0.5) * 2.0 * np.pi / 20000
+        n = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        weight = np.full(len(n), 2.0 * np.pi * R / len(n))
+    else:
+        z, w = np.polynomial.legendre.leggauss(120)
+        angle = (np.arange(240) + 0.5) * 2.0 * np.pi / 240
+        n = np.stack(
+            [np.outer(np.sqrt(1 - z * z), np.cos(angle)), np.outer(np.sqrt(1 - z * z),
+             np.sin(angle)), np.outer(z, np.ones(240))], axis=-1).reshape(-1, 3)  # fmt: skip
+        weight = np.repeat(w, 240) * 2.0 * np.pi / 240 * R**2
+    truth = np.einsum("n...,nd->...d", tents(centre + R * n, shape) * _column(weight, D), n)
+    assert np.abs(force - truth).max() < 4e-3 * np.abs(truth).max()
+    assert np.sqrt(((force - truth) ** 2).sum() / (truth**2).sum()) < 1.5e-3
+
+    # Masses: of what vertices hold, and of these with what slaves give to their masters.
+    mass = at_vertices(shape, cells, p.m[rows][:, None] * N)
+    if D == 2:
+        points = (np.arange(6 * 240) + 0.5) / 240
+        x = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
+        x = x[((x - centre) ** 2).sum(axis=1) < R * R]
+        parts = np.array_split(x, 20)
+        truth = np.sum([tents(part, shape).sum(axis=0) for part in parts], axis=0)
+        np.testing.assert_allclose(mass, truth / 240**2, atol=1e-3)
+    slaves, ghost = sim.rank.slaves, sim.scene.domain.frame.ghost
+    place = [number - ghost for number in Vertices.numbers(sim.rank, slaves.keys)[:D]]
+    to = [number - ghost for number in Vertices.numbers(sim.rank, slaves.masters)[:D]]
+    few = (mass > 0.0) & (mass < 0.05)
+    assert few[tuple(place)].all()
+    assert slaves.free + len(place[0]) == few.sum()
+    x = np.stack(place, axis=1)
+    masters = np.stack(to, axis=1)[slaves.of]
+    np.testing.assert_allclose(slaves.weights.sum(axis=1), 1.0, rtol=1e-14)
+    np.testing.assert_allclose((slaves.weights[..., None] * masters).sum(axis=1), x, atol=1e-13)
+    assert np.abs(masters - x[:, None]).max() <= 2
+    for s in range(len(x)):
+        for k, weight in zip(masters[s], slaves.weights[s], strict=True):
+            mass[tuple(k)] += weight * mass[tuple(x[s])]
+        mass[tuple(x[s])] = 0.0
+    kept = sim.rank.grid.kept.values.reshape(-1, RECORD)[:, KEPT_MASS]
+    np.testing.assert_allclose(np.sort(kept[kept > 0.0]), np.sort(mass[mass > 0.0]), rtol=1e-10)
+    assert slaves.free or kept[kept > 0.0].min() > 0.025
+
+
+def _column(values, D):
+    return values.reshape(-1, *[1] * D)
+
+
+@pytest.mark.parametrize("low", [(1.37, 1.21), (2.0, 1.97), (1.98, 2.4)])
+def test_uniform_stress_under_a_traction(low):
+    """By face and by region a cut block has the stress of its traction, everywhere."""
+    top = {"box": {"min": [0.0, 3.0], "max": [9.0, 9.0]}}
+    tractions = {
+        "top": {"body": "body", "region": top, "traction": [0.0, PUSH],
+                "normal": {"of": [0.0, 1.0]}},
+        "bottom": {"body": "body", "face": "y-min", "traction": [0.0, -PUSH]},
+    }  # fmt: skip
+    sim = start(block(low, end=3.0, step=0.02, tractions=tractions, damping={"mass": 8.0}))
+    sim.diagnostics()
+    finish(sim)
+    stress = sim.particles.sigma[sim.live()]
+    np.testing.assert_allclose(stress[:, 1], PUSH, rtol=2e-3)
+    np.testing.assert_allclose(stress[:, [0, 3]], 0.0, atol=2e-3 * PUSH)
+    last = sim.diagnostics()
+    np.testing.assert_allclose(last["traction.top-y"], PUSH * SIZE, rtol=2e-3)
+    assert abs(last["traction.top-y"] + last["traction.bottom-y"]) < 1e-5 * PUSH * SIZE
+    assert abs(last["momentum-x"]) < 1e-12
+
+
+def test_faces_and_regions_give_the_same():
+    region = {"box": {"min": [0.0, 0.0], "max": [9.0, 9.0]}}
+    found = []
+    for load in ({"face": "x-max"}, {"region": region, "normal": {"of": [1.0, 0.0], "within": 10}}):
+        case = block(
+            (1.37, 1.98), end=0.2, tractions={"t": {"body": "body", "pressure": 1.0} | load}
+        )
+        sim = finish(start(case))
+        found.append(sim.particles.v[sim.live()])
+    np.testing.assert_allclose(*found, atol=1e-12)
+
+
+def test_spin_momentum_and_energy_of_vertices():
+    """Totals are those of the vertices' lumped masses; spin and momentum stay."""
+    spin = {"rotation": {"about": [4.0, 4.0], "rate": 0.8}, "translation": [0.1, 0.0]}
+    sim = start(block((1.98, 2.02), end=1.0, velocity=spin))
+    first = sim.diagnostics()
+    grid = sim.rank.grid
+    finish(sim)
+    last, kept = sim.diagnostics(), grid.kept.values.reshape(-1, RECORD)
+    m, v = kept[:, KEPT_MASS], kept[:, KEPT_VELOCITY : KEPT_VELOCITY + 2]
+    np.testing.assert_allclose(last["kinetic-energy"], 0.5 * (m[:, None] * v**2).sum(), rtol=1e-12)
+    np.testing.assert_allclose(last["momentum-x"], (m * v[:, 0]).sum(), rtol=1e-12)
+    for name in ("momentum-x", "momentum-y", "angular-momentum-z"):
+        np.testing.assert_allclose(last[name], first[name], rtol=1e-12)
+    energy = [line["kinetic-energy"] + line["strain-energy"] for line in (first, last)]
+    np.testing.assert_allclose(*energy, rtol=2e-3)
