@@ -21,7 +21,7 @@ from pgimp.geometry.regions import Points
 from pgimp.geometry.regions.base import Region
 from pgimp.geometry.regions.enclosed import Enclosed
 from pgimp.kernels.data.column import Carried
-from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.data.particles import Particles, continued_columns
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.limits import limits
@@ -266,6 +266,7 @@ def _wanted(case: Case, name: str, named: str | None, states: States) -> Wanted:
     return Wanted(
         name, named, str(getattr(law, "model", "")), states, case.geometry,
         body.configuration == "initial", density, inertia, periods, case.method.affine,
+        continued_columns(),
     )  # fmt: skip
 
 

@@ -26,9 +26,6 @@ NEEDED = ("velocity", "stress", "deformation", "mass", "initial-volume")
 _WIDTHS = {"position": 3, "displacement": 3, "velocity": 3, "stress": 6, "deformation": 9}
 _WIDTHS |= {"velocity-gradient": 9, "volume": 0, "mass": 0, "initial-volume": 0}
 
-#: Columns that a checkpoint may have, besides x, V, V0, m and the states.
-_COLUMNS = tuple("v F sigma origin L q isolation cell_F fbar_ratio own slope offset excess".split())
-
 #: Relative difference of densities that is rounding.
 _ROUNDING = 1e-9
 
@@ -55,6 +52,8 @@ class Wanted(NamedTuple):
         Low end and period by direction, 0 where the domain is not periodic.
     affine : bool
         Whether its particles carry their velocity gradient.
+    columns : tuple of str
+        Columns of the particles that it takes from a checkpoint which has them.
     """
 
     body: str
@@ -67,6 +66,7 @@ class Wanted(NamedTuple):
     inertia: float
     periods: tuple[tuple[float, float], ...]
     affine: bool
+    columns: tuple[str, ...]
 
 
 def is_saved(file: Any) -> bool:
@@ -184,7 +184,8 @@ def _checkpoint_data(h5py: Any, file: Any, D: int, wanted: Wanted, saved: Saved)
     """Datasets of a checkpoint, by column."""
     if missing := [name for name in wanted.states if name not in saved.states]:
         raise CaseError(f"its particles have no {', '.join(missing)}, which {wanted.model} needs")
-    names = ("x", "V", "V0", "m", *_COLUMNS, *(["state"] if wanted.states else []))
+    names = [*"x V V0 m v F sigma origin".split(), *wanted.columns]
+    names += ["state"] if wanted.states else []
     data = {name: find(h5py, file, name) for name in names}
     shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("V", "V0", "m"), ())
     shapes |= dict.fromkeys(("x", "v", "origin"), (D,)) | {"sigma": (STRESS[D],)}

@@ -1,7 +1,7 @@
 """Columns of the particles: how one is declared, and which a scene carries."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -87,6 +87,9 @@ class Column(NamedTuple):
         Excluded lower bound of the values.
     numbers : str
         Object that it numbers, if any: from 0 on, or from 1 on where 0 stands for none.
+    continued : {"", "optional", "required"}
+        Whether a body that goes on from a run's own checkpoint takes it from there, and whether
+        that must have it. Otherwise it begins as in a new body.
     initial : float or callable
         Initial value; of a matrix its diagonal, the rest is 0. Or from the particles, which have
         their positions and bodies, and from the bodies' entries in the case: (n,) or (n, k).
@@ -101,3 +104,4 @@ class Column(NamedTuple):
     numbers: str = ""
     initial: float | Callable[[Any, Sequence[Any]], np.ndarray] = 0.0
     needed: Callable[[Any], bool] | None = None
+    continued: Literal["", "optional", "required"] = ""

@@ -81,8 +81,14 @@ class Particles(NamedTuple):
             initial=_position,
         ),
     ]
-    L: Annotated[FloatArray, Column("velocity gradient, row by row", "1/time", _gradient)]
-    q: Annotated[FloatArray, Column("viscous pressure", "stress", lambda c: int(c.viscous))]
+    L: Annotated[
+        FloatArray,
+        Column("velocity gradient, row by row", "1/time", _gradient, continued="optional"),
+    ]
+    q: Annotated[
+        FloatArray,
+        Column("viscous pressure", "stress", lambda c: int(c.viscous), continued="optional"),
+    ]
     patch: Annotated[
         FloatArray,
         Column("area of each traction's patch", "area", lambda c: c.tractions, least=0.0),
@@ -104,6 +110,7 @@ class Particles(NamedTuple):
             "centroid of what a surface leaves of it, from its position, at the start",
             "length",
             lambda c: c.dimensions if c.surfaces else 0,
+            continued="optional",
         ),
     ]
     excess: Annotated[
@@ -112,6 +119,7 @@ class Particles(NamedTuple):
             "what the surface's curvature adds to the mean gap from a plane",
             "length",
             lambda c: int(c.surfaces),
+            continued="optional",
         ),
     ]
     isolation: Annotated[
@@ -121,6 +129,7 @@ class Particles(NamedTuple):
             "1",
             lambda c: int(c.mean),
             least=0.0,
+            continued="optional",
         ),
     ]
     cell_F: Annotated[
@@ -131,6 +140,7 @@ class Particles(NamedTuple):
             "1",
             lambda c: _matrix(c) if c.cell_F else 0,
             initial=1.0,
+            continued="required",
         ),
     ]
     fbar_ratio: Annotated[
@@ -141,10 +151,17 @@ class Particles(NamedTuple):
             lambda c: int(c.cell_F),
             above=0.0,
             initial=1.0,
+            continued="required",
         ),
     ]
     own: Annotated[
-        FloatArray, Column("parameters of the material that vary in space", "", lambda c: c.own)
+        FloatArray,
+        Column(
+            "parameters of the material that vary in space",
+            "",
+            lambda c: c.own,
+            continued="required",
+        ),
     ]
     slope: Annotated[
         FloatArray,
@@ -152,6 +169,7 @@ class Particles(NamedTuple):
             "gradient of the volume ratio J, of what flows",
             "1/length",
             lambda c: c.dimensions if c.liquid else 0,
+            continued="optional",
         ),
     ]
     winding: Annotated[
@@ -265,3 +283,8 @@ def needed_by(case: Any) -> frozenset[str]:
     return frozenset(
         name for name, column in COLUMNS.items() if column.needed and column.needed(case)
     )
+
+
+def continued_columns() -> tuple[str, ...]:
+    """Return the columns that a body may take from a run's own file, see `Column.continued`."""
+    return tuple(name for name, column in COLUMNS.items() if column.continued)

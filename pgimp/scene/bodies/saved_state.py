@@ -7,18 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from pgimp.errors import CaseError
-from pgimp.kernels.data.particles import COLUMNS, Particles
+from pgimp.kernels.data.particles import COLUMNS, Particles, continued_columns
 from pgimp.scene.bodies.lattice import ParticleBlock
 from pgimp.scene.scene import Scene
 
-#: Columns that all files have, and those that only some scenes have.
+#: Columns that all files have.
 _ALWAYS = ("x", "v", "F", "sigma", "V", "V0", "m")
-_SOMETIMES = ("L", "q", "isolation", "cell_F", "fbar_ratio", "own", "slope", "offset", "excess")
 
 _CHECKPOINT = "take a checkpoint of its run, checkpoints/step-*.h5, which has it"
-
-#: Columns without which a checkpoint cannot go on; others begin as in a new body.
-_FOLLOW = ("cell_F", "fbar_ratio", "own")
 
 
 def saved_attributes(scene: Scene) -> dict[str, object]:
@@ -80,13 +76,17 @@ def restore_state(scene: Scene, p: Particles, rows: slice, block: ParticleBlock)
         square = p.F[rows, : D * D].reshape(-1, D, D)
         p.surface_F_correction[rows, : D * D] = np.linalg.inv(square).reshape(-1, D * D)
         p.surface_F_correction[rows, D * D :] = 1.0 / p.F[rows, D * D :]
-    for column in _SOMETIMES:
+    for column in continued_columns():
         array: np.ndarray = getattr(p, column)
         if not array.shape[1] or (column == "L" and not scene.carried.affine):
             continue
         if column in columns and columns[column].shape[1:] == array.shape[1:]:
             array[rows] = columns[column]
-        elif column in _FOLLOW or column in columns or not block.saved.checkpoint:
+        elif (
+            COLUMNS[column].continued == "required"
+            or column in columns
+            or not block.saved.checkpoint
+        ):
             raise CaseError(
                 f"bodies.{name}.region: {block.saved.title} lacks something that particles of this "
                 f"case keep, '{COLUMNS[column].meaning}': "
