@@ -12,12 +12,15 @@ import os
 from collections.abc import Callable
 from typing import TypeVar
 
-import numba
+from pgimp.jit.argument_types import type_of
 
 R = TypeVar("R")
 
 #: Whether calls are checked, which takes as long as the search that they save.
 CHECKED = os.environ.get("PGIMP_CHECK_CALLS", "") not in ("", "0")
+
+#: Entries of kernels by the identities of their arguments' types, with these, so that they stay.
+_ENTRIES: dict[tuple, tuple[tuple, Callable]] = {}
 
 
 class Bound:
@@ -34,11 +37,15 @@ class Bound:
             return entry(*args)
         result = kernel(*args)
         if overloads := getattr(kernel, "overloads", None):
-            types = tuple(numba.typeof(arg) for arg in args)
+            types = tuple(map(type_of, args))
             if CHECKED:
                 require_same_types(kernel, self._types.setdefault(kernel, types), types)
-            elif types in overloads:  # not where the call is only noted
-                self._entries[kernel] = overloads[types].entry_point
+                return result
+            known = kernel, *map(id, types)
+            if known not in _ENTRIES and types in overloads:  # not where the call is only noted
+                _ENTRIES[known] = types, overloads[types].entry_point
+            if known in _ENTRIES:
+                self._entries[kernel] = _ENTRIES[known][1]
         return result
 
 

@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, get_args, get_type_hints
 
-import numba
 import numpy as np
+
+from pgimp.jit.argument_types import type_of
 
 #: A kernel, and the types of its arguments.
 Noted = tuple[Any, tuple[Any, ...]]
@@ -58,7 +59,7 @@ def notable(kernel: Any) -> None:
     def first_call(*args: Any, **named: Any) -> Any:
         if _State.noted is None:
             return compile_now(*args, **named)
-        _State.noted[kernel, tuple(numba.typeof(arg) for arg in args)] = None
+        _State.noted[kernel, tuple(map(type_of, args))] = None
         return lambda *_: _nothing(get_type_hints(kernel.py_func).get("return", int))
 
     kernel._compile_for_args = first_call

@@ -141,13 +141,13 @@ def test_squeue_is_asked_for_this_job_in_this_form(squeue, tmp_path):
     assert words == "--noheader|--jobs=12|--format=%A %L|"
 
 
-@pytest.mark.parametrize("script", ["exit 1", "echo what?", "echo 12 1:00 more", "exec sleep 30"])
+@pytest.mark.parametrize(
+    "script", ["exit 1", "echo what?", "echo 12 1:00 more", "sleep 30; echo 12 1:00"]
+)
 def test_a_squeue_that_does_not_work_is_no_limit(squeue, script, monkeypatch, capfd):
     monkeypatch.setattr(module, "_SQUEUE_SECONDS", 0.2)
     squeue(script)
-    began = time.monotonic()
     assert slurm_seconds_left() is None
-    assert time.monotonic() - began < 10.0
     assert capfd.readouterr() == ("", "")
 
 

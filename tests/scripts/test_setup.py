@@ -67,6 +67,20 @@ def test_what_a_run_imports_is_compiled_even_where_python_is_not_to_keep_it(mach
     assert "\nbytecode []\n" in machine.called
 
 
+def test_the_kernels_of_all_cases_are_compiled_where_that_is_asked_for(ready):
+    assert "compile_ahead" not in ready.run("scripts/setup").stdout + ready.called
+    for name in ("one", "two"):
+        (ready.root / "cases").mkdir(exist_ok=True)
+        (ready.root / "cases" / f"{name}.yaml").touch()
+    done = ready.run("scripts/setup", "--gallery", COMPILED="0")
+    assert done.returncode == 0, done.stderr
+    assert "compiling the kernels" in done.stdout and "in place" in done.stdout
+    named = [str(ready.root / "cases" / f"{name}.yaml") for name in ("one", "two")]
+    assert f"python -m pgimp.running.compile_ahead {' '.join(named)}\n" in ready.called
+    failed = ready.run("scripts/setup", "--gallery", COMPILED="1")
+    assert failed.returncode == 1 and "not all kernels could be compiled" in failed.stderr
+
+
 def test_what_the_tests_need_comes_on_top(ready):
     ready.add("apt-get", APT_GET)
     (ready.bin / "pvpython").unlink()

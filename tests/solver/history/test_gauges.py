@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from scenes import box, finish, scene, start
+from region_entries import half_space as half
+from scenes import box, scene, start
 
 import pgimp
 from pgimp.utilities.plot.units import kind_of_column
@@ -11,14 +12,9 @@ WALLS = {"x-min": "slip", "x-max": "slip", "y-min": "slip"}
 WATER = {"model": "newtonian", "bulk": 1.0e4, "shear-viscosity": 1.0, "density": 1.0}
 
 
-def half(point, *normal):
-    """The side of a plane."""
-    return {"half-space": {"point": list(point), "normal": list(normal)}}
-
-
 GAUGES = {
-    "waist": {"cut": half([2.0, 2.5], 0.0, 1.0)},
-    "upper": {"cut": half([2.0, 2.5], 0.0, -1.0)},
+    "waist": {"cut": half([2.0, 2.5], [0.0, 1.0])},
+    "upper": {"cut": half([2.0, 2.5], [0.0, -1.0])},
     "block": {"cut": {"box": {"min": [1.0, 1.0], "max": [3.0, 3.5]}}},
     "floor": {"wall": "y-min"},
     "left": {"wall": "y-min", "within": {"box": {"min": [0.0, 0.0], "max": [1.0, 4.0]}}},
@@ -133,12 +129,12 @@ def test_water_at_rest():
 def test_a_jet_carries_its_momentum():
     """Density times area times v and v^2 through a plane, also an oblique one; and means of it."""
     gauges = {
-        "gate": {"flux": half([4.3, 0.0], 1.0, 0.0), "mean": 0.5},
-        "slanted": {"flux": half([5.0, 4.0], 1.0, -0.5)},
+        "gate": {"flux": half([4.3, 0.0], [1.0, 0.0]), "mean": 0.5},
+        "slanted": {"flux": half([5.0, 4.0], [1.0, -0.5])},
         "net": {"flux": {"box": {"min": [3.0, 0.0], "max": [6.0, 8.0]}}},
-        "part": {"flux": half([4.3, 0.0], 1.0, 0.0),
+        "part": {"flux": half([4.3, 0.0], [1.0, 0.0]),
                  "within": {"box": {"min": [0.0, 0.0], "max": [8.0, 4.0]}}},
-        "cut": {"cut": half([4.3, 0.0], 1.0, 0.0)},
+        "cut": {"cut": half([4.3, 0.0], [1.0, 0.0])},
     }  # fmt: skip
     jet = box([1.0, 3.0], [7.0, 5.0], [1.5, 0.0])
     sim = start(scene(2, jet, cells=[16, 8], end=1.0, step=0.05, gauges=gauges))
@@ -160,8 +156,8 @@ def test_a_jet_carries_its_momentum():
 def test_a_jet_that_leaves_the_domain_carries_its_momentum(at):
     """Within a cell of an open end the mean is over what is inside."""
     gauges = {
-        "exit": {"flux": half([at, 0.0], 1.0, 0.0)},
-        "entry": {"flux": half([0.0, 0.0], -1.0, 0.0)},
+        "exit": {"flux": half([at, 0.0], [1.0, 0.0])},
+        "entry": {"flux": half([0.0, 0.0], [-1.0, 0.0])},
     }
     jet = box([0.0, 3.0], [8.0, 5.0], [1.5, 0.0])
     line = start(scene(2, jet, cells=[8, 8], gauges=gauges)).diagnostics()
@@ -174,7 +170,7 @@ def test_a_flux_is_of_what_moves():
 
     And of a jet that speeds up the lines add up to the mass that has passed, however few they are.
     """
-    gauges = {"gate": {"flux": half([4.3, 0.0], 1.0, 0.0), "mean": 1.0}}
+    gauges = {"gate": {"flux": half([4.3, 0.0], [1.0, 0.0]), "mean": 1.0}}
     held = {"y-min": "fixed", "y-max": "fixed"}
     stuck = box([1.0, 0.0], [7.0, 1.0], [1.5, 0.0])
     sim = start(scene(2, stuck, cells=[16, 1], end=1.0, step=0.05, gauges=gauges, boundaries=held))
@@ -203,154 +199,6 @@ def inside(x):
     """Integral of a tent of a cell about 4.3 from x on."""
     away = np.clip(x - 4.3, -1.0, 1.0)
     return 0.5 - away + 0.5 * away * np.abs(away)
-
-
-def test_means_are_over_the_window():
-    """Of what the lines have, with a window that begins between two of them; then a resume's.
-
-    By the trapezoidal rule, and of fluxes, which are means since the line before, exactly.
-    """
-    gauges = {
-        "gate": {"flux": half([4.0, 0.0], 1.0, 0.0), "mean": 0.23},
-        "pool": {"level": [4.5], "mean": 0.23},
-    }
-    body = box([1.0, 1.0], [3.0, 5.0], [2.0, 0.0])
-    sim = start(scene(2, body, cells=[16, 8], end=2.0, step=0.05, gauges=gauges))
-    times, fluxes, means, heights, levels = [], [], [], [], []
-    while not sim.finished:
-        line = sim.diagnostics()
-        times.append(line["time"])
-        fluxes.append(line["gauge.gate.mass-flux"])
-        means.append(line["gauge.gate.mean.mass-flux"])
-        heights.append(line["gauge.pool.height"])
-        levels.append(line["gauge.pool.mean.height"])
-        sim.advance()
-    assert max(fluxes) == pytest.approx(8.0, rel=1e-9)
-    fine = np.linspace(0.0, 1.0, 40001)
-    assert max(heights) > 3.0
-    passed = np.cumsum(np.multiply(fluxes, np.diff(times, prepend=0.0)))
-    for end, mean, level in zip(times, means, levels, strict=True):
-        begin = max(0.0, end - 0.23)
-        values = np.interp(begin + fine * (end - begin), times, heights)
-        assert level == pytest.approx(np.trapezoid(values, fine), abs=1e-6)
-        if end > 0.0:
-            since = np.interp([begin, end], times, passed)
-            assert mean == pytest.approx(np.diff(since)[0] / (end - begin), abs=1e-9)
-    sums = sim.diagnostic_sums.means
-    rows = sums.rows(sim.scene)
-    assert rows.shape == (12, 8)
-    other = type(sums)()
-    other.restore(sim.scene, rows)
-    assert other.rows(sim.scene).tolist() == rows.tolist()
-
-
-def test_the_torque_of_a_bar():
-    """Stresses of torsion, G theta r: the moment is G theta times the polar second moment."""
-    body = box([0.0, 2.0, 2.0], [6.0, 6.0, 6.0])
-    gauges = {"cut": {"cut": half([2.5, 4.0, 4.0], 1.0, 0.0, 0.0)}}
-    sim = start(scene(3, body, gauges=gauges))
-    p, rows = sim.particles, sim.live()
-    y, z = (p.x[rows, d] - 4.0 for d in (1, 2))
-    p.sigma[rows, 3], p.sigma[rows, 5] = -0.5 * z, 0.5 * y
-    line = sim.diagnostics()
-    # Of particles at 0.25, 0.75, .. from the axis on 4 x 4: close to its 4^4/6.
-    polar = 2.0 * (np.arange(-1.75, 2.0, 0.5) ** 2).mean() * 16.0
-    assert polar == pytest.approx(4.0**4 / 6.0, rel=0.02)
-    assert line["gauge.cut.moment-x"] == pytest.approx(0.5 * polar, rel=1e-12)
-    for name in ("force-x", "force-y", "force-z", "moment-y", "moment-z"):
-        assert line[f"gauge.cut.{name}"] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_the_force_is_the_rate_of_momentum():
-    """Exactly, of vertices that keep their motion: a block that spins, cut on one side."""
-    body = box([1.0, 1.0], [7.0, 5.0]) | {"configuration": "initial"}
-    body["velocity"] = {"rotation": {"rate": 0.5, "about": [4.0, 3.0]}}
-    gauges = {"cut": {"cut": half([5.5, 3.0], -1.0, 0.0)}}
-    sim = start(scene(2, body, gauges=gauges, end=1.0))
-
-    def momentum():
-        kept = sim.rank.grid.by_vertex(sim.rank.grid.kept.values)[:, 0]
-        x = np.arange(len(kept)) + sim.rank.grid.window.lower[0] - sim.scene.domain.frame.ghost
-        right = kept[x >= 6.0]
-        return (right[..., :1] * right[..., 5:7]).sum(axis=(0, 1, 2))
-
-    for _ in range(30):
-        before, line = momentum(), sim.diagnostics()
-        sim.advance()
-        force = [line[f"gauge.cut.force-{axis}"] for axis in "xy"]
-        np.testing.assert_allclose((momentum() - before) / 0.01, force, rtol=0, atol=1e-11)
-    assert force[0] < -0.5
-
-
-def lying(low, high):
-    """A box, whatever lies in it."""
-    return {"box": {"min": low, "max": high}}
-
-
-@pytest.mark.parametrize(
-    ("gauges", "where", "text"),
-    [
-        ({"a": {"cut": {"ball": {"centre": [2, 2], "radius": 1}}}}, "a.cut", "expected a half"),
-        ({"a": {"cut": half([9.0, 0.0], -1.0, 0.0)}}, "a.cut", "lies beyond the domain along x"),
-        ({"a": {"cut": half([9.0, 0.0], 1.0, 0.0)}}, "a.cut", "lies beyond the domain along x"),
-        ({"a": {"flux": half([9.0, 9.0], 1.0, 1.0)}}, "a.flux", "lies beyond the domain: nothing"),
-        (
-            {"a": {"cut": {"box": {"min": [-1.0, 0.0], "max": [9.0, 9.0]}}}},
-            "a.cut",
-            "holds the whole domain, so that it has no surface",
-        ),
-        ({"a": {"flux": half([1.0], 1.0)}}, "a.flux", "expected 2 entries"),
-        (
-            {"a": {"cut": half([1.0, 1.0], 1.0, 0.0), "about": [1.0]}},
-            "a.about",
-            "expected 2 entries",
-        ),
-        ({"a": {"wall": "y-max"}}, "a.wall", "y-max is open, and bears nothing"),
-        ({"a": {"wall": "top"}}, "a.wall", "unknown face 'top'"),
-        ({"a": {"level": [1.0, 1.0]}}, "a.level", "expected 1 entry"),
-        ({"a": {"level": [9.0]}}, "a.level.0", "outside of the domain"),
-        ({"a": {"level": [1.0], "bodies": ["bodi"]}}, "a.bodies.0", "did you mean 'body'"),
-        ({"a": {"level": [1.0], "mean": 0}}, "a.mean", "must be above 0"),
-        ({"a": {"weight": 1}}, "a", "known: cut, flux, level, wall"),
-        ({"a": {"level": [1.0], "bodies": []}}, "a.bodies", "names no body, so that nothing is"),
-        (
-            {"a": {"wall": "y-min", "within": lying([0.0, 3.0], [2.0, 4.0])}},
-            "a.within",
-            "ends 3 cells from y-min, so that nothing in it presses there; let it reach",
-        ),
-        (
-            {"a": {"wall": "x-max", "within": lying([7.0, 9.0], [8.0, 9.5])}},
-            "a.within",
-            "lies beyond the domain, whose y goes from 0 to 8: nothing is measured",
-        ),
-        (
-            {"a": {"flux": half([1.0, 0.0], 1.0, 0.0), "within": lying([9.0, 1.0], [9.5, 2.0])}},
-            "a.within",
-            "lies beyond the domain, whose x goes from 0 to 8",
-        ),
-    ],
-)
-def test_gauges_that_cannot_be(gauges, where, text):
-    case = scene(2, box([1.0, 1.0], [3.0, 3.0]), boundaries=WALLS, gauges=gauges)
-    with pytest.raises(pgimp.CaseError) as error:
-        pgimp.load(case)
-    assert f"gauges.{where}" in str(error.value)
-    assert text in str(error.value)
-
-
-def test_a_plane_across_a_periodic_direction_has_a_flux_and_no_force():
-    ends = {"x-min": "periodic", "x-max": "periodic"}
-    body = box([0.0, 1.0], [8.0, 3.0], [0.7, 0.0])
-    flux = {name: {"flux": half([at, 0.0], 1.0, 0.0)} for name, at in (("a", 0.1), ("seam", 0.0))}
-    sim = start(scene(2, body, boundaries=ends, gauges=flux, end=0.1, step=0.05))
-    assert sim.diagnostics()["gauge.a.mass-flux"] == pytest.approx(1.4, rel=1e-12)
-    assert sim.diagnostics()["gauge.seam.mass-flux"] == pytest.approx(1.4, rel=1e-12)
-    assert finish(sim).diagnostics()["gauge.a.mass-flux"] == pytest.approx(1.4, rel=1e-12)
-    with pytest.raises(pgimp.CaseError, match="x-min and x-max are periodic"):
-        pgimp.load(scene(2, body, boundaries=ends, gauges={"a": {"cut": flux["a"]["flux"]}}))
-    spans = {"box": {"min": [0.0, 0.0], "max": [8.0, 2.0]}}
-    sim = start(scene(2, body, boundaries=ends, gauges={"a": {"cut": spans}}))
-    assert sim.diagnostics()["gauge.a.force-y"] == 0.0
 
 
 @pytest.mark.parametrize(

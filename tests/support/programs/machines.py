@@ -36,6 +36,7 @@ case "$*" in
     touch "$folder/mpi4py-1.whl" ;;
 *"-m pip"*"install"*"-1.whl"*) touch "$here/mpi4py" ;;
 *"-m pip"*) exit "${PIP_STATUS:-0}" ;;
+*compile_ahead*) exit "${COMPILED:-0}" ;;
 *"import numpy.ma"*) echo "bytecode [${PYTHONDONTWRITEBYTECODE-unset}]" >>"$LOG" ;;
 *) exec "$REAL_PYTHON" "$@" ;;
 esac

@@ -37,3 +37,29 @@ bodies: {beam: {material: m, region: {box: {min: [0.0, 1.0], max: [8.0, 2.0]}}}}
 
 def plate(*more):
     return read_case(PLATE + "\n".join(more), "plate.yaml")
+
+
+# A steel block of 0.1 m on a floor, in each of two consistent sets of units, and mixed up.
+SI = {"units": "m, kg, s", "young": 2.1e11, "density": 7850.0, "side": 0.1, "gravity": 9.81}
+
+
+MM = {"units": "mm, t, s", "young": 2.1e5, "density": 7.85e-9, "side": 100.0, "gravity": 9810.0}
+
+
+BLOCK = """
+format: 1
+units: {units}
+dimensions: 1
+grid: {{size: [{twice}], cell: [{cell}]}}
+method: {{shape: gimp, particles_per_cell: [2]}}
+time: {{end: {end}, step: {{courant: 0.3}}}}
+materials: {{steel: {{model: linear-1d, young: {young}, density: {density}}}}}
+bodies: {{block: {{material: steel, region: {{box: {{min: [0.0], max: [{side}]}}}}}}}}
+gravity: [-{gravity}]
+boundaries: {{x-min: fixed}}
+"""
+
+
+def block(end=1.0e-3, **of):
+    text = BLOCK.format(**of, end=end, twice=2.0 * of["side"], cell=0.1 * of["side"])
+    return read_case(text, "block.yaml")
