@@ -24,8 +24,8 @@ from pgimp.solver.vertices import StepPart
 PARTS: dict[str, Callable[[Scene, Communicator, Any], StepPart | None]] = {
     "following": following_of,
     "grips": grips_of,
-    "absorbing": absorbing_of,
     "slaves": slaves_of,
+    "absorbing": absorbing_of,
     "damping": damping_of,
     "crossings": crossings_of,
     "flows": flows_of,
