@@ -12,9 +12,6 @@ from pgimp.errors import CaseError
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.loads.surfaces import UNIFORM, Profile, SurfaceLoad, surface_width
-from pgimp.scene.bodies.elements import Elements
-from pgimp.scene.bodies.lattice_body import LatticeBody
-from pgimp.scene.bodies.surface_elements import face_elements, find_elements
 from pgimp.schema.tables import VectorFunction
 from pgimp.schema.time_functions import TimeFunction
 
@@ -75,19 +72,6 @@ class SurfaceLoads:
         liquids = [entry.hydrostatic for entry in self.entries.values() if entry.hydrostatic]
         levels = any(isinstance(liquid.level, TimeFunction) for liquid in liquids)
         return levels or (bool(liquids) and isinstance(self.case.gravity, VectorFunction))
-
-    def elements(
-        self, name: str, body: LatticeBody, planes: tuple[int, int], reach: int
-    ) -> Elements:
-        """Find the elements of the surface that a load is on, in a range of lattice planes.
-
-        They may lie up to `reach` boxes before and after these.
-        """
-        entry, planes = self.entries[name], (planes[0] - reach, planes[1] + reach)
-        if entry.region is None:
-            return face_elements(body, entry.axis, entry.side, planes)
-        found = find_elements(body, entry.region, planes, self.closed)
-        return found.chosen(entry.normal.includes(found.area)) if entry.normal else found
 
     def at(self, t: float) -> tuple[SurfaceLoad, ...]:
         """Parameters of the kernels at time `t`."""

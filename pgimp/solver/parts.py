@@ -25,8 +25,8 @@ from pgimp.solver.vertices import StepPart
 PARTS: dict[str, Callable[[Scene, Communicator, Any], StepPart | None]] = {
     "surface_kinematics": surface_kinematics_of,
     "grips": grips_of,
-    "absorbing": absorbing_of,
     "slaves": slaves_of,
+    "absorbing": absorbing_of,
     "damping": damping_of,
     "averaged_mass": averaged_mass_of,
     "crossings": crossings_of,

@@ -95,6 +95,8 @@ def begin(
     put_in_order(start, slab, particles, count, numbered)
     begin_motion(start.rank)
     continue_motion(start.rank)
+    if start.rank.slaves:
+        start.notes += start.rank.slaves.notes()
     if start.rank.grips:
         start.rank.grips.start(start.rank)
 
@@ -110,6 +112,8 @@ def begin(
         require_end(scene, rate)
         dt = start.clock.next(start.done, rate).dt
         start.warnings += check_first_step(scene, dt, stable)
+        if start.rank.slaves:
+            start.rank.slaves.require_stable(start.rate * dt)
     require_slow(scene.interaction.rigid_bodies, dt)
     if scene.settings.settles:
         begin_settling(start)

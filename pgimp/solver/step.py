@@ -14,6 +14,7 @@ from pgimp.solver.vertices import (
     fold_mirrors,
     hold_constrained,
     keep_vertex_motion,
+    move_slaves,
     reflect_mirrors,
     vertex_update,
 )
@@ -76,6 +77,7 @@ def step(
     lap("contact")
     for part in parts:
         part.slow(rank, update)
+    move_slaves(rank)
     for part in parts:
         part.book(rank, update)
     reflect_mirrors(rank, update)

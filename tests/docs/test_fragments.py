@@ -55,6 +55,11 @@ def windy():
 
 #: Beginnings of blocks, a case that each belongs to, and the keys below which it stands there.
 FRAGMENTS = (
+    (
+        "bodies:\n  block:\n    material: steel\n    region: {box: {min: [0.37",
+        lambda: scene(2, ("steel",)) | {"grid": {"size": [5.0, 5.0], "cell": [0.5, 0.5]}},
+        (),
+    ),
     ("time:\n  end: 0.6  ", lambda: file_of("excavation"), ()),
     ("stages:\n  - {name: dig", lambda: file_of("excavation"), ("time",)),
     ("time:\n  end: 0.01 ", lambda: file_of("excavation"), ()),

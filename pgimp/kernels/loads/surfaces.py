@@ -158,23 +158,24 @@ def _along(load, frame, x, part, own, d, vertex, like):
 
 
 @inlined
-def _keep_point(load, layout, window, particles, p, d, c, vertex, buffer):
-    """Store a part's weights in its particle's cell, from direction `d` on: those of the part.
+def _keep_point(load, frame, window, particles, p, c, vertex, buffer):
+    """Store a part's weights in its particle's cell, along the last directions, as many as in `c`.
 
-    `vertex` is the cell's first vertex along d; returns the offset along the following directions.
+    `vertex` is the cell's first vertex along the first of them; returns the offset along the
+    following ones.
     """
-    _, frame = layout
     D = len(frame.origin)
+    d = D - len(c)
     f = (coordinate(frame, particles, p, d) - frame.origin[d]) * frame.inverse[d]
-    t = f - (vertex - frame.ghost) + c[d] * frame.inverse[d]
+    t = f - (vertex - frame.ghost) + c[0] * frame.inverse[d]
     keep_support(buffer, d, (1.0 - t, t), (-frame.inverse[d], frame.inverse[d]))
-    if d == D - 1:
+    if len(c) == 1:
         number = load.column // (1 + D + D * D) * product_count(D)
         keep_own_products(buffer, read_products(particles.bearing, p, number, D))
         return 0
     x = coordinate(frame, particles, p, d + 1)
     following = first_vertex(frame, d + 1, 0.0, x)
-    rest = _keep_point(load, layout, window, particles, p, d + 1, c, following, buffer)
+    rest = _keep_point(load, frame, window, particles, p, c[1:], following, buffer)
     return (following - window.lower[d + 1]) * window.stride[d + 1] + rest
 
 
@@ -191,7 +192,7 @@ def _support(load, layout, window, particles, p, layer, part, buffer):
     """Store the weights of the vertices under a part; returns the first offset."""
     D = len(layout[1].origin)
     if by_parts(layout[0]):
-        return _keep_point(load, layout, window, particles, p, 0, part[0], layer, buffer)
+        return _keep_point(load, layout[1], window, particles, p, part[0][:D], layer, buffer)
     like = (0.0,) * class_of(layout[0]).vertices()
     if D == 1:
         shape, frame = layout
@@ -285,10 +286,13 @@ def _scatter(load, layout, particles, p, part, planes, support, f):
 
 
 @inlined
-def _power(load, layout, particles, p, part, planes, support, f, dt):
-    """Power of the force `f` on a part; arguments as of `_scatter`, and the step's length."""
+def _power(load, layout, particles, p, acts, planes, support, half):
+    """Power of the force on a part, both in `acts`; the other arguments are as of `_scatter`.
+
+    `half` is from `half_step`.
+    """
     (shape, frame), (G, offset, stride), like = layout, planes, layout[1].origin
-    half = half_step(load.follows, dt)
+    part, f = acts
     if by_parts(shape):
         U, A, D = gather_parts(G, support, offset, stride, like)
         couples = _couples(load, frame, particles, p, part, like)
@@ -349,7 +353,6 @@ def surface_power(loads, setting, field, particles, rows, span, layer, booking):
             offset += field_of(window, particles, p)
             planes, layout = (G, start + offset, window.stride), (shape, frame)
             book_force(booking, layer - window.lower[0], t, f)
-            power += _power(
-                loads[t], layout, particles, p, part, planes, Support(buffer, 0), f, booking.dt
-            )
+            half, support = half_step(loads[t].follows, booking.dt), Support(buffer, 0)
+            power += _power(loads[t], layout, particles, p, (part, f), planes, support, half)
     return power

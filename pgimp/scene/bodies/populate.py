@@ -12,13 +12,15 @@ from pgimp.geometry.regions import Points
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.physics.loads.own_velocity import OwnVelocity
+from pgimp.physics.loads.tractions import TractionEntry
 from pgimp.physics.materials.base import has
 from pgimp.scene.bodies.clouds.cloud_gradients import with_gradients
 from pgimp.scene.bodies.clouds.point_cloud import Cloud
+from pgimp.scene.bodies.elements import Elements
 from pgimp.scene.bodies.lattice import Lattice, ParticleBlock
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.saved_state import restore_state
-from pgimp.scene.bodies.surface_elements import AWAY, parts_of
+from pgimp.scene.bodies.surface_elements import AWAY, Closed, face_elements, find_elements, parts_of
 from pgimp.scene.scene import Scene
 
 
@@ -108,16 +110,26 @@ def _set_surfaces(
     """Set the parts of loaded surfaces that the first `n` particles carry."""
     loads = scene.interaction.loads.surfaces
     width = loads.width
-    for k, (name, entry) in enumerate(loads.entries.items()):
+    for k, entry in enumerate(loads.entries.values()):
         number = scene.body_names.index(entry.body)
         body, mine = lattice.bodies[number], np.flatnonzero(p.body[:n] == number)
         if isinstance(body, LatticeBody):
             ring = scene.case.axisymmetric
-            found = loads.elements(name, body, planes, AWAY)
+            found = _elements(entry, body, (planes[0] - AWAY, planes[1] + AWAY), loads.closed)
             parts, bearing = parts_of(body, found, p.x[mine], ring)
             p.surface[mine, k * width : (k + 1) * width] = parts
             if more := scene.carried.products:
                 p.bearing[mine, k * more : (k + 1) * more] = bearing
+
+
+def _elements(
+    entry: TractionEntry, body: LatticeBody, planes: tuple[int, int], closed: Closed
+) -> Elements:
+    """Elements of the surface that a load is on, in a range of lattice planes."""
+    if entry.region is None:
+        return face_elements(body, entry.axis, entry.side, planes)
+    found = find_elements(body, entry.region, planes, closed)
+    return found.chosen(entry.normal.includes(found.area)) if entry.normal else found
 
 
 def set_stress(scene: Scene, p: Particles, rows: slice, block: ParticleBlock) -> None:

@@ -55,6 +55,24 @@ class Vertices(NamedTuple):
         x, y = np.divmod(rest, ny)
         return x, y, z, field
 
+    @staticmethod
+    def key(rank: RankState, number: np.ndarray, bodies: np.ndarray) -> np.ndarray:
+        """Keys of vertices in the fields of bodies, given the vertices' numbers, (n, D)."""
+        ny, nz, fields = Vertices.sizes(rank)
+        field = np.array(rank.grid.fields or [0] * (int(bodies.max(initial=0)) + 1))[bodies]
+        found = np.zeros(len(number), np.int64)
+        for d, size in enumerate((1, ny, nz)):
+            found = found * size + (number[:, d] if d < number.shape[1] else 0)
+        return found * fields + field
+
+    @staticmethod
+    def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
+        """Keys of the first vertices of the cells round some vertices."""
+        D, (ny, nz, fields) = len(rank.grid.frame.cell), Vertices.sizes(rank)
+        strides = (ny * nz * fields, nz * fields, fields)[:D]
+        found = [keys - np.dot(corner, strides) for corner in product((0, 1), repeat=D)]
+        return np.unique(np.concatenate(found))
+
     def field_of(self, keys: np.ndarray) -> np.ndarray:
         """Fields of vertices, by their keys."""
         return self.numbers(self.rank, keys)[3]

@@ -14,12 +14,14 @@ vertices. So no bit depends on the ranks.
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from pgimp.errors import CaseError
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
-from pgimp.kernels.data.record import FORCE, MASS, RECORD, VELOCITY
+from pgimp.kernels.data.record import FORCE, MASS, RECORD
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -30,7 +32,7 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 #: Part of a cell below which a vertex is a slave.
 LEAST = 0.05
 
-_FORCE, _VELOCITY = slice(FORCE, FORCE + 3), slice(VELOCITY, VELOCITY + 3)
+_FORCE = slice(FORCE, FORCE + 3)
 
 
 class Rows(NamedTuple):
@@ -84,8 +86,10 @@ class Slaves(StepPart):
         Each slave's masters, as numbers in `masters`.
     weights : (n, 2^D) float64
         Their weights.
-    free : int
+    free : (k,) int64
         Vertices that hold too little, and have no cell near them.
+    courant : float
+        Courant number up to which these are stable.
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
@@ -93,7 +97,7 @@ class Slaves(StepPart):
         corners = 2**scene.dimension
         self.keys = self.masters = np.zeros(0, np.int64)
         self.of, self.weights = np.zeros((0, corners), np.int64), np.zeros((0, corners))
-        self.free = 0
+        self.free, self.courant = np.zeros(0, np.int64), np.inf
         # Changes of mass by folding: vertex, body, change.
         self._changes: tuple[np.ndarray, np.ndarray, np.ndarray] = (
             self.keys, self.keys, np.zeros(0)
@@ -144,7 +148,8 @@ class Slaves(StepPart):
             if not spoilt.any():
                 break
             chosen &= ~spoilt
-        self.free = int((~chosen).sum())
+        self.free = keys[~chosen]
+        self.courant = self._stable(rank, total[row[~chosen]])
         self.keys, self.weights = keys[chosen], weights[chosen]
         numbers, self.of = np.unique(masters[chosen], return_inverse=True)
         self.of = self.of.reshape(self.weights.shape)
@@ -163,6 +168,35 @@ class Slaves(StepPart):
                 found.append((keys[some], np.full(some.sum(), b), values[some]))
         keys, bodies, values = (np.concatenate(each) for each in zip(*found, strict=True))
         self._changes = keys, bodies, values
+
+    def _stable(self, rank: RankState, mass: np.ndarray) -> float:
+        """Courant number up to which the free vertices, of these masses, are stable; collective.
+
+        One of mass M that particles of mass m hold by gradients g has the frequency c sqrt(sum m
+        g^2/M) against others at rest, with the wave speed c. Against others like it, that is
+        sqrt(2) times as great.
+        """
+        if not len(self.free):
+            return np.inf
+        frame, p, rows = rank.grid.frame, rank.up_to_date(), rank.lattice_cells().others.rows
+        h = np.array(frame.cell)
+        x = (p.origin[rows] - np.array(frame.origin)) / h + frame.ghost
+        first = np.floor(x).astype(np.int64)
+        near = np.isin(Vertices.key(rank, first, p.body[rows]), Vertices.cells_of(rank, self.free))
+        x, first, rows = x[near] - first[near], first[near], rows[near]
+        sums = np.zeros(len(self.free))
+        for corner in product((0, 1), repeat=len(h)):
+            keys = Vertices.key(rank, first + np.array(corner), p.body[rows])
+            n = np.where(np.array(corner) == 1, x, 1.0 - x)
+            square = np.zeros(len(rows))
+            for d in range(len(h)):
+                square += (np.delete(n, d, axis=1).prod(axis=1) / h[d]) ** 2
+            at = np.minimum(np.searchsorted(self.free, keys), len(self.free) - 1)
+            mine = self.free[at] == keys
+            np.add.at(sums, at[mine], (p.m[rows] * square)[mine])
+        every = np.sum(self.comm.allgather(sums), axis=0)
+        greatest = np.sqrt(2.0 * (every / mass).max()) * h.min()
+        return float(2.0 / greatest)
 
     def fold_masses(self, rank: RankState) -> None:
         """Add the kept masses of slaves to their masters'."""
@@ -193,12 +227,6 @@ class Slaves(StepPart):
         for each in (here, rows.masters[rows.masters >= 0]):
             G[each, MASS] = kept[each, KEPT_MASS]
 
-    def book(self, rank: RankState, update: VertexUpdate) -> None:
-        """Move slaves as their masters say, before any vertex is moved."""
-        if not len(self.keys):
-            return
-        self.spread(rank, rank.grid.G.reshape(-1, RECORD)[:, _VELOCITY])
-
     def spread(self, rank: RankState, values: np.ndarray) -> None:
         """Set vectors at slaves to what their masters' give; collective.
 
@@ -207,6 +235,8 @@ class Slaves(StepPart):
         values : (records, 3) float64
             Vectors of the rank's vertices.
         """
+        if not len(self.keys):
+            return
         rows = self._located(rank)
         known = np.zeros((len(self.masters), 3))
         there = rows.masters >= 0
@@ -307,6 +337,33 @@ class Slaves(StepPart):
         sent = np.ascontiguousarray(values[rows.mine[which]])
         self.comm.Allgatherv(sent, (found, 3 * counts))
         values[rows.shared[which]] = found
+
+    def require_stable(self, courant: float) -> None:
+        """Refuse steps that free vertices do not bear.
+
+        Raises
+        ------
+        CaseError
+            On every rank.
+        """
+        if courant > self.courant:
+            raise CaseError(
+                f"bodies: {len(self.free)} vertices of bodies with surface: exact hold less than "
+                f"{100 * LEAST:g} % of a cell, have no cell near them to move with, and are stable "
+                f"up to the Courant number {self.courant:.2g}; the first step has {courant:.2g}. "
+                "Such are where a body is thinner than two cells, or ends in a sharp edge: take "
+                "finer cells (grid.cell), a smaller number (time.step), or surface: cut"
+            )
+
+    def notes(self) -> list[str]:
+        """Say how many vertices hold too little and move by themselves."""
+        if not len(self.free):
+            return []
+        return [
+            f"vertices that hold less than {100 * LEAST:g} % of a cell, and have no cell near them "
+            f"to move with: {len(self.free)} (surface: exact); where bodies are thinner than two "
+            f"cells. They allow Courant numbers up to {self.courant:.2g}"
+        ]
 
 
 def slaves_of(scene: Scene, comm: Communicator, before: Slaves | None = None) -> Slaves | None:

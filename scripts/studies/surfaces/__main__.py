@@ -1,0 +1,149 @@
+"""Measures bodies that are exact to their surface beside cut ones; see scripts/surfaces."""
+
+from itertools import product
+
+import numpy as np
+from studies.harness import Table, options_of, origin
+from studies.scenes import ball, box, case_of, core
+
+from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
+from pgimp.kernels.data.record import RECORD
+
+SOLID = {"model": "hooke", "young": 1.0, "poisson": 0.3, "density": 1.0}
+BOTH = ("cut", "exact")
+#: Low corners of blocks, or what is added to centres, in cells.
+OFFSETS = ((0.37, 0.21), (0.2, 0.6), (0.97, 0.02))
+PUSH = 1e-3
+
+
+def made(size, region, surface, end, **parts):
+    """A simulation of one body in the initial configuration."""
+    body = {"material": "m", "region": region, "configuration": "initial", "surface": surface}
+    solid = {"m": parts.pop("material", SOLID)}
+    return core(case_of(size, 1.0, solid, {"b": body | parts.pop("body", {})}, end, **parts))
+
+
+def finished(sim):
+    while not sim.finished:
+        sim.advance()
+    return sim
+
+
+def stresses(size, region, surface, loads, component):
+    """Least and greatest stress over the exact one, at rest."""
+    sim = made(size, region, surface, 150.0, tractions=loads, damping={"mass": 0.3})
+    found = finished(sim).particles.sigma[sim.live()][:, component] / PUSH
+    return f"{found.min():.3f} to {found.max():.3f}"
+
+
+def block(offset, surface):
+    """A block of four cells, pulled by two regions."""
+    low = 2.0 + np.array(offset)
+    loads = {
+        name: {"body": "b", "region": box([0.0, y], [9.0, y + 4.0]), "traction": [0.0, t * PUSH],
+               "normal": {"of": [0.0, t]}}
+        for name, y, t in (("top", 4.5, 1.0), ("bottom", 0.5, -1.0))
+    }  # fmt: skip
+    return stresses([9.0] * 2, box(low, low + 4.0), surface, loads, [1])
+
+
+def pressed(cells, surface):
+    """A ball of a radius in cells, under pressure all round."""
+    size = [2.0 * cells + 4.0] * 3
+    middle = cells + 2.0 + np.array([0.13, -0.09, 0.27])
+    load = {"body": "b", "region": box([0.0] * 3, size), "pressure": -PUSH}
+    return stresses(size, ball(middle, cells), surface, {"all": load}, [0, 1, 2])
+
+
+def shape(kind, cells, offset):
+    """Size of the domain and region of a body of so many cells."""
+    low = 3.0 + np.array(offset)
+    if kind == "disk":
+        return [cells + 7.0] * 2, ball(low + 0.5 * cells, 0.5 * cells)
+    sides = np.array([cells, cells if kind == "square" else 0.25 * cells])
+    return (sides + 7.0).tolist(), box(low, low + sides)
+
+
+def frequencies(kind, cells, offset, surface):
+    """Frequencies of a free body times its size, by forces of the code's own steps."""
+    size, region = shape(kind, cells, offset)
+    sim = made(size, region, surface, 1e9, time={"step": 1e-4})
+    rank, p = sim.rank, sim.particles
+    kept = rank.grid.kept.values.reshape(-1, RECORD)
+    still, columns = kept.copy(), ("x", "v", "F", "sigma", "V")
+    before = {name: getattr(p, name).copy() for name in columns}
+    there = np.flatnonzero(kept[:, KEPT_MASS] > 0.0)
+    mass, forces, unit = kept[there, KEPT_MASS], [], 1e-6
+    for row, d in product(range(len(there)), range(2)):
+        kept[:] = still
+        for name, values in before.items():
+            getattr(p, name)[:] = values
+        kept[there[row], KEPT_VELOCITY + d] = unit
+        if rank.slaves:
+            rank.slaves.spread(rank, kept[:, KEPT_VELOCITY : KEPT_VELOCITY + 3])
+        sim.advance()
+        sim.advance()
+        v = kept[there, KEPT_VELOCITY : KEPT_VELOCITY + 2].copy()
+        v[row, d] -= unit
+        forces.append(v.reshape(-1) / (-unit * sim.dt**2))
+    root = np.sqrt(np.repeat(mass, 2))
+    A = np.array(forces).T * root[:, None] / root
+    found = np.sqrt(np.maximum(np.linalg.eigvalsh(0.5 * (A + A.T)), 0.0))
+    speed = np.sqrt(0.7 / (1.3 * 0.4))
+    return found[3:15] * cells, found[-1] / (2.0 * speed)
+
+
+def energy(surface, steps):
+    """Change of energy and spin of a block that turns and bends."""
+    solid = SOLID | {"model": "neo-hookean", "young": 1000.0}
+    spin = {"rotation": {"rate": 1.0, "about": [4.0, 4.0]}, "translation": [0.1, 0.0]}
+    sim = made([10.0] * 2, box([1.97, 2.02], [7.97, 6.02]), surface, 1e9, material=solid,
+               body={"velocity": spin})  # fmt: skip
+    lines = [sim.diagnostics()]
+    while sim.step < steps:
+        for _ in range(500):
+            sim.advance()
+        lines.append(sim.diagnostics())
+    total = np.array([line["kinetic-energy"] + line["strain-energy"] for line in lines])
+    turn = np.array([line["angular-momentum-z"] for line in lines])
+    last = total[-len(total) // 5 :].mean()
+    return np.abs(total / total[0] - 1.0).max(), last / total[0] - 1.0, np.ptp(turn) / turn[0]
+
+
+def main():
+    """Measure and print."""
+    what = options_of("surfaces", what={"nargs": "*"}).what or ("stress", "modes", "energy")
+    print(f"Measured on one core of {origin()}.\n")
+    if "stress" in what:
+        table = Table("stress over the exact one", *(f"`{each}`" for each in BOTH))
+        for offset in OFFSETS:
+            words = f"block of 4 x 4 cells from {offset} of a cell, traction by `region`"
+            table.add(words, *(block(offset, each) for each in BOTH))
+        for cells in (4, 8):
+            table.add(f"ball, radius {cells} cells, pressure", *(pressed(cells, b) for b in BOTH))
+        print(table.text())
+    if "modes" in what:
+        table = Table("first 12 frequencies, rms of their errors; greatest over 2c/h",
+                      *(f"`{each}`" for each in BOTH))  # fmt: skip
+        for kind in ("square", "disk", "strip"):
+            # Of exact bodies, with an error of second order.
+            fine = [frequencies(kind, n, OFFSETS[0], "exact")[0] for n in (20, 40)]
+            truth = fine[1] + (fine[1] - fine[0]) / 3.0
+            for cells in (8, 16):
+                texts = []
+                for surface in BOTH:
+                    found, most = frequencies(kind, cells, OFFSETS[0], surface)
+                    error = np.sqrt(((found / truth - 1.0) ** 2).mean())
+                    texts.append(f"{100 * error:.2f} %, {most:.2f}")
+                table.add(f"{kind} of {cells} cells", *texts)
+        print(table.text())
+    if "energy" in what:
+        table = Table("1e5 steps of a turning block", "greatest change of energy",
+                      "of the last fifth's mean", "of spin")  # fmt: skip
+        for surface in BOTH:
+            table.add(f"`{surface}`", *(f"{each:.1e}" for each in energy(surface, 100_000)))
+        print(table.text())
+
+
+if __name__ == "__main__":
+    main()
