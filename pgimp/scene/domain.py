@@ -9,10 +9,9 @@ from pgimp.case.escape import exits
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.frame import FRAMES, AxialFrame
+from pgimp.kernels.data.images import Images
 from pgimp.kernels.grid.faces import Faces
-from pgimp.kernels.grid.mirror import Mirror
 from pgimp.kernels.grid.position_limits import GRAVITY
-from pgimp.kernels.grid.seam import Seam
 from pgimp.kernels.loads.wall_gap import Sides
 from pgimp.kernels.order.order import cell_numbers
 from pgimp.kernels.update.turns import PERIODIC
@@ -40,9 +39,9 @@ class Domain:
     faces : list of Face
         Faces with a condition, x-min to z-max. Unilateral walls come last where bodies in the
         initial configuration meet them.
-    mirrors : list of Mirror
+    mirrors : list of Images
         Faces that reflect the part of supports beyond them.
-    absorbing_mirrors : list of Mirror
+    absorbing_mirrors : list of Images
         Absorbing faces, with which all that lies beyond them moves.
     approached : list of Wall
         Faces that bodies approach; `sides_approached` is their sides for loads.
@@ -85,7 +84,11 @@ class Domain:
             f"{axis}-min" in named and named[f"{axis}-min"].joins
             for axis in AXES[: case.dimensions]
         )
-        self.seams = [Seam(axis) for axis, joined in enumerate(self.periodic) if joined and axis]
+        self.seams = [
+            Images.of_seam(axis, self.frame.cells[axis])
+            for axis, joined in enumerate(self.periodic)
+            if joined and axis
+        ]
         self.unilateral_walls = remote and any(face.condition.approaches for face in self.faces)
         if self.unilateral_walls:
             self.faces.sort(key=lambda face: face.condition.approaches)
@@ -96,14 +99,14 @@ class Domain:
         # Unilateral walls come last: where they meet other walls, they use the sums of both.
         self.mirrors = sorted(
             (
-                Mirror(face.axis, face.side, number, face.condition.releases, face.condition.sticks)
+                Images(face.axis, face.side, number, face.condition.releases, face.condition.sticks)
                 for number, face in enumerate(self.faces)
                 if face.name in mirrored and not (remote and face.condition.approaches)
             ),
             key=lambda mirror: mirror.releases,
         )
         self.absorbing_mirrors = [
-            Mirror(face.axis, face.side, number, False, False, True)
+            Images(face.axis, face.side, number, False, False, True)
             for number, face in self.absorbing
             if method.chi != "point" and not remote
         ]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pgimp.case.schema import Case
-from pgimp.kernels.grid.mirror import Mirror
+from pgimp.kernels.data.images import Images
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.materials.base import Material
 from pgimp.scene.faces import Face
@@ -50,7 +50,7 @@ class SceneFlows:
         Whether there are flowing bodies without a gap.
     calms : (bodies,) float64
         1 for bodies whose velocities are reduced to the part that the grid represents, else 0.
-    walls : list of Mirror
+    walls : list of Images
         Impermeable faces.
     sides : (6,) bool
         Whether a face is impermeable: the low and the high end of x, y, z.
@@ -91,7 +91,7 @@ class SceneFlows:
         self.fields = tuple(int(i) for i in np.unique(keys, axis=0, return_inverse=True)[1].ravel())
         self.relaxes = bool(own.any())
         self.walls = [
-            Mirror(face.axis, face.side, n, False, False)
+            Images(face.axis, face.side, n, False, False)
             for n, face in enumerate(faces)
             if face.condition.absorbs or face.condition.speed(face.axis, 0.0) is not None
         ]

@@ -8,14 +8,8 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.frame import Window
 from pgimp.kernels.flows.calming import Calming
-from pgimp.kernels.flows.filling import (
-    Filling,
-    FillingSums,
-    find_filling,
-    fold_filling,
-    reflect_filling,
-)
-from pgimp.kernels.grid.seam import join_records
+from pgimp.kernels.flows.filling import REFLECTED, VOLUME, Filling, FillingSums, find_filling
+from pgimp.kernels.grid.image_values import copy_values, fold_values
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.flows import SceneFlows
 from pgimp.scene.scene import Scene
@@ -83,14 +77,13 @@ class Flows(StepPart):
         self._sums.fit(grid, flows.fields)
         self._sums.add(particles, order, np.arange(grid.planes))
         own, frame = self._sums.grid, self.scene.domain.frame
-        for seam in self.scene.domain.seams:
-            self.call(join_records, frame, own.field, seam)
-        for wall in flows.walls:
-            self.call(fold_filling, frame, own.field, wall)
+        self._sums.join()
+        for wall in flows.walls:  # volumes beyond walls are pushed to their images
+            self.call(fold_values, frame, own.field, wall, 1 << VOLUME, False)
         rigid_bodies, calming = rank.contact.rigid_bodies, self.sums.calming
         self.call(find_filling, frame, own.field, flows.sides, rigid_bodies, flows.fills, calming)
-        for wall in reversed(flows.walls):
-            self.call(reflect_filling, frame, own.field, wall)
+        for wall in reversed(flows.walls):  # nothing is shifted through them
+            self.call(copy_values, frame, own.field, wall, REFLECTED)
         rate = EVERY * t.dt * flows.rates
         return Filling(
             True,

@@ -10,7 +10,7 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Forcing, Report
 from pgimp.kernels.grid.constrained_vertices import release_light
-from pgimp.kernels.grid.seam import join_seam
+from pgimp.kernels.grid.image_values import ALL, fold_values
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.step.p2g import particles_to_grid
 from pgimp.kernels.update.turns import turn_particles
@@ -90,12 +90,12 @@ def finish_sums(rank: RankState, groups: Sequence[ParticleGroup], marked: bool =
 
 
 def join_seams(rank: RankState, marked: bool) -> None:
-    """Make one of both copies of the vertices at seams, see `pgimp.kernels.grid.seam`.
+    """Make one of both copies of the vertices at seams, see `pgimp.kernels.grid.image_values`.
 
     Then all sums are complete, and constraints may release vertices.
     """
     for seam in rank.scene.domain.seams:
-        rank.call(join_seam, rank.scene.domain.frame, rank.grid.field, seam)
+        rank.call(fold_values, rank.scene.domain.frame, rank.grid.field, seam, ALL, True)
         if marked:
             rank.grid.join_marks(seam.axis)
     if marked and rank.grid.weighs:

@@ -17,6 +17,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.arguments import Field, Order
 from pgimp.kernels.data.particles import Particles
+from pgimp.kernels.grid.image_values import ALL, copy_values, fold_values
 from pgimp.kernels.step.p2g import complete, particles_to_grid
 from pgimp.kernels.transfer.quantity import Quantity
 from pgimp.mpi.communicator import Communicator
@@ -108,6 +109,13 @@ class VertexSums:
             halo.finish(own)
         elif needed(0):
             complete(own.field, 0, 1, False, np.empty(0))
+
+    def join(self) -> None:
+        """Give all copies of the vertices at seams across y or z the sum of both."""
+        frame, field = self.scene.domain.frame, self.grid.field
+        for seam in self.scene.domain.seams:
+            self.call(fold_values, frame, field, seam, ALL, False)
+            self.call(copy_values, frame, field, seam, ALL)
 
     def _halo(self, lower: bool, upper: bool) -> Halo:
         """Return the messages to the neighbours that share a plane."""

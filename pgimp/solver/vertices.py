@@ -9,8 +9,8 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.record import RECORD, VELOCITY
 from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.faces import Faces
-from pgimp.kernels.grid.mirror import fold, fold_volumes, reflect
-from pgimp.kernels.grid.seam import join_volumes, part_seam
+from pgimp.kernels.grid.image_values import fold_volumes
+from pgimp.kernels.grid.mirror import fold, reflect
 from pgimp.kernels.lagrangian.keep import keep_motion
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.loads.prescribed import Places
@@ -117,14 +117,14 @@ def vertex_update(
 def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Fold the sums beyond reflecting faces; find the clearances of unilateral ones."""
     scene, field, call, contact = rank.scene, rank.grid.field, rank.call, rank.contact.data
+    volumes = (contact.volumes, contact.used) if contact else ()
     for seam in scene.domain.seams if contact else ():
-        call(join_volumes, scene.domain.frame, field, contact.volumes, contact.used, seam)
+        call(fold_volumes, scene.domain.frame, field, *volumes, seam)
     for releases in (False, True):  # unilateral ones last: they include the sums of both
         for mirror in (*scene.domain.absorbing_mirrors, *scene.domain.mirrors):
             if mirror.releases == releases:
                 call(fold, scene.domain.frame, field, mirror, update.forcing, update.ledger)
                 if contact:
-                    volumes = contact.volumes, contact.used
                     call(fold_volumes, scene.domain.frame, field, *volumes, mirror)
         if not releases:
             rank.clearances.find(rank.grid)
@@ -160,7 +160,6 @@ def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:
 def reflect_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Set the vertices beyond reflecting faces, and beyond seams, from vertices inside."""
     scene, field = rank.scene, rank.grid.field
-    for mirror in reversed((*scene.domain.absorbing_mirrors, *scene.domain.mirrors)):
-        rank.call(reflect, scene.domain.frame, field, mirror, update.forcing, update.ledger)
-    for seam in reversed(scene.domain.seams):
-        rank.call(part_seam, scene.domain.frame, field, seam)
+    domain = scene.domain
+    for images in reversed((*domain.seams, *domain.absorbing_mirrors, *domain.mirrors)):
+        rank.call(reflect, domain.frame, field, images, update.forcing, update.ledger)

@@ -20,7 +20,7 @@ from kernel_driver import (
 from kernel_sums import sums_of
 from rank_threads import together
 
-from pgimp.kernels.grid.mirror import Mirror
+from pgimp.kernels.data.images import Images
 from pgimp.physics.boundaries import BOUNDARIES
 
 ORIGIN, CELL = (-1.1, 0.3, 2.0), (0.7, 1.3, 0.9)
@@ -72,7 +72,7 @@ def test_mirrors_on_any_slabs(kind, D):
     where = [(axis, side) for axis in range(D) for side in (-1, 1)]
     faces = tuple(condition.parameters(axis, side, 0.0, DT) for axis, side in where)
     mirrors = [
-        Mirror(axis, side, n, kind == "separating", kind == "fixed")
+        Images(axis, side, n, kind == "separating", kind == "fixed")
         for n, (axis, side) in enumerate(where)
     ]
     cuts = all_cuts(frame.vertices[0], 3, 2 * shape.vertices)

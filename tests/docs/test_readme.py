@@ -102,11 +102,11 @@ def test_readme_is_short_and_says_first_what_cannot_be_done():
 
 
 def test_commands_are_in_blocks_that_are_run():
-    """What stands in a block without a language, or `text`, is for a cluster or a home folder."""
+    """What stands in a block of `text` is for a cluster or a home folder, or what pgimp prints."""
     assert {language for language, _ in BLOCKS} <= {"sh", "yaml", "python", "diff", "text"}
     completion = "pgimp completion bash > ~/.local/share/bash-completion/completions/pgimp"
     first = [text.splitlines()[0].split("  ")[0] for text in blocks("text")]
-    assert first == [completion, "module load openmpi"]
+    assert first == [completion, "a step", "module load openmpi"]
     for name, text in PAGES.items():
         outside = FENCE.sub("", text)
         assert "```" not in outside, name

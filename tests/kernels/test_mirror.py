@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from transfer_setting import DT, GRAVITY, LIGHTEST, close, copied, faces_of, setting
 
-from pgimp.kernels.grid.mirror import Mirror
+from pgimp.kernels.data.images import Images
 
 #: One of each kind of kernel that reaches past a wall, and one that it shares with another shape.
 WIDE = ("gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant-fixed", "bspline-quadratic")
@@ -21,7 +21,7 @@ def walls(D, kinds):
     ]
     mirrors.sort(key=lambda mirror: mirror[2])  # those that let go last
     kernel = [
-        Mirror(axis, side, n, releases, sticks) for axis, side, releases, sticks, n in mirrors
+        Images(axis, side, n, releases, sticks) for axis, side, releases, sticks, n in mirrors
     ]
     return chosen, kernel, [mirror[:4] for mirror in mirrors]
 

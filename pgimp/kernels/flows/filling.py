@@ -35,7 +35,6 @@ from pgimp.jit.vectors.lanes import zeros
 from pgimp.jit.vectors.simd import pack
 from pgimp.kernels.contact.fill import fill
 from pgimp.kernels.data.frame import Window
-from pgimp.kernels.data.mirror_images import beyond_count, image_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.used_rows import is_used, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
@@ -50,6 +49,9 @@ VOLUME, MASS, RATIO = 0, 1, 2
 
 #: Entries after that: max(phi - 1, 0), J_v, phi - 1, and max(phi - 1, 0)/phi.
 EXCESS, FIELD, SURPLUS, OVERLAP = 0, 1, 2, 3
+
+#: Those that images have beyond walls, as bits.
+REFLECTED = 1 << EXCESS | 1 << SURPLUS | 1 << OVERLAP
 
 
 class FillingSums(NamedTuple):
@@ -123,34 +125,13 @@ class Filling(NamedTuple):
 
 
 @kernel
-def fold_filling(frame, field, mirror):
-    """Add the volumes beyond a wall to their mirror images: there they are pushed to.
-
-    Parameters
-    ----------
-    frame, field
-        See `Frame`, `Field`; the field holds the sums of `FillingSums`.
-    mirror : Mirror
-        The wall.
-    """
-    window, G = field.window, field.G
-    for f in range(field_count(window)):
-        begin = f * field_size(window)
-        for n in range(beyond_count(frame, window, mirror)):
-            i, g, r, _ = image_of(frame, field, mirror, begin, n)
-            if r >= 0 and is_used(field, i, f) and is_used(field, r // window.stride[0], f):
-                G[r + VOLUME] += G[g + VOLUME]
-                G[g + VOLUME] = 0.0
-
-
-@kernel
 def find_filling(frame, field, walls, rigid_bodies, fills, calming):
     """Turn the sums of `FillingSums` into EXCESS, FIELD and SURPLUS.
 
     Parameters
     ----------
     frame, field
-        As in `fold_filling`, after it.
+        See `Frame`, `Field`; the field holds the sums of `FillingSums`, with those beyond walls.
     walls : (6,) bool
         Which faces are walls: the low and the high end of x, y, z.
     rigid_bodies : RigidBodies or ()
@@ -219,22 +200,3 @@ def _rigid_part(rigid_bodies, fills, frame, number, sides):
         if fills[t] and fill(rigid_bodies, t, frame, number, sides):
             filled += rigid_bodies.point[0].filled
     return filled
-
-
-@kernel
-def reflect_filling(frame, field, mirror):
-    """Set EXCESS and SURPLUS beyond a wall from the mirror images: nothing is shifted through it.
-
-    Parameters
-    ----------
-    frame, field, mirror
-        As in `fold_filling`, after `find_filling`.
-    """
-    window, G = field.window, field.G
-    for f in range(field_count(window)):
-        begin = f * field_size(window)
-        for n in range(beyond_count(frame, window, mirror)):
-            i, g, r, _ = image_of(frame, field, mirror, begin, n)
-            if r >= 0 and is_used(field, i, f) and is_used(field, r // window.stride[0], f):
-                for e in (EXCESS, SURPLUS, OVERLAP):
-                    G[g + e] = G[r + e]

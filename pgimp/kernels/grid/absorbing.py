@@ -35,7 +35,7 @@ class AbsorbingFace(NamedTuple):
     Attributes
     ----------
     axis, side, number : int
-        As in `Mirror`.
+        As in `Images`.
     wall : int
         Number of the vertices on it along its axis.
     lower, extent : (3,) int64

@@ -16,10 +16,16 @@ the relaxed part of the velocity (`relaxed`), and for vertices that keep their m
 Beyond an absorbing face nothing is reversed: what lies there moves as the face does (`follows`).
 """
 
-from typing import NamedTuple
-
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.kernels.data.mirror_images import beyond_count, box_beyond, image_at, image_of, offset_of
+from pgimp.kernels.data.images import (
+    beyond_count,
+    box_beyond,
+    image_at,
+    image_of,
+    mark_of,
+    offset_of,
+    reverses,
+)
 from pgimp.kernels.data.motion import KEPT_VELOCITY, grid_rate, keeps, momentum_before
 from pgimp.kernels.data.record import (
     ACCELERATION,
@@ -32,51 +38,26 @@ from pgimp.kernels.data.record import (
     RECORD,
     VELOCITY,
 )
-from pgimp.kernels.data.used_rows import is_used, note_range, use
+from pgimp.kernels.data.used_rows import is_used, use
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.constraint_flags import also_held
 from pgimp.kernels.loads.loads import given, relaxed_part
 from pgimp.kernels.loads.wall_gap import clearance_at
 
 
-class Mirror(NamedTuple):
-    """A face that reflects.
-
-    Attributes
-    ----------
-    axis, side : int
-        The face: direction, and -1 for its low end or 1 for its high end.
-    number : int
-        Its number among all faces with a condition.
-    releases : bool
-        Whether it is unilateral: nothing is reflected beyond a vertex that moves away.
-    sticks : bool
-        Whether all components are reversed, not only the one across it.
-    follows : bool
-        Whether vertices beyond it have the vertex on it as their image, and nothing is reversed.
-    """
-
-    axis: int
-    side: int
-    number: int
-    releases: bool
-    sticks: bool
-    follows: bool = False
-
-
 @kernel
 def fold(frame, field, mirror, forcing, ledger):
     """Add the sums beyond a face to the sums of the mirror images.
 
-    A vertex beyond it then has the face's number, made negative, in place of its mass, which moves
-    to `FOLDED_MASS`. `reflect` needs both; everywhere else the vertex has no mass.
+    A vertex beyond it then has a mark in place of its mass, see `mark_of`, which moves to
+    `FOLDED_MASS`. `reflect` needs both; everywhere else the vertex has no mass.
 
     Parameters
     ----------
     frame, field, forcing, ledger
         As in `update_momentum`.
-    mirror : Mirror
-        The face.
+    mirror : Images
+        The face, which is no seam.
     """
     window, G = field.window, field.G
     (i0, x), (j0, y), (k0, z) = box_beyond(frame, window, mirror)
@@ -112,7 +93,7 @@ def _fold_vertex(field, mirror, forcing, ledger, image, part, kept):
             return
     # Gravity will act on all mass of the image alike, but on this part in reverse.
     for d in range(3):
-        if not _turns(mirror, d):
+        if not reverses(mirror, d):
             continue
         weight = G[g + MASS] * gravity[d]
         G[r + FORCE + d] -= 2.0 * weight
@@ -128,13 +109,13 @@ def _fold_vertex(field, mirror, forcing, ledger, image, part, kept):
     G[r + MASS] += G[g + MASS]
     G[r + CLEARANCE_SUM] += G[g + CLEARANCE_SUM]
     for d in range(3):
-        sign = -1.0 if _turns(mirror, d) else 1.0
+        sign = -1.0 if reverses(mirror, d) else 1.0
         G[r + MOMENTUM + d] += sign * G[g + MOMENTUM + d]
         G[r + FORCE + d] += sign * G[g + FORCE + d]
     mass = G[g + MASS]
     for d in range(RECORD):
         G[g + d] = 0.0
-    G[g + MASS] = -1.0 - mirror.number
+    G[g + MASS] = mark_of(mirror)
     G[g + FOLDED_MASS] = mass
 
 
@@ -150,43 +131,15 @@ def _join(motion, kept, mirror, G, g, r):
         return
     m, mass, values = G[r + MASS], G[g + MASS], motion.values
     for d in range(3):
-        sign = -1.0 if _turns(mirror, d) else 1.0
+        sign = -1.0 if reverses(mirror, d) else 1.0
         u, v = values[r + KEPT_VELOCITY + d], sign * values[g + KEPT_VELOCITY + d]
         if u != v:
             values[r + KEPT_VELOCITY + d] = u + mass / (m + mass) * (v - u)
 
 
 @kernel
-def fold_volumes(frame, field, volumes, used, mirror):
-    """Add the `VolumeSums` beyond a face to the sums of the mirror images.
-
-    Parameters
-    ----------
-    frame, field, mirror
-        As in `fold`, after it; vertices that it has not folded stay.
-    volumes : (planes * plane,) float64
-        The sums.
-    used : (planes + 1, fields) int64
-        Their used rows, see `Field`.
-    """
-    window, G = field.window, field.G
-    for f in range(field_count(window)):
-        begin = f * field_size(window)
-        for n in range(beyond_count(frame, window, mirror)):
-            _, g, r, _ = image_of(frame, field, mirror, begin, n)
-            if r < 0 or G[g + MASS] != -1.0 - mirror.number:
-                continue
-            for d in range(RECORD):
-                sign = -1.0 if d == FORCE + mirror.axis and not mirror.follows else 1.0
-                volumes[r + d] += sign * volumes[g + d]
-            plane = r // window.stride[0]
-            low = r - plane * window.stride[0]
-            note_range(window, used[plane], low, low + RECORD)
-
-
-@kernel
 def reflect(frame, field, mirror, forcing, ledger):
-    """Set velocity and acceleration beyond a face from the mirror images.
+    """Set velocity and acceleration beyond a face from the images, also of seams.
 
     Of several faces the last one that has folded reflects first.
 
@@ -195,8 +148,8 @@ def reflect(frame, field, mirror, forcing, ledger):
     frame, field, forcing, ledger
         As in `update_momentum`. It has booked gravity's work on the folded mass as if it moved with
         the images; reversed components move against them.
-    mirror : Mirror
-        The face.
+    mirror : Images
+        The face, or the seam.
     """
     window, G = field.window, field.G
     (i0, x), (j0, y), (k0, z) = box_beyond(frame, window, mirror)
@@ -208,7 +161,7 @@ def reflect(frame, field, mirror, forcing, ledger):
                 continue
             for j in range(j0, j0 + y):
                 for k in range(k0, k0 + z):
-                    if G[offset_of(window, begin, i, j, k) + MASS] == -1.0 - mirror.number:
+                    if G[offset_of(window, begin, i, j, k) + MASS] == mark_of(mirror):
                         image = image_at(frame, field, mirror, begin, i, j, k)
                         _reflect_vertex(field, mirror, forcing, ledger, image, rate, f)
 
@@ -223,54 +176,31 @@ def _reflect_vertex(field, mirror, forcing, ledger, image, rate, f):
         return
     twice = 2.0 * G[g + FOLDED_MASS]
     for d in range(3):
-        if i < owned and _turns(mirror, d):
+        if i < owned and reverses(mirror, d):
             v, a = G[r + VELOCITY + d], G[r + ACCELERATION + d]
             impulse[i, mirror.number, d] -= given(rate, twice, dt, 0.0, 0.0, v, a)
             work[i] -= twice * dt * gravity[d] * v
     if not mirror.follows:
         G[r + HELD] = also_held(G[r + HELD], axis)
     G[g + HELD] = G[r + HELD]
-    if not keeps(field.motion, f):  # for the filled part of mean dilatation
+    if mirror.period > 0 or not keeps(field.motion, f):  # for the filled part of mean dilatation
         G[g + MASS] = G[r + MASS]
     for d in range(3):
-        sign = -1.0 if _turns(mirror, d) else 1.0
+        sign = -1.0 if reverses(mirror, d) else 1.0
         G[g + VELOCITY + d] = sign * G[r + VELOCITY + d]
         G[g + ACCELERATION + d] = sign * G[r + ACCELERATION + d]
 
 
 @kernel
-def reflect_accelerations(frame, field, mirror, A, reach):
-    """Set accelerations beyond a face from the mirror images.
+def fold_forces(frame, field, images, dt, ledger):
+    """Add forces beyond a face, found since `fold` or `fold_values`, to those of the images.
 
     Parameters
     ----------
-    frame, field, mirror
-        As in `reflect`, before the momentum update.
-    A, reach
-        Accelerations, see `pgimp.kernels.lagrangian.averaged_mass.find_accelerations`.
-    """
-    window, G = field.window, field.G
-    half = window.stride[0] // 2
-    for f in range(field_count(window)):
-        begin = f * field_size(window)
-        for n in range(beyond_count(frame, window, mirror)):
-            _, g, r, _ = image_of(frame, field, mirror, begin, n)
-            if r < 0 or G[g + MASS] != -1.0 - mirror.number:
-                continue
-            to, source = reach * half + g // 2, reach * half + r // 2
-            for d in range(3):
-                sign = -1.0 if _turns(mirror, d) else 1.0
-                A[to + 1 + d] = sign * A[source + 1 + d]
-
-
-@kernel
-def fold_forces(frame, field, mirror, dt, ledger):
-    """Add forces beyond a face, found since `fold`, to those of the mirror images.
-
-    Parameters
-    ----------
-    frame, field, mirror
-        As in `fold`, after it.
+    frame, field
+        As in `fold`.
+    images : Images
+        The face, or the seam.
     dt : float
         Length of the step.
     ledger : Ledger
@@ -279,21 +209,15 @@ def fold_forces(frame, field, mirror, dt, ledger):
     window, G = field.window, field.G
     for f in range(field_count(window)):
         begin = f * field_size(window)
-        for n in range(beyond_count(frame, window, mirror)):
-            i, g, r, _ = image_of(frame, field, mirror, begin, n)
-            if r < 0 or G[g + MASS] != -1.0 - mirror.number:
+        for n in range(beyond_count(frame, window, images)):
+            i, g, r, _ = image_of(frame, field, images, begin, n)
+            if r < 0 or not is_used(field, i, f) or G[g + MASS] != mark_of(images):
                 continue
             for d in range(3):
                 force = G[g + FORCE + d]
                 G[g + FORCE + d] = 0.0
-                if _turns(mirror, d):
+                if reverses(images, d):
                     if i < field.owned:
-                        ledger.impulse[i, mirror.number, d] -= 2.0 * dt * force
+                        ledger.impulse[i, images.number, d] -= 2.0 * dt * force
                     force = -force
                 G[r + FORCE + d] += force
-
-
-@inner_kernel
-def _turns(mirror, d):
-    """Whether a mirror reverses component `d`."""
-    return (mirror.sticks or d == mirror.axis) and not mirror.follows

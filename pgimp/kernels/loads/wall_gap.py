@@ -50,7 +50,7 @@ class Wall(NamedTuple):
     Attributes
     ----------
     axis, side, number : int
-        As in `Mirror`.
+        As in `Images`.
     """
 
     axis: int

@@ -1,7 +1,7 @@
 """Periodic faces: what leaves the domain at one face of a direction enters at the other.
 
-No vertex is held: vertices on and beyond the high face are those of the low one (`grid/seam.py` of
-the kernels, and the ring of slabs in `pgimp.decomposition`).
+No vertex is held: vertices on and beyond the high face are those of the low one
+(`grid/image_values.py` of the kernels, and the ring of slabs in `pgimp.decomposition`).
 """
 
 from typing import ClassVar, NamedTuple

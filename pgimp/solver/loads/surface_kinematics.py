@@ -9,7 +9,6 @@ import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.grid.seam import join_records
 from pgimp.kernels.loads.following import (
     DisplacementSums,
     find_displacements,
@@ -61,8 +60,7 @@ class SurfaceKinematics(StepPart):
         self._sums.fit(rank.grid, rank.grid.fields)
         self._sums.add(particles, order, np.arange(rank.grid.planes))
         field = self._sums.grid.field
-        for seam in self.scene.domain.seams:
-            self.call(join_records, self.scene.domain.frame, field, seam)
+        self._sums.join()
         self.call(find_displacements, field)
         args = setting, field, particles, order, self.scene.setting.identity
         self.fallbacks += EVERY * self.call(find_surface_corrections, *args)

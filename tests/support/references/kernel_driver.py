@@ -14,10 +14,11 @@ from pgimp.decomposition.slabs import Slab, slab_of
 from pgimp.kernels.data.arguments import Forcing, KernelScene, Report
 from pgimp.kernels.data.column import Carried
 from pgimp.kernels.data.frame import AxialFrame, Frame, identity
+from pgimp.kernels.data.images import Images
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.grid.mirror import Mirror, fold, reflect
+from pgimp.kernels.grid.mirror import fold, reflect
 from pgimp.kernels.grid.position_limits import WALL
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.loads.wall_gap import find_clearances
@@ -210,7 +211,7 @@ class Rank:
         gravity: Sequence[float] = (),
         faces: tuple = (),
         mass_cutoff: float = 5e-13,
-        mirrors: Sequence[Mirror] = (),
+        mirrors: Sequence[Images] = (),
     ) -> None:
         """Momentum update; sets `impulse` (planes, faces, 3) and `work` (planes,)."""
         field = self.grid.field

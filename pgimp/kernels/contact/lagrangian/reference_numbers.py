@@ -123,7 +123,7 @@ def number_reference_vertices(frame, table, supports, mirrors, fields) -> Refere
     table, supports
         The particles, of `fields` velocity fields, and their supports in the initial configuration.
     mirrors : (n,) FACE_PLANE
-        The reflecting walls, see `Mirror`; a vertex beyond one has its image's sums.
+        The reflecting walls, see `Images`; a vertex beyond one has its image's sums.
     """
     bits, patches, many = key_bits(frame, fields), 0, len(supports.local)
     patch_of = np.empty(len(table), np.int64)
