@@ -68,8 +68,10 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    following, grips, absorbing, damping, averaged_mass, crossings, flows, penetration, sinks, inflow
-        The parts of a step of `pgimp.solver.parts`.
+    following, grips, absorbing, damping, averaged_mass, crossings, flows
+        Parts of a step of `pgimp.solver.parts`.
+    penetration, sinks, inflow
+        Further ones.
     calls : tuple of Bound
         Calls of a step's kernels, for each group; see `pgimp.solver.particle_groups`.
     mass_cutoff : float

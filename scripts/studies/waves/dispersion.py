@@ -93,7 +93,7 @@ class Errors:
 
 
 def best(shape, D, n):
-    """alpha = a - b courant^2 with the least errors; (a, b)."""
+    """Alpha = a - b courant^2 with the least errors; (a, b)."""
     errors, scan = Errors(shape, D, n), np.linspace(0.0, 1.0, 201)
     courants = np.array([0.0, 0.3, 0.5, 0.7])
     parts = [scan[np.argmin([errors.rms(x, c) for x in scan])] for c in courants]
@@ -116,10 +116,10 @@ def highest(shape, D, n, alpha):
 
 
 if __name__ == "__main__":
-    out={}
+    out = {}
     for shape in ("gimp", "bspline-quadratic", "fuzzy-nearest", "fuzzy-constant"):
         for D in (1, 2, 3):
             for n in (1, 2, 3, 4)[: 4 if D < 3 else 3]:
                 a, b = best(shape, D, n)
-                out.setdefault(shape,{}).setdefault(D,{})[n]=(round(a,3),round(b,3))
+                out.setdefault(shape, {}).setdefault(D, {})[n] = (round(a, 3), round(b, 3))
     print(out)
