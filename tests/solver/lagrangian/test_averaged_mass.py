@@ -5,6 +5,7 @@ import pytest
 from scenes import BAR, box, scene, start
 from tiers import wide
 
+from pgimp.case.schema import Case
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 
 pytestmark = pytest.mark.slow(60)
@@ -195,3 +196,59 @@ def test_bars_part(cells, least):
     parted = (line["body.right.momentum-x"] - line["body.left.momentum-x"]) / (0.2 * m)
     assert least < parted < 1.0
     assert line["kinetic-energy"] + line["strain-energy"] < first["kinetic-energy"]
+
+
+def test_rest_takes_the_energy_of_this_mass():
+    """Kinetic damping takes what there was."""
+    body = initial([3.37], [23.37])
+    case = solid(1, body, [28], "averaged", courant=0.05, damping={"kinetic": True})
+    sim = start(case)
+    values, (x, _, _) = vertices(sim)
+    wave = np.cos(4.0 * np.pi * (x - 3.37) / 20.0)
+    values[..., KEPT_VELOCITY] = 1e-2 * wave * (values[..., KEPT_MASS] > 0.0)
+    sim.advance()
+    kinetic = [sim.diagnostics()["kinetic-energy"]]
+    while not sim.diagnostics()["damped-energy"] > 0.0:
+        sim.advance()
+        kinetic.append(sim.diagnostics()["kinetic-energy"])
+    line = sim.diagnostics()
+    assert line["kinetic-energy"] < 0.1 * kinetic[0]
+    assert line["damped-energy"] == pytest.approx(kinetic[-2], rel=1e-5)
+
+
+def test_refused_where_it_means_nothing():
+    case = solid(1, box([3.0], [13.0]), [20], "averaged")
+    with pytest.raises(ValueError, match=r"method.mass\s.*'body' is in the current one"):
+        Case.model_validate(case)
+    case["bodies"]["body"] |= {"configuration": "initial"}
+    case["method"] = {"shape": "mpm", "particles_per_cell": [2], "mass": "averaged"}
+    with pytest.raises(ValueError, match=r"method.mass\s.*hardly any mass"):
+        Case.model_validate(case)
+
+
+def test_a_body_beside_others():
+    """A bar beside one with lumped mass, and another that says so itself: each has its own."""
+    bodies = {"slow": initial([3.37], [23.37]), "fast": initial([26.37], [46.37], mass="averaged")}
+    sim = start(solid(1, bodies, [50], "lumped"))
+    values, (x, _, _) = vertices(sim)
+    for low in (3.37, 26.37):
+        inside = (x > low - 1.0) & (x < low + 21.0) & (values[..., KEPT_MASS] > 0.0)
+        wave = 1e-4 * np.cos(4.0 * np.pi * (x - low) / 20.0)
+        values[..., KEPT_VELOCITY] = np.where(inside, wave, values[..., KEPT_VELOCITY])
+    alone = {}
+    for name, mass in (("slow", "lumped"), ("fast", "averaged")):
+        one = start(solid(1, bodies[name] | {"mass": mass}, [50], "lumped"))
+        own, (y, _, _) = vertices(one)
+        low = bodies[name]["region"]["box"]["min"][0]
+        own[..., KEPT_VELOCITY] = (
+            1e-4 * np.cos(4.0 * np.pi * (y - low) / 20.0) * (own[..., KEPT_MASS] > 0.0)
+        )
+        alone[name] = one
+    for _ in range(300):
+        for each in (sim, *alone.values()):
+            each.advance()
+    every = sim.diagnostics()
+    for name, one in alone.items():
+        mine = one.diagnostics()["strain-energy"]
+        assert every[f"body.{name}.strain-energy"] == pytest.approx(mine, rel=1e-9)
+    assert every["body.fast.strain-energy"] != pytest.approx(every["body.slow.strain-energy"])

@@ -63,9 +63,6 @@ one_particle = Feature(
 initial = of_bodies(
     "bodies in the initial configuration", "configuration", lambda b, _: _initial(b)
 )
-current = of_bodies(
-    "bodies in the current configuration", "configuration", lambda b, _: not _initial(b)
-)
 averaged = Feature(
     "averaged mass",
     lambda bodies, method: (
