@@ -7,6 +7,7 @@ from tiers import wide
 
 from pgimp.case.schema import Case
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
+from pgimp.solver.lagrangian import mass_rows
 
 pytestmark = pytest.mark.slow(60)
 
@@ -252,3 +253,34 @@ def test_a_body_beside_others():
         mine = one.diagnostics()["strain-energy"]
         assert every[f"body.{name}.strain-energy"] == pytest.approx(mine, rel=1e-9)
     assert every["body.fast.strain-energy"] != pytest.approx(every["body.slow.strain-energy"])
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_whole_cells_are_as_their_particles(D, monkeypatch):
+    """Vertices amid whole cells, and the same with rows of all particles: equal to rounding."""
+    size = [7.0, 6.0, 5.0][:D]
+    low = [1.0] * D
+    body = initial(low, [a + b for a, b in zip(low, size, strict=True)])
+    body["velocity"] = [0.3, -0.2, 0.1][:D]
+    cells, found = [10, 9, 8][:D], []
+    for whole in (True, False):
+        if not whole:
+            monkeypatch.setattr(mass_rows, "_whole_cells", no_whole_cells)
+        part = {"box": {"min": low, "max": [2.0] * D}}
+        held = {"body": "body", "region": part, "velocity": [0.2] + [None] * (D - 1)}
+        case = scene(D, body, cells=cells, step=0.01, end=0.2, boundaries={"x-min": "slip"},
+                     constraints={"grip": held})  # fmt: skip
+        case["method"]["mass"] = "averaged"
+        sim = start(case)
+        for _ in range(20):
+            sim.advance()
+        rows = sim.rank.averaged_mass._rows
+        assert bool(len(rows.run)) == whole
+        found.append(vertices(sim)[0].copy())
+    np.testing.assert_allclose(*found, rtol=0.0, atol=1e-13)
+
+
+def no_whole_cells(rank, rows, layer, mass):
+    """As if no cell of the lattice were whole."""
+    shape = rank.slab.layers, *mass_rows._plane(rank)
+    return np.zeros(shape), np.zeros(len(rows), np.int64)
