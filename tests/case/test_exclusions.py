@@ -58,6 +58,8 @@ ASKED = {
     f.mean: {"method.volumetric": "mean"},
     f.one_particle: {"method.particles_per_cell": [1, 1]},
     f.initial: INITIAL,
+    f.averaged: {**INITIAL, B + "mass": "averaged"},
+    f.of_points: {"method.shape": "mpm"},
     f.initial_with_memory: {**INITIAL, **of(**SOFT)},
     f.initial_not_uniform: {**INITIAL, B + "velocity": {"function": "swirl"}},
     f.mixed: {B + "configuration": "initial"},

@@ -47,6 +47,14 @@ def ground():
     return scene(2, ("soil", "fill")) | {"grid": {"size": [8.0, 6.0], "cell": [0.5, 0.5]}}
 
 
+def initial():
+    """A case in 3D with all bodies in the initial configuration."""
+    case = scene(3)
+    for body in case["bodies"].values():
+        body["configuration"] = "initial"
+    return case
+
+
 def windy():
     """A case for which the functions of docs/own-functions.md are registered."""
     exec(compile(block_of("from math import exp, sin\n"), "wind.py", "exec"), {"__name__": "wind"})
@@ -90,6 +98,7 @@ FRAGMENTS = (
     ("inflow:\n  jet:", lambda: scene(2, ("water",)), ()),
     ("escape:\n  x-max:", lambda: scene(2), ()),
     ("bodies:                               # by functions", windy, ()),
+    ("method: {shape: gimp, particles_per_cell: [2, 2, 2], mass:", initial, ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.
 OTHERS = ("format: 1\n", "# safety.yaml\n", "# yaml-language-server: $schema=pgimp-schema.json\n")

@@ -1,4 +1,4 @@
-"""Checks of bodies in the current configuration beside others in the initial one."""
+"""Checks of bodies in the current configuration: beside others, and of their mass."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pgimp.case.body import Body
 from pgimp.physics.contact.base import TIED
 from pgimp.physics.contact.pairs import ContactEntry, Pairs
 from pgimp.physics.rigid import RigidBody
+from pgimp.physics.shapes.base import Shape
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
@@ -46,3 +47,18 @@ def check_parted(
                 "one; beside bodies in the initial configuration all of them need an entry: take "
                 "{bodies: all}",
             )
+
+
+def check_averaged(bodies: Mapping[str, Body], method: Shape) -> Problems:
+    """Check that bodies with averaged mass are in the initial configuration."""
+    for name, body in bodies.items():
+        if (body.mass or method.mass) != "averaged" or body.configuration == "initial":
+            continue
+        path = ("bodies", name, "mass") if body.mass else ("method", "mass")
+        yield Problem(
+            path,
+            f"averaged is for the initial configuration, but '{name}' is in the current one, where "
+            "weights, and so this mass, would change with every step: take configuration: initial, "
+            "or mass: lumped for this body",
+        )
+        return

@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pgimp.case.checks.bodies import check_constraints, check_materials, check_tractions
-from pgimp.case.checks.configuration import check_parted
+from pgimp.case.checks.configuration import check_averaged, check_parted
 from pgimp.case.checks.domain import (
     check_body_force,
     check_boundaries,
@@ -178,6 +178,7 @@ _CHECKS = (
     check_geostatic,
     check_water,
     check_parted,
+    check_averaged,
     check_output,
     check_probes,
     check_gauges,

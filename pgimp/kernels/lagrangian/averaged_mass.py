@@ -52,8 +52,10 @@ class MassRows(NamedTuple):
         Beginning of each plane's rows.
     vertex : (rows,) int64
         Offset of the vertex's record.
-    first : (rows + 1,) int64
-        Beginning of each row's entries.
+    pattern : (rows,) int64
+        Number of the row's entries, which others may have too.
+    first : (patterns + 1,) int64
+        Beginning of each pattern's entries.
     column : (entries,) int64
         Distance of the other vertex's acceleration.
     value : (entries,) float64
@@ -62,28 +64,29 @@ class MassRows(NamedTuple):
         Second differences that whole cells add along each direction, as a part.
     run_start : (planes + 1,) int64
         Beginning of each plane's runs of vertices amid whole cells.
+    span : (planes, 2) int64
+        Range of accelerations that a plane's runs need.
     run : (runs, 2) int64
         Offsets of the first acceleration and of the end of a run along the last direction.
     mass : (runs,) float64
         alpha times the vertices' mass.
-    span : (planes, 2) int64
-        Range of accelerations that a plane's runs need.
     """
 
     start: IntArray
     vertex: IntArray
+    pattern: IntArray
     first: IntArray
     column: IntArray
     value: FloatArray
     scale: tuple[float, ...]
     run_start: IntArray
+    span: IntArray
     run: IntArray
     mass: FloatArray
-    span: IntArray
 
 
 @kernel
-def find_accelerations(frame, field, faces, forcing, scratch, A, reach):
+def find_accelerations(frame, field, faces, forcing, scratch, A, reach, planes):
     """Find the accelerations of vertices with their lumped mass, after all conditions.
 
     Parameters
@@ -96,11 +99,13 @@ def find_accelerations(frame, field, faces, forcing, scratch, A, reach):
         Set for the rank's planes, of which the first is number `reach`; see `NUMBERS`.
     reach : int
         Planes below and above those of the rank.
+    planes : (int, int)
+        The planes: from the first one up to the second.
     """
     G, window, plane = field.G, field.window, field.window.stride[0]
     half, size, row = plane // 2, field_size(window), window.stride[1]
     g, zero = pack(0.0, forcing.gravity[0], forcing.gravity[1], forcing.gravity[2]), vector(0.0)
-    for i in range(len(field.active)):
+    for i in range(planes[0], planes[1]):
         own = (i + reach) * half
         if field.active[i] == 0:
             A[own : own + half] = 0.0
@@ -159,7 +164,7 @@ def _hold(field, holding, f, vertex, own, A):
 
 
 @kernel
-def average_forces(field, A, reach, rows, buffer):
+def average_forces(field, A, reach, rows, planes, buffer):
     """Take alpha (C - L) a from the forces at a rank's vertices.
 
     Parameters
@@ -170,20 +175,22 @@ def average_forces(field, A, reach, rows, buffer):
         See `find_accelerations`; also of the planes below and above.
     rows : MassRows
         The rows.
+    planes : (int, int)
+        The planes: from the first one up to the second.
     buffer : (plane / 2,) float64
         For values in between.
     """
     G, plane = field.G, field.window.stride[0]
-    for i in range(len(field.active)):
+    for i in range(planes[0], planes[1]):
         if field.active[i] == 0:
             continue
         own, to = (i + reach) * (plane // 2), i * plane + _SECOND
         if rows.run_start[i] < rows.run_start[i + 1]:
-            _average_runs(field, A, rows, i, buffer, own)
+            _average_runs(field, A, rows, i, own, buffer)
         for n in range(rows.start[i], rows.start[i + 1]):
             at = own + rows.vertex[n] // 2
             a, even, odd = load(A, at), vector(0.0), vector(0.0)
-            e, end = rows.first[n], rows.first[n + 1]
+            e, end = rows.first[rows.pattern[n]], rows.first[rows.pattern[n] + 1]
             while e + 1 < end:
                 even = even + rows.value[e] * (load(A, at + rows.column[e]) - a)
                 odd = odd + rows.value[e + 1] * (load(A, at + rows.column[e + 1]) - a)
@@ -203,26 +210,27 @@ def _average(scale, before, now, after):
 @inlined
 def _along_row(rows, buffer, row, at):
     """Averages along all directions but the last one, from those across planes."""
-    if len(rows.scale) == 2:
+    if len(rows.scale) < 3:
         return load(buffer, at)
     return _average(rows.scale[1], load(buffer, at - row), load(buffer, at), load(buffer, at + row))
 
 
 @inner_kernel
-def _average_runs(field, A, rows, i, buffer, own):
+def _average_runs(field, A, rows, i, own, buffer):
     """As `average_forces`, for the vertices of plane `i` amid whole cells."""
     G, plane, row = field.G, field.window.stride[0], field.window.stride[1] // 2
-    half, scale = plane // 2, rows.scale
+    half, scale, low = plane // 2, rows.scale, rows.span[i, 0]
     to = i * plane + _SECOND
-    for at in range(rows.span[i, 0], rows.span[i, 1], NUMBERS):
+    for at in range(low, rows.span[i, 1], NUMBERS):
         r = own + at
-        store(buffer, at, _average(scale[0], load(A, r - half), load(A, r), load(A, r + half)))
+        mean = _average(scale[0], load(A, r - half), load(A, r), load(A, r + half))
+        store(buffer, at - low, mean)
     for n in range(rows.run_start[i], rows.run_start[i + 1]):
         begin, end, mass = rows.run[n, 0], rows.run[n, 1], rows.mass[n]
-        before = _along_row(rows, buffer, row, begin - NUMBERS)
-        now = _along_row(rows, buffer, row, begin)
+        before = _along_row(rows, buffer, row, begin - low - NUMBERS)
+        now = _along_row(rows, buffer, row, begin - low)
         for at in range(begin, end, NUMBERS):
-            after = _along_row(rows, buffer, row, at + NUMBERS)
+            after = _along_row(rows, buffer, row, at - low + NUMBERS)
             change = _average(scale[len(scale) - 1], before, now, after) - load(A, own + at)
             r = to + 2 * at
             store(G, r, load(G, r) - mass * change)

@@ -27,6 +27,7 @@ from pgimp.kernels.grid.damping import (
 )
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
+from pgimp.solver.lagrangian.layer_sums import energy_beyond_lumped
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.reduction import sum_planes
 from pgimp.solver.vertices import StepPart, VertexUpdate
@@ -112,6 +113,8 @@ def bring_to_rest(rank: RankState) -> None:
         rank.grips.rest()
     rows, start = population.order, population.start
     taken = np.zeros((len(rank.ledger.damping), TAKEN))
+    if rank.averaged_mass:
+        taken[: rank.slab.layers, DAMPED_ENERGY] = energy_beyond_lumped(rank)
     m, v = particles.m[rows, None], particles.v[rows]
     if rank.scene.settings.by_vertex:  # the vertices of these bodies have it
         m = np.where(rank.scene.settings.lagrangian[particles.body[rows], None], 0.0, m)

@@ -6,13 +6,9 @@ import numpy as np
 
 from pgimp.decomposition.grid import aligned
 from pgimp.kernels.data.arguments import Field
-from pgimp.kernels.grid.mirror import fold_forces, reflect_accelerations
-from pgimp.kernels.grid.seam import join_forces, part_accelerations
-from pgimp.kernels.lagrangian.averaged_mass import (
-    MassRows,
-    average_forces,
-    find_accelerations,
-)
+from pgimp.kernels.grid.image_values import copy_accelerations
+from pgimp.kernels.grid.mirror import fold_forces
+from pgimp.kernels.lagrangian.averaged_mass import MassRows, average_forces, find_accelerations
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.averaging import averaged_parts
 from pgimp.scene.scene import Scene
@@ -22,6 +18,9 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 
 #: Tags of messages with accelerations.
 _UP, _DOWN = 23, 24
+
+#: Numbers of accelerations that are found and used together: with forces 8 MB.
+_CACHED = 1 << 18
 
 
 class AveragedMass(StepPart):
@@ -57,28 +56,35 @@ class AveragedMass(StepPart):
         if domain.settling:
             return
         frame, field, reach = domain.frame, grid.field, grid.vertices - 1
+        half = grid.window.stride[0] // 2
         if self._known is not field:
             self._known, self._rows = field, find_rows(rank, self.alpha)
-            half = grid.window.stride[0] // 2
             self._accelerations = aligned((grid.planes + 2 * reach) * half)
             self._buffer = aligned(half)
-        forcing, A = update.forcing, self._accelerations
+        forcing, A, rows = update.forcing, self._accelerations, self._rows
         if rank.grips and rank.grips.acts:
             constraints = rank.grips.forecast(rank, update)
             forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
-        scratch = np.empty((len(domain.faces), 3))
-        rank.call(find_accelerations, frame, field, update.faces, forcing, scratch, A, reach)
-        mirrors = sorted((*domain.followed, *domain.mirrors), key=lambda each: each.releases)
-        for mirror in reversed(mirrors):
-            rank.call(reflect_accelerations, frame, field, mirror, A, reach)
-        for seam in reversed(domain.seams):
-            rank.call(part_accelerations, frame, field, seam, A, reach)
+        setting = frame, field, update.faces, forcing, np.empty((len(domain.faces), 3)), A, reach
+        mirrors = sorted((*domain.absorbing_mirrors, *domain.mirrors), key=lambda each: each.releases)
+        images = *domain.seams, *mirrors  # as sums were folded
+        if not (images or rank.slab.neighbours):
+            # In pieces, whose forces are still in the cache; accelerations are ahead.
+            size, ahead = max(1, _CACHED // half), 0
+            for first in range(0, grid.planes, size):
+                last = min(first + size, grid.planes)
+                rank.call(find_accelerations, *setting, (ahead, min(last + reach, grid.planes)))
+                ahead = min(last + reach, grid.planes)
+                rank.call(average_forces, field, A, reach, rows, (first, last), self._buffer)
+            return
+        every = 0, grid.planes
+        rank.call(find_accelerations, *setting, every)
+        for each in reversed(images):
+            rank.call(copy_accelerations, frame, field, each, A, reach)
         self._exchange(rank, reach)
-        rank.call(average_forces, field, A, reach, self._rows, self._buffer)
-        for seam in domain.seams:
-            rank.call(join_forces, frame, field, seam)
-        for mirror in mirrors:
-            rank.call(fold_forces, frame, field, mirror, forcing.dt, update.ledger)
+        rank.call(average_forces, field, A, reach, rows, every, self._buffer)
+        for each in images:
+            rank.call(fold_forces, frame, field, each, forcing.dt, update.ledger)
 
     def _exchange(self, rank: RankState, reach: int) -> None:
         """Get the accelerations of planes that only the neighbours have; collective."""

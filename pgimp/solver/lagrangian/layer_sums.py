@@ -9,7 +9,7 @@ import numpy as np
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.lagrangian.sums import motion_sums
-from pgimp.kernels.sums.sums import layer_sums
+from pgimp.kernels.sums.sums import KINETIC, layer_sums
 from pgimp.scene.scene import Scene
 from pgimp.solver.lagrangian.pieces import by_layers
 from pgimp.solver.rank_state import RankState
@@ -43,10 +43,23 @@ def sum_layers(
         rank.slaves.complete_sums(rank, bodies, sums)
 
 
+def energy_beyond_lumped(rank: RankState) -> np.ndarray:
+    """Kinetic energy of the averaged mass less that of the lumped one, by layer, (layers,)."""
+    scene = rank.scene
+    sums = np.zeros((rank.slab.layers, len(scene.body_names), scene.materials.sums))
+    part = rank.averaged_mass.lumped - 1.0
+    by_layers(
+        rank, rank.population.ordered,
+        lambda particles, order: _complete_sums(rank, scene, particles, order, sums, part),
+    )  # fmt: skip
+    return np.asarray(sums[:, :, KINETIC].sum(axis=1))
+
+
 def _complete_sums(
-    rank: RankState, scene: Scene, particles: Particles, order: Order, sums: np.ndarray
-) -> None:
-    """Complete `layer_sums` of particles by what their vertices have beyond them."""
+    rank: RankState, scene: Scene, particles: Particles, order: Order, sums: np.ndarray,
+    part: np.ndarray | tuple[()] | None = None,
+) -> None:  # fmt: skip
+    """Complete `layer_sums` of particles by what their vertices have beyond them, or by a part."""
     if scene.settings.lagrangian_bodies is None or not rank.grid.motion:
         return
     setting = scene.setting
@@ -54,6 +67,6 @@ def _complete_sums(
         mine = scene.settings.lagrangian[particles.body[order.rows]]
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         order, setting = Order(order.rows[mine], edges), scene.setting_lagrangian
-    averaged = rank.averaged_mass
-    lumped = averaged.lumped if averaged else ()
-    motion_sums(setting.without_materials(), rank.grid.field, particles, order, lumped, sums)
+    if part is None:
+        part = rank.averaged_mass.lumped if rank.averaged_mass else ()
+    motion_sums(setting.without_materials(), rank.grid.field, particles, order, part, sums)

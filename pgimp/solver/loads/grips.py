@@ -106,7 +106,9 @@ class Grips(StepPart):
         for k, one in enumerate(found):
             velocity = np.array(one.velocity)[moved[k]]
             self.state[k, VELOCITY, moved[k]] = velocity
-            self.state[k, DISPLACEMENT : DEFLECTION + 1, moved[k]] += update.t.dt * velocity[:, None]
+            self.state[k, DISPLACEMENT : DEFLECTION + 1, moved[k]] += (
+                update.t.dt * velocity[:, None]
+            )
             self._rates[k] = np.where(moved[k], one.rate, 0.0)
         return found
 

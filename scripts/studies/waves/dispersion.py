@@ -6,6 +6,7 @@ from math import floor
 import numpy as np
 
 from pgimp.physics.shapes import SHAPES
+from pgimp.physics.shapes.averaging import averaged_part
 
 #: Cells a wave at which errors count.
 CELLS = {1: (6, 8, 10), 2: (8, 10, 13), 3: (8, 10, 13)}
@@ -92,8 +93,13 @@ class Errors:
         return float(np.sqrt(np.mean([part.mean() for part in parts])))
 
 
+def part(shape, D, n, courant):
+    """The part that pgimp takes."""
+    return averaged_part(shape, (n,) * D, courant)
+
+
 def best(shape, D, n):
-    """alpha = a - b courant^2 with the least errors; (a, b)."""
+    """Alpha = a - b courant^2 with the least errors; (a, b)."""
     errors, scan = Errors(shape, D, n), np.linspace(0.0, 1.0, 201)
     courants = np.array([0.0, 0.3, 0.5, 0.7])
     parts = [scan[np.argmin([errors.rms(x, c) for x in scan])] for c in courants]
@@ -102,24 +108,3 @@ def best(shape, D, n):
         return TAKEN[D], 0.0
     b, a = np.polyfit(courants[inner] ** 2, np.array(parts)[inner], 1)
     return TAKEN[D] * float(a), -TAKEN[D] * float(b)
-
-
-def highest(shape, D, n, alpha):
-    """Greatest frequency over that with lumped mass, of all waves on the lattice."""
-    grid = np.linspace(0.0, np.pi, 9)
-    with_, without = 0.0, 0.0
-    for k in product(grid, repeat=D):
-        squares, C = waves(shape, n, np.array(k))
-        without = max(without, squares.max())
-        with_ = max(with_, squares.max() * (1.0 + alpha * (1.0 - C)))
-    return float(np.sqrt(with_ / without))
-
-
-if __name__ == "__main__":
-    out={}
-    for shape in ("gimp", "bspline-quadratic", "fuzzy-nearest", "fuzzy-constant"):
-        for D in (1, 2, 3):
-            for n in (1, 2, 3, 4)[: 4 if D < 3 else 3]:
-                a, b = best(shape, D, n)
-                out.setdefault(shape,{}).setdefault(D,{})[n]=(round(a,3),round(b,3))
-    print(out)

@@ -5,7 +5,9 @@ import pytest
 from scenes import BAR, box, scene, start
 from tiers import wide
 
+from pgimp.case.schema import Case
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
+from pgimp.solver.lagrangian import mass_rows
 
 pytestmark = pytest.mark.slow(60)
 
@@ -77,9 +79,7 @@ def test_a_free_bar(mode):
 
 def both(case, shape, exact, axis=0, **parts):
     """Errors of a frequency with lumped and with averaged mass."""
-    return [
-        frequency(case(mass), shape, exact, axis, **parts) for mass in ("lumped", "averaged")
-    ]
+    return [frequency(case(mass), shape, exact, axis, **parts) for mass in ("lumped", "averaged")]
 
 
 @pytest.mark.parametrize("way", ["fixed", "mirror", "constraint"])
@@ -165,9 +165,9 @@ def test_a_turning_block_bends(courant, steps):
         add -= there * (add * values[..., KEPT_MASS]).sum() / values[..., KEPT_MASS].sum()
         values[..., KEPT_VELOCITY + d] += add
     sim.rank.population.outdate(True)
-    unit, found = sim.diagnostics()["mass"] * 0.05 * speed, []
+    unit, found, before = sim.diagnostics()["mass"] * 0.05 * speed, [], {}
     for n in range(steps + 1):
-        line = sim.diagnostics() if n % 100 < 2 else None
+        line = sim.diagnostics() if n % 100 < 2 else {}
         sim.advance()
         if n % 100 == 1:  # velocities are half a step behind
             kinetic = 0.5 * (before["kinetic-energy"] + line["kinetic-energy"])
@@ -179,3 +179,108 @@ def test_a_turning_block_bends(courant, steps):
     found = np.array(found)
     off = np.abs(found - found[0]).max(axis=0) / [*found[0, :2], 1.0]
     assert (off < [1e-3, 1e-4, 1e-12]).all(), off
+
+
+@pytest.mark.parametrize(("cells", "least"), [(20, 0.965), wide(40, 0.981), wide(80, 0.989)])
+def test_bars_part(cells, least):
+    """Two equal bars: what dispersion takes of their rebound becomes less (0.957, 0.973, 0.984)."""
+    bodies = {
+        name: initial([low], [low + cells], velocity=[v])
+        for name, low, v in (("left", 3.3, 0.1), ("right", 3.8 + cells, -0.1))
+    }
+    case = solid(1, bodies, [2 * cells + 8], "averaged", contact=[{"bodies": "all"}])
+    sim = start(case)
+    first = sim.diagnostics()
+    while sim.time < 2.5 + 2.5 * cells / C:
+        sim.advance()
+    line, m = sim.diagnostics(), float(cells)
+    parted = (line["body.right.momentum-x"] - line["body.left.momentum-x"]) / (0.2 * m)
+    assert least < parted < 1.0
+    assert line["kinetic-energy"] + line["strain-energy"] < first["kinetic-energy"]
+
+
+def test_rest_takes_the_energy_of_this_mass():
+    """Kinetic damping takes what there was."""
+    body = initial([3.37], [23.37])
+    case = solid(1, body, [28], "averaged", courant=0.05, damping={"kinetic": True})
+    sim = start(case)
+    values, (x, _, _) = vertices(sim)
+    wave = np.cos(4.0 * np.pi * (x - 3.37) / 20.0)
+    values[..., KEPT_VELOCITY] = 1e-2 * wave * (values[..., KEPT_MASS] > 0.0)
+    sim.advance()
+    kinetic = [sim.diagnostics()["kinetic-energy"]]
+    while not sim.diagnostics()["damped-energy"] > 0.0:
+        sim.advance()
+        kinetic.append(sim.diagnostics()["kinetic-energy"])
+    line = sim.diagnostics()
+    assert line["kinetic-energy"] < 0.1 * kinetic[0]
+    assert line["damped-energy"] == pytest.approx(kinetic[-2], rel=1e-5)
+
+
+def test_refused_where_it_means_nothing():
+    case = solid(1, box([3.0], [13.0]), [20], "averaged")
+    with pytest.raises(ValueError, match=r"method.mass\s.*'body' is in the current one"):
+        Case.model_validate(case)
+    case["bodies"]["body"] |= {"configuration": "initial"}
+    case["method"] = {"shape": "mpm", "particles_per_cell": [2], "mass": "averaged"}
+    with pytest.raises(ValueError, match=r"method.mass\s.*hardly any mass"):
+        Case.model_validate(case)
+
+
+def test_a_body_beside_others():
+    """A bar beside one with lumped mass, and another that says so itself: each has its own."""
+    bodies = {"slow": initial([3.37], [23.37]), "fast": initial([26.37], [46.37], mass="averaged")}
+    sim = start(solid(1, bodies, [50], "lumped"))
+    values, (x, _, _) = vertices(sim)
+    for low in (3.37, 26.37):
+        inside = (x > low - 1.0) & (x < low + 21.0) & (values[..., KEPT_MASS] > 0.0)
+        wave = 1e-4 * np.cos(4.0 * np.pi * (x - low) / 20.0)
+        values[..., KEPT_VELOCITY] = np.where(inside, wave, values[..., KEPT_VELOCITY])
+    alone = {}
+    for name, mass in (("slow", "lumped"), ("fast", "averaged")):
+        one = start(solid(1, bodies[name] | {"mass": mass}, [50], "lumped"))
+        own, (y, _, _) = vertices(one)
+        low = bodies[name]["region"]["box"]["min"][0]
+        own[..., KEPT_VELOCITY] = (
+            1e-4 * np.cos(4.0 * np.pi * (y - low) / 20.0) * (own[..., KEPT_MASS] > 0.0)
+        )
+        alone[name] = one
+    for _ in range(300):
+        for each in (sim, *alone.values()):
+            each.advance()
+    every = sim.diagnostics()
+    for name, one in alone.items():
+        mine = one.diagnostics()["strain-energy"]
+        assert every[f"body.{name}.strain-energy"] == pytest.approx(mine, rel=1e-9)
+    assert every["body.fast.strain-energy"] != pytest.approx(every["body.slow.strain-energy"])
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_whole_cells_are_as_their_particles(D, monkeypatch):
+    """Vertices amid whole cells, and the same with rows of all particles: equal to rounding."""
+    size = [7.0, 6.0, 5.0][:D]
+    low = [1.0] * D
+    body = initial(low, [a + b for a, b in zip(low, size, strict=True)])
+    body["velocity"] = [0.3, -0.2, 0.1][:D]
+    cells, found = [10, 9, 8][:D], []
+    for whole in (True, False):
+        if not whole:
+            monkeypatch.setattr(mass_rows, "_whole_cells", no_whole_cells)
+        part = {"box": {"min": low, "max": [2.0] * D}}
+        held = {"body": "body", "region": part, "velocity": [0.2] + [None] * (D - 1)}
+        case = scene(D, body, cells=cells, step=0.01, end=0.2, boundaries={"x-min": "slip"},
+                     constraints={"grip": held})  # fmt: skip
+        case["method"]["mass"] = "averaged"
+        sim = start(case)
+        for _ in range(20):
+            sim.advance()
+        rows = sim.rank.averaged_mass._rows
+        assert bool(len(rows.run)) == whole
+        found.append(vertices(sim)[0].copy())
+    np.testing.assert_allclose(*found, rtol=0.0, atol=1e-13)
+
+
+def no_whole_cells(rank, rows, layer, mass):
+    """As if no cell of the lattice were whole."""
+    shape = rank.slab.layers, *mass_rows._plane(rank)
+    return np.zeros(shape), np.zeros(len(rows), np.int64)

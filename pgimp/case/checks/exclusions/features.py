@@ -64,9 +64,6 @@ beyond_cells = of_key("tents, B-splines", "method.shape", lambda method: not met
 initial = of_bodies(
     "bodies in the initial configuration", "configuration", lambda b, _: _initial(b)
 )
-current = of_bodies(
-    "bodies in the current configuration", "configuration", lambda b, _: not _initial(b)
-)
 averaged = Feature(
     "averaged mass",
     lambda bodies, method: (

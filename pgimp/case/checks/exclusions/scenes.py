@@ -92,10 +92,6 @@ SCENES = (
     Exclusion(f.initial, g.entering,
         "the grid of the initial configuration moves with the body as it was at the start, and "
         "nothing can be added to it", "what enters takes configuration: current", "owner"),
-    Exclusion(f.averaged, f.current,
-        "averaged is for bodies in the initial configuration, as weights that change would change "
-        "it with every step, and '{b.name}' is in the current one:",
-        "take configuration: initial, or mass: lumped for this body", "owner"),
     Exclusion(f.averaged, f.of_points,
         "averaged is for particles with a size: points may leave a vertex of '{a.name}' hardly any "
         "mass", "take gimp, or lumped"),

@@ -4,6 +4,7 @@ from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
 from rank_scenes.arrivals import lifts, pours, streams
+from rank_scenes.averaged import averaged_contact, averaged_grip, averaged_lattice, averaged_layers
 from rank_scenes.damped_bodies import damped, dug, heavy, pressed, quaking, settled, soaked
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
@@ -84,6 +85,10 @@ SCENES = (
             initial_stages,
             initial_contact,
             initial_lattice,
+            averaged_lattice,
+            averaged_contact,
+            averaged_layers,
+            averaged_grip,
             both_configurations,
             damped,
             settled,

@@ -1,0 +1,43 @@
+"""Measures waves with lumped and with averaged mass; see scripts/waves."""
+
+import numpy as np
+from studies.harness import options_of, origin, table
+from studies.waves import bars, bodies, dispersion
+
+MASSES = ("lumped", "averaged")
+
+
+def _percent(value):
+    return f"{100.0 * value:.2g}"
+
+
+def speeds():
+    """Rows of errors of plane waves, by dimensions and cells a wave."""
+    for D, cells in ((1, 6), (1, 10), (1, 16), (2, 6), (2, 10), (2, 16), (3, 6), (3, 10), (3, 16)):
+        errors = dispersion.Errors("gimp", D, 2, (cells,))
+        parts = 0.0, dispersion.part("gimp", D, 2, 0.3)
+        found = [np.sqrt((errors(alpha, 0.3) ** 2).mean(axis=0)) for alpha in parts]
+        shear = [_percent(np.sqrt((each[:-1] ** 2).mean())) if D > 1 else "" for each in found]
+        pressure = [_percent(each[-1]) for each in found]
+        yield [f"{D}D", cells, *pressure, *shear]
+
+
+def main():
+    """Measure what is asked for, and print its tables."""
+    what = {"nargs": "*", "among": ("numbers", "speeds", "pulse", "bodies"), "metavar": "WHAT"}
+    options = options_of("waves", what=what)
+    chosen = options.what or what["among"][1:]
+    measured = f"Measured by `scripts/waves` on one core of {origin()}."
+    if "numbers" in chosen:
+        for shape in ("gimp", "bspline-quadratic", "fuzzy-nearest", "fuzzy-constant"):
+            for D in (1, 2, 3):
+                found = {n: dispersion.best(shape, D, n) for n in (1, 2, 3, 4)[: 4 - (D == 3)]}
+                print(shape, D, {n: tuple(np.round(each, 3)) for n, each in found.items()})
+    if "speeds" in chosen:
+        titles = ["", "cells a wave", "P, lumped", "averaged", "S, lumped", "averaged"]
+        print(table(titles, speeds(), measured))
+    if "pulse" in chosen:
+        print(table(["mass", "error after 10 lengths", "height"], bars.rows(), measured))
+    if "bodies" in chosen:
+        titles = ["body", "lumped, rms [%]", "averaged, rms [%]", "highest frequency over lumped"]
+        print(table(titles, bodies.rows(), measured))
