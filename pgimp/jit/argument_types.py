@@ -25,9 +25,11 @@ def type_of(value: Any) -> Any:
         key = value.dtype, value.ndim, value.flags.num
     elif issubclass(kind, tuple):
         key = kind, *[id(type_of(item)) for item in value]
-    elif kind in _PLAIN:
+    elif kind in _PLAIN or (
+        kind is int and value.bit_length() < 63
+    ):  # others are unsigned, or none
         key = kind
-    else:  # integers of 64 bits have two types
+    else:
         return numba.typeof(value)
     found = _KNOWN.get(key)
     if found is None:

@@ -58,6 +58,8 @@ def warm_up(scene: Scene, comm: Communicator) -> None:
                     for each, types in noted
                 ],
             )
+            if not noted:  # so all have been called
+                return
         _rehearse(scene)
 
 
