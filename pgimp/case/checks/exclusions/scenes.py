@@ -164,7 +164,6 @@ SCENES = (
             (f.points, "is for bodies on the lattice, but '{b.name}' comes from a file"),
             (f.meetings, "does not know {b.name} yet"),
             (g.periodic, "does not know periodic faces yet"),
-            (g.grips, "does not know constraints that a force moves yet"),
         )
     ),
     # Periodic faces.
