@@ -126,16 +126,23 @@ class Population:
         return Order(self.order, self.start)
 
     def sort(self) -> None:
-        """Sort the rows themselves by (layer, cell, id), closing the holes."""
+        """Sort the rows themselves by (layer, cell, id), closing the holes.
+
+        Parts of cells come before all others: what steps take one by one is then not scattered.
+        """
         p, rows = self.columns, self.order
         locate(self.shape, self.frame, p, rows, self.frame.vertices)
         rows = rows[self._sorting(p.cell[rows], p.id[rows])]
+        edges = np.arange(self.first, self.first + self.layers + 1)
+        self.start[:] = np.searchsorted(p.layer[rows], edges)
+        places = np.arange(len(rows))
+        if hasattr(self.shape, "products") and len(rows):
+            whole = p.V0[rows] > (1.0 - 1e-9) * p.V0[rows].max()
+            places = np.argsort(whole, kind="stable")
         for array in p:
             if array.size:
-                self._permute(array, rows)
-        self.order[:] = np.arange(len(rows))
-        edges = np.arange(self.first, self.first + self.layers + 1)
-        self.start[:] = np.searchsorted(p.layer[: len(rows)], edges)
+                self._permute(array, rows[places])
+        self.order[places] = np.arange(len(rows))
         self._used, self._holes_count, self._left_count = len(rows), 0, 0
         self.released = False
 

@@ -30,7 +30,7 @@ _TWO = (0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)), (0.5, 0.5)
 _THREE = (0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)), (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 
 #: Directions of the coordinates that each integral multiplies, by dimensions.
-_MONOMIALS: tuple[tuple[tuple[int, ...], ...], ...] = (
+MONOMIALS: tuple[tuple[tuple[int, ...], ...], ...] = (
     ((), (0,)),
     ((), (0,), (1,), (0, 1)),
     ((), (0,), (1,), (2,), (1, 2), (0, 2), (0, 1), (0, 1, 2)),
@@ -154,7 +154,7 @@ def _piece(region: Region, low: Points, high: Points, centre: Points, width: int
     volume = np.ones(len(whole))
     for d in range(D):
         volume *= size[whole, d]
-    for column, axes in enumerate(_MONOMIALS[D - 1][:width]):
+    for column, axes in enumerate(MONOMIALS[D - 1][:width]):
         total[whole, column] = volume
         for d in axes:
             total[whole, column] *= middle[whole, d] - centre[whole, d]
@@ -236,7 +236,7 @@ def _integrate(
         at[:, axis] = left + nodes * width
         parts = _integrate(region, at, low[rows], high[rows], centre[rows], inner, columns)
         parts *= (weights * width)[:, None]
-        every = _MONOMIALS[D - 1][:columns]
+        every = MONOMIALS[D - 1][:columns]
         for k, others in enumerate(every):
             if (more := tuple(sorted((*others, axis)))) in every and axis not in others:
                 parts[:, every.index(more)] += parts[:, k] * (at[:, axis] - centre[rows, axis])

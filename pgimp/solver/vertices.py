@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.ledger import Ledger
-from pgimp.kernels.data.record import RECORD, VELOCITY
+from pgimp.kernels.data.record import VELOCITY
 from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.image_values import fold_volumes
@@ -146,7 +146,7 @@ def hold_constrained(rank: RankState, update: VertexUpdate) -> VertexUpdate:
 def move_slaves(rank: RankState) -> None:
     """Move vertices that hold next to nothing as their masters say; collective."""
     if rank.slaves:
-        rank.slaves.spread(rank, rank.grid.G.reshape(-1, RECORD)[:, VELOCITY : VELOCITY + 3])
+        rank.slaves.spread(rank, rank.grid.G, VELOCITY)
 
 
 def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:

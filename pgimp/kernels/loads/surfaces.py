@@ -28,7 +28,7 @@ from pgimp.kernels.transfer.first_vertex import (
 from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.parts import (
     gather_parts,
-    keep_own_products,
+    keep_corners,
     product_count,
     read_products,
     scatter_parts,
@@ -171,7 +171,7 @@ def _keep_point(load, frame, window, particles, p, c, vertex, buffer):
     keep_support(buffer, d, (1.0 - t, t), (-frame.inverse[d], frame.inverse[d]))
     if len(c) == 1:
         number = load.column // (1 + D + D * D) * product_count(D)
-        keep_own_products(buffer, read_products(particles.bearing, p, number, D))
+        keep_corners(buffer, read_products(particles.bearing, p, number, D), frame.origin, ())
         return 0
     x = coordinate(frame, particles, p, d + 1)
     following = first_vertex(frame, d + 1, 0.0, x)

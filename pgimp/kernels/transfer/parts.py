@@ -13,12 +13,14 @@ cells. Whoever needs the weights of a particle calls `corner_weights`.
 
 from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.tuples import plus_scaled, read
-from pgimp.jit.vectors.simd import load, number, store, vector
+from pgimp.jit.vectors.lanes import numbers, vectors
+from pgimp.jit.vectors.simd import load, number, store
 from pgimp.kernels.transfer.lane_io import take_row
 from pgimp.physics.shapes.base import by_parts
 
-#: Where a buffer for supports has the products of four parts: in the place of arms along x.
-_PRODUCTS = 32
+#: Where a buffer for supports has the weights of four parts: for each corner of their cells, the
+#: last direction innermost, the weight and its gradient, four times each.
+_CORNERS, _CORNER = 152, 16
 
 
 @inlined
@@ -38,26 +40,76 @@ def product_count(D):
 
 
 @inlined
-def keep_products(shape, frame, particles, rows, buffer):
-    """Store the products of inertia of four particles in a buffer; nothing for other shapes."""
+def keep_parts(shape, frame, particles, rows, buffer):
+    """Store the weights of four parts in their buffer; nothing for other shapes.
+
+    The buffer has those of points at their centroids, by direction.
+    """
     if by_parts(shape):
-        _keep(buffer, _PRODUCTS, take_products(particles.products, rows, len(frame.origin)))
-
-
-@inlined
-def take_products(products, rows, D):
-    """Products of inertia of four rows, vectors."""
-    if D == 1:
-        return ()
-    return take_row(products, rows, 0, zero_products(D))
+        D = len(frame.origin)
+        if D == 1:
+            keep_corners(buffer, (), frame.origin, ())
+        else:
+            products = take_row(particles.products, rows, 0, zero_products(D))
+            keep_corners(buffer, products, frame.origin, ())
 
 
 @inlined
 def read_products(products, p, number, D):
-    """Products of inertia of a part, from those of several in a row."""
+    """Products of inertia of a part, vectors, from those of several in a row."""
     if D == 1:
         return ()
-    return read(products, p, number, zero_products(D))
+    return vectors(read(products, p, number, zero_products(D)))
+
+
+@inlined
+def keep_corners(buffer, products, like, corner):
+    """Store weights in a buffer, from the given corner on; see `keep_parts`.
+
+    `products` are of four parts, `like` has an entry a direction.
+    """
+    if len(corner) < len(like):
+        keep_corners(buffer, products, like, (*corner, 0))
+        keep_corners(buffer, products, like, (*corner, 1))
+        return
+    n, g = _factors(buffer, 0, corner)
+    N, dN = _means(n, g, products)
+    at = _CORNERS + _CORNER * _number(corner)
+    store(buffer, at, N)
+    _keep(buffer, at + 4, dN)
+
+
+@inlined
+def _number(corner):
+    """Number of a corner among those of its cell."""
+    if len(corner) == 1:
+        return corner[0]
+    if len(corner) == 2:
+        return 2 * corner[0] + corner[1]
+    return 4 * corner[0] + 2 * corner[1] + corner[2]
+
+
+@inlined
+def _factors(buffer, d, corner):
+    """Tents and slopes of a corner at four centroids, from direction `d` on."""
+    at = 48 * d + 4 * corner[0]
+    if len(corner) == 1:
+        return (load(buffer, at),), (load(buffer, at + 16),)
+    n, g = _factors(buffer, d + 1, corner[1:])
+    return (load(buffer, at), *n), (load(buffer, at + 16), *g)
+
+
+@inlined
+def _means(n, g, products):
+    """Means of a corner's function and its gradient over parts."""
+    if len(n) == 1:
+        return n[0], g
+    if len(n) == 2:
+        return n[0] * n[1] + g[0] * g[1] * products[0], (g[0] * n[1], g[1] * n[0])
+    yz, xz, xy = g[1] * g[2] * products[0], g[0] * g[2] * products[1], g[0] * g[1] * products[2]
+    x, y, z = n[1] * n[2] + yz, n[0] * n[2] + xz, n[0] * n[1] + xy
+    N = n[0] * x + n[1] * xz + n[2] * xy + g[0] * g[1] * g[2] * products[3]
+    return N, (g[0] * x, g[1] * y, g[2] * z)
 
 
 @inlined
@@ -67,14 +119,6 @@ def _keep(buffer, at, V):
         return None
     store(buffer, at, V[0])
     _keep(buffer, at + 4, V[1:])
-
-
-@inlined
-def keep_own_products(buffer, products):
-    """Store the products of inertia of one part in a buffer, for j = 0."""
-    if len(products) == 0:
-        return None
-    _keep(buffer, _PRODUCTS, tuple(vector(c) for c in products))
 
 
 @inlined
@@ -95,26 +139,8 @@ def corner_weights(buffer, j, corner):
     N : float
     dN : tuple of D float
     """
-    if len(corner) == 1:
-        n, g = _factor(buffer, j, 0, corner[0])
-        return n, (g,)
-    if len(corner) == 2:
-        (n, g), (m, h) = _factor(buffer, j, 0, corner[0]), _factor(buffer, j, 1, corner[1])
-        return n * m + g * h * number(buffer, _PRODUCTS + j), (g * m, h * n)
-    (n, g), (m, h) = _factor(buffer, j, 0, corner[0]), _factor(buffer, j, 1, corner[1])
-    o, k = _factor(buffer, j, 2, corner[2])
-    yz, xz = number(buffer, _PRODUCTS + j), number(buffer, _PRODUCTS + 4 + j)
-    xy, xyz = number(buffer, _PRODUCTS + 8 + j), number(buffer, _PRODUCTS + 12 + j)
-    x, y, z = m * o + h * k * yz, n * o + g * k * xz, n * m + g * h * xy
-    N = n * x + g * (m * (k * xz) + o * (h * xy) + h * k * xyz)
-    return N, (g * x, h * y, k * z)
-
-
-@inlined
-def _factor(buffer, j, d, i):
-    """Weight and slope of vertex `i` along direction `d` of particle `j`."""
-    at = 48 * d + 4 * i + j
-    return number(buffer, at), number(buffer, at + 16)
+    at = _CORNERS + _CORNER * _number(corner) + j
+    return number(buffer, at), numbers(buffer, at + 4, 4, corner)
 
 
 @inlined

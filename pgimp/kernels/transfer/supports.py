@@ -12,15 +12,16 @@ from pgimp.kernels.data.velocity_fields import move_to_fields
 from pgimp.kernels.transfer.corners import keep_corners
 from pgimp.kernels.transfer.first_vertex import box, first_vertex, is_axial
 from pgimp.kernels.transfer.lane_io import coordinates, deformations
-from pgimp.kernels.transfer.parts import keep_products
+from pgimp.kernels.transfer.parts import keep_parts
 from pgimp.kernels.transfer.rings import ring_weights
 from pgimp.physics.shapes.base import by_corners, weights
 
 #: Numbers in the buffer for supports of four particles: by direction weights (19), gradients (20),
 #: weights times arms, each of up to four vertices. Then the offset of the first vertex; each four
 #: times. From `MEANS` on there is space for `pgimp.kernels.update.mean_dilatation`. Supports by
-#: corners have the numbers of `pgimp.kernels.transfer.corners`, on either side of the offset.
-SUPPORT_SIZE = 224
+#: corners have the numbers of `pgimp.kernels.transfer.corners`, on either side of the offset; those
+#: of parts the numbers of `pgimp.kernels.transfer.parts`, from `MEANS` on.
+SUPPORT_SIZE = 288
 _DIRECTION, _QUANTITY, _OFFSET, MEANS = 48, 16, 144, 152
 
 #: The direction, in axisymmetry, whose weights are those of the hoop.
@@ -105,7 +106,7 @@ def supports(shape, frame, window, particles, rows, layer, buffer, arms):
         half = box(shape, frame, deformations(frame, particles, rows), x)[0]
         _along_first(shape, frame, buffer, arms, half[0], x[0], layer)
         store(buffer, _OFFSET, _across(shape, frame, window, buffer, arms, 1, half[1:], x[1:]))
-        keep_products(shape, frame, particles, rows, buffer)
+        keep_parts(shape, frame, particles, rows, buffer)
         move_to_fields(window, particles, rows, buffer, _OFFSET)
 
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.geometry.measure import measure, pieces
+from pgimp.geometry.measure import MONOMIALS, measure, pieces
 from pgimp.geometry.regions.base import Region
 from pgimp.physics.shapes.parts import PartParameters
 from pgimp.scene.bodies.elements import Elements, Indices, Reals
@@ -324,14 +324,13 @@ def _products(elements: Elements, x: Reals, row: Indices, parts: Reals) -> Reals
     centroid = x + (moment * vector[:, None]).sum(axis=2) / square[:, None]
     arm, area = elements.centroid - centroid[row], elements.area
     size = np.sqrt((area * area).sum(axis=1))
-    for column, axes in enumerate(((0, 1),) if D == 2 else ((1, 2), (0, 2), (0, 1), (0, 1, 2))):
+    for column, axes in enumerate(MONOMIALS[D - 1][1 + D :]):
         product = size * arm[:, axes].prod(axis=1)
         if len(axes) == 2:  # an element is straight, or a flat one as wide as long
             i, j = axes
             own = area[:, i] * area[:, j] / 12.0
             product -= own * (size if D == 2 else 1.0)
-        if D > 1:
-            np.add.at(found[:, column], row, product)
+        np.add.at(found[:, column], row, product)
     found[loaded] /= parts[loaded, 0, None]
     return found
 

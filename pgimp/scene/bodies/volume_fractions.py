@@ -51,9 +51,9 @@ class VolumeFractions(NamedTuple):
         return self._take(indices, np.zeros((len(indices), D)), self.moments[:, :D])
 
     def products(self, indices: Indices) -> Reals:
-        """Products of inertia of the boxes with these numbers about their centroids, (n, 1 or 4).
+        """Products of inertia of the boxes with these numbers about their centroids.
 
-        They are means over a box's part: of xy in 2D, of yz, xz, xy and xyz in 3D.
+        They are means over a box's part, (n, 0, 1 or 4): of xy in 2D, of yz, xz, xy, xyz in 3D.
         """
         D = len(self.ranges)
         means = (
@@ -61,6 +61,8 @@ class VolumeFractions(NamedTuple):
             / self.fraction(indices)[:, None]
         )
         c, found = means[:, :D].T, means[:, D:]
+        if D == 1:
+            return found
         if D == 2:
             found[:, 0] -= c[0] * c[1]
             return found

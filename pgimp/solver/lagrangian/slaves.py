@@ -20,8 +20,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.errors import CaseError
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import FORCE, MASS, RECORD
+from pgimp.kernels.lagrangian.slaves import fold_vectors, spread_vectors
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -210,43 +212,38 @@ class Slaves(StepPart):
 
     def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
         """Add the forces on slaves to their masters'; see `StepPart.add_forces`."""
-        if not len(self.keys):
+        if not needed(len(self.keys)):
             return
         rows, G = self._located(rank), rank.grid.G.reshape(-1, RECORD)
         kept = rank.grid.kept.values.reshape(-1, RECORD)
         force = np.zeros((len(self.keys), 3))
         force[rows.own] = G[rows.slaves[rows.own], _FORCE]
         self._exchange(force, rows, 0)
-        to = rows.masters[self.of].reshape(-1)
-        there = to >= 0
-        for d in range(3):
-            share = (self.weights * force[:, d, None]).reshape(-1)
-            np.add.at(G[:, FORCE + d], to[there], share[there])
+        to = self.of, self.weights, rows.masters
+        rank.call(fold_vectors, rank.grid.G, FORCE, force, *to)
         here = rows.slaves[rows.slaves >= 0]
         G[here, _FORCE] = 0.0
         for each in (here, rows.masters[rows.masters >= 0]):
             G[each, MASS] = kept[each, KEPT_MASS]
 
-    def spread(self, rank: RankState, values: np.ndarray) -> None:
+    def spread(self, rank: RankState, values: np.ndarray, first: int) -> None:
         """Set vectors at slaves to what their masters' give; collective.
 
         Parameters
         ----------
-        values : (records, 3) float64
-            Vectors of the rank's vertices.
+        values : (records * RECORD,) float64
+            Records of the rank's vertices.
+        first : int
+            Entry of a record with the first component.
         """
-        if not len(self.keys):
+        if not needed(len(self.keys)):
             return
         rows = self._located(rank)
         known = np.zeros((len(self.masters), 3))
         there = rows.masters >= 0
-        known[there] = values[rows.masters[there]]
+        known[there] = values.reshape(-1, RECORD)[rows.masters[there], first : first + 3]
         self._exchange(known, rows, 1)
-        found = np.zeros((len(self.keys), 3))
-        for corner in range(self.weights.shape[1]):
-            found += self.weights[:, corner, None] * known[self.of[:, corner]]
-        here = rows.slaves >= 0
-        values[rows.slaves[here]] = found[here]
+        rank.call(spread_vectors, values, first, known, self.of, self.weights, rows.slaves)
 
     def complete_sums(
         self, rank: RankState, some: Collection[int] | None, sums: np.ndarray

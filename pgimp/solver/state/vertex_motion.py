@@ -13,7 +13,7 @@ import numpy as np
 
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
-from pgimp.kernels.data.record import MASS, MOMENTUM, RECORD
+from pgimp.kernels.data.record import MASS, MOMENTUM
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.solver.lagrangian.cells import find_beyond, mark_corners
 from pgimp.solver.lagrangian.masters import Vertices
@@ -78,8 +78,7 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     _forget_unreached(rank)
     if rank.slaves:
         _find_slaves(rank)
-        values = grid.kept.values.reshape(-1, RECORD)
-        rank.slaves.spread(rank, values[:, _VELOCITY])
+        rank.slaves.spread(rank, grid.kept.values, KEPT_VELOCITY)
     if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
 

@@ -43,6 +43,36 @@ def initial(rng, scene):
             case["boundaries"][face] = "slip"
 
 
+def _thick(body, cells):
+    """Whether a body is a box or ball of three cells and more in each direction."""
+    region = body.get("region", {})
+    if box := region.get("box"):
+        sides = [high - low for low, high in zip(box["min"], box["max"], strict=True)]
+        return all(side >= 3.0 * h for side, h in zip(sides, cells, strict=True))
+    ball = region.get("ball")
+    return bool(ball) and ball["radius"] >= 1.5 * max(cells)
+
+
+def exact_surfaces(rng, scene):
+    """Bodies exact to their surface, where all are in the initial configuration, alone."""
+    case = scene.case
+    bodies, method, walls = case["bodies"], case["method"], case["boundaries"]
+    if (
+        case["dimensions"] == 1
+        or case.get("geometry") == "axisymmetric"
+        or method.get("volumetric") == "mean"
+        or method["shape"] not in ("gimp", "finite-gimp", "mpm", "cpdi")
+        or "contact" in case
+        or any(kind == "periodic" or "separating" in kind for kind in walls.values())
+        or any(body.get("configuration") != "initial" for body in bodies.values())
+        or not all(_thick(body, case["grid"]["cell"]) for body in bodies.values())
+    ):
+        return False
+    for body in bodies.values():
+        body["surface"] = "exact"
+    return True
+
+
 def both(rng, scene):
     """Some bodies in the initial configuration beside others, with one law of contact or none."""
     case = scene.case

@@ -80,7 +80,7 @@ def frequencies(kind, cells, offset, surface):
             getattr(p, name)[:] = values
         kept[there[row], KEPT_VELOCITY + d] = unit
         if rank.slaves:
-            rank.slaves.spread(rank, kept[:, KEPT_VELOCITY : KEPT_VELOCITY + 3])
+            rank.slaves.spread(rank, rank.grid.kept.values, KEPT_VELOCITY)
         sim.advance()
         sim.advance()
         v = kept[there, KEPT_VELOCITY : KEPT_VELOCITY + 2].copy()

@@ -151,14 +151,25 @@ def test_uniform_stress_under_a_traction(low):
 
 def test_faces_and_regions_give_the_same():
     region = {"box": {"min": [0.0, 0.0], "max": [9.0, 9.0]}}
+    by_region = {"region": region, "normal": {"of": [2.0, 0.0], "within": 10}}
     found = []
-    for load in ({"face": "x-max"}, {"region": region, "normal": {"of": [1.0, 0.0], "within": 10}}):
-        case = block(
-            (1.37, 1.98), end=0.2, tractions={"t": {"body": "body", "pressure": 1.0} | load}
-        )
-        sim = finish(start(case))
+    for load in ({"face": "x-max"}, by_region):
+        pressed = {"body": "body", "pressure": 1.0} | load
+        sim = start(block((1.37, 1.98), end=0.2, tractions={"t": pressed}))
+        sim.advance()
+        momentum = sim.diagnostics()["momentum-x"]
+        np.testing.assert_allclose(momentum, -SIZE * sim.dt, rtol=1e-12)
+        finish(sim)
         found.append(sim.particles.v[sim.live()])
     np.testing.assert_allclose(*found, atol=1e-12)
+
+
+def test_loads_end_where_their_region_ends():
+    part = {"box": {"min": [2.13, 5.0], "max": [4.01, 9.0]}}
+    load = {"t": {"body": "body", "region": part, "traction": [0.0, 1.0]}}
+    sim = start(block((1.37, 1.98), end=0.2, tractions=load))
+    sim.advance()
+    np.testing.assert_allclose(sim.diagnostics()["momentum-y"], 1.88 * sim.dt, rtol=1e-12)
 
 
 def test_spin_momentum_and_energy_of_vertices():
@@ -193,3 +204,14 @@ def test_thin_bodies_keep_their_vertices():
     np.testing.assert_allclose(sim.particles.v[sim.live()], [[0.1, 0.2]] * sim.count, rtol=1e-9)
     with pytest.raises(CaseError, match="stable up to the Courant number"):
         start(thin({"courant": 0.5}))
+
+
+def test_a_bar_in_one_dimension():
+    """A bar that ends within two cells: its mass, and its stress under a face's traction."""
+    body = exact({"box": {"min": [1.03], "max": [6.2]}})
+    pull = {"pull": {"body": "body", "face": "x-max", "traction": [0.5]}}
+    hold = {"hold": {"body": "body", "face": "x-min", "traction": [-0.5]}}
+    sim = start(scene(1, body, end=8.0, tractions=pull | hold, damping={"mass": 3.0}))
+    finish(sim)
+    np.testing.assert_allclose(sim.diagnostics()["mass"], 5.17, rtol=1e-13)
+    np.testing.assert_allclose(sim.particles.sigma[sim.live(), 0], 0.5, rtol=1e-4)

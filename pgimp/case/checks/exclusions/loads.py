@@ -49,12 +49,6 @@ outlet = named("`escape` at a face", "escape", has=lambda action: not isinstance
 escape = named("`escape`", "escape")
 
 # Loads.
-grips = named(
-    "constraints that a given force moves",
-    "constraints",
-    "force",
-    has=lambda entry: any(force is not None for force in entry.force),
-)
 body_force = Feature(
     "body forces of the package",
     lambda body_force: (

@@ -109,7 +109,6 @@ SCENES = (
             (f.meetings, "does not know {b.name} yet"),
             (f.averaged, "does not know the averaged mass yet"),
             (g.periodic, "does not know periodic faces yet"),
-            (g.grips, "does not know constraints that a force moves yet"),
         )
     ),
     # Periodic faces.

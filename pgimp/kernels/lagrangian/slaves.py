@@ -1,0 +1,55 @@
+"""Forces of vertices that hold next to nothing, and their motion, by their masters'.
+
+See `pgimp.solver.lagrangian.slaves`.
+"""
+
+from pgimp.jit.kernel import kernel
+from pgimp.kernels.data.record import RECORD
+
+
+@kernel
+def fold_vectors(values, first, vectors, of, weights, masters):
+    """Add the vectors of slaves to their masters', in the order of the slaves.
+
+    Parameters
+    ----------
+    values : (records * RECORD,) float64
+        Records of vertices.
+    first : int
+        Entry of a record with the first component.
+    vectors : (n, 3) float64
+        The slaves' vectors.
+    of, weights : (n, 2^D) int64, (n, 2^D) float64
+        Numbers and weights of their masters.
+    masters : (m,) int64
+        Numbers of the masters' records; -1 for those of other ranks.
+    """
+    for s in range(len(of)):
+        for e in range(of.shape[1]):
+            row = masters[of[s, e]]
+            if row >= 0:
+                for d in range(3):
+                    values[row * RECORD + first + d] += weights[s, e] * vectors[s, d]
+
+
+@kernel
+def spread_vectors(values, first, known, of, weights, slaves):
+    """Set vectors at slaves to what their masters' give.
+
+    Parameters
+    ----------
+    values, first, of, weights
+        As in `fold_vectors`.
+    known : (m, 3) float64
+        The masters' vectors.
+    slaves : (n,) int64
+        Numbers of the slaves' records; -1 for those of other ranks.
+    """
+    for s in range(len(of)):
+        if slaves[s] < 0:
+            continue
+        for d in range(3):
+            total = 0.0
+            for e in range(of.shape[1]):
+                total += weights[s, e] * known[of[s, e], d]
+            values[slaves[s] * RECORD + first + d] = total
