@@ -108,7 +108,7 @@ def measured():
     }
 
 
-def write_limits(found, path=ROOT / "pgimp" / "case" / "courant.py"):
+def write_limits(found, path=ROOT / "pgimp" / "case" / "stepping" / "courant.py"):
     """Put the numbers, at most 1, where `courant: auto` finds them."""
     text = path.read_text(encoding="utf-8")
     head, _, rest = text.partition("VERTEX_LIMITS:")
