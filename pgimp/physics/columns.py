@@ -28,24 +28,17 @@ def _velocity(sums: Any) -> Array:
 
 GRID: dict[str, Vertex] = {
     "mass": Vertex(lambda sums: sums.mass, "", "mass, the sum of w m over the particles [mass]"),
-    "momentum": Vertex(
-        lambda sums: sums.momentum, "x y z", "momentum, the sum of w m v [mass length/time]"
-    ),
+    "momentum": Vertex(lambda sums: sums.momentum, "x y z",
+        "momentum, the sum of w m v [mass length/time]"),
     "velocity": Vertex(_velocity, "x y z", "momentum over mass [length/time]"),
-    "force": Vertex(
-        lambda sums: sums.force,
-        "x y z",
+    "force": Vertex(lambda sums: sums.force, "x y z",
         "force by which the momentum will grow: of stresses, tractions, body forces and gravity, "
-        "before faces and constraints act; at rest minus their reaction [force]",
-    ),
-    "contact": Vertex(
-        lambda sums: sums.contact,
-        "x y z",
+        "before faces and constraints act; at rest minus their reaction [force]"),
+    "contact": Vertex(lambda sums: sums.contact, "x y z",
         "force of contact on the bodies that come first in `bodies` by those that come after them, "
         "on the material where the other one is rigid: what the next step gives, if it is as long "
-        "as the last [force]",
-    ),
-}
+        "as the last [force]"),
+}  # fmt: skip
 """What ``output.grid`` may name, at the vertices."""
 
 #: Fields of the particle that a material point follows, after time and step and before states.

@@ -158,33 +158,21 @@ def rank(source: Source) -> Array:
 
 
 ALWAYS = {
-    "id": Field(
-        identity,
-        "number of the particle, by body, then by initial position",
-        kind="GlobalId",
-        dtype="<i8",
-    ),
+    "id": Field(identity, "number of the particle, by body, then by initial position",
+        kind="GlobalId", dtype="<i8"),
     "body": Field(body, "index of the body; the names are in the attributes", dtype="<i4"),
-    "material": Field(
-        material, "index of the material; the names are in the attributes", dtype="<i4"
-    ),
-    "position": Field(
-        position,
-        "position of the centre [length]; zeros beyond the case's dimensions",
-        components="x y z",
-        kind="Vector",
-    ),
-    "volume": Field(
-        volume,
+    "material": Field(material, "index of the material; the names are in the attributes",
+        dtype="<i4"),
+    "position": Field(position,
+        "position of the centre [length]; zeros beyond the case's dimensions", components="x y z",
+        kind="Vector"),
+    "volume": Field(volume,
         "current volume, det(F) times the initial one, of rings all round; of what flows without "
-        "voids: liquids and grains up to J = 1.01, loose soil less its `gap` [length^dimensions]",
-    ),
-    "radius": Field(
-        radius,
-        "half the side of a segment, square or cube of this volume, to draw it; of a ring "
-        "the side of its section [length]",
-    ),
-}
+        "voids: liquids and grains up to J = 1.01, loose soil less its `gap` [length^dimensions]"),
+    "radius": Field(radius,
+        "half the side of a segment, square or cube of this volume, to draw it; of a ring the side "
+        "of its section [length]"),
+}  # fmt: skip
 """What every frame holds."""
 
 OPTIONAL = {
@@ -256,14 +244,12 @@ BY_RANKS = ("rank",)
 """Fields that differ with the number of ranks by their nature."""
 
 FAILURE = {
-    "fault": Field(
-        no_fault,
-        "0: a neighbour; 1: position, velocity or deformation is not a finite number; 2: "
-        "inside out (det F <= 0); 3: moved by more than a cell in a step; 4: left the "
-        "domain; 5: out of the range of its material",
-        dtype="<i4",
-    )
-}
+    "fault": Field(no_fault,
+        "0: a neighbour; 1: position, velocity or deformation is not a finite number; 2: inside "
+        "out (det F <= 0); 3: moved by more than a cell in a step; 4: left the domain; 5: out of "
+        "the range of its material",
+        dtype="<i4"),
+}  # fmt: skip
 """What the particles of a failed run have besides."""
 
 EVERY = FIELDS | FAILURE

@@ -1,5 +1,6 @@
 """The hard cases: every file runs and stays stable; the tables of docs/hard-cases.md, in short."""
 
+import inspect
 import re
 from pathlib import Path
 
@@ -154,6 +155,14 @@ def test_steps_of_vertices_follow_the_table():
             for n, limit in limits.items():
                 assert limit == min(float(cells[shape][f"{D}D, {n} a cell"]), 1.0)
     assert vertices.vertex_limit({"shape": "gimp"}, 1, 2) == pytest.approx(0.804, abs=2e-3)
+
+
+def test_limits_of_vertices_are_written_where_they_are_read(tmp_path):
+    source = inspect.signature(vertices.write_limits).parameters["path"].default
+    copy = tmp_path / source.name
+    copy.write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
+    vertices.write_limits(VERTEX_LIMITS, copy)
+    assert copy.read_text(encoding="utf-8") == source.read_text(encoding="utf-8")
 
 
 def test_chosen_steps_follow_the_table():

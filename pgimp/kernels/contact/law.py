@@ -111,11 +111,8 @@ def held_compliance(contact, rigid_bodies, a, b):
     if rigid_bodies.lattice[contact.bodies[rigid] - rigid_bodies.bodies].free < 0:
         return 0.0, 0.0, 0.0
     soft = rigid_bodies.motion[contact.bodies[rigid] - rigid_bodies.bodies].compliance
-    return (
-        soft if fields[other].bilateral_inverse_mass[0] == 0.0 else 0.0,
-        soft if fields[other].bilateral_inverse_mass[1] == 0.0 else 0.0,
-        soft if fields[other].bilateral_inverse_mass[2] == 0.0 else 0.0,
-    )
+    held = fields[other].bilateral_inverse_mass
+    return tuple(soft if held[d] == 0.0 else 0.0 for d in range(3))
 
 
 @inner_kernel
@@ -157,11 +154,7 @@ def exchange(contact, holding, number, held, pair, last):
             J = (w - soft[d] * row.tangential_impulse[d]) / mobility
             changed = _give(first, second, row, d, J) or changed
         return changed
-    w = (
-        v[0] - u[0] + soft[0] * impulse_of(row, 0),
-        v[1] - u[1] + soft[1] * impulse_of(row, 1),
-        v[2] - u[2] + soft[2] * impulse_of(row, 2),
-    )
+    w = tuple(v[d] - u[d] + soft[d] * impulse_of(row, d) for d in range(3))
     normal, most, answer = 0.0, 0.0, 0.0
     for d in range(3):
         mobility = _inverse_mass(first, bilateral, d) + _inverse_mass(second, bilateral, d)

@@ -54,11 +54,7 @@ def former_velocity(marked, r, v, dt):
         if mask[r // RECORD] >> k & 1:
             h, x = constraints[k].held, place_of(marked, r)
             u, a = velocity_at(constraints[k], x), rate_at(constraints[k], x)
-            v = (
-                u[0] - dt * a[0] if h[0] else v[0],
-                u[1] - dt * a[1] if h[1] else v[1],
-                u[2] - dt * a[2] if h[2] else v[2],
-            )
+            v = tuple(u[d] - dt * a[d] if h[d] else v[d] for d in range(3))
     return v
 
 

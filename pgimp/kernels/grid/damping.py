@@ -82,26 +82,15 @@ def _damp(G, kept, holding, number, r, damping):
     """Damp the vertex at `r`; `kept` is the vertices' motion, and whether they keep it."""
     m, at, dt = G[r + MASS], r // RECORD * 3, holding.forcing.dt
     inverse, g = 1.0 / m, holding.forcing.gravity
-    v = (
-        velocity_before(*kept, G, r, 0, inverse),
-        velocity_before(*kept, G, r, 1, inverse),
-        velocity_before(*kept, G, r, 2, inverse),
-    )
-    b = (
-        G[r + FORCE] * inverse + g[0],
-        G[r + FORCE + 1] * inverse + g[1],
-        G[r + FORCE + 2] * inverse + g[2],
-    )
-    local = (damping.local, damping.local, damping.local)
+    v = tuple(velocity_before(*kept, G, r, d, inverse) for d in range(3))
+    b = tuple(G[r + FORCE + d] * inverse + g[d] for d in range(3))
+    local = tuple(damping.local for _ in range(3))
     if damping.local > 0.0:
         u = (v[0] + dt * b[0], v[1] + dt * b[1], v[2] + dt * b[2])
         w, a = hold(holding, number, r, u, b, 0.0)
         w = constrained_velocity(holding.forcing.marked, r, w)
-        local = (
-            damping.local if w[0] == u[0] and a[0] == b[0] else 0.0,
-            damping.local if w[1] == u[1] and a[1] == b[1] else 0.0,
-            damping.local if w[2] == u[2] and a[2] == b[2] else 0.0,
-        )
+        free = tuple(w[d] == u[d] and a[d] == b[d] for d in range(3))
+        local = tuple(damping.local if each else 0.0 for each in free)
     for d in range(3):
         force = -damping.lost / dt * (m * v[d])
         if v[d] > 0.0:

@@ -218,9 +218,8 @@ class Booking(NamedTuple):
 def book_force(booking, plane, number, f):
     """Add the impulse of a force in a step to the row of its load."""
     own = booking.impulse[plane, booking.first + number]
-    own[0] += booking.dt * f[0]
-    own[1] += booking.dt * f[1]
-    own[2] += booking.dt * f[2]
+    for d in range(3):
+        own[d] += booking.dt * f[d]
 
 
 @inner_kernel

@@ -125,11 +125,7 @@ def place_in_lattice(rigid_bodies, t, x, d):
 def _gap(rigid_bodies, t, x):
     """Vector from the middle of body `t`, or of its nearest image, to a point."""
     periods, middle = rigid_bodies.periods, rigid_bodies.motion[t].middle
-    return (
-        _nearest(x[0] - middle[0], periods[0]),
-        _nearest(x[1] - middle[1], periods[1]),
-        _nearest(x[2] - middle[2], periods[2]),
-    )
+    return tuple(_nearest(x[d] - middle[d], periods[d]) for d in range(3))
 
 
 @inner_kernel

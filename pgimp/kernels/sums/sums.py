@@ -24,9 +24,8 @@ def book_losses(row, materials, k, args, state, V0):
     """
     if any(hasattr(class_of(material), "losses") for material in materials):
         losses = evaluate("losses", materials, k, args, state)
-        row[SUMS] += V0 * losses[0]
-        row[SUMS + 1] += V0 * losses[1]
-        row[SUMS + 2] += V0 * losses[2]
+        for n, loss in enumerate(losses):
+            row[SUMS + n] += V0 * loss
 
 
 @inlined

@@ -15,7 +15,7 @@ from math import isqrt, sqrt
 
 from pgimp.jit.algebra import inverse, multiply, one_plus
 from pgimp.jit.kernel import inlined, is_empty
-from pgimp.jit.tuples import scaled, squared
+from pgimp.jit.tuples import scaled, squared, three
 from pgimp.jit.vectors.simd import pack, where
 from pgimp.kernels.grid.constraint_flags import held_codes
 from pgimp.kernels.transfer.lane_io import put_row
@@ -28,20 +28,11 @@ def affine_momentum(affine, frame, particles, p):
     With it, a vertex gets m_p (v_p + L_p (x_v - x_p)) S_vp. The particle's momentum remains, since
     the arms' weighted sum is zero, and linear fields are transferred exactly up to the surface.
     """
-    D = len(frame.origin)
     if is_empty(affine):
         return ()
-    if D == 1:
-        return (pack(0.0, particles.m[p] * particles.L[p, 0], 0.0, 0.0),)
-    if D == 2:
-        m, L = particles.m[p], particles.L
-        return (pack(0.0, m * L[p, 0], m * L[p, 2], 0.0), pack(0.0, m * L[p, 1], m * L[p, 3], 0.0))
-    m, L = particles.m[p], particles.L
-    return (
-        pack(0.0, m * L[p, 0], m * L[p, 3], m * L[p, 6]),
-        pack(0.0, m * L[p, 1], m * L[p, 4], m * L[p, 7]),
-        pack(0.0, m * L[p, 2], m * L[p, 5], m * L[p, 8]),
-    )
+    D, m, L = len(frame.origin), particles.m[p], particles.L
+    columns = tuple(tuple(m * L[p, D * j + i] for j in range(D)) for i in range(D))
+    return tuple(pack(0.0, *three(column)) for column in columns)
 
 
 @inlined
@@ -68,22 +59,11 @@ def keep_gradients(affine, particles, rows, L, held):
 
     `held` is from `take_from_grid`.
     """
-    D = isqrt(len(L))
     if is_empty(affine):
-        pass
-        return
-    if D == 1:
-        put_row(particles.L, rows, 0, scaled(_free(held, 0), L))
-        return
-    if D == 2:
-        kept = (*scaled(_free(held, 0), L[:2]), *scaled(_free(held, 1), L[2:]))
-        put_row(particles.L, rows, 0, kept)
-        return
-    kept = (
-        *scaled(_free(held, 0), L[:3]),
-        *scaled(_free(held, 1), L[3:6]),
-        *scaled(_free(held, 2), L[6:]),
-    )
+        return None
+    D = isqrt(len(L))
+    free = tuple(_free(held, d) for d in range(D))
+    kept = tuple(free[min(k // D, D - 1)] * each for k, each in enumerate(L))
     put_row(particles.L, rows, 0, kept)
 
 

@@ -30,13 +30,10 @@ class SeparatingParameters(NamedTuple):
         gap_rate = clearance / dt
         brought = (v[0] - dt * a[0], v[1] - dt * a[1], v[2] - dt * a[2])
         left = _brake(face, brought, gap_rate)
-        u = (  # exactly v where nothing was changed, without rounding
-            v[0] if left[0] == brought[0] else left[0] + dt * a[0],
-            v[1] if left[1] == brought[1] else left[1] + dt * a[1],
-            v[2] if left[2] == brought[2] else left[2] + dt * a[2],
-        )
+        # Exactly v where nothing was changed, without rounding.
+        u = tuple(v[d] if left[d] == brought[d] else left[d] + dt * a[d] for d in range(3))
         w = _brake(face, u, gap_rate)
-        return w, (a[0] + (w[0] - u[0]) / dt, a[1] + (w[1] - u[1]) / dt, a[2] + (w[2] - u[2]) / dt)
+        return w, tuple(a[d] + (w[d] - u[d]) / dt for d in range(3))
 
 
 @kernel
@@ -50,11 +47,7 @@ def _brake(face, v, gap_rate):
     speed = sqrt(x * x + y * y + z * z)
     part = max(0.0, 1.0 - coulomb_part(face.static, face.kinetic, 0.0, into, speed))
     normal = gap_rate * face.side
-    return (
-        normal if k == 0 else part * x,
-        normal if k == 1 else part * y,
-        normal if k == 2 else part * z,
-    )
+    return tuple(normal if k == d else part * w for d, w in enumerate((x, y, z)))
 
 
 class Separating(Boundary):

@@ -62,11 +62,7 @@ def rotation(n, angle):
 @kernel
 def turned(Q, a):
     """Q a."""
-    return (
-        Q[0] * a[0] + Q[1] * a[1] + Q[2] * a[2],
-        Q[3] * a[0] + Q[4] * a[1] + Q[5] * a[2],
-        Q[6] * a[0] + Q[7] * a[1] + Q[8] * a[2],
-    )
+    return tuple(sum(Q[3 * i + k] * a[k] for k in range(3)) for i in range(3))
 
 
 @kernel

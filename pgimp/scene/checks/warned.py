@@ -38,26 +38,21 @@ _IDLE = "what is asked for would not happen"
 
 WARNINGS = {
     "load-strain": Kind("check", "units that do not fit each other", "strain by loads above 0.5"),
-    "units": Kind(
-        "check", "units that do not fit each other", "a parameter far from that of any material"
-    ),
-    "melting": Kind(
-        "check", "units of the heat", "a small plastic strain heats a metal above its melting point"
-    ),
+    "units": Kind("check", "units that do not fit each other",
+        "a parameter far from that of any material"),
+    "melting": Kind("check", "units of the heat",
+        "a small plastic strain heats a metal above its melting point"),
     "few-transits": Kind("check", "units of time", "a wave crosses less than 0.1 of a body"),
-    "many-transits": Kind(
-        "check", "units of time; an explicit method follows each wave", "a million transits"
-    ),
+    "many-transits": Kind("check", "units of time; an explicit method follows each wave",
+        "a million transits"),
     "sink": Kind("check", _IDLE, "a sink contains all of a body at the start"),
-    "random-length": Kind(
-        "check", "a random field depends on the cells", "correlation length below a cell"
-    ),
+    "random-length": Kind("check", "a random field depends on the cells",
+        "correlation length below a cell"),
     "affine-points": Kind("check", "points gain energy with `affine`", "`mpm` with `affine`"),
     "contact-points": Kind("check", "the gap between points jumps", "`mpm` with contact"),
     "thin-body": Kind("check", "stress and bending need several cells", "less than a cell across"),
-    "thin-contact": Kind(
-        "check", "both sides of a body in one cell have no normal", "less than a cell across"
-    ),
+    "thin-contact": Kind("check", "both sides of a body in one cell have no normal",
+        "less than a cell across"),
     "few-cells": Kind("check", "`affine` adds energy on few cells", "less than 3 cells long"),
     "probe-place": Kind("check", _IDLE, "no particle within a cell of the place"),
     "probe-far": Kind("check", _IDLE, "the nearest particle is a spacing away"),
@@ -67,42 +62,33 @@ WARNINGS = {
     "series-end": Kind("check", "a series is held at its last value", "it ends before the run"),
     "short-step": Kind("check", "steps far below what waves need", "Courant number below 0.01"),
     "pilot-failed": Kind("check", "the run may fail as well", "a pilot run failed"),
-    "pilot-step": Kind(
-        "check", "steps become unstable as waves become faster", "in a pilot run, see unstable-step"
-    ),
+    "pilot-step": Kind("check", "steps become unstable as waves become faster",
+        "in a pilot run, see unstable-step"),
     "endless": Kind("check", "units of time", "a year of computing on this machine"),
-    "tearing": Kind(
-        "check", "a body tears on the grid where it is stretched", "the stretch measured for it"
-    ),
-    "impedance": Kind(
-        "check", "tools send waves of rho c v into the ground", "a fifth of the strength is left"
-    ),
-    "bonded": Kind(
-        "check", "bodies share vertices, and stick together", "at the start, without contact"
-    ),
-    "unstable-step": Kind(
-        "start", "free surfaces become unstable", "the Courant number measured for the shape"
-    ),
+    "tearing": Kind("check", "a body tears on the grid where it is stretched",
+        "the stretch measured for it"),
+    "impedance": Kind("check", "tools send waves of rho c v into the ground",
+        "a fifth of the strength is left"),
+    "bonded": Kind("check", "bodies share vertices, and stick together",
+        "at the start, without contact"),
+    "unstable-step": Kind("start", "free surfaces become unstable",
+        "the Courant number measured for the shape"),
     "locking": Kind("start", "pointwise volumes are too stiff", "Poisson's ratio above 0.45"),
     "overstress": Kind("start", "a stress that the material cuts", "beyond its strength"),
     "idle-constraint": Kind("start", _IDLE, "a later constraint in whose region nothing is"),
     "free-load": Kind("start", _IDLE, "body forces and water beside free rigid bodies"),
-    "fast-rigid": Kind(
-        "start", "what is hit gets too little momentum", "above 0.3 of the wave speed"
-    ),
+    "fast-rigid": Kind("start", "what is hit gets too little momentum",
+        "above 0.3 of the wave speed"),
     "axis-edge": Kind("start", "contact sees an edge on the axis", "a section that ends there"),
-    "through-plane": Kind(
-        "start", "a plane of symmetry has the other half move against it", "motion through slip"
-    ),
+    "through-plane": Kind("start", "a plane of symmetry has the other half move against it",
+        "motion through slip"),
     "meeting": Kind("start", "bodies stick together", "they may meet without contact"),
     "passing": Kind("start", "bodies pass through each other", "they may meet without contact"),
     "wall-reach": Kind("start", "walls act before they are touched", "within half the reach"),
-    "wall-coming": Kind(
-        "start", "the run stops where a particle passes a wall", "in the initial configuration"
-    ),
+    "wall-coming": Kind("start", "the run stops where a particle passes a wall",
+        "in the initial configuration"),
     "tied": Kind("start", "the material sticks to rigid bodies", "they may meet without contact"),
-    "absorbing-weight": Kind(
-        "start", "absorbing faces bear no weight that begins at once", "gravity without a start"
-    ),
-}
+    "absorbing-weight": Kind("start", "absorbing faces bear no weight that begins at once",
+        "gravity without a start"),
+}  # fmt: skip
 """All kinds of warnings about a case, by id."""

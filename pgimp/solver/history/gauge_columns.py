@@ -17,66 +17,36 @@ Value = Callable[[Totals, np.ndarray], Any]
 
 _KINDS: dict[type[Gauge], tuple[tuple[str, str, str, Value], ...]] = {
     CutGauge: (
-        (
-            "force-AXIS",
-            "force",
+        ("force-AXIS", "force",
             "for each gauge with a `cut`: force on the material inside by what is outside, the sum "
             "of the internal forces of the vertices inside, now",
-            lambda s, found: s.along(found, 0),
-        ),
-        (
-            "moment-AXIS",
-            "energy",
+            lambda s, found: s.along(found, 0)),
+        ("moment-AXIS", "energy",
             "its moment, counter-clockwise positive; about z alone in 2D, none in 1D",
-            lambda s, found: s.about_axes(found[3:6]),
-        ),
-    ),
+            lambda s, found: s.about_axes(found[3:6]))),
     FluxGauge: (
-        (
-            "mass-flux",
-            "mass/time",
+        ("mass-flux", "mass/time",
             "for each gauge with a `flux`: mass that has left the region per time since the last "
             "line, counted by the particles' ways; in a first line by their velocities",
-            lambda s, found: found[0],
-        ),
-        (
-            "momentum-flux-AXIS",
-            "force",
-            "momentum that leaves with it: of a jet rho A v^2",
-            lambda s, found: s.along(found, 1),
-        ),
-    ),
+            lambda s, found: found[0]),
+        ("momentum-flux-AXIS", "force", "momentum that leaves with it: of a jet rho A v^2",
+            lambda s, found: s.along(found, 1))),
     WallGauge: (
-        (
-            "force",
-            "force",
+        ("force", "force",
             "for each gauge with a `wall`: force of stresses and weight on it along its normal, "
             "positive in compression; what stops material that hits it is in `reaction.FACE` alone",
-            lambda s, found: found[0],
-        ),
-        (
-            "pressure",
-            "stress",
-            "this force over the area of the wall in the domain and in `within`",
-            lambda s, found: found[1],
-        ),
-    ),
+            lambda s, found: found[0]),
+        ("pressure", "stress", "this force over the area of the wall in the domain and in `within`",
+            lambda s, found: found[1])),
     LevelGauge: (
-        (
-            "height",
-            "length",
+        ("height", "length",
             "for each gauge with a `level`: volume over area of the material above the place, in "
             "linear weights of a cell around it",
-            lambda s, found: found[0],
-        ),
-        (
-            "top",
-            "length",
+            lambda s, found: found[0]),
+        ("top", "length",
             "coordinate of the highest point there, drops included; nan where nothing is",
-            lambda s, found: found[1],
-        ),
-    ),
-}
+            lambda s, found: found[1])),
+}  # fmt: skip
 
 
 def _names(kind: type[Gauge], mean: bool) -> Callable[[Scene], list[str]]:

@@ -66,8 +66,8 @@ class AveragedMass(StepPart):
             constraints = rank.grips.forecast(rank, update)
             forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
         setting = frame, field, update.faces, forcing, np.empty((len(domain.faces), 3)), A, reach
-        mirrors = sorted((*domain.absorbing_mirrors, *domain.mirrors), key=lambda each: each.releases)
-        images = *domain.seams, *mirrors  # as sums were folded
+        mirrors = *domain.absorbing_mirrors, *domain.mirrors
+        images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
         if not (images or rank.slab.neighbours):
             # In pieces, whose forces are still in the cache; accelerations are ahead.
             size, ahead = max(1, _CACHED // half), 0

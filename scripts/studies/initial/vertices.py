@@ -108,7 +108,7 @@ def measured():
     }
 
 
-def write_limits(found, path=ROOT / "pgimp" / "case" / "courant.py"):
+def write_limits(found, path=ROOT / "pgimp" / "case" / "stepping" / "courant.py"):
     """Put the numbers, at most 1, where `courant: auto` finds them."""
     text = path.read_text(encoding="utf-8")
     head, _, rest = text.partition("VERTEX_LIMITS:")
@@ -120,7 +120,7 @@ def write_limits(found, path=ROOT / "pgimp" / "case" / "courant.py"):
                 most = {n: min(limit, 1.0) for n, limit in limits.items()}
                 lines.append(f"        {D}: {most!r},")
             lines.append("    },")
-    tail = rest[rest.index("\n}\n") + 3 :]
+    tail = rest[rest.index("\n}\n") + 2 :]
     path.write_text("\n".join([head + lines[0], *lines[1:], "}"]) + tail, encoding="utf-8")
 
 

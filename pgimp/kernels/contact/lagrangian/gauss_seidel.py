@@ -132,11 +132,7 @@ def _sweep(contact, free, contact_pairs, coupling, solved, forwards):
             inverse = max(inverse, both)
         exchange(contact, free, number, False, 0, True)
         contact_pairs.states[k] = contact.pair_states[0]
-        J = (
-            impulse_of(row, 0) - before[0],
-            impulse_of(row, 1) - before[1],
-            impulse_of(row, 2) - before[2],
-        )
+        J = tuple(impulse_of(row, d) - before[d] for d in range(3))
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
             apply_impulse(contact, free.frame, end, J, coupling, solved)
         for d in range(3):

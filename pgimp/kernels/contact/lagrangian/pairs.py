@@ -161,11 +161,7 @@ def _wall_pair(contact, frame, faces, walls, w, number, sides, cell):
     clear_field(row)
     row.mass, row.filled = inf, 0.5 if deep == 0 else 1.0
     contact.bodies[1] = walls.first + w
-    along = (
-        0 if axis == 0 else sides[0],
-        0 if axis == 1 else sides[1],
-        0 if axis == 2 else sides[2],
-    )
+    along = tuple(0 if axis == d else sides[d] for d in range(3))
     ring_factor = ring_volume_factor(frame, number, along)
     area = cell * frame.inverse[axis] * ring_factor
     row.surface[axis] = -side * area * (1.0 if deep != 1 else 1e-3)

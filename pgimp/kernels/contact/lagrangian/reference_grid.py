@@ -158,11 +158,7 @@ def read_reference_vertices(holding, field, keys, values):
         for d in range(3):
             row.velocity[d] = v[d]
             if d < D and m > forcing.mass_cutoff:
-                pushed = (
-                    v[0] + (1.0 if d == 0 else 0.0),
-                    v[1] + (1.0 if d == 1 else 0.0),
-                    v[2] + (1.0 if d == 2 else 0.0),
-                )
+                pushed = tuple(v[e] + (1.0 if d == e else 0.0) for e in range(3))
                 s = held_velocity(holding, number, r, pushed, True)
                 row.inverse_mass[d] = 0.0 if s[d] == u[d] else 1.0 / m
 

@@ -81,11 +81,7 @@ def track(frame, field, table, local, mirrors) -> Tracked:
     records, found = np.empty(patches * len(local), np.int64), 0
     for p in range(patches):
         for q in range(len(local)):
-            number = (
-                firsts[p, 0] + local[q, 0],
-                firsts[p, 1] + local[q, 1],
-                firsts[p, 2] + local[q, 2],
-            )
+            number = tuple(firsts[p, d] + local[q, d] for d in range(3))
             x, y, z = image_of(mirrors, number)
             x, y, z = x - window.lower[0], y - window.lower[1], z - window.lower[2]
             if x < 0 or x >= len(field.active) or y < 0 or y >= window.extent[1]:
