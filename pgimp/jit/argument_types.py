@@ -9,9 +9,9 @@ from typing import Any
 import numba
 import numpy as np
 
-#: Types by what they follow from; tuples are known by the identities of their items' types, which
-#: the type of a tuple keeps.
-_KNOWN: dict[Any, Any] = {}
+#: Types by what they follow from. Tuples are known by the identities of their items' types; these
+#: are kept beside, so that no other type ever has one of them.
+_KNOWN: dict[Any, tuple[Any, list]] = {}
 #: Values of these have types that follow from the class.
 _PLAIN = {float, bool, np.float64, np.float32, np.int64, np.int32, np.int16, np.int8, np.uint8,
           np.bool_}  # fmt: skip
@@ -21,17 +21,17 @@ def type_of(value: Any) -> Any:
     """Numba's type of a value, the same object as from ``numba.typeof``."""
     kind = type(value)
     key: Any
+    items: list = []
     if kind is np.ndarray:
         key = value.dtype, value.ndim, value.flags.num
     elif issubclass(kind, tuple):
-        key = kind, *[id(type_of(item)) for item in value]
-    elif kind in _PLAIN or (
-        kind is int and value.bit_length() < 63
-    ):  # others are unsigned, or none
+        items = [type_of(item) for item in value]
+        key = kind, *map(id, items)
+    elif kind in _PLAIN or (kind is int and value.bit_length() < 63):
         key = kind
-    else:
+    else:  # greater integers are unsigned, or have no type
         return numba.typeof(value)
     found = _KNOWN.get(key)
     if found is None:
-        found = _KNOWN[key] = numba.typeof(value)
-    return found
+        found = _KNOWN[key] = numba.typeof(value), items
+    return found[0]

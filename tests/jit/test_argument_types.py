@@ -47,6 +47,16 @@ def test_types_are_those_of_numba(again):
         assert type_of(value) is numba.typeof(value), value
 
 
+@pytest.mark.filterwarnings("ignore:First-class function type")
+def test_functions_that_are_gone_are_not_taken_for_others():
+    """Each has a type of its own, whose place in the memory another may have later."""
+    for _ in range(200):
+        function = numba.njit(lambda x: x)
+        value = (function, 1.0)
+        assert type_of(value) is numba.typeof(value)
+        del function, value
+
+
 def test_values_without_a_type_are_refused():
     for value in (object(), (1, object())):
         with pytest.raises(ValueError, match="Cannot determine Numba type"):
