@@ -1,4 +1,4 @@
-"""The other cases: disks, incline, upsetting, pile, bar."""
+"""The other cases: disks, incline, upsetting, pile, Hopkinson bar, bar."""
 
 import numpy as np
 from common import BLUE, GREY, RED, frame_at, instants, plt, run, save
@@ -157,6 +157,36 @@ def pile(redraw):
         axes[2].text(*label, f"{1e3 * frame.time:.0f} ms", color=colour)
     axes[2].set(xlabel="stress in the pile [MPa]", ylabel="height [m]")
     save(figure, "pile")
+
+
+def hopkinson(redraw):
+    """Stress at the gauges of both bars; at the specimen from three gauges, against exact."""
+    probes = run("hopkinson", redraw).probes
+    c, Z, Zs = (200e9 / 7800.0) ** 0.5, (200e9 * 7800.0) ** 0.5, (3e9 * 1200.0) ** 0.5
+    way, r, pulse = 0.02 / (3e9 / 1200.0) ** 0.5, (Z - Zs) / (Z + Zs), -5e-6 * Z
+    gauge = {name: (p["time"], p["stress-xx"] / 1e6) for name, p in probes.items()}
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
+    for name, colour in (("front", BLUE), ("back", RED)):
+        left.plot(1e6 * gauge[name][0], gauge[name][1], color=colour, lw=1.2, label=name)
+    left.set(xlabel="time [us]", ylabel="stress at the gauges [MPa]")
+    left.legend()
+    t = np.linspace(0.0, 2e-4, 500)
+    there = 1.1 / c + t
+
+    def at(name, late):
+        return np.interp(there + late / c, *gauge[name])
+
+    ends = at("front", -0.55) + at("front", 0.55)
+    for value, colour, label in (
+        (ends, BLUE, "incident and reflected"), (at("middle", 0.0), "0.4", "specimen"),
+        (at("back", 0.3), RED, "transmitted"),
+    ):  # fmt: skip
+        right.plot(1e6 * t, value, color=colour, lw=1.2, label=label)
+    exact = pulse * (1.0 - r ** np.floor(t / way + 0.5))
+    right.plot(1e6 * t, exact, "k--", lw=0.8, label="exact, specimen")
+    right.set(xlabel="time since the pulse is there [us]", ylabel="stress of the specimen [MPa]")
+    right.legend(fontsize=8)
+    save(figure, "hopkinson")
 
 
 def bar_displacement(place, time, gravity=9.81, speed=20.0, length=1.0):

@@ -9,7 +9,7 @@ from pgimp.cli import main
 #: Run on one rank only, which takes less time: what they have others have on two.
 ALONE = {
     "hertz", "hertz-line", "rolling-ball", "corner", "drum", "sod", "slope", "channel", "graded",
-    "excavation", "safety", "footing", "thick-tube", "jet",
+    "excavation", "safety", "footing", "thick-tube", "jet", "hopkinson",
     "hopper", "cavity", "cone", "tunnel", "shaking", "shaken-slope", "poiseuille", "bagnold",
 }  # fmt: skip
 #: Of the others those that always run on two, one of each dimension, with contact, and of a flow.

@@ -131,6 +131,25 @@ def test_a_hammer_drives_a_pile(runs):
     assert speed[-1] == speed[-20]
 
 
+@pytest.mark.wide
+def test_gauges_of_a_hopkinson_bar_agree(runs):
+    """Cells four times as large, five in the specimen: its stress from three gauges, and exact."""
+    probes, c = runs("hopkinson").probes, np.sqrt(200e9 / 7800.0)
+    Z, Zs, way = np.sqrt(200e9 * 7800.0), np.sqrt(3e9 * 1200.0), 0.02 / np.sqrt(3e9 / 1200.0)
+    t = np.linspace(1.2e-4, 1.9e-4, 200)
+
+    def at(name, late):
+        probe = probes[name]
+        return np.interp(1.1 / c + t + late / c, probe["time"], probe["stress-xx"])
+
+    front = (at("front", -0.55) + at("front", 0.55)).mean()
+    middle, back = at("middle", 0.0).mean(), at("back", 0.3).mean()
+    assert front == pytest.approx(middle, rel=0.02)
+    assert back == pytest.approx(middle, rel=0.02)
+    exact = -5.0 * Z * (1.0 - ((Z - Zs) / (Z + Zs)) ** np.floor(t / way + 0.5)).mean()
+    assert middle == pytest.approx(exact, rel=0.1)
+
+
 def test_ball_hits_a_wall(runs):
     """A radius of five cells, less than one in the circle that is pressed: force and rebound."""
     history = runs("hertz").history

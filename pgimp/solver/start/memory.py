@@ -159,9 +159,8 @@ def estimate(
 
     extent = window(scene, bodies, ranks)
     fields = _fields(scene, bodies)
-    vertex = 64 * (1 + bool(scene.settings.lagrangian.any())) + (
-        8 if scene.interaction.loads.constraints else 0
-    )
+    settings, held = scene.settings, bool(scene.interaction.loads.constraints)
+    vertex = 64 * (1 + settings.by_vertex) + 32 * bool(settings.averaged.any()) + 8 * held
     plane = prod(extent[1:]) * fields * vertex
     if scene.domain.approached:
         plane += prod(extent[1:]) * fields * 8 * len(scene.domain.faces)

@@ -47,6 +47,7 @@ COARSER = {
     "rolling-ball": ["grid.cell=[0.02,0.02,0.02]", "time.end=0.25", "output.every=0.05"],
     "upsetting": ["grid.cell=[0.05,0.05]", "output.every=0.4"],
     "pile": ["grid.cell=[0.2]"],
+    "hopkinson": ["grid.cell=[0.004]"],
     "hertz": ["grid.cell=[0.02,0.02,0.02]", "output.every=0.04"],
     "hertz-line": ["grid.cell=[4.8e-3,4.8e-3]"],
     "corner": ["grid.cell=[0.05,0.05]", "gravity.table.1.0=0.4", "time.end=0.6"],
