@@ -191,7 +191,7 @@ class Serial(Communicator):
     size = 1
     alltoall = send = isend = recv = irecv = Send = Isend = Recv = Irecv = _message
     Send_init = Recv_init = Iprobe = Allreduce = Iallreduce = Allgather = _message
-    Allgatherv = Alltoall = Alltoallv = Bcast = Dup = Split_type = Get_attr = Set_attr = _message
+    Alltoall = Alltoallv = Bcast = Dup = Split_type = Get_attr = Set_attr = _message
 
     def Barrier(self) -> None:
         """Return at once."""

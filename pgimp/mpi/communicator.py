@@ -43,7 +43,6 @@ class Communicator(Protocol):
     Allreduce: Message
     Iallreduce: Message
     Allgather: Message
-    Allgatherv: Message
     Alltoall: Message
     Alltoallv: Message
     Bcast: Message

@@ -330,10 +330,12 @@ class Slaves(StepPart):
         counts = rows.counts[which]
         if self.comm.size == 1 or not counts.sum():
             return
-        found = np.empty((int(counts.sum()), 3))
-        sent = np.ascontiguousarray(values[rows.mine[which]])
-        self.comm.Allgatherv(sent, (found, 3 * counts))
-        values[rows.shared[which]] = found
+        sent = np.zeros((int(counts.max()), 3))
+        sent[: counts[self.comm.rank]] = values[rows.mine[which]]
+        found = np.empty((self.comm.size, *sent.shape))
+        self.comm.Allgather(sent, found)
+        known = np.arange(len(sent))[None] < counts[:, None]
+        values[rows.shared[which]] = found[known]
 
     def require_stable(self, courant: float) -> None:
         """Refuse steps that free vertices do not bear.

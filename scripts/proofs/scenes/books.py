@@ -116,9 +116,8 @@ class Books:
             if self._accelerates or affine:
                 stack.enter_context(seen.step())
             sim.advance()
-        loads = vertices.force if any(
-            load.face is None for load in self.case.tractions.values()
-        ) else by_faces  # fmt: skip
+        on_surfaces = sim.scene.interaction.loads.surfaces.entries
+        loads = vertices.force if on_surfaces else by_faces
         impulse = loads + sum(weight.values())
         gained = seen.accelerated() if self._accelerates else 0.0
         if affine:
