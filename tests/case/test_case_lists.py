@@ -77,6 +77,9 @@ PARTS = {
     "turned": held(rotation=TURN, velocity=[0.0, 0.0, 0.0]),
     "pull": {"tractions": {"p": {"body": "block", "face": "x-max", "traction": [1.0, 0.0, 0.0]}}},
     "pulls": {"tractions": {"p": {"body": "block", "face": "x-max", "traction": TABLE}}},
+    "normal": {
+        "tractions": {"p": {**PRESSED, "pressure": 1.0, "normal": {"of": [0.0, 0.0, 1.0]}}}
+    },
     "profile": {
         "tractions": {
             "p": {

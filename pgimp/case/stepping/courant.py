@@ -70,7 +70,7 @@ def vertex_limit(case: Any) -> float | None:
     if method.volumetric == "mean" and case.dimensions > 1:
         return None
     exact = [body.surface == "exact" for body in case.bodies.values()]
-    if all(exact):
+    if exact and all(exact):
         return EXACT_LIMIT
     known = method.limits.get("vertices") or VERTEX_LIMITS.get(method.name, {})
     found = known.get(case.dimensions)
