@@ -46,6 +46,7 @@ def compile_cases(paths: Sequence[str], processes: int) -> dict[str, str]:
 def _begin() -> None:
     """Leave Ctrl-C to the first process, and the cores to what is more urgent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     os.nice(10)
 
 
@@ -54,6 +55,7 @@ def main(words: Sequence[str]) -> int:
     if not words or any(word.startswith("-") for word in words):
         print(__doc__)
         return 0 if {*words} & {"-h", "--help"} else 2
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that all end with this process
     began = time.monotonic()
     wrong = compile_cases(words, min(len(cores()), len(words)))
     for path, why in wrong.items():

@@ -1,17 +1,12 @@
 """Going on from a checkpoint: what is taken up, what may change, what is refused."""
 
-import itertools
 import json
-import os
 import shutil
-import time
-from types import SimpleNamespace
 
 import meshes
 import meshio
 import numpy as np
 import pytest
-from mentioned import mentions
 from meshes import stl
 from point_files import write_csv, write_hdf5
 from resumed import EVERY, check_same, steps
@@ -219,23 +214,6 @@ def test_a_state_is_what_the_simulation_goes_on_with(folder):
         if copy.step % 30 == 0:
             copy.diagnostics()
     assert started == 100 and Memory(copy) == Memory(sim)
-
-
-def test_a_run_stops_before_its_wall_time(folder, tmp_path, capsys, monkeypatch):
-    looks = itertools.count()  # by a clock that goes on by a hundredth of a second a look
-    clock = SimpleNamespace(monotonic=lambda: 0.01 * next(looks), time=time.time)
-    monkeypatch.setattr("pgimp.running.stop.time", clock)
-    run = pgimp.run(
-        folder / "blocks.yaml",
-        output=tmp_path / "run",
-        overrides=["time.end=200000.0", "output={every: null}"],
-        wall_time=2.0,
-    )
-    assert clock.monotonic() < 1.2  # a second before it, and for a checkpoint
-    assert run.state == "stopped" and steps(run) == [run.info["steps"]]
-    for said in (capsys.readouterr().out, run.info["message"]):
-        mentions(said, "stopped", "wall time 0:00:02")
-    assert len(run) == 1 and os.listdir(run.path / "checkpoints")
 
 
 def every_kind(D, folder):
