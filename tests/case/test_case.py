@@ -148,6 +148,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "  relaxation: auto\n"
         "  affine: false\n"
         "  volumetric: pointwise\n"
+        "  mass: lumped\n"
         "  volume: tracked\n"
         "  wall: auto\n"
         "time: {end: 2.0, step: 0.0001, mass-scaling: 1.0, stages: []}\n"
