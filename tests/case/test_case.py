@@ -162,6 +162,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "    surface: cut\n"
         "    velocity: [0.0]\n"
         "    configuration: current\n"
+        "    mass: null\n"
         "gravity: null\n"
         "body_force: null\n"
         "water: null\n"
