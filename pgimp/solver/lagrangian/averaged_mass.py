@@ -19,8 +19,8 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 #: Tags of messages with accelerations.
 _UP, _DOWN = 23, 24
 
-#: Numbers of accelerations that are found and used together: with forces 8 MB.
-_CACHED = 1 << 18
+#: Numbers of accelerations that are found and used together: with forces 1.5 MB.
+_CACHED = 1 << 16
 
 
 class AveragedMass(StepPart):

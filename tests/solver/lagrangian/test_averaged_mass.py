@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import BAR, box, scene, start
+from scenes import BAR, box, energy, scene, start
 from tiers import wide
 
 from pgimp.case.schema import Case
@@ -284,3 +284,30 @@ def no_whole_cells(rank, rows, layer, mass):
     """As if no cell of the lattice were whole."""
     shape = rank.slab.layers, *mass_rows._plane(rank)
     return np.zeros(shape), np.zeros(len(rows), np.int64)
+
+
+def test_a_face_absorbs():
+    """Dashpots at both ends: of a pulse of twelve cells hardly anything comes back."""
+    faces = {"x-min": "absorbing", "x-max": "absorbing"}
+    sim = start(solid(1, initial([0.0], [60.0]), [60], "averaged", boundaries=faces))
+    values, (x, _, _) = vertices(sim)
+    s = np.clip((x - 30.0) / 12.0, -0.5, 0.5)
+    values[..., KEPT_VELOCITY] = 1e-3 * np.cos(np.pi * s) ** 2 * (values[..., KEPT_MASS] > 0.0)
+    sim.advance()
+    first = energy(sim.diagnostics())
+    while sim.time < 10.0:
+        sim.advance()
+    assert energy(sim.diagnostics()) < 1e-5 * first
+
+
+def test_a_force_at_a_grip_gives_momentum():
+    """To rounding: what the grip's vertices move as is found before and after the averaging."""
+    part = {"box": {"min": [3.0], "max": [6.0]}}
+    grip = {"body": "body", "region": part, "velocity": [None], "force": [2.0]}
+    case = solid(1, initial([3.37], [33.37]), [40], "averaged", constraints={"grip": grip})
+    sim = start(case)
+    for _ in range(200):
+        sim.advance()
+    line = sim.diagnostics()
+    assert line["momentum-x"] == pytest.approx(2.0 * sim.time, rel=1e-12)
+    assert line["kinetic-energy"] + line["strain-energy"] < line["external-work"] * 1.02
